@@ -14,7 +14,9 @@ constexpr std::size_t kHeaderBytes = 4;
 constexpr std::byte kPlainLittleEndian{1};
 
 template <class Field>
-concept Sequence = requires(Field& field) { field._buffer; };
+concept Sequence = requires(Field& field) {
+  field._buffer;
+};
 template <class Field>
 concept Number = std::is_arithmetic_v<Field>;
 
@@ -179,8 +181,8 @@ bool read_cdr(std::span<const std::byte> bytes, dds::Sample<T>& sample) {
   return read.good() && bytes.size() - kHeaderBytes - read.at() < 4;
 }
 
-#define COLLIDED_CDR_OF(T)                                \
-  template std::size_t cdr_size(const T&);                \
+#define COLLIDED_CDR_OF(T)                                 \
+  template std::size_t cdr_size(const T&);                 \
   template void write_cdr(const T&, std::span<std::byte>); \
   template bool read_cdr(std::span<const std::byte>, dds::Sample<T>&)
 COLLIDED_CDR_OF(Definition);

@@ -32,7 +32,8 @@ Columns<Reply> hit_columns(const Reply& reply) {
 std::optional<std::uint32_t> question_count(const Query& query) {
   const Columns<Query> columns = question_columns(static_cast<QueryKind>(query.kind));
   for (const auto sequence : kQuestionSequences) {
-    const bool is_own = std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
+    const bool is_own =
+        std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
     if (!is_own && (query.*sequence)._length > 0) return std::nullopt;
   }
   return row_count(query, columns);

@@ -21,12 +21,14 @@ struct Column {
 
 inline constexpr Column<Query> kRayColumns[] = {{&Query::points, 3}, {&Query::directions, 3}, {&Query::lengths, 1}};
 inline constexpr Column<Query> kSphereColumns[] = {{&Query::points, 3}, {&Query::radii, 1}};
-inline constexpr Column<Query> kBoxColumns[] = {{&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
+inline constexpr Column<Query> kBoxColumns[] = {
+    {&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
 inline constexpr Column<Query> kNearColumns[] = {{&Query::points, 3}, {&Query::lengths, 1}};
 inline constexpr Column<Query> kSweepColumns[] = {
     {&Query::points, 3}, {&Query::orientations, 4}, {&Query::end_points, 3}, {&Query::end_orientations, 4}};
 inline constexpr Column<PoseBatch> kPoseColumns[] = {{&PoseBatch::positions, 3}, {&PoseBatch::orientations, 4}};
-inline constexpr Column<PoseBatch> kVelocityColumns[] = {{&PoseBatch::linear_velocities, 3}, {&PoseBatch::angular_velocities, 3}};
+inline constexpr Column<PoseBatch> kVelocityColumns[] = {{&PoseBatch::linear_velocities, 3},
+                                                         {&PoseBatch::angular_velocities, 3}};
 inline constexpr Column<Reply> kHitColumns[] = {
     {&Reply::distances, 1}, {&Reply::distance_errors, 1}, {&Reply::exits, 1},       {&Reply::points, 3},
     {&Reply::normals, 3},   {&Reply::weights, 3},         {&Reply::point_errors, 1}};
@@ -35,15 +37,28 @@ inline constexpr Column<Reply> kSweepHitColumns[] = {
     {&Reply::sweep_ends, 1}, {&Reply::sweep_widths, 1}, {&Reply::sweep_begins, 1}, {&Reply::points, 3},
     {&Reply::normals, 3},    {&Reply::weights, 3},      {&Reply::point_errors, 1}};
 inline constexpr Column<Reply> kUncoveredColumns[] = {{&Reply::uncovered_points, 3}, {&Reply::uncovered_distances, 1}};
-inline constexpr Column<EventFrame> kEventColumns[] = {
-    {&EventFrame::points, 3},       {&EventFrame::normals, 3},       {&EventFrame::depths, 1},     {&EventFrame::depth_errors, 1},
-    {&EventFrame::surface_normals, 3}, {&EventFrame::surface_depths, 1}, {&EventFrame::surface_depth_errors, 1},
-    {&EventFrame::bracket_lows, 1}, {&EventFrame::bracket_highs, 1}, {&EventFrame::velocities, 3}, {&EventFrame::velocity_errors, 1}};
-inline constexpr Column<ContactShard> kContactColumns[] = {
-    {&ContactShard::points, 3}, {&ContactShard::normals, 3}, {&ContactShard::depths, 1}, {&ContactShard::depth_errors, 1},
-    {&ContactShard::surface_normals, 3}, {&ContactShard::surface_depths, 1}, {&ContactShard::surface_depth_errors, 1}};
-inline constexpr Column<ProbeFrame> kProbeColumns[] = {
-    {&ProbeFrame::clearances, 1}, {&ProbeFrame::clearance_errors, 1}, {&ProbeFrame::points, 3}, {&ProbeFrame::normals, 3}};
+inline constexpr Column<EventFrame> kEventColumns[] = {{&EventFrame::points, 3},
+                                                       {&EventFrame::normals, 3},
+                                                       {&EventFrame::depths, 1},
+                                                       {&EventFrame::depth_errors, 1},
+                                                       {&EventFrame::surface_normals, 3},
+                                                       {&EventFrame::surface_depths, 1},
+                                                       {&EventFrame::surface_depth_errors, 1},
+                                                       {&EventFrame::bracket_lows, 1},
+                                                       {&EventFrame::bracket_highs, 1},
+                                                       {&EventFrame::velocities, 3},
+                                                       {&EventFrame::velocity_errors, 1}};
+inline constexpr Column<ContactShard> kContactColumns[] = {{&ContactShard::points, 3},
+                                                           {&ContactShard::normals, 3},
+                                                           {&ContactShard::depths, 1},
+                                                           {&ContactShard::depth_errors, 1},
+                                                           {&ContactShard::surface_normals, 3},
+                                                           {&ContactShard::surface_depths, 1},
+                                                           {&ContactShard::surface_depth_errors, 1}};
+inline constexpr Column<ProbeFrame> kProbeColumns[] = {{&ProbeFrame::clearances, 1},
+                                                       {&ProbeFrame::clearance_errors, 1},
+                                                       {&ProbeFrame::points, 3},
+                                                       {&ProbeFrame::normals, 3}};
 
 template <class Message>
 using Columns = std::span<const Column<Message>>;
@@ -82,8 +97,8 @@ void copy_strided(const double* from, std::size_t from_stride, double* to, std::
   for (; count > 0; --count, from += from_stride, to += to_stride) std::memcpy(to, from, kWidth * sizeof(double));
 }
 /// Widths are 1, 3 and 4: known to the compiler, a row's numbers move at once.
-inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_stride, double* to, std::size_t to_stride,
-                      std::size_t count) {
+inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_stride, double* to,
+                      std::size_t to_stride, std::size_t count) {
   switch (width) {
     case 1: return copy_strided<1>(from, from_stride, to, to_stride, count);
     case 3: return copy_strided<3>(from, from_stride, to, to_stride, count);
@@ -93,7 +108,8 @@ inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_
 
 /// Puts rows into `memory` column by column and points the message there: it must outlive the write.
 template <class Message>
-void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory, Message& message) {
+void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory,
+                  Message& message) {
   if (columns.empty()) return;
   const std::size_t width = width_of(columns), count = rows.size() / width;
   memory.resize(count * width);
@@ -115,7 +131,8 @@ template <class Message>
 void gather_rows(const Message& message, Columns<Message> columns, std::vector<double>& rows) {
   rows.clear();
   if (columns.empty()) return;
-  const std::size_t width = width_of(columns), count = (message.*columns.front().sequence)._length / columns.front().width;
+  const std::size_t width = width_of(columns),
+                    count = (message.*columns.front().sequence)._length / columns.front().width;
   rows.resize(count * width);
   std::size_t offset = 0;
   for (const Column<Message>& column : columns) {

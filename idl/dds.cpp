@@ -40,16 +40,16 @@ Qos row_qos(const TopicQos& row, std::int64_t max_blocking_ns) {
 
 Entity make_group(dds_entity_t participant, const std::string& partition, const std::string& topic, bool publisher) {
   Qos qos = make_qos();
-  if (!partition.empty()) {
-    dds_qset_partition1(qos.get(), partition.c_str());
-  }
+  if (!partition.empty()) { dds_qset_partition1(qos.get(), partition.c_str()); }
   return Entity(check(publisher ? dds_create_publisher(participant, qos.get(), nullptr)
                                 : dds_create_subscriber(participant, qos.get(), nullptr),
                       topic + (publisher ? ": create publisher" : ": create subscriber")));
 }
 
 // C calls these: an exception that left them would be lost in frames that cannot unwind, hence noexcept.
-void call_data(dds_entity_t reader, void* callbacks) noexcept { static_cast<EntityCallbacks*>(callbacks)->data(reader); }
+void call_data(dds_entity_t reader, void* callbacks) noexcept {
+  static_cast<EntityCallbacks*>(callbacks)->data(reader);
+}
 void call_subscribed(dds_entity_t, const dds_subscription_matched_status_t status, void* callbacks) noexcept {
   static_cast<EntityCallbacks*>(callbacks)->matched(status.current_count);
 }
@@ -63,16 +63,12 @@ void call_liveliness(dds_entity_t, const dds_liveliness_changed_status_t status,
 
 Listener make_listener(EntityCallbacks& callbacks) {
   Listener listener(dds_create_listener(&callbacks));
-  if (callbacks.data) {
-    dds_lset_data_available(listener.get(), call_data);
-  }
+  if (callbacks.data) { dds_lset_data_available(listener.get(), call_data); }
   if (callbacks.matched) {
     dds_lset_subscription_matched(listener.get(), call_subscribed);
     dds_lset_publication_matched(listener.get(), call_published);
   }
-  if (callbacks.liveliness) {
-    dds_lset_liveliness_changed(listener.get(), call_liveliness);
-  }
+  if (callbacks.liveliness) { dds_lset_liveliness_changed(listener.get(), call_liveliness); }
   return listener;
 }
 
@@ -103,21 +99,15 @@ std::string network_config(const ParticipantOptions& options) {
 
 std::string peers_config(const ParticipantOptions& options) {
   std::string peers;
-  if (options.interface == "lo") {
-    peers += R"(<Peer address="127.0.0.1"/>)";
-  }
-  for (const std::string& peer : options.peers) {
-    peers += "<Peer address=\"" + checked_word(peer, "peer") + "\"/>";
-  }
+  if (options.interface == "lo") { peers += R"(<Peer address="127.0.0.1"/>)"; }
+  for (const std::string& peer : options.peers) { peers += "<Peer address=\"" + checked_word(peer, "peer") + "\"/>"; }
   return peers.empty() ? peers : "<Peers>" + peers + "</Peers>";
 }
 
 }  // namespace
 
 dds_return_t check(dds_return_t code, std::string_view what) {
-  if (code < 0) {
-    throw DdsError(std::string(what) + ": " + dds_strretcode(-code));
-  }
+  if (code < 0) { throw DdsError(std::string(what) + ": " + dds_strretcode(-code)); }
   return code;
 }
 
@@ -132,27 +122,32 @@ std::string domain_config(const ParticipantOptions& options) {
   const std::string index = options.role == Role::server ? "auto" : "none";
   // Whatever a client must have delivered it waits for itself. DDS would wait for a dead server's reader too.
   const std::string linger = options.role == Role::server ? "1s" : "0s";
-  return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" +
-         "<ExternalDomainId>" + std::to_string(options.domain) + "</ExternalDomainId>" +
-         "<ParticipantIndex>" + index + "</ParticipantIndex><MaxAutoParticipantIndex>" +
-         std::to_string(wire_contract::kMaxParticipantIndex) + "</MaxAutoParticipantIndex>" + peers_config(options) +
+  return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" + "<ExternalDomainId>" +
+         std::to_string(options.domain) + "</ExternalDomainId>" + "<ParticipantIndex>" + index +
+         "</ParticipantIndex><MaxAutoParticipantIndex>" + std::to_string(wire_contract::kMaxParticipantIndex) +
+         "</MaxAutoParticipantIndex>" + peers_config(options) +
          "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
          // A sample is put together in memory before anybody can refuse it, so its size is limited here.
-         "<MaxSampleSize>" + std::to_string(wire_contract::kMaxMessageBytes) + "B</MaxSampleSize>"
+         "<MaxSampleSize>" +
+         std::to_string(wire_contract::kMaxMessageBytes) +
+         "B</MaxSampleSize>"
          // max only asks; min would stop the start on a machine with small limits.
          R"(<SocketReceiveBufferSize max="8MB"/>)"
          // The defaults answer a lost datagram after 100 ms; a question should not wait for that.
          "<NackDelay>10ms</NackDelay><PreEmptiveAckDelay>5ms</PreEmptiveAckDelay>"
          "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
          R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
-         "<WriterLingerDuration>" + linger + "</WriterLingerDuration>"
+         "<WriterLingerDuration>" +
+         linger +
+         "</WriterLingerDuration>"
          "<Watermarks><WhcHigh>16MB</WhcHigh><WhcHighInit>4MB</WhcHighInit><WhcLow>1MB</WhcLow></Watermarks>"
          "</Internal></Domain>";
 }
 
 Participant::Participant(const ParticipantOptions& options) {
   if (options.domain < 0 || options.domain > wire_contract::kLastDomain) {
-    throw std::invalid_argument("domain " + std::to_string(options.domain) + ": allowed 0 to " + std::to_string(wire_contract::kLastDomain));
+    throw std::invalid_argument("domain " + std::to_string(options.domain) + ": allowed 0 to " +
+                                std::to_string(wire_contract::kLastDomain));
   }
   const auto domain = static_cast<dds_domainid_t>(options.process_domain.value_or(options.domain));
   const char* const uri = std::getenv("CYCLONEDDS_URI");
@@ -173,9 +168,7 @@ std::size_t Participant::others_seen() const {
   dds_sample_info_t infos[kMost];
   while (true) {
     const dds_return_t count = check(dds_take(reader.get(), samples, infos, kMost, kMost), "read participants");
-    if (count == 0) {
-      break;
-    }
+    if (count == 0) { break; }
     seen += static_cast<std::size_t>(std::count_if(infos, infos + count, [](const dds_sample_info_t& info) {
       return info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE;
     }));
@@ -191,8 +184,8 @@ void Participant::set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds) 
 TopicBase::TopicBase(const Participant& participant, std::string_view name_space, const TopicQos& row,
                      const dds_topic_descriptor_t* descriptor)
     : participant_(participant.get()), name_(wire_contract::topic_name(name_space, row)), row_(row) {
-  topic_ = Entity(check(dds_create_topic(participant_, descriptor, name_.c_str(), nullptr, nullptr),
-                        name_ + ": create topic"));
+  topic_ = Entity(
+      check(dds_create_topic(participant_, descriptor, name_.c_str(), nullptr, nullptr), name_ + ": create topic"));
 }
 
 WriterBase::WriterBase(const TopicBase& topic, const TopicQos& row, WriterOptions options)
@@ -200,12 +193,8 @@ WriterBase::WriterBase(const TopicBase& topic, const TopicQos& row, WriterOption
   callbacks_->matched = std::move(options.matched);
   const Qos qos = row_qos(row, options.max_blocking_ns);
   dds_qset_writer_data_lifecycle(qos.get(), row.autodispose);
-  if (options.lease_ns > 0) {
-    dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, options.lease_ns);
-  }
-  if (options.lifespan_ns > 0) {
-    dds_qset_lifespan(qos.get(), options.lifespan_ns);
-  }
+  if (options.lease_ns > 0) { dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, options.lease_ns); }
+  if (options.lifespan_ns > 0) { dds_qset_lifespan(qos.get(), options.lifespan_ns); }
   const Listener listener = make_listener(*callbacks_);
   publisher_ = make_group(topic.participant(), options.partition, topic_name_, true);
   writer_ = Entity(check(dds_create_writer(publisher_.get(), topic.get(), qos.get(), listener.get()),
@@ -227,12 +216,8 @@ bool WriterBase::wait_for_acknowledgements(std::int64_t nanoseconds) {
 
 bool WriterBase::write_sample(const void* sample) {
   const dds_return_t code = dds_write(get(), sample);
-  if (code == DDS_RETCODE_OK) {
-    return true;
-  }
-  if (code == DDS_RETCODE_TIMEOUT) {
-    return false;
-  }
+  if (code == DDS_RETCODE_OK) { return true; }
+  if (code == DDS_RETCODE_TIMEOUT) { return false; }
   check(code, topic_name_ + ": write");
   return false;
 }
@@ -245,9 +230,7 @@ ReaderBase::ReaderBase(const TopicBase& topic, const TopicQos& row, const std::s
   const Qos qos = row_qos(row, 0);
   // Histories bound what a writer keeps for slow readers; a reader drains by listener and must not lose what arrived
   // while it drained. State topics keep the newest of each key.
-  if (row.durability == Durability::volatile_data) {
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
-  }
+  if (row.durability == Durability::volatile_data) { dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0); }
   if (row.reader_max_samples > 0) {
     dds_qset_resource_limits(qos.get(), row.reader_max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
@@ -266,7 +249,8 @@ std::uint32_t ReaderBase::matched_writers() const {
 std::vector<dds_instance_handle_t> ReaderBase::matched_writer_handles() const {
   std::vector<dds_instance_handle_t> handles(16);
   while (true) {
-    const dds_return_t count = check(dds_get_matched_publications(get(), handles.data(), handles.size()), "matched writers");
+    const dds_return_t count =
+        check(dds_get_matched_publications(get(), handles.data(), handles.size()), "matched writers");
     const bool all = static_cast<std::size_t>(count) <= handles.size();
     handles.resize(static_cast<std::size_t>(count));
     if (all) return handles;
@@ -291,9 +275,7 @@ std::vector<std::intptr_t> WaitSet::wait(std::int64_t nanoseconds) {
   std::vector<dds_attach_t> fired(attached_);
   const dds_return_t count = check(dds_waitset_wait(waitset_.get(), fired.data(), fired.size(), nanoseconds), "wait");
   fired.resize(std::min(fired.size(), static_cast<std::size_t>(count)));
-  if (std::erase(fired, kWakeToken) > 0) {
-    dds_set_guardcondition(wake_condition_.get(), false);
-  }
+  if (std::erase(fired, kWakeToken) > 0) { dds_set_guardcondition(wake_condition_.get(), false); }
   return fired;
 }
 

@@ -144,9 +144,7 @@ std::span<const ElementOf<Sequence>> view(const Sequence& sequence) {
 template <class Sequence, class Range>
 void borrow(Sequence& sequence, const Range& range) {
   const std::span<const ElementOf<Sequence>> elements(range);
-  if (sequence._release) {
-    dds_free(sequence._buffer);
-  }
+  if (sequence._release) { dds_free(sequence._buffer); }
   sequence._buffer = const_cast<ElementOf<Sequence>*>(elements.data());
   sequence._length = sequence._maximum = static_cast<std::uint32_t>(elements.size());
   sequence._release = false;
@@ -313,9 +311,7 @@ class Loans {
  public:
   explicit Loans(dds_entity_t reader) : reader_(reader) {}
   ~Loans() {
-    if (count_ > 0) {
-      dds_return_loan(reader_, samples_, count_);
-    }
+    if (count_ > 0) { dds_return_loan(reader_, samples_, count_); }
   }
   Loans(Loans&& other) noexcept : reader_(other.reader_), count_(std::exchange(other.count_, 0)) {
     std::copy_n(other.samples_, kMost, samples_);
@@ -340,9 +336,7 @@ class Loans {
 
 /// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
 inline std::size_t taken_count(dds_return_t code) {
-  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) {
-    return 0;
-  }
+  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) { return 0; }
   return static_cast<std::size_t>(check(code, "take"));
 }
 
@@ -364,13 +358,9 @@ class Taker {
     void* buffers[kMost];
     dds_sample_info_t infos[kMost];
     const std::size_t most = std::min(samples.size(), kMost);
-    for (std::size_t i = 0; i < most; ++i) {
-      buffers[i] = &samples[i]->value_;
-    }
+    for (std::size_t i = 0; i < most; ++i) { buffers[i] = &samples[i]->value_; }
     const std::size_t count = taken_count(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)));
-    for (std::size_t i = 0; i < count; ++i) {
-      samples[i]->info_ = infos[i];
-    }
+    for (std::size_t i = 0; i < count; ++i) { samples[i]->info_ = infos[i]; }
     return count;
   }
   /// Up to 32 lent samples; call again until none come.
@@ -425,9 +415,7 @@ class Reader : public ReaderBase {
 
  private:
   static std::function<void(dds_entity_t)> on_data(std::function<void(Taker<T>)> callback) {
-    if (!callback) {
-      return {};
-    }
+    if (!callback) { return {}; }
     return [callback = std::move(callback)](dds_entity_t reader) { callback(Taker<T>(reader)); };
   }
 };

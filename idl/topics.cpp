@@ -52,9 +52,7 @@ std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed)
   const std::uint8_t* const end = first + packed.size();
   while (first != end) {
     const std::uint8_t* const zero = std::find(first, end, std::uint8_t{0});
-    if (zero == end) {
-      break;
-    }
+    if (zero == end) { break; }
     names.emplace_back(reinterpret_cast<const char*>(first), static_cast<std::size_t>(zero - first));
     first = zero + 1;
   }

@@ -31,7 +31,17 @@ enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
 /// decided: of a doubt; where no contact begins then, the two are apart.
-enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
+enum class EndReason : std::uint8_t {
+  none,
+  separated,
+  removed,
+  publisher_lost,
+  teleported,
+  geometry_changed,
+  server_stopping,
+  server_restarted,
+  decided
+};
 /// Why it is not known whether two objects touch. Such a pair is told as one that touches, by `began` and `ended`, until it is
 /// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite.
 /// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end;
@@ -73,11 +83,11 @@ inline constexpr std::uint32_t kHitNumbers = 13;
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
 inline constexpr std::uint32_t kMaxQuestionsPerRequest = 100'000;
 inline constexpr std::uint32_t kChunksInFlight = 4;
-inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;       // 96 B a hit and more: a reply stays under 1 MiB
+inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;  // 96 B a hit and more: a reply stays under 1 MiB
 inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
 inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
 inline constexpr std::uint32_t kMaxProbesPerFrame = 1'024;
-inline constexpr std::uint32_t kMaxTrianglePairs = 100'000;    // in one answer to `pair`
+inline constexpr std::uint32_t kMaxTrianglePairs = 100'000;  // in one answer to `pair`
 inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
@@ -105,7 +115,8 @@ inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durabil
 inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 /// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
-inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
+inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0,
+                                          false};
 inline constexpr TopicQos kProbeTopic{"probe_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// How far each publisher's samples are in each state: a Status with version, time and the columns of publishers only, after
@@ -125,7 +136,9 @@ inline constexpr std::int64_t kForgottenNs = 5'000'000'000;
 /// So many partitions hold all replies. Each is a writer of the server's, which stays: DDS loses some 400 bytes with every
 /// writer that is made and deleted, and clients come by the thousand.
 inline constexpr std::uint32_t kReplyPartitions = 256;
-inline constexpr std::uint32_t reply_place(std::uint64_t client) { return static_cast<std::uint32_t>(client % kReplyPartitions); }
+inline constexpr std::uint32_t reply_place(std::uint64_t client) {
+  return static_cast<std::uint32_t>(client % kReplyPartitions);
+}
 /// "client_<2 hex digits>", the last ones of its number: the partition that a client's replies travel in, beside those of
 /// others with the same; the replies say whose they are.
 std::string reply_partition(std::uint64_t client);

@@ -60,16 +60,18 @@ void for_each_field(S& s, Field&& field) {
 
 template <SampleOf<ContactShard> S, class Field>
 void for_each_field(S& s, Field&& field) {
-  field(s.server), field(s.shard), field(s.epoch), field(s.version), field(s.as_of_sequence), field(s.doubts), field(s.a);
+  field(s.server), field(s.shard), field(s.epoch), field(s.version), field(s.as_of_sequence), field(s.doubts),
+      field(s.a);
   field(s.b), field(s.a_triangles), field(s.b_triangles), field(s.episodes), field(s.began_ns), field(s.points);
-  field(s.normals), field(s.depths), field(s.depth_errors),
-      field(s.surface_normals), field(s.surface_depths), field(s.surface_depth_errors), field(s.named_ids), field(s.names);
+  field(s.normals), field(s.depths), field(s.depth_errors), field(s.surface_normals), field(s.surface_depths),
+      field(s.surface_depth_errors), field(s.named_ids), field(s.names);
 }
 
 template <SampleOf<ProbeFrame> S, class Field>
 void for_each_field(S& s, Field&& field) {
   field(s.server), field(s.epoch), field(s.version), field(s.world_time_ns), field(s.states), field(s.objects);
-  field(s.met), field(s.triangles), field(s.clearances), field(s.clearance_errors), field(s.points), field(s.normals), field(s.probe_names), field(s.named_ids), field(s.names);
+  field(s.met), field(s.triangles), field(s.clearances), field(s.clearance_errors), field(s.points), field(s.normals),
+      field(s.probe_names), field(s.named_ids), field(s.names);
 }
 
 template <SampleOf<Status> S, class Field>

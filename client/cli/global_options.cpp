@@ -19,9 +19,12 @@ void declare_globals(CLI::App& app, Globals& globals) {
   app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
   const std::string connection = "Connection";
   app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
-  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")->group(connection);
+  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")
+      ->group(connection);
   app.add_option("--interface", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
-  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")->allow_extra_args(false)->group(connection);
+  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")
+      ->allow_extra_args(false)
+      ->group(connection);
   app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
   app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
 }

@@ -28,7 +28,9 @@ class Until {
     constexpr std::chrono::hours kForever{24 * 365 * 100};
     end_ = Clock::now() + std::min<std::chrono::nanoseconds>(most_time, kForever);
   }
-  bool reached(std::uint64_t count) const { return stop_requested || (most_count_ > 0 && count >= most_count_) || Clock::now() >= end_; }
+  bool reached(std::uint64_t count) const {
+    return stop_requested || (most_count_ > 0 && count >= most_count_) || Clock::now() >= end_;
+  }
   Clock::time_point end() const { return end_; }
 
  private:

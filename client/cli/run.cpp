@@ -51,13 +51,12 @@ void refuse_leftovers(CLI::App& app) {
 /// Fills what is declared on the parser; throws CLI::CallForHelp, or Failure for anything wrong.
 void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   app.allow_extras();
-  for (CLI::Option* option : app.get_options()) option->transform([](std::string text) { return unmarked(std::move(text)); });
+  for (CLI::Option* option : app.get_options())
+    option->transform([](std::string text) { return unmarked(std::move(text)); });
   std::reverse(tokens.begin(), tokens.end());  // the parser takes them from the back
   try {
     app.parse(std::move(tokens));
-  } catch (const CLI::CallForHelp&) {
-    throw;
-  } catch (const CLI::ParseError& error) {
+  } catch (const CLI::CallForHelp&) { throw; } catch (const CLI::ParseError& error) {
     throw bad_use(error.what());
   }
   refuse_leftovers(app);
@@ -130,8 +129,9 @@ Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globa
     } catch (const Failure& failure) {
       if (failure.code == Exit::no_server) throw;
       ++failed;
-      print_failure(session.io, line_globals,
-                    Failure(failure.code, fmt::format("line {}: {}", lines.line_number(), failure.what()), failure.hint));
+      print_failure(
+          session.io, line_globals,
+          Failure(failure.code, fmt::format("line {}: {}", lines.line_number(), failure.what()), failure.hint));
     }
     session.io.out.flush();
   }

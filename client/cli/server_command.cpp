@@ -15,20 +15,23 @@ constexpr std::uint64_t kMostNamesCompared = 100'000;
 
 nlohmann::json object_from(const std::string& text, std::string_view command) {
   nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
-  if (!answer.is_object()) throw Failure(Exit::refused, fmt::format("the server's answer to '{}' is not a JSON object", command));
+  if (!answer.is_object())
+    throw Failure(Exit::refused, fmt::format("the server's answer to '{}' is not a JSON object", command));
   return answer;
 }
 
 /// Why a name was refused: a Failure with the nearest names if the world does not hold it, nothing otherwise.
 std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
   namespace wire = wire_contract::command;
-  const nlohmann::json all = server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
+  const nlohmann::json all =
+      server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
   std::vector<std::string> names;
   for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
     names.push_back(text_of(entry, "name"));
     if (names.back() == object) return std::nullopt;
   }
-  std::string message = fmt::format("object '{}' is not in the world ({})", object, format_count(count_of(all, "version")));
+  std::string message =
+      fmt::format("object '{}' is not in the world ({})", object, format_count(count_of(all, "version")));
   const std::vector<std::string> nearest = nearest_names(object, names, 3);
   for (std::size_t at = 0; at < nearest.size(); ++at) message += (at == 0 ? "; nearest names: " : ", ") + nearest[at];
   return Failure(Exit::no, message);
@@ -38,29 +41,33 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
 std::string text_of_arguments(const nlohmann::json& arguments) {
   try {
     return arguments.dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw bad_use("a name or path is not UTF-8 text");
-  }
+  } catch (const nlohmann::json::type_error&) { throw bad_use("a name or path is not UTF-8 text"); }
 }
 
 }  // namespace
 
-nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
-                              const Shape& shape, std::function<void(double)> progress) {
+nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
+                              const nlohmann::json& arguments, const Shape& shape,
+                              std::function<void(double)> progress) {
   const bool may_take_long = name == wire_contract::command::kLoad;
-  const std::chrono::nanoseconds timeout = timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
-  const std::string text = take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
+  const std::chrono::nanoseconds timeout =
+      timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
+  const std::string text =
+      take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
   return object_from(text, name);
 }
 
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
-                              const std::string& file_name, const nlohmann::json& arguments, std::function<void(double)> progress) {
+                              const std::string& file_name, const nlohmann::json& arguments,
+                              std::function<void(double)> progress) {
   const std::chrono::nanoseconds timeout = timeout_of(globals, std::chrono::seconds(kLoadTimeout));
-  return object_from(take(session.client(globals).upload(bytes, file_name, text_of_arguments(arguments), timeout, std::move(progress))), "load");
+  return object_from(take(session.client(globals).upload(bytes, file_name, text_of_arguments(arguments), timeout,
+                                                         std::move(progress))),
+                     "load");
 }
 
-nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,
-                              const nlohmann::json& arguments) {
+nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,
+                              const std::string& object, const nlohmann::json& arguments) {
   try {
     return server_command(session, globals, command, arguments);
   } catch (const Failure& failure) {

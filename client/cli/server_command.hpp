@@ -12,16 +12,18 @@
 namespace collided::cli {
 
 /// Sends a command and reads its answer; throws Failure with the server's own words when it refuses.
-nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
-                              const Shape& shape = {}, std::function<void(double)> progress = {});
+nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
+                              const nlohmann::json& arguments, const Shape& shape = {},
+                              std::function<void(double)> progress = {});
 
 /// The command load, with the file's bytes instead of its path.
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
-                              const std::string& file_name, const nlohmann::json& arguments, std::function<void(double)> progress);
+                              const std::string& file_name, const nlohmann::json& arguments,
+                              std::function<void(double)> progress);
 
 /// As server_command for an object by name; an unknown name becomes "not in the world" with the nearest names.
-nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,
-                              const nlohmann::json& arguments);
+nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,
+                              const std::string& object, const nlohmann::json& arguments);
 
 /// Members of a JSON answer, or what stands in their place when they are missing or of another type.
 std::string text_of(const nlohmann::json& object, const char* key);

@@ -56,7 +56,8 @@ bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal)
 }
 
 Printer make_printer(Io& io, const Globals& globals) {
-  return {io.out, chosen_format(io, globals), field_names(globals.fields), color_wanted(io, globals, io.out_is_terminal)};
+  return {io.out, chosen_format(io, globals), field_names(globals.fields),
+          color_wanted(io, globals, io.out_is_terminal)};
 }
 
 ConnectOptions connect_options(const Io& io, const Globals& globals) {

@@ -58,7 +58,8 @@ bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal)
 ConnectOptions connect_options(const Io& io, const Globals& globals);
 
 /// --timeout, default 2 s.
-std::chrono::nanoseconds timeout_of(const Globals& globals, std::chrono::nanoseconds otherwise = std::chrono::seconds(2));
+std::chrono::nanoseconds timeout_of(const Globals& globals,
+                                    std::chrono::nanoseconds otherwise = std::chrono::seconds(2));
 
 /// The library's error as the end of a verb.
 Failure as_failure(const Error& error);

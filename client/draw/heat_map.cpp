@@ -38,8 +38,9 @@ void draw_cell(Canvas& canvas, const HeatMap::Cell& cell, const Rectangle& box, 
   const double part = part_of(map, *cell.value);
   canvas.rectangle(box, shade(part).c_str(), kPaper);
   const bool fits = text_width(cell.text, 9.5) <= box.width - 2;
-  if (fits) canvas.text(box.x + box.width / 2, box.y + box.height / 2 + 3.5, cell.text, 9.5, Anchor::middle,
-                        part > 0.55 ? kPaper : kInk);
+  if (fits)
+    canvas.text(box.x + box.width / 2, box.y + box.height / 2 + 3.5, cell.text, 9.5, Anchor::middle,
+                part > 0.55 ? kPaper : kInk);
 }
 
 void draw_legend(Canvas& canvas, const HeatMap& map, double x, double y) {

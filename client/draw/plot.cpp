@@ -47,7 +47,8 @@ void occupy_segment(Canvas& canvas, std::pair<double, double> a, std::pair<doubl
 class Frame {
  public:
   Frame(Canvas& canvas, const Plot& plot, double top)
-      : canvas_(canvas), area_{78, top, plot.width - 78 - kLegendWidth - 18, plot.height - top - 58},
+      : canvas_(canvas),
+        area_{78, top, plot.width - 78 - kLegendWidth - 18, plot.height - top - 58},
         x_(plot.x, values(plot, true), area_.x, area_.x + area_.width),
         y_(plot.y, values(plot, false), area_.y + area_.height, area_.y) {}
 

@@ -23,8 +23,8 @@ struct Axis {
 struct Point {
   double x = 0;
   double y = 0;
-  std::string label{};      // written beside the mark where there is room, else at the end of a thin line
-  double x_low = 0;         // a bar from x_low to x_high when they differ
+  std::string label{};  // written beside the mark where there is room, else at the end of a thin line
+  double x_low = 0;     // a bar from x_low to x_high when they differ
   double x_high = 0;
 };
 

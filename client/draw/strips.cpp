@@ -43,7 +43,8 @@ std::string svg(const Strips& strips) {
       const double wide = length * row.values[part] / sum;
       canvas.rectangle({x, y, wide, kStrip}, color_of(part));
       const std::string share = std::to_string(std::lround(100 * row.values[part] / sum)) + " %";
-      if (text_width(share, kShareSize) + 6 < wide) canvas.text(x + wide / 2, y + kStrip / 2 + 4, share, kShareSize, Anchor::middle, kPaper);
+      if (text_width(share, kShareSize) + 6 < wide)
+        canvas.text(x + wide / 2, y + kStrip / 2 + 4, share, kShareSize, Anchor::middle, kPaper);
       x += wide;
     }
     canvas.text(left + length + 10, y + kStrip / 2 + 4, row.whole, kTextSize, Anchor::start);

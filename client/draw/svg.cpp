@@ -149,8 +149,8 @@ void Canvas::vertical_text(double x, double y, std::string_view content, double 
 
 void Canvas::mark(double x, double y, int shape, const char* color, bool hollow) {
   occupy({x - 5, y - 5, 10, 10});
-  const std::string paint = attribute("fill", hollow ? kPaper : color) + attribute("stroke", color) +
-                            attribute("stroke-width", 1.5) + "/>\n";
+  const std::string paint =
+      attribute("fill", hollow ? kPaper : color) + attribute("stroke", color) + attribute("stroke-width", 1.5) + "/>\n";
   const auto polygon = [&](std::string_view outline) {
     body_ += "<path transform=\"translate(" + pixels(x) + " " + pixels(y) + ")\"" + attribute("d", outline) + paint;
   };

@@ -46,9 +46,7 @@ Result<Client> Client::connect() {
 
 Result<Client> Client::connect(const ConnectOptions& options) {
   Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
-  if (!connection) {
-    return connection.error();
-  }
+  if (!connection) { return connection.error(); }
   auto state = std::make_unique<State>();
   state->connection = std::move(*connection);
   return Client(std::move(state));
@@ -62,8 +60,8 @@ template <Question Q>
 std::future<Result<Answers>> Client::ask_async(std::vector<Q> questions, AskOptions options) {
   return state_->ask_later(std::move(questions), std::move(options));
 }
-#define COLLIDED_QUESTION(Q)                                                                          \
-  template Result<Answers> Client::ask_all(std::span<const Q>, const AskOptions&, Answers&&);        \
+#define COLLIDED_QUESTION(Q)                                                                  \
+  template Result<Answers> Client::ask_all(std::span<const Q>, const AskOptions&, Answers&&); \
   template std::future<Result<Answers>> Client::ask_async(std::vector<Q>, AskOptions)
 COLLIDED_QUESTION(RayQuestion);
 COLLIDED_QUESTION(SphereQuestion);
@@ -79,9 +77,7 @@ Result<Watch> Client::watch(const WatchOptions& options) { return watch(options,
 
 Result<Watch> Client::watch(const WatchOptions& options, std::function<void(const Event&)> callback) {
   Result<std::unique_ptr<Watch::State>> state = Watch::State::start(state_->connection, options, std::move(callback));
-  if (!state) {
-    return state.error();
-  }
+  if (!state) { return state.error(); }
   return Watch(std::move(*state));
 }
 
@@ -99,9 +95,7 @@ Result<std::vector<ProbeReading>> Client::probes(const std::string& name_glob) {
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
   Result<std::unique_ptr<ProbeWatch::State>> state = ProbeWatch::State::start(state_->connection, options);
-  if (!state) {
-    return state.error();
-  }
+  if (!state) { return state.error(); }
   return ProbeWatch(std::move(*state));
 }
 
@@ -113,9 +107,7 @@ Result<Poses> Client::poses(std::chrono::nanoseconds timeout) { return client::p
 
 Result<Publisher> Client::publish(const std::string& publisher_name) {
   Result<std::unique_ptr<Publisher::State>> state = Publisher::State::start(state_->connection, publisher_name);
-  if (!state) {
-    return state.error();
-  }
+  if (!state) { return state.error(); }
   return Publisher(std::move(*state));
 }
 
@@ -131,15 +123,11 @@ Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string
 }
 
 Result<ServerStatus> Client::status() {
-  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
-    return std::move(*status);
-  }
+  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }
   // Right after connecting the first one may be under way: it comes twenty times a second.
   const auto first = client::Clock::now() + std::chrono::nanoseconds(wire_contract::kStatusLostNs);
   state_->connection->pulse().wait_for_status(first);
-  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
-    return std::move(*status);
-  }
+  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }
   return state_->connection->disconnected();
 }
 

@@ -32,7 +32,8 @@ double local_error(double h, double start, double half, double end) {
 bool Stepper::any_holds(const Motion& motion, double touching_m) const {
   for (std::size_t contact = 0; contact <= line_.size(); ++contact) {
     const double rate = gap_rate(line_, motion.velocity_m_s, contact);
-    if (holds(gap(line_, motion.position_m, contact), rate, free_gap_acceleration(line_, contact), touching_m)) return true;
+    if (holds(gap(line_, motion.position_m, contact), rate, free_gap_acceleration(line_, contact), touching_m))
+      return true;
   }
   return false;
 }
@@ -115,7 +116,8 @@ double Stepper::substep(const Motion& from, double h, double touching_m) {
   end_ = from;
   for (std::size_t body = 0; body < line_.size(); ++body) {
     end_.position_m[body] += kOvershoot * (half_.position_m[body] - from.position_m[body]);
-    end_.velocity_m_s[body] += kOvershoot * (half_.velocity_m_s[body] - from.velocity_m_s[body]) + stage * line_.gravity_m_s2;
+    end_.velocity_m_s[body] +=
+        kOvershoot * (half_.velocity_m_s[body] - from.velocity_m_s[body]) + stage * line_.gravity_m_s2;
   }
   solve_.stage(line_, options_.spring, stage, end_);
   gather_accelerations(solve_.force(), end_acceleration_);
@@ -136,12 +138,15 @@ double Stepper::error_of_substep(const Motion& from, double h, double touching_m
     if (!(std::min(open_m, after_m) <= touching_m)) continue;
     const double mass_root = std::sqrt(line_.reduced_mass(contact));
     const double rate = gap_rate(line_, from.velocity_m_s, contact);
-    const double rate_error = local_error(h, gap_rate(line_, start_acceleration_, contact), gap_rate(line_, half_acceleration_, contact),
-                                          gap_rate(line_, end_acceleration_, contact));
-    const double depth_error = local_error(h, rate, gap_rate(line_, half_.velocity_m_s, contact), gap_rate(line_, end_.velocity_m_s, contact));
+    const double rate_error =
+        local_error(h, gap_rate(line_, start_acceleration_, contact), gap_rate(line_, half_acceleration_, contact),
+                    gap_rate(line_, end_acceleration_, contact));
+    const double depth_error =
+        local_error(h, rate, gap_rate(line_, half_.velocity_m_s, contact), gap_rate(line_, end_.velocity_m_s, contact));
     const double frequency = stiffness_root / mass_root;
     const double stiffness = stage * frequency * frequency;
-    const double kept_rate = (rate_error - stiffness * depth_error) / (1 + stage * (stiffness + 2 * options_.spring.damping_ratio * frequency));
+    const double kept_rate = (rate_error - stiffness * depth_error) /
+                             (1 + stage * (stiffness + 2 * options_.spring.damping_ratio * frequency));
     const double kept_depth = depth_error + stage * kept_rate;
     error = std::max(error, std::hypot(mass_root * kept_rate, stiffness_root * kept_depth));
     scale = std::max(scale, std::hypot(mass_root * rate, stiffness_root * std::max({-open_m, -after_m, 0.0})));

@@ -5,13 +5,15 @@
 
 namespace collided::response {
 
-void contact_forces(const Line& line, const Spring& spring, const Motion& motion, double touching_m, std::vector<double>& force_n) {
+void contact_forces(const Line& line, const Spring& spring, const Motion& motion, double touching_m,
+                    std::vector<double>& force_n) {
   force_n.assign(line.size() + 1, 0);
   for (std::size_t contact = 0; contact <= line.size(); ++contact) {
     const double open_m = gap(line, motion.position_m, contact);
     if (!(open_m <= touching_m)) continue;
     const double damping = spring.damping_ratio > 0 ? spring.damping(line.reduced_mass(contact)) : 0;
-    force_n[contact] = std::max(0.0, spring.stiffness_n_m * std::max(-open_m, 0.0) - damping * gap_rate(line, motion.velocity_m_s, contact));
+    force_n[contact] = std::max(
+        0.0, spring.stiffness_n_m * std::max(-open_m, 0.0) - damping * gap_rate(line, motion.velocity_m_s, contact));
   }
 }
 

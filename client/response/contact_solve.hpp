@@ -8,7 +8,8 @@
 namespace collided::response {
 
 /// Forces of the contacts of a line at a moment: k depth + d depth_rate where a gap is at most `touching_m`, never pulling.
-void contact_forces(const Line& line, const Spring& spring, const Motion& motion, double touching_m, std::vector<double>& force_n);
+void contact_forces(const Line& line, const Spring& spring, const Motion& motion, double touching_m,
+                    std::vector<double>& force_n);
 
 /// One implicit stage: finds velocity v and forces f with
 ///     v = from.velocity + h M^-1 B^T f,   x = from.position + h v,
@@ -37,8 +38,8 @@ class ContactSolve {
   void solve_run(const Line& line, double h2, std::size_t first, std::size_t last);
   bool admit(const Line& line, double h2);
 
-  std::vector<double> need_;      // how far each contact would be over its limit without forces: -q
-  std::vector<double> slack_;     // 1 / s
+  std::vector<double> need_;   // how far each contact would be over its limit without forces: -q
+  std::vector<double> slack_;  // 1 / s
   std::vector<char> pushing_, may_push_;
   std::vector<double> force_, pivot_, right_;
 };

@@ -36,21 +36,22 @@ double Spring::damping(double reduced_mass_kg) const {
   return 2 * damping_ratio * std::sqrt(stiffness_n_m * reduced_mass_kg);
 }
 
-double Spring::frequency(double reduced_mass_kg) const {
-  return std::sqrt(stiffness_n_m / reduced_mass_kg);
-}
+double Spring::frequency(double reduced_mass_kg) const { return std::sqrt(stiffness_n_m / reduced_mass_kg); }
 
 double restitution_of_damping(double damping_ratio) {
   const double off = off_critical(damping_ratio);
   const double root = std::sqrt(std::abs(off));
   // Time to the end of the contact, times the damped frequency: where the force, not the depth, is 0 again.
-  if (off > 0) return std::exp(-damping_ratio / root * std::atan2(2 * damping_ratio * root, 2 * damping_ratio * damping_ratio - 1));
+  if (off > 0)
+    return std::exp(-damping_ratio / root *
+                    std::atan2(2 * damping_ratio * root, 2 * damping_ratio * damping_ratio - 1));
   return std::exp(-damping_ratio / root * 2 * std::asinh(root));
 }
 
 double damping_of_restitution(double restitution) {
   if (!(restitution >= kLeastDampedRestitution && restitution <= 1)) {
-    throw std::invalid_argument("restitution of a compliant contact: 0.001 to 1; a damper gives no less, an impulse does");
+    throw std::invalid_argument(
+        "restitution of a compliant contact: 0.001 to 1; a damper gives no less, an impulse does");
   }
   if (restitution == 1) return 0;
   return bisect([&](double ratio) { return restitution_of_damping(ratio) - restitution; }, 0, kLargestDampingRatio);
@@ -82,8 +83,8 @@ double ContactPhase::depth(double seconds) const {
 double ContactPhase::depth_rate(double seconds) const {
   // d/dt of e^(-at) (C cos + S sin), with C = -rest.
   if (oscillates_) {
-    return std::exp(-decay_ * seconds) *
-           ((sine_ * turn_ + decay_ * rest_) * std::cos(turn_ * seconds) + (rest_ * turn_ - decay_ * sine_) * std::sin(turn_ * seconds));
+    return std::exp(-decay_ * seconds) * ((sine_ * turn_ + decay_ * rest_) * std::cos(turn_ * seconds) +
+                                          (rest_ * turn_ - decay_ * sine_) * std::sin(turn_ * seconds));
   }
   const double slow = std::exp((turn_ - decay_) * seconds) / 2;
   const double fast = std::exp((-turn_ - decay_) * seconds) / 2;

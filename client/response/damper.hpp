@@ -10,7 +10,7 @@ struct Spring {
   double stiffness_n_m = 1e6;
   double damping_ratio = 0;  // 0: nothing lost
 
-  double damping(double reduced_mass_kg) const;  // N s/m
+  double damping(double reduced_mass_kg) const;    // N s/m
   double frequency(double reduced_mass_kg) const;  // rad/s, undamped
 };
 
@@ -42,11 +42,11 @@ class ContactPhase {
   double force_over_mass(double seconds) const;
   double find_end() const;
 
-  double decay_ = 0;      // 1/s
-  double turn_ = 0;       // rad/s, damped; of an overdamped contact the rate of its hyperbolic functions
+  double decay_ = 0;  // 1/s
+  double turn_ = 0;   // rad/s, damped; of an overdamped contact the rate of its hyperbolic functions
   bool oscillates_ = true;
-  double rest_ = 0;       // depth at which the spring bears the load
-  double sine_ = 0;       // y = rest + e^(-decay t) (-rest cos turn t + sine sin turn t)
+  double rest_ = 0;  // depth at which the spring bears the load
+  double sine_ = 0;  // y = rest + e^(-decay t) (-rest cos turn t + sine sin turn t)
   double frequency_ = 0;
   double duration_s_ = std::numeric_limits<double>::infinity();
 };

@@ -9,9 +9,14 @@
 namespace collided::response {
 
 EventDriven::EventDriven(Line line, Motion start, double restitution, double resting_speed_m_s)
-    : line_(std::move(line)), motion_(std::move(start)), restitution_(restitution), resting_speed_m_s_(resting_speed_m_s) {
-  if (restitution_ < 1 && !(resting_speed_m_s_ > 0)) throw std::invalid_argument("restitution below 1 needs a resting speed above 0");
-  if (deepest_penetration(line_, motion_) > touching_gap(line_, motion_)) throw std::invalid_argument("rigid bodies overlap at the start");
+    : line_(std::move(line)),
+      motion_(std::move(start)),
+      restitution_(restitution),
+      resting_speed_m_s_(resting_speed_m_s) {
+  if (restitution_ < 1 && !(resting_speed_m_s_ > 0))
+    throw std::invalid_argument("restitution below 1 needs a resting speed above 0");
+  if (deepest_penetration(line_, motion_) > touching_gap(line_, motion_))
+    throw std::invalid_argument("rigid bodies overlap at the start");
   touching_.resize(line_.size() + 1);
 }
 
@@ -23,7 +28,8 @@ EventDriven::Next EventDriven::next_impact() const {
     const double open_m = gap(line_, motion_.position_m, contact);
     const double rate = gap_rate(line_, motion_.velocity_m_s, contact);
     const double seconds = time_to_touch(open_m, rate, above - below);
-    if (seconds < next.seconds) next = {seconds, contact, std::sqrt(rate * rate - 2 * (above - below) * std::max(open_m, 0.0))};
+    if (seconds < next.seconds)
+      next = {seconds, contact, std::sqrt(rate * rate - 2 * (above - below) * std::max(open_m, 0.0))};
   }
   return next;
 }
@@ -48,7 +54,8 @@ void EventDriven::place(const Next& impact) {
     motion_.position_m[contact - 1] = line_.high_wall_m - line_.radius_m[contact - 1];
     motion_.velocity_m_s[contact - 1] = impact.approach_m_s;
   } else if (contact == resting_) {
-    const double floor_m = contact == 0 ? line_.low_wall_m : motion_.position_m[contact - 1] + line_.radius_m[contact - 1];
+    const double floor_m =
+        contact == 0 ? line_.low_wall_m : motion_.position_m[contact - 1] + line_.radius_m[contact - 1];
     motion_.position_m[contact] = floor_m + line_.radius_m[contact];
     motion_.velocity_m_s[contact] = -impact.approach_m_s;
   }
@@ -57,11 +64,13 @@ void EventDriven::place(const Next& impact) {
 void EventDriven::answer(const Next& impact) {
   place(impact);
   const double touching_m = touching_gap(line_, motion_);
-  for (std::size_t at = 0; at <= line_.size(); ++at) touching_[at] = at == impact.contact || gap(line_, motion_.position_m, at) <= touching_m;
+  for (std::size_t at = 0; at <= line_.size(); ++at)
+    touching_[at] = at == impact.contact || gap(line_, motion_.position_m, at) <= touching_m;
   impacts_ += resolve_impacts(line_, touching_, restitution_, resting_speed_m_s_, motion_.velocity_m_s, solve_);
   resting_ = 0;
   if (!(line_.gravity_m_s2 < 0)) return;
-  while (resting_ < line_.size() && touching_[resting_] && gap_rate(line_, motion_.velocity_m_s, resting_) <= resting_speed_m_s_) {
+  while (resting_ < line_.size() && touching_[resting_] &&
+         gap_rate(line_, motion_.velocity_m_s, resting_) <= resting_speed_m_s_) {
     motion_.velocity_m_s[resting_++] = 0;
   }
 }

@@ -51,7 +51,7 @@ class EventDriven {
   double restitution_;
   double resting_speed_m_s_;
   double time_s_ = 0;
-  double time_lost_s_ = 0;   // what rounding has left out of the time so far: a million bounces add a million flights
+  double time_lost_s_ = 0;  // what rounding has left out of the time so far: a million bounces add a million flights
   std::uint64_t impacts_ = 0;
   std::size_t resting_ = 0;  // the first so many bodies lie still
   std::vector<char> touching_;

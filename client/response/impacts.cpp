@@ -4,8 +4,8 @@
 
 namespace collided::response {
 
-std::uint64_t resolve_impacts(const Line& line, const std::vector<char>& touching, double restitution, double resting_speed_m_s,
-                              std::vector<double>& velocity_m_s, ContactSolve& solve) {
+std::uint64_t resolve_impacts(const Line& line, const std::vector<char>& touching, double restitution,
+                              double resting_speed_m_s, std::vector<double>& velocity_m_s, ContactSolve& solve) {
   std::uint64_t bounces = 0;
   bool bounced = true;
   for (int round = 0; round < kMostRounds && bounced; ++round) {

@@ -32,19 +32,19 @@ double largest_coordinate(const Line& line, const Motion& motion) {
   return largest;
 }
 
-double touching_gap(const Line& line, const Motion& motion) {
-  return kTouching * largest_coordinate(line, motion);
-}
+double touching_gap(const Line& line, const Motion& motion) { return kTouching * largest_coordinate(line, motion); }
 
 double kinetic_energy(const Line& line, const Motion& motion) {
   double sum = 0;
-  for (std::size_t body = 0; body < line.size(); ++body) sum += 0.5 * line.mass_kg[body] * motion.velocity_m_s[body] * motion.velocity_m_s[body];
+  for (std::size_t body = 0; body < line.size(); ++body)
+    sum += 0.5 * line.mass_kg[body] * motion.velocity_m_s[body] * motion.velocity_m_s[body];
   return sum;
 }
 
 double gravity_energy(const Line& line, const Motion& motion) {
   double sum = 0;
-  for (std::size_t body = 0; body < line.size(); ++body) sum -= line.mass_kg[body] * line.gravity_m_s2 * motion.position_m[body];
+  for (std::size_t body = 0; body < line.size(); ++body)
+    sum -= line.mass_kg[body] * line.gravity_m_s2 * motion.position_m[body];
   return sum;
 }
 
@@ -56,7 +56,8 @@ double momentum(const Line& line, const Motion& motion) {
 
 double deepest_penetration(const Line& line, const Motion& motion) {
   double deepest = 0;
-  for (std::size_t contact = 0; contact <= line.size(); ++contact) deepest = std::max(deepest, -gap(line, motion.position_m, contact));
+  for (std::size_t contact = 0; contact <= line.size(); ++contact)
+    deepest = std::max(deepest, -gap(line, motion.position_m, contact));
   return deepest;
 }
 

@@ -20,7 +20,9 @@ struct Line {
   double inverse_mass_below(std::size_t contact) const { return contact == 0 ? 0 : 1 / mass_kg[contact - 1]; }
   double inverse_mass_above(std::size_t contact) const { return contact == size() ? 0 : 1 / mass_kg[contact]; }
   /// Of the two sides of a contact, kg; against a wall the body's own.
-  double reduced_mass(std::size_t contact) const { return 1 / (inverse_mass_below(contact) + inverse_mass_above(contact)); }
+  double reduced_mass(std::size_t contact) const {
+    return 1 / (inverse_mass_below(contact) + inverse_mass_above(contact));
+  }
 };
 
 /// Where the bodies of a line are and how fast.

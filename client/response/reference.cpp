@@ -12,9 +12,7 @@ constexpr double kMostImpacts = 1e6;
 
 }  // namespace
 
-double RigidBall::first_impact_s() const {
-  return std::sqrt(2 * height_m / gravity_m_s2);
-}
+double RigidBall::first_impact_s() const { return std::sqrt(2 * height_m / gravity_m_s2); }
 
 double RigidBall::impact_s(std::uint64_t n) const {
   const double flights = static_cast<double>(n - 1);
@@ -51,7 +49,8 @@ double RigidBall::height(double seconds) const {
   return std::max(0.0, since * (speed - 0.5 * gravity_m_s2 * since));
 }
 
-ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravity_m_s2, double height_m, double velocity_m_s, double seconds) {
+ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravity_m_s2, double height_m,
+                              double velocity_m_s, double seconds) {
   ReferenceState state{.position_m = height_m, .velocity_m_s = velocity_m_s};
   double left = seconds;
   while (left > 0) {
@@ -70,7 +69,10 @@ ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravi
     left -= held;
     if (left > 0 && state.position_m < 0) {
       // Up to the surface the spring, let go, follows without a force.
-      const double out = (std::sqrt(std::max(0.0, state.velocity_m_s * state.velocity_m_s + 2 * gravity_m_s2 * state.position_m)) - state.velocity_m_s) / -gravity_m_s2;
+      const double out =
+          (std::sqrt(std::max(0.0, state.velocity_m_s * state.velocity_m_s + 2 * gravity_m_s2 * state.position_m)) -
+           state.velocity_m_s) /
+          -gravity_m_s2;
       const double risen = std::min(left, out);
       state.position_m += (state.velocity_m_s - 0.5 * gravity_m_s2 * risen) * risen;
       state.velocity_m_s -= gravity_m_s2 * risen;

@@ -11,7 +11,7 @@ namespace collided::response {
 /// A rigid ball dropped on a floor, in closed form. Its bounces follow in a geometric row and end: after that it lies still.
 /// source   Zeno's row; any text on hybrid systems, e.g. Goebel, Sanfelice, Teel, "Hybrid Dynamical Systems", 2012, 1.1
 struct RigidBall {
-  double height_m = 1;      // of its lowest point at time 0, at rest
+  double height_m = 1;  // of its lowest point at time 0, at rest
   double gravity_m_s2 = 9.81;
   double restitution = 0.5;
 
@@ -36,7 +36,8 @@ struct ReferenceState {
 /// error   of rounding without a damper. With one, a ball that its spring let go of below the surface flies on without a
 ///         force: right while speeds are far above gravity / frequency, so not for the last bounces before rest
 /// cost    a few closed forms a contact
-ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravity_m_s2, double height_m, double velocity_m_s, double seconds);
+ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravity_m_s2, double height_m,
+                              double velocity_m_s, double seconds);
 
 /// Two bodies that meet on a spring, nothing else: centre of mass uniform, distance by the contact's closed form.
 Motion compliant_pair(const Spring& spring, const Line& line, const Motion& start, double seconds);

@@ -17,12 +17,14 @@ void count_episode(SphereLedger& ledger, std::uint64_t answers) {
 
 }  // namespace
 
-double mass(const Sphere& sphere) {
-  return sphere.radius_m * sphere.radius_m * sphere.radius_m;
-}
+double mass(const Sphere& sphere) { return sphere.radius_m * sphere.radius_m * sphere.radius_m; }
 
 Spheres::Spheres(const SphereOptions& options, std::vector<Sphere> spheres)
-    : options_(options), spheres_(std::move(spheres)), spring_{.stiffness_n_m = options.stiffness_n_m}, between_{{1}, {0}}, motion_{{0}, {0}} {
+    : options_(options),
+      spheres_(std::move(spheres)),
+      spring_{.stiffness_n_m = options.stiffness_n_m},
+      between_{{1}, {0}},
+      motion_{{0}, {0}} {
   if (!(options.restitution >= 0 && options.restitution <= 1)) throw std::invalid_argument("restitution: 0 to 1");
   if (options.answer == Answer::compliant) spring_.damping_ratio = damping_of_restitution(options.restitution);
   ledger_.energy_before = energy();
@@ -74,7 +76,8 @@ bool Spheres::answer(const Pair& pair, Episode& episode, double seconds) {
       if (!options_.every_frame && episode.answers > 0) return false;
       flip(a.velocity, b.velocity);
       return true;
-    case Answer::impulse: return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal(pair), options_.restitution);
+    case Answer::impulse:
+      return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal(pair), options_.restitution);
     case Answer::compliant: break;
   }
   return push(pair, episode, seconds);
@@ -105,7 +108,8 @@ bool Spheres::push(const Pair& pair, Episode& episode, double seconds) {
   shift(b, masses.b / masses.sum() * shift_m * along);
   // A spring that has let go starts afresh, wherever the two are then.
   episode.deflection_m = std::min(motion_.position_m[0], 0.0);
-  ledger_.penetration_m = std::max(ledger_.penetration_m, overlap_m + std::max(stepper_.counts().deepest_m + start_m, 0.0));
+  ledger_.penetration_m =
+      std::max(ledger_.penetration_m, overlap_m + std::max(stepper_.counts().deepest_m + start_m, 0.0));
   // However many steps a contact on a spring takes, it is one answer.
   return change_m_s != 0 && episode.answers == 0;
 }
@@ -155,7 +159,9 @@ void Spheres::move(Sphere& sphere, double seconds) {
   }
   if (components > 0) ++ledger_.wall_hits[components];
   const double turn = sphere.spin.norm() * seconds;
-  if (turn > 0) sphere.rotation = (Eigen::Quaterniond(Eigen::AngleAxisd(turn, sphere.spin.normalized())) * sphere.rotation).normalized();
+  if (turn > 0)
+    sphere.rotation =
+        (Eigen::Quaterniond(Eigen::AngleAxisd(turn, sphere.spin.normalized())) * sphere.rotation).normalized();
 }
 
 void Spheres::step(double seconds) {
@@ -173,10 +179,13 @@ double Spheres::energy() const {
   double sum = 0;
   for (const Sphere& sphere : spheres_) sum += 0.5 * mass(sphere) * sphere.velocity.squaredNorm();
   if (options_.answer != Answer::compliant) return sum;
-  const auto stored = [this](double depth_m) { return 0.5 * spring_.stiffness_n_m * std::max(depth_m, 0.0) * std::max(depth_m, 0.0); };
+  const auto stored = [this](double depth_m) {
+    return 0.5 * spring_.stiffness_n_m * std::max(depth_m, 0.0) * std::max(depth_m, 0.0);
+  };
   for (const auto& [pair, episode] : open_) sum += stored(-episode.deflection_m);
   for (const Sphere& sphere : spheres_) {
-    for (int axis = 0; axis < 3; ++axis) sum += stored(std::abs(sphere.position[axis]) + sphere.radius_m - options_.half_side_m);
+    for (int axis = 0; axis < 3; ++axis)
+      sum += stored(std::abs(sphere.position[axis]) + sphere.radius_m - options_.half_side_m);
   }
   return sum;
 }

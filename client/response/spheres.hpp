@@ -33,24 +33,25 @@ enum class Answer {
 
 struct SphereOptions {
   Answer answer = Answer::flip;
-  bool every_frame = false;     // of flip: on every frame of a contact, as the homework words it; else once
-  double half_side_m = 0.5;     // of the cube about the origin
-  double restitution = 1;       // of impulse 0 to 1, of compliant kLeastDampedRestitution to 1
-  double stiffness_n_m = 1e6;   // of compliant
+  bool every_frame = false;    // of flip: on every frame of a contact, as the homework words it; else once
+  double half_side_m = 0.5;    // of the cube about the origin
+  double restitution = 1;      // of impulse 0 to 1, of compliant kLeastDampedRestitution to 1
+  double stiffness_n_m = 1e6;  // of compliant
 };
 
 /// What happened; energies with mass() as the mass.
 struct SphereLedger {
   std::uint64_t steps = 0;
-  std::uint64_t contacts = 0;              // sphere against sphere, each episode once
-  std::uint64_t flips = 0;                 // answers to pairs: flips or impulses, or contacts on springs
-  std::uint64_t sticking = 0;              // episodes answered three times or more
-  std::uint64_t longest_flips = 0;         // of one episode
-  std::array<std::uint64_t, 4> wall_hits{};  // by number of components turned in one step: [1] faces, [2] edges, [3] corners
-  std::uint64_t cube_contacts = 0;         // that the server reported
-  double penetration_m = 0;                // deepest, of pairs that were reported and of walls
+  std::uint64_t contacts = 0;       // sphere against sphere, each episode once
+  std::uint64_t flips = 0;          // answers to pairs: flips or impulses, or contacts on springs
+  std::uint64_t sticking = 0;       // episodes answered three times or more
+  std::uint64_t longest_flips = 0;  // of one episode
+  std::array<std::uint64_t, 4>
+      wall_hits{};                  // by number of components turned in one step: [1] faces, [2] edges, [3] corners
+  std::uint64_t cube_contacts = 0;  // that the server reported
+  double penetration_m = 0;         // deepest, of pairs that were reported and of walls
   double energy_before = 0;
-  double energy_after = 0;                 // springs counted
+  double energy_after = 0;  // springs counted
   Vec3 momentum_before = Vec3::Zero();
   Vec3 momentum_after = Vec3::Zero();
 
@@ -103,7 +104,7 @@ class Spheres {
   std::map<Pair, Episode> open_;  // contacts that hold
   SphereLedger ledger_;
   Spring spring_;
-  Line between_;                  // one body: a pair's distance, or a sphere between two walls
+  Line between_;  // one body: a pair's distance, or a sphere between two walls
   Motion motion_;
   Stepper stepper_;
 };

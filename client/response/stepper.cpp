@@ -86,11 +86,13 @@ void Stepper::step_by_impulses(Motion& motion, double seconds) {
   ++counts_.substeps;
   const double touching_m = touching_gap(line_, motion);
   touching_.resize(line_.size() + 1);
-  for (std::size_t contact = 0; contact <= line_.size(); ++contact) touching_[contact] = gap(line_, motion.position_m, contact) <= touching_m;
+  for (std::size_t contact = 0; contact <= line_.size(); ++contact)
+    touching_[contact] = gap(line_, motion.position_m, contact) <= touching_m;
   const double resting_speed = kRestingSpeed * std::abs(line_.gravity_m_s2) * seconds;
   for (double& velocity : motion.velocity_m_s) velocity += seconds * line_.gravity_m_s2;
   resolve_impacts(line_, touching_, options_.restitution, resting_speed, motion.velocity_m_s, solve_);
-  for (std::size_t body = 0; body < line_.size(); ++body) motion.position_m[body] += seconds * motion.velocity_m_s[body];
+  for (std::size_t body = 0; body < line_.size(); ++body)
+    motion.position_m[body] += seconds * motion.velocity_m_s[body];
 }
 
 }  // namespace collided::response

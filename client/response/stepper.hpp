@@ -23,16 +23,16 @@ std::string_view name(Method method);
 
 struct StepCounts {
   std::uint64_t substeps = 0;
-  std::uint64_t repeated = 0;    // substeps made again, smaller
+  std::uint64_t repeated = 0;     // substeps made again, smaller
   std::uint64_t surrendered = 0;  // steps whose rest went by implicit Euler: out of substeps
-  double deepest_m = 0;          // largest overlap at the end of any substep
+  double deepest_m = 0;           // largest overlap at the end of any substep
 };
 
 struct StepperOptions {
   Method method = Method::compliant;
   Spring spring = {};
-  double restitution = 1;       // of impulses; springs have theirs from their damper
-  double substep_error = 0;     // of the compliant method; 0 means kSubstepError
+  double restitution = 1;    // of impulses; springs have theirs from their damper
+  double substep_error = 0;  // of the compliant method; 0 means kSubstepError
 };
 
 /// Moves a line on, step by step.
@@ -84,7 +84,7 @@ class Stepper {
   double highest_frequency_ = 0;  // of any contact, rad/s
   double next_substep_s_ = 0;
   double step_s_ = 0;
-  Motion half_, end_;             // of the substep being tried
+  Motion half_, end_;  // of the substep being tried
   std::vector<double> force_, start_acceleration_, half_acceleration_, end_acceleration_;
   std::vector<char> touching_;
 };
@@ -92,7 +92,7 @@ class Stepper {
 /// Impulses for the contacts marked in `touching` until none approaches: pair by pair in order, each with restitution;
 /// impacts slower than resting_speed, and what kMostRounds leave, stop together. Returns how many pairs bounced.
 /// Always: momentum between walls stays but for rounding, and energy never grows.
-std::uint64_t resolve_impacts(const Line& line, const std::vector<char>& touching, double restitution, double resting_speed_m_s,
-                              std::vector<double>& velocity_m_s, ContactSolve& solve);
+std::uint64_t resolve_impacts(const Line& line, const std::vector<char>& touching, double restitution,
+                              double resting_speed_m_s, std::vector<double>& velocity_m_s, ContactSolve& solve);
 
 }  // namespace collided::response

@@ -54,9 +54,7 @@ Bytes Drawer::draw() const {
   draw::Rays rays(client_, {});
   try {
     return make_bytes(as_svg(draw::draw(*shown, options, rays).picture));
-  } catch (const Error&) {
-    return nullptr;
-  } catch (const std::bad_alloc&) {
+  } catch (const Error&) { return nullptr; } catch (const std::bad_alloc&) {
     return nullptr;
   }
 }

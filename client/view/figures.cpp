@@ -53,9 +53,7 @@ Figures figures_of(const json& answer) {
 }
 
 /// Readings of a running server are not of one moment: a sum may be behind another, never less than nothing.
-std::uint64_t grown(std::uint64_t older, std::uint64_t newer) {
-  return newer > older ? newer - older : 0;
-}
+std::uint64_t grown(std::uint64_t older, std::uint64_t newer) { return newer > older ? newer - older : 0; }
 
 std::vector<DurationStep> grown(const std::vector<DurationStep>& older, const std::vector<DurationStep>& newer) {
   std::vector<DurationStep> more;
@@ -74,9 +72,7 @@ std::vector<DurationStep> grown(const std::vector<DurationStep>& older, const st
 std::optional<Figures> parse_figures(std::string_view text) {
   try {
     return figures_of(json::parse(text));
-  } catch (const json::exception&) {
-    return std::nullopt;
-  }
+  } catch (const json::exception&) { return std::nullopt; }
 }
 
 Figures between(const Figures& older, const Figures& newer) {
@@ -84,9 +80,10 @@ Figures between(const Figures& older, const Figures& newer) {
   if (newer.up_ns < older.up_ns) return more;
   more.up_ns = newer.up_ns - older.up_ns;
   const auto subtract = [&](std::uint64_t Figures::*sum) { more.*sum = grown(older.*sum, newer.*sum); };
-  for (const auto sum : {&Figures::steps, &Figures::stalled_steps, &Figures::candidates, &Figures::filtered, &Figures::exact_tests,
-                         &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late, &Figures::poses_lost, &Figures::stamps_late,
-                         &Figures::stamps_jumped, &Figures::stamps_missing}) {
+  for (const auto sum :
+       {&Figures::steps, &Figures::stalled_steps, &Figures::candidates, &Figures::filtered, &Figures::exact_tests,
+        &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late,
+        &Figures::poses_lost, &Figures::stamps_late, &Figures::stamps_jumped, &Figures::stamps_missing}) {
     subtract(sum);
   }
   more.step_durations = grown(older.step_durations, newer.step_durations);

@@ -22,7 +22,7 @@ struct Stage {
 
 struct Asked {
   std::string kind;
-  std::uint64_t answered = 0;            // questions
+  std::uint64_t answered = 0;             // questions
   std::vector<DurationStep> durations{};  // of the samples that they came in
 };
 
@@ -42,7 +42,7 @@ struct Figures {
   std::uint64_t undecided_answers = 0;
   std::uint64_t poses_applied = 0;
   std::uint64_t poses_late = 0;
-  std::uint64_t poses_lost = 0;  // of unknown objects, refused, superseded, or dropped
+  std::uint64_t poses_lost = 0;   // of unknown objects, refused, superseded, or dropped
   std::uint64_t stamps_late = 0;  // batches with a time that their publisher had passed
   std::uint64_t stamps_jumped = 0;
   std::uint64_t stamps_missing = 0;

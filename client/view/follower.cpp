@@ -21,7 +21,11 @@ Result<std::unique_ptr<Follower>> Follower::start(Client& client, Observer& obse
 }
 
 Follower::Follower(Client& client, Watch watch, Observer& observer, FollowOptions options)
-    : client_(client), watch_(std::move(watch)), observer_(observer), options_(std::move(options)), heard_(Clock::now()) {
+    : client_(client),
+      watch_(std::move(watch)),
+      observer_(observer),
+      options_(std::move(options)),
+      heard_(Clock::now()) {
   looking_ = std::thread([this] { look(); });
   listening_ = std::thread([this] { listen(); });
 }

@@ -17,7 +17,8 @@ constexpr std::int64_t kTransformsPeriod_ns = 100'000'000;
 constexpr std::uint8_t kTransformsLane = 1;  // a newer frame takes the place of one that waits
 
 WebMessage text_message(const json& message) {
-  return {.bytes = make_bytes(message.dump(-1, ' ', false, json::error_handler_t::replace)), .is_text = true, .lane = 0};
+  return {
+      .bytes = make_bytes(message.dump(-1, ' ', false, json::error_handler_t::replace)), .is_text = true, .lane = 0};
 }
 
 WebMessage warning(const std::string& text) {
@@ -26,7 +27,8 @@ WebMessage warning(const std::string& text) {
 
 std::optional<std::uint32_t> number(const json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_unsigned() || found->get<std::uint64_t>() > 0xffffffff) return std::nullopt;
+  if (found == object.end() || !found->is_number_unsigned() || found->get<std::uint64_t>() > 0xffffffff)
+    return std::nullopt;
   return found->get<std::uint32_t>();
 }
 
@@ -62,7 +64,10 @@ void Foxglove::opened(Connection client) {
     const std::lock_guard lock(mutex_);
     clients_[client];
   }
-  send_(client, text_message({{"op", "serverInfo"}, {"name", "Collided"}, {"capabilities", json::array()}, {"metadata", json::object()}}));
+  send_(
+      client,
+      text_message(
+          {{"op", "serverInfo"}, {"name", "Collided"}, {"capabilities", json::array()}, {"metadata", json::object()}}));
   send_(client, text_message({{"op", "advertise"}, {"channels", channels}}));
 }
 
@@ -89,7 +94,8 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
   std::vector<Subscription>& subscriptions = clients_[from].subscriptions;
   if (*op == "unsubscribe") {
     for (const json& id : list(message, "subscriptionIds")) {
-      std::erase_if(subscriptions, [&](const Subscription& known) { return id.is_number_unsigned() && id == known.number; });
+      std::erase_if(subscriptions,
+                    [&](const Subscription& known) { return id.is_number_unsigned() && id == known.number; });
     }
     return answers;
   }
@@ -100,13 +106,16 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
   for (const json& wish : list(message, "subscriptions")) {
     const std::optional<std::uint32_t> id = wish.is_object() ? number(wish, "id") : std::nullopt;
     const std::optional<std::uint32_t> channel = wish.is_object() ? number(wish, "channelId") : std::nullopt;
-    const bool is_known = id && std::any_of(subscriptions.begin(), subscriptions.end(), [&](const Subscription& known) { return known.number == *id; });
-    if (!id || !channel || *channel < kScene || *channel >= kChannelEnd || is_known || subscriptions.size() >= kMostSubscriptions) {
+    const bool is_known = id && std::any_of(subscriptions.begin(), subscriptions.end(),
+                                            [&](const Subscription& known) { return known.number == *id; });
+    if (!id || !channel || *channel < kScene || *channel >= kChannelEnd || is_known ||
+        subscriptions.size() >= kMostSubscriptions) {
       warn("a subscription without number, of an unknown channel, with a number in use, or one too many");
       continue;
     }
     subscriptions.push_back({*id, static_cast<Channel>(*channel)});
-    if (*channel == kScene && scene_) answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *scene_)), false, 0}});
+    if (*channel == kScene && scene_)
+      answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *scene_)), false, 0}});
   }
   return answers;
 }
@@ -160,7 +169,8 @@ void Foxglove::poses(const Poses& poses) {
     const std::lock_guard lock(mutex_);
     const bool is_wanted = std::any_of(clients_.begin(), clients_.end(), [](const auto& entry) {
       const auto& subscriptions = entry.second.subscriptions;
-      return std::any_of(subscriptions.begin(), subscriptions.end(), [](const Subscription& s) { return s.channel == kTransforms; });
+      return std::any_of(subscriptions.begin(), subscriptions.end(),
+                         [](const Subscription& s) { return s.channel == kTransforms; });
     });
     const bool is_early = now_ns >= transforms_time_ns_ && now_ns - transforms_time_ns_ < kTransformsPeriod_ns;
     if (!is_wanted || is_early) return;

@@ -21,21 +21,15 @@ json time(std::chrono::nanoseconds since_1970) {
   return {{"sec", ns / kSecond_ns}, {"nsec", ns % kSecond_ns}};
 }
 
-json vector(const Vec3& v) {
-  return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}};
-}
+json vector(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
 
-json quaternion(const Quat& q) {
-  return {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}};
-}
+json quaternion(const Quat& q) { return {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}; }
 
 json pose(const Vec3& position, const Quat& rotation) {
   return {{"position", vector(position)}, {"orientation", quaternion(rotation)}};
 }
 
-std::string text_of(const json& message) {
-  return message.dump(-1, ' ', false, json::error_handler_t::replace);
-}
+std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// One object's primitives, in its own frame.
 struct Entity {
@@ -95,7 +89,11 @@ struct Entity {
     for (std::uint32_t i = 0; i < run.triangle_count; ++i) {
       for (std::size_t which = 0; which < 3; ++which) points.push_back(vector(corner(i, which)));
     }
-    triangles.push_back({{"pose", pose(Vec3::Zero(), Quat::Identity())}, {"points", points}, {"color", color}, {"colors", json::array()}, {"indices", json::array()}});
+    triangles.push_back({{"pose", pose(Vec3::Zero(), Quat::Identity())},
+                         {"points", points},
+                         {"color", color},
+                         {"colors", json::array()},
+                         {"indices", json::array()}});
   }
 };
 
@@ -126,7 +124,8 @@ json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::u
         const json& own = primitive["pose"];
         const auto part = [&](const char* of, const char* axis) { return own[of][axis].get<double>(); };
         const Vec3 position(part("position", "x"), part("position", "y"), part("position", "z"));
-        const Quat turn(part("orientation", "w"), part("orientation", "x"), part("orientation", "y"), part("orientation", "z"));
+        const Quat turn(part("orientation", "w"), part("orientation", "x"), part("orientation", "y"),
+                        part("orientation", "z"));
         primitive["pose"] = pose(object.pose.position + object.pose.rotation * position, object.pose.rotation * turn);
       }
     }
@@ -137,7 +136,8 @@ json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::u
 }  // namespace
 
 // What is sent of each type, no more; readers know the rest by the name.
-const FoxgloveSchema kSceneUpdateSchema{"foxglove.SceneUpdate", R"({"title":"foxglove.SceneUpdate","type":"object","properties":{
+const FoxgloveSchema kSceneUpdateSchema{"foxglove.SceneUpdate",
+                                        R"({"title":"foxglove.SceneUpdate","type":"object","properties":{
 "deletions":{"type":"array","items":{"type":"object","properties":{
  "timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer"},"nsec":{"type":"integer"}}},"type":{"type":"integer"},"id":{"type":"string"}}}},
 "entities":{"type":"array","items":{"type":"object","properties":{
@@ -147,7 +147,8 @@ const FoxgloveSchema kSceneUpdateSchema{"foxglove.SceneUpdate", R"({"title":"fox
  "cubes":{"type":"array","items":{"type":"object"}},"spheres":{"type":"array","items":{"type":"object"}},"cylinders":{"type":"array","items":{"type":"object"}},
  "lines":{"type":"array","items":{"type":"object"}},"triangles":{"type":"array","items":{"type":"object"}},"texts":{"type":"array","items":{"type":"object"}},
  "models":{"type":"array","items":{"type":"object"}}}}}}})"};
-const FoxgloveSchema kFrameTransformsSchema{"foxglove.FrameTransforms", R"({"title":"foxglove.FrameTransforms","type":"object","properties":{
+const FoxgloveSchema kFrameTransformsSchema{"foxglove.FrameTransforms",
+                                            R"({"title":"foxglove.FrameTransforms","type":"object","properties":{
 "transforms":{"type":"array","items":{"type":"object","properties":{
  "timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer"},"nsec":{"type":"integer"}}},
  "parent_frame_id":{"type":"string"},"child_frame_id":{"type":"string"},
@@ -160,8 +161,10 @@ const FoxgloveSchema kEventSchema{"collided.Event", R"({"title":"collided.Event"
 std::string scene_update(const ShownObjects& shown, std::uint32_t most_triangles) {
   constexpr int kDeleteAll = 1;
   json entities = json::array();
-  for (const ShownObject& object : shown.objects) entities.push_back(entity_json(object, shown.world_time, most_triangles));
-  return text_of({{"deletions", {{{"timestamp", time(shown.world_time)}, {"type", kDeleteAll}, {"id", ""}}}}, {"entities", entities}});
+  for (const ShownObject& object : shown.objects)
+    entities.push_back(entity_json(object, shown.world_time, most_triangles));
+  return text_of({{"deletions", {{{"timestamp", time(shown.world_time)}, {"type", kDeleteAll}, {"id", ""}}}},
+                  {"entities", entities}});
 }
 
 std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, std::string>& names) {
@@ -183,14 +186,17 @@ std::string contact_update(std::span<const Event> events) {
   for (const Event& event : events) {
     if (event.kind != EventKind::began || event.doubt != Doubt::none || !event.point.allFinite()) continue;
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitX(), event.normal);
-    const json arrow{{"pose", pose(event.point, turn)}, {"shaft_length", 0.2}, {"shaft_diameter", 0.02}, {"head_length", 0.08}, {"head_diameter", 0.06}, {"color", kAccent}};
+    const json arrow{{"pose", pose(event.point, turn)}, {"shaft_length", 0.2},
+                     {"shaft_diameter", 0.02},          {"head_length", 0.08},
+                     {"head_diameter", 0.06},           {"color", kAccent}};
     entities.push_back({{"timestamp", time(event.world_time)},
                         {"frame_id", kWorld},
                         {"id", event.a + " x " + event.b},
                         {"lifetime", {{"sec", 1}, {"nsec", 0}}},
                         {"frame_locked", false},
                         {"arrows", {arrow}}});
-    for (const char* none : {"metadata", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models"}) entities.back()[none] = json::array();
+    for (const char* none : {"metadata", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models"})
+      entities.back()[none] = json::array();
   }
   return entities.empty() ? std::string() : text_of({{"deletions", json::array()}, {"entities", entities}});
 }

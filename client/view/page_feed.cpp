@@ -53,9 +53,7 @@ void PageFeed::status(const ServerStatus& status, const std::optional<Figures>& 
   tell_(message);
 }
 
-void PageFeed::silent(double seconds) {
-  tell_(text_message(silent_text(seconds), kStatus));
-}
+void PageFeed::silent(double seconds) { tell_(text_message(silent_text(seconds), kStatus)); }
 
 void PageFeed::events(std::span<const Event> events) {
   {

@@ -13,18 +13,14 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
 
-std::string text_of(const json& message) {
-  return message.dump(-1, ' ', false, json::error_handler_t::replace);
-}
+std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// JSON has no infinity; the CLI writes it as text too.
 json number(double value) {
   return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : value < 0 ? "-inf" : "nan");
 }
 
-json numbers(const Vec3& v) {
-  return {number(v.x()), number(v.y()), number(v.z())};
-}
+json numbers(const Vec3& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
 void append(json& list, const Vec3& v) {
   for (int axis = 0; axis < 3; ++axis) list.push_back(number(v[axis]));
@@ -90,8 +86,15 @@ json object_text(const ShownObject& object) {
   for (const SurfaceRun& run : object.runs) {
     if (run.surface) runs.push_back({std::to_string(run.surface->number), run.first_triangle, run.triangle_count});
   }
-  return {{"slot", slot_of(object.id)}, {"name", object.name}, {"scene", object.scene}, {"moving", object.moving}, {"stale", object.stale},
-          {"layers", object.layers},    {"pose", pose},        {"parts", parts},        {"runs", runs}};
+  return {{"slot", slot_of(object.id)},
+          {"name", object.name},
+          {"scene", object.scene},
+          {"moving", object.moving},
+          {"stale", object.stale},
+          {"layers", object.layers},
+          {"pose", pose},
+          {"parts", parts},
+          {"runs", runs}};
 }
 
 /// Numbers one after the other.
@@ -137,7 +140,9 @@ std::string_view name_of(EventKind what) {
 }
 
 std::string_view name_of(EndReason why) {
-  constexpr std::string_view kNames[] = {"", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided"};
+  constexpr std::string_view kNames[] = {"",           "separated",        "removed",         "publisher_lost",
+                                         "teleported", "geometry_changed", "server_stopping", "server_restarted",
+                                         "decided"};
   return kNames[static_cast<std::size_t>(why)];
 }
 
@@ -152,13 +157,12 @@ std::string_view name_of(Verdict verdict) {
 }
 
 std::string_view name_of(UndecidedReason reason) {
-  constexpr std::string_view kNames[] = {"", "numeric", "stale_object", "recovering", "truncated", "deadline", "not_covered"};
+  constexpr std::string_view kNames[] = {"",          "numeric",  "stale_object", "recovering",
+                                         "truncated", "deadline", "not_covered"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 
-double seconds(std::chrono::nanoseconds time) {
-  return static_cast<double>(time.count()) * 1e-9;
-}
+double seconds(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
 
 json event_text(const Event& event) {
   json text{{"what", name_of(event.kind)},
@@ -198,19 +202,25 @@ json recent_text(const Figures& recent) {
     return ns ? json(static_cast<double>(*ns) * 1e-9) : json(nullptr);
   };
   json stages = json::array();
-  for (const Stage& stage : recent.stages) stages.push_back({{"stage", stage.name}, {"share", static_cast<double>(stage.ns) * 1e-9 / over_s}});
+  for (const Stage& stage : recent.stages)
+    stages.push_back({{"stage", stage.name}, {"share", static_cast<double>(stage.ns) * 1e-9 / over_s}});
   json asked = json::array();
   for (const Asked& kind : recent.questions) {
-    asked.push_back({{"kind", kind.kind}, {"rate", rate(kind.answered)}, {"p50", quantile(kind.durations, 0.5)}, {"p99", quantile(kind.durations, 0.99)}});
+    asked.push_back({{"kind", kind.kind},
+                     {"rate", rate(kind.answered)},
+                     {"p50", quantile(kind.durations, 0.5)},
+                     {"p99", quantile(kind.durations, 0.99)}});
   }
-  return {{"stages", stages},
-          {"asked", asked},
-          {"steps", rate(recent.steps)},
-          {"step_p50", quantile(recent.step_durations, 0.5)},
-          {"step_p99", quantile(recent.step_durations, 0.99)},
-          {"poses", rate(recent.poses_applied)},
-          {"candidates", recent.steps > 0 ? static_cast<double>(recent.candidates) / static_cast<double>(recent.steps) : 0.0},
-          {"filtered", recent.steps > 0 ? static_cast<double>(recent.filtered) / static_cast<double>(recent.steps) : 0.0}};
+  return {
+      {"stages", stages},
+      {"asked", asked},
+      {"steps", rate(recent.steps)},
+      {"step_p50", quantile(recent.step_durations, 0.5)},
+      {"step_p99", quantile(recent.step_durations, 0.99)},
+      {"poses", rate(recent.poses_applied)},
+      {"candidates",
+       recent.steps > 0 ? static_cast<double>(recent.candidates) / static_cast<double>(recent.steps) : 0.0},
+      {"filtered", recent.steps > 0 ? static_cast<double>(recent.filtered) / static_cast<double>(recent.steps) : 0.0}};
 }
 
 void add_hit(json& text, const Hit& hit) {
@@ -228,7 +238,10 @@ void add_hit(json& text, const Hit& hit) {
 std::string objects_text(const ShownObjects& shown) {
   json objects = json::array();
   for (const ShownObject& object : shown.objects) objects.push_back(object_text(object));
-  return text_of({{"epoch", shown.epoch}, {"version", shown.version}, {"table_version", shown.table_version}, {"objects", objects}});
+  return text_of({{"epoch", shown.epoch},
+                  {"version", shown.version},
+                  {"table_version", shown.table_version},
+                  {"objects", objects}});
 }
 
 std::string surface_bytes(const Surface& surface) {
@@ -258,7 +271,8 @@ std::string poses_bytes(const Poses& poses) {
   bytes.write(origin);
   for (const Pose& pose : poses.poses) {
     bytes.write_single(pose.position - origin);
-    for (const double part : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) bytes.write(static_cast<float>(part));
+    for (const double part : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
+      bytes.write(static_cast<float>(part));
   }
   for (const std::uint64_t id : poses.ids) bytes.write(slot_of(id));
   for (const std::uint8_t stale : poses.stale) bytes.write(stale);
@@ -299,9 +313,7 @@ std::string status_text(const ServerStatus& status, const std::optional<Figures>
   return text_of(text);
 }
 
-std::string silent_text(double for_s) {
-  return text_of({{"type", "silent"}, {"seconds", for_s}});
-}
+std::string silent_text(double for_s) { return text_of({{"type", "silent"}, {"seconds", for_s}}); }
 
 std::string table_text(const ShownObjects& shown) {
   return text_of({{"type", "table"}, {"epoch", shown.epoch}, {"table_version", shown.table_version}});
@@ -322,7 +334,13 @@ std::string ray_answer_text(double id, const RayQuestion& asked, const Result<An
 
 std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer) {
   if (!answer) return refused_text(id, answer.error().message);
-  json text{{"type", "answer"}, {"ask", "pair"}, {"id", id}, {"a", a}, {"b", b}, {"answer", name_of(answer->verdict)}, {"error", number(answer->error_m)}};
+  json text{{"type", "answer"},
+            {"ask", "pair"},
+            {"id", id},
+            {"a", a},
+            {"b", b},
+            {"answer", name_of(answer->verdict)},
+            {"error", number(answer->error_m)}};
   if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
   if (answer->verdict == Verdict::hit) {
     text["depth"] = number(answer->depth_m);

@@ -14,9 +14,7 @@
 namespace collided::view {
 
 /// The slot that an object has in the world, by which the page knows it while the table stays the same.
-inline std::uint32_t slot_of(std::uint64_t id) {
-  return static_cast<std::uint32_t>(id);
-}
+inline std::uint32_t slot_of(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
 /// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, pose [7],
 ///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}. Kinds and their numbers: sphere 0 (centre,

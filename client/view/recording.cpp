@@ -20,7 +20,8 @@ using Clock = std::chrono::steady_clock;
 std::string packed(std::string_view bytes) {
   uLongf size = ::compressBound(bytes.size());
   std::string out(size, '\0');
-  const int failed = ::compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED);
+  const int failed = ::compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED);
   if (failed != Z_OK) throw std::bad_alloc();
   out.resize(size);
   return out;
@@ -33,7 +34,8 @@ std::string base64(std::string_view bytes) {
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
     std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i) group = group << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0U);
+    for (std::size_t i = 0; i < 3; ++i)
+      group = group << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0U);
     for (std::size_t i = 0; i < 4; ++i) text += i <= count ? kDigits[group >> (18 - 6 * i) & 63] : '=';
   }
   return text;
@@ -61,7 +63,8 @@ std::string_view asset(std::string_view path) {
 /// What pages would have been told, with the time.
 class Recorder {
  public:
-  explicit Recorder(std::size_t most_bytes) : feed_([this](const WebMessage& message) { hear(message); }), most_bytes_(most_bytes) {}
+  explicit Recorder(std::size_t most_bytes)
+      : feed_([this](const WebMessage& message) { hear(message); }), most_bytes_(most_bytes) {}
 
   Observer& observer() { return feed_; }
   bool is_full() const {
@@ -135,16 +138,19 @@ SavedRun Recorder::finish(bool y_is_up) && {
   for (const Message& message : messages_) {
     const bool is_text = std::string_view(message.kind) == "text";
     saved.frames += std::string_view(message.kind) == "poses" ? 1 : 0;
-    messages.push_back({{"t", message.at_s}, {"kind", message.kind}, {"data", is_text ? message.data : base64(message.data)}});
+    messages.push_back(
+        {{"t", message.at_s}, {"kind", message.kind}, {"data", is_text ? message.data : base64(message.data)}});
   }
   json surfaces = json::object();
   for (const auto& [key, bytes] : surfaces_) surfaces[key] = base64(bytes);
   const json run{{"begin", 0}, {"end", saved.seconds}, {"messages", messages}, {"surfaces", surfaces}};
   saved.page = asset("/");
-  replace(saved.page, R"(<link rel="stylesheet" href="view.css">)", "<style>\n" + std::string(asset("/view.css")) + "</style>");
+  replace(saved.page, R"(<link rel="stylesheet" href="view.css">)",
+          "<style>\n" + std::string(asset("/view.css")) + "</style>");
   replace(saved.page, R"(<script src="view.js"></script>)",
-          R"(<script type="application/json" id="run">)" + without_elements(run.dump(-1, ' ', false, json::error_handler_t::replace)) +
-              "</script>\n<script>\n" + std::string(asset("/view.js")) + "</script>");
+          R"(<script type="application/json" id="run">)" +
+              without_elements(run.dump(-1, ' ', false, json::error_handler_t::replace)) + "</script>\n<script>\n" +
+              std::string(asset("/view.js")) + "</script>");
   return saved;
 }
 

@@ -11,7 +11,8 @@ bool is_same(std::string_view a, std::string_view b) {
 }
 
 bool is_port(std::string_view text) {
-  return !text.empty() && text.size() <= 5 && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return !text.empty() && text.size() <= 5 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// "name" of "name", "name:port", "[address]" or "[address]:port"; empty where it is none of them.
@@ -37,14 +38,16 @@ bool may_be_called(std::string_view host, std::string_view own_address, bool is_
   const std::string_view name = name_of(host);
   if (name.empty()) return false;
   if (is_same(name, own_address) || (is_loopback && is_same(name, "localhost"))) return true;
-  return std::any_of(rules.hosts.begin(), rules.hosts.end(), [&](const std::string& allowed) { return is_same(name, allowed); });
+  return std::any_of(rules.hosts.begin(), rules.hosts.end(),
+                     [&](const std::string& allowed) { return is_same(name, allowed); });
 }
 
 bool may_connect(std::string_view origin, std::string_view host, const RequestRules& rules) {
   if (origin.empty()) return true;
   constexpr std::string_view kScheme = "http://";
   if (origin.starts_with(kScheme) && is_same(origin.substr(kScheme.size()), host)) return true;
-  return std::any_of(rules.origins.begin(), rules.origins.end(), [&](const std::string& allowed) { return is_same(origin, allowed); });
+  return std::any_of(rules.origins.begin(), rules.origins.end(),
+                     [&](const std::string& allowed) { return is_same(origin, allowed); });
 }
 
 }  // namespace collided::view

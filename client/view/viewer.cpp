@@ -35,7 +35,8 @@ Viewer::Viewer(Client& client, const ViewerOptions& options)
     : hello_(hello_text(options)),
       feed_([this](const WebMessage& message) { tell_pages(message); }),
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
-  for (const Asset& asset : assets()) assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
+  for (const Asset& asset : assets())
+    assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
   asker_ = std::make_unique<Asker>(client);
   drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
   web_ = std::make_unique<WebServer>(options.address, options.rules, options.limits, handlers());
@@ -49,14 +50,15 @@ Viewer::~Viewer() {
 }
 
 WebServer::Handlers Viewer::handlers() {
-  return {.page = [this](std::string_view target) { return page(target); },
-          .protocol = [](std::string_view target, const std::vector<std::string>& offered) -> std::optional<std::string> {
-            if (target == kLive) return std::string();
-            return Foxglove::protocol(offered);
-          },
-          .opened = [this](Connection client, const std::string& protocol) { open(client, protocol); },
-          .said = [this](Connection client, std::string_view message, bool is_text) { hear(client, message, is_text); },
-          .closed = [this](Connection client) { close(client); }};
+  return {
+      .page = [this](std::string_view target) { return page(target); },
+      .protocol = [](std::string_view target, const std::vector<std::string>& offered) -> std::optional<std::string> {
+        if (target == kLive) return std::string();
+        return Foxglove::protocol(offered);
+      },
+      .opened = [this](Connection client, const std::string& protocol) { open(client, protocol); },
+      .said = [this](Connection client, std::string_view message, bool is_text) { hear(client, message, is_text); },
+      .closed = [this](Connection client) { close(client); }};
 }
 
 std::optional<WebPage> Viewer::page(std::string_view target) const {
@@ -100,7 +102,9 @@ void Viewer::greet(Connection page) {
 }
 
 void Viewer::pass_on(Connection page, std::string_view text) {
-  const auto tell = [this, page](std::string answer) { web_->send(page, {.bytes = make_bytes(std::move(answer)), .is_text = true, .lane = 0}); };
+  const auto tell = [this, page](std::string answer) {
+    web_->send(page, {.bytes = make_bytes(std::move(answer)), .is_text = true, .lane = 0});
+  };
   std::optional<PageQuestion> question = parse_page_question(text);
   if (!question) return tell(refused_text(0, "this is no question that a viewer passes on"));
   const double id = question->id;

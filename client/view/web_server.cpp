@@ -34,9 +34,7 @@ constexpr std::string_view kFullResponse =
     "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nContent-Length: 43\r\n\r\n"
     "too many connections to this viewer; later\n";
 
-std::string_view view_of(beast::string_view text) {
-  return {text.data(), text.size()};
-}
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::vector<std::string> list_of(beast::string_view header) {
   std::vector<std::string> words;
@@ -99,7 +97,11 @@ class WebServer::Running {
 class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
  public:
   Socket(Running& owner, Place place, beast::tcp_stream stream, Connection number)
-      : owner_(owner), place_(std::move(place)), stream_(std::move(stream)), number_(number), message_(owner.limits_.message_bytes) {}
+      : owner_(owner),
+        place_(std::move(place)),
+        stream_(std::move(stream)),
+        number_(number),
+        message_(owner.limits_.message_bytes) {}
 
   ~Socket() {
     if (is_open_) owner_.handlers_.closed(number_);
@@ -136,7 +138,8 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
     }
     // A lane holds at most one, of any size; the limit is on what piles up.
     const bool piles_up = message.lane == 0 && !waiting_.empty();
-    if (piles_up && (waiting_.size() >= owner_.limits_.waiting_messages || waiting_bytes_ + message.bytes->size() > owner_.limits_.waiting_bytes)) {
+    if (piles_up && (waiting_.size() >= owner_.limits_.waiting_messages ||
+                     waiting_bytes_ + message.bytes->size() > owner_.limits_.waiting_bytes)) {
       return drop(owner_.counts_.slow);
     }
     waiting_bytes_ += message.bytes->size();
@@ -155,7 +158,8 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
       if (self->is_dropped_) return;
       if (!self->may_say_more()) return self->drop(self->owner_.counts_.flooding);
       const auto bytes = self->message_.data();
-      self->owner_.handlers_.said(self->number_, {static_cast<const char*>(bytes.data()), bytes.size()}, self->stream_.got_text());
+      self->owner_.handlers_.said(self->number_, {static_cast<const char*>(bytes.data()), bytes.size()},
+                                  self->stream_.got_text());
       self->message_.consume(self->message_.size());
       self->read();
     });
@@ -174,18 +178,21 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
     is_writing_ = true;
     writing_since_ = Clock::now();
     stream_.text(waiting_.front().is_text);
-    stream_.async_write(asio::buffer(*waiting_.front().bytes), [self = shared_from_this()](error_code failed, std::size_t) {
-      self->is_writing_ = false;
-      if (failed || self->is_dropped_) return self->end(failed);
-      self->waiting_bytes_ -= self->waiting_.front().bytes->size();
-      self->waiting_.pop_front();
-      if (!self->waiting_.empty()) self->write();
-    });
+    stream_.async_write(asio::buffer(*waiting_.front().bytes),
+                        [self = shared_from_this()](error_code failed, std::size_t) {
+                          self->is_writing_ = false;
+                          if (failed || self->is_dropped_) return self->end(failed);
+                          self->waiting_bytes_ -= self->waiting_.front().bytes->size();
+                          self->waiting_.pop_front();
+                          if (!self->waiting_.empty()) self->write();
+                        });
   }
 
   void end(error_code failed) {
-    const bool is_malformed = failed == websocket::error::message_too_big || failed == websocket::error::buffer_overflow ||
-                              (failed.category() == make_error_code(websocket::error::bad_opcode).category() && failed != websocket::error::closed);
+    const bool is_malformed = failed == websocket::error::message_too_big ||
+                              failed == websocket::error::buffer_overflow ||
+                              (failed.category() == make_error_code(websocket::error::bad_opcode).category() &&
+                               failed != websocket::error::closed);
     if (is_malformed) ++owner_.counts_.malformed;
     close();
   }
@@ -241,8 +248,8 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
 
  private:
   void refuse(error_code failed) {
-    const bool is_malformed = failed.category() == make_error_code(http::error::bad_method).category() && failed != http::error::end_of_stream &&
-                              failed != http::error::partial_message;
+    const bool is_malformed = failed.category() == make_error_code(http::error::bad_method).category() &&
+                              failed != http::error::end_of_stream && failed != http::error::partial_message;
     if (!is_malformed) return;
     ++owner_.counts_.malformed;
     keeps_ = false;
@@ -327,17 +334,22 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   Bytes body_;
 };
 
-WebServer::Running::Running(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers)
+WebServer::Running::Running(const WebAddress& address, const RequestRules& rules, const WebLimits& limits,
+                            Handlers handlers)
     : rules_(rules), limits_(limits), handlers_(std::move(handlers)) {
   error_code failed;
   const auto where = asio::ip::make_address(address.address, failed);
-  if (failed) throw std::runtime_error("'" + address.address + "' is no address; one of this machine's is needed, such as 127.0.0.1");
+  if (failed)
+    throw std::runtime_error("'" + address.address +
+                             "' is no address; one of this machine's is needed, such as 127.0.0.1");
   const tcp::endpoint endpoint(where, address.port);
   acceptor_.open(endpoint.protocol(), failed);
   if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
   if (!failed) acceptor_.bind(endpoint, failed);
   if (!failed) acceptor_.listen(asio::socket_base::max_listen_connections, failed);
-  if (failed) throw std::runtime_error("port " + std::to_string(address.port) + " of " + address.address + ": " + failed.message());
+  if (failed)
+    throw std::runtime_error("port " + std::to_string(address.port) + " of " + address.address + ": " +
+                             failed.message());
   port_ = acceptor_.local_endpoint().port();
   accept();
   look_for_stalled();
@@ -407,20 +419,16 @@ WebServer::WebServer(const WebAddress& address, const RequestRules& rules, const
     : running_(std::make_unique<Running>(address, rules, limits, std::move(handlers))) {}
 WebServer::~WebServer() = default;
 
-void WebServer::start() {
-  running_->start();
-}
+void WebServer::start() { running_->start(); }
 
-std::uint16_t WebServer::port() const {
-  return running_->port();
-}
+std::uint16_t WebServer::port() const { return running_->port(); }
 
-const WebCounts& WebServer::counts() const {
-  return running_->counts();
-}
+const WebCounts& WebServer::counts() const { return running_->counts(); }
 
 void WebServer::send(Connection to, WebMessage message) {
-  asio::dispatch(running_->context(), [running = running_.get(), to, message = std::move(message)]() mutable { running->send(to, std::move(message)); });
+  asio::dispatch(running_->context(), [running = running_.get(), to, message = std::move(message)]() mutable {
+    running->send(to, std::move(message));
+  });
 }
 
 void WebServer::send(const std::vector<Connection>& to, const WebMessage& message) {

@@ -17,9 +17,7 @@ namespace collided::view {
 /// Bytes that many connections send, and nobody changes.
 using Bytes = std::shared_ptr<const std::string>;
 
-inline Bytes make_bytes(std::string text) {
-  return std::make_shared<const std::string>(std::move(text));
-}
+inline Bytes make_bytes(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
 struct WebAddress {
   std::string address = "127.0.0.1";
@@ -27,15 +25,15 @@ struct WebAddress {
 };
 
 struct WebLimits {
-  std::size_t connections = 64;             // of all kinds together; whoever comes then is told so and sent away
-  std::uint32_t header_bytes = 8 * 1024;    // of a request; a body is refused
-  std::size_t message_bytes = 16 * 1024;    // that a WebSocket client may send at once
-  std::uint32_t messages_a_second = 100;    // the same; a client that sends more is dropped
-  std::size_t waiting_messages = 256;       // for a client that does not take them; with more it is dropped
-  std::size_t waiting_bytes = 4 << 20;      // the same
-  std::chrono::seconds request{10};         // until a request is there; also until the next one on a kept connection
-  std::chrono::seconds response{60};        // until a page is sent
-  std::chrono::seconds stall{20};           // a message that a client has not taken by then drops it; so does its silence
+  std::size_t connections = 64;           // of all kinds together; whoever comes then is told so and sent away
+  std::uint32_t header_bytes = 8 * 1024;  // of a request; a body is refused
+  std::size_t message_bytes = 16 * 1024;  // that a WebSocket client may send at once
+  std::uint32_t messages_a_second = 100;  // the same; a client that sends more is dropped
+  std::size_t waiting_messages = 256;     // for a client that does not take them; with more it is dropped
+  std::size_t waiting_bytes = 4 << 20;    // the same
+  std::chrono::seconds request{10};       // until a request is there; also until the next one on a kept connection
+  std::chrono::seconds response{60};      // until a page is sent
+  std::chrono::seconds stall{20};         // a message that a client has not taken by then drops it; so does its silence
 };
 
 /// What is told a client: whole, or superseded by a newer one of its lane if it still waits.
@@ -53,14 +51,14 @@ struct WebPage {
 /// Counted since the start.
 struct WebCounts {
   std::atomic<std::uint64_t> connections{0};
-  std::atomic<std::uint64_t> open{0};         // now
-  std::atomic<std::uint64_t> full{0};         // sent away since there were too many
-  std::atomic<std::uint64_t> forbidden{0};    // by the rules about hosts and origins
-  std::atomic<std::uint64_t> malformed{0};    // requests and messages that are none, or too long
-  std::atomic<std::uint64_t> slow{0};         // dropped since they did not take what they were told
-  std::atomic<std::uint64_t> flooding{0};     // dropped since they sent too much
-  std::atomic<std::uint64_t> superseded{0};   // messages
-  std::atomic<std::uint64_t> faults{0};       // exceptions on the server's thread, such as memory; it goes on
+  std::atomic<std::uint64_t> open{0};        // now
+  std::atomic<std::uint64_t> full{0};        // sent away since there were too many
+  std::atomic<std::uint64_t> forbidden{0};   // by the rules about hosts and origins
+  std::atomic<std::uint64_t> malformed{0};   // requests and messages that are none, or too long
+  std::atomic<std::uint64_t> slow{0};        // dropped since they did not take what they were told
+  std::atomic<std::uint64_t> flooding{0};    // dropped since they sent too much
+  std::atomic<std::uint64_t> superseded{0};  // messages
+  std::atomic<std::uint64_t> faults{0};      // exceptions on the server's thread, such as memory; it goes on
 };
 
 /// HTTP and WebSocket on one port, on a thread of its own. Everything that clients may make it keep is bounded.
@@ -73,7 +71,8 @@ class WebServer {
     /// The page of a path with its query, or nothing: 404.
     std::function<std::optional<WebPage>(std::string_view target)> page;
     /// The subprotocol to speak of those offered, "" for none of them; nothing: refused.
-    std::function<std::optional<std::string>(std::string_view target, const std::vector<std::string>& offered)> protocol;
+    std::function<std::optional<std::string>(std::string_view target, const std::vector<std::string>& offered)>
+        protocol;
     std::function<void(Connection, const std::string& protocol)> opened;
     std::function<void(Connection, std::string_view message, bool is_text)> said;
     std::function<void(Connection)> closed;

@@ -39,8 +39,8 @@ inline constexpr std::size_t kChunkPrefixBytes = 49;    // and two times, size, 
 /// What a message says of itself.
 struct MessageHead {
   std::uint16_t channel = 0;
-  std::uint32_t number = 0;      // of the channel's messages
-  std::uint64_t log_time = 0;    // ns since 1970: when it was recorded
+  std::uint32_t number = 0;        // of the channel's messages
+  std::uint64_t log_time = 0;      // ns since 1970: when it was recorded
   std::uint64_t publish_time = 0;  // and when it was sent
 };
 
@@ -65,8 +65,8 @@ inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uin
 
 /// out  kChunkPrefixBytes; the chunk's records follow, uncompressed
 /// crc  of the records; 0: not known
-inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint64_t last_time, std::uint64_t records_bytes,
-                             std::uint32_t crc) {
+inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint64_t last_time,
+                             std::uint64_t records_bytes, std::uint32_t crc) {
   out = detail::put(out, Opcode::chunk);
   out = detail::put(out, kChunkPrefixBytes - kRecordPrefixBytes + records_bytes);
   out = detail::put(out, first_time);

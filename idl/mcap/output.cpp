@@ -9,7 +9,8 @@
 
 namespace collided::mcap {
 
-FileOutput::FileOutput(const std::string& path) : path_(path), file_(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644)) {
+FileOutput::FileOutput(const std::string& path)
+    : path_(path), file_(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644)) {
   if (file_ < 0) throw std::runtime_error(path + ": " + std::strerror(errno));
 }
 

@@ -76,7 +76,8 @@ class Reading {
   explicit Reading(std::span<const std::byte> bytes) : all_(bytes) {}
 
   Contents take() {
-    const bool begins_well = all_.size() >= kMagic.size() && std::memcmp(all_.data(), kMagic.data(), kMagic.size()) == 0;
+    const bool begins_well =
+        all_.size() >= kMagic.size() && std::memcmp(all_.data(), kMagic.data(), kMagic.size()) == 0;
     if (!begins_well) return std::move(contents_);
     contents_.is_mcap = true;
     Cursor bytes(all_.subspan(kMagic.size()));
@@ -84,7 +85,8 @@ class Reading {
       const std::size_t at = all_.size() - bytes.left();
       const std::optional<Record> record = next_record(bytes);
       if (!record) {
-        contents_.damage = "breaks off in the record at byte " + std::to_string(at) + "; what stands before it was read";
+        contents_.damage =
+            "breaks off in the record at byte " + std::to_string(at) + "; what stands before it was read";
         break;
       }
       // What follows repeats the channels and says where the chunks are: all of them have been read.

@@ -32,13 +32,13 @@ struct Channel {
 
 /// What a file holds, as far as it can be read.
 struct Contents {
-  std::map<std::uint16_t, Schema> schemas;   // by number
+  std::map<std::uint16_t, Schema> schemas;  // by number
   std::map<std::uint16_t, Channel> channels;
-  std::vector<Message> messages;                         // in the order of the file
+  std::vector<Message> messages;                                       // in the order of the file
   std::map<std::string, std::map<std::string, std::string>> metadata;  // by the record's name
   bool is_mcap = false;
-  bool complete = false;     // ends as a closed file does
-  std::string damage;        // where it breaks off and what that means, or empty
+  bool complete = false;                // ends as a closed file does
+  std::string damage;                   // where it breaks off and what that means, or empty
   std::uint64_t bad_chunks = 0;         // left out: their checksum is another, or their lengths do not fit
   std::uint64_t compressed_chunks = 0;  // left out: only what is not compressed is read
   std::uint64_t lost_messages = 0;      // left out: of a channel that no record describes, or broken

@@ -39,7 +39,8 @@ class Writer {
   Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
 
   /// channel  number in the order of the descriptions, from 1
-  void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::span<const std::byte> data);
+  void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+             std::span<const std::byte> data);
   /// What waits becomes a chunk.
   void flush();
   /// Text that belongs to the whole file, in a record of its own.

@@ -21,7 +21,8 @@ std::optional<Recorded> recorded_topic(const mcap::Channel& channel, const mcap:
   const auto schema = contents.schemas.find(channel.schema);
   if (schema == contents.schemas.end() || channel.encoding != "cdr") return std::nullopt;
   for (const RecordedTopic& topic : kRecordedTopics) {
-    if (schema->second.name == topic.type && channel.topic.ends_with(std::string("/") + topic.row.suffix)) return topic.what;
+    if (schema->second.name == topic.type && channel.topic.ends_with(std::string("/") + topic.row.suffix))
+      return topic.what;
   }
   return std::nullopt;
 }

@@ -37,7 +37,8 @@ Decision overlaps(const Primitive& a, const Primitive& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (std::is_same_v<First, HalfSpace> || std::is_same_v<Second, HalfSpace>) return overlaps_half_space_by_rationals(first, second);
+        if constexpr (std::is_same_v<First, HalfSpace> || std::is_same_v<Second, HalfSpace>)
+          return overlaps_half_space_by_rationals(first, second);
         else if constexpr (General<First> || General<Second>) return overlaps_by_rationals(&first, &second);
         else if constexpr (requires { sets_meet<Dyadic>(first, second); }) return sets_meet<Dyadic>(first, second);
         else return sets_meet<Dyadic>(second, first);
@@ -73,7 +74,8 @@ Decision cast_ray(const Ray& ray, const Primitive& primitive, RayHit& hit) {
       [&](const auto& solid) {
         using Solid = std::decay_t<decltype(solid)>;
         if constexpr (std::is_same_v<Solid, Hull>) return engine::cast_ray(ray, solid, hit).decision;
-        else if constexpr (std::is_same_v<Solid, HalfSpace>) return kernel::cast_half_space<RationalsAlone>(ray, solid, hit).decision;
+        else if constexpr (std::is_same_v<Solid, HalfSpace>)
+          return kernel::cast_half_space<RationalsAlone>(ray, solid, hit).decision;
         else if constexpr (General<Solid>) return cast_quadric<RationalsAlone>(ray, solid, hit).decision;
         else return cast_solid<RationalsAlone>(ray, solid, hit).decision;
       },

@@ -156,7 +156,6 @@ Feature facing(const ConvexPart& part, const Vec3& m) {
   return feature;
 }
 
-
 /// Coordinates in the plane perpendicular to the normal.
 struct Flat {
   double x;
@@ -170,7 +169,9 @@ struct View {
   Flat of(const Vec3& p, const Vec3& origin) const { return {u.dot(p - origin), v.dot(p - origin)}; }
 };
 
-double turn(const Flat& a, const Flat& b, const Flat& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double turn(const Flat& a, const Flat& b, const Flat& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
 
 // A point in space and where it is seen.
 struct Corner {
@@ -196,7 +197,8 @@ std::vector<Corner> clipped(const std::vector<Corner>& corners, const Flat& p, c
     if (at_a >= -slack) keep(a);
     if ((at_a < -slack && at_b > slack) || (at_a > slack && at_b < -slack)) {
       const double t = at_a / (at_a - at_b);
-      keep({a.point + t * (b.point - a.point), {a.seen.x + t * (b.seen.x - a.seen.x), a.seen.y + t * (b.seen.y - a.seen.y)}});
+      keep({a.point + t * (b.point - a.point),
+            {a.seen.x + t * (b.seen.x - a.seen.x), a.seen.y + t * (b.seen.y - a.seen.y)}});
     }
     if (edges == 1 && at_b >= -slack) keep(b);
   }
@@ -205,7 +207,8 @@ std::vector<Corner> clipped(const std::vector<Corner>& corners, const Flat& p, c
 
 double area_of(const std::vector<Corner>& polygon) {
   double twice = 0;
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) twice += turn(polygon[0].seen, polygon[i].seen, polygon[i + 1].seen);
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    twice += turn(polygon[0].seen, polygon[i].seen, polygon[i + 1].seen);
   return twice;
 }
 
@@ -229,7 +232,9 @@ std::vector<Corner> shared_segments(const std::vector<Corner>& a, const std::vec
   const double first = std::max(0.0, std::min(along(b[0].seen), along(b[1].seen)));
   const double last = std::min(1.0, std::max(along(b[0].seen), along(b[1].seen)));
   if (!(first < last)) return {};
-  const auto at = [&](double t) { return Corner{a[0].point + t * (a[1].point - a[0].point), {a[0].seen.x + t * d.x, a[0].seen.y + t * d.y}}; };
+  const auto at = [&](double t) {
+    return Corner{a[0].point + t * (a[1].point - a[0].point), {a[0].seen.x + t * d.x, a[0].seen.y + t * d.y}};
+  };
   return {at(first), at(last)};
 }
 
@@ -280,7 +285,8 @@ void append_manifold(const ConvexPart& a, const ConvexPart& b, const Contact& co
       const Bounded depth = top - bottom;
       if (!(depth.value + depth.bound() >= 0)) continue;
       const double depth_m = std::max(depth.value, 0.0);
-      points.push_back({corner.point + (top.value + bottom.value) / 2 * normal, depth_m, depth.bound() + (depth_m - depth.value)});
+      points.push_back(
+          {corner.point + (top.value + bottom.value) / 2 * normal, depth_m, depth.bound() + (depth_m - depth.value)});
     }
   }
   if (points.size() == before) points.push_back({contact.point, contact.depth_m, contact.depth_error_m});
@@ -316,14 +322,17 @@ void keep_extremes(const Vec3& normal, std::vector<ManifoldPoint>& points) {
   const double slack_m = 1e-9 * size_m;
   std::vector<ManifoldPoint> kept;
   const auto is_new = [&](const ManifoldPoint& p) {
-    return std::none_of(kept.begin(), kept.end(), [&](const ManifoldPoint& k) { return (k.point - p.point).norm() <= slack_m; });
+    return std::none_of(kept.begin(), kept.end(),
+                        [&](const ManifoldPoint& k) { return (k.point - p.point).norm() <= slack_m; });
   };
   const auto take = [&](std::size_t i) {
     if (is_new(points[i])) kept.push_back(points[i]);
   };
   take(farthest(points, slack_m, [](const ManifoldPoint& p) { return p.depth_m; }));
   const Vec3 first = kept[0].point;
-  const auto across = [&](const ManifoldPoint& p) { return Vec3((p.point - first) - (p.point - first).dot(normal) * normal); };
+  const auto across = [&](const ManifoldPoint& p) {
+    return Vec3((p.point - first) - (p.point - first).dot(normal) * normal);
+  };
   take(farthest(points, slack_m, [&](const ManifoldPoint& p) { return across(p).norm(); }));
   if (kept.size() == 2) {
     const Vec3 line = across(kept[1]);
@@ -333,7 +342,8 @@ void keep_extremes(const Vec3& normal, std::vector<ManifoldPoint>& points) {
     const double of_third = side(points[third]);
     if (std::abs(of_third) > slack) {
       take(third);
-      const std::size_t fourth = farthest(points, slack, [&](const ManifoldPoint& p) { return of_third > 0 ? -side(p) : side(p); });
+      const std::size_t fourth =
+          farthest(points, slack, [&](const ManifoldPoint& p) { return of_third > 0 ? -side(p) : side(p); });
       if (side(points[fourth]) * of_third < 0 && std::abs(side(points[fourth])) > slack) take(fourth);
     }
   }

@@ -55,7 +55,8 @@ ExactResult overlaps(const ConvexPart& a, const ConvexPart& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (std::is_same_v<First, Triangle> && std::is_same_v<Second, Primitive>) return overlaps(second, first);
+        if constexpr (std::is_same_v<First, Triangle> && std::is_same_v<Second, Primitive>)
+          return overlaps(second, first);
         else return overlaps(first, second);
       },
       a, b);

@@ -71,7 +71,8 @@ bool is_flat_hull(const ConvexPart& part, const Convex& set) {
 /// where none is known.
 std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const Candidate& c) {
   const Mix whole{{0, Dyadic(1.0)}};
-  if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing && set.count() == 2 && set.ball_m == 0)) {
+  if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing &&
+                         set.count() == 2 && set.ball_m == 0)) {
     // The exact foot on the axis: its weights are numerators over one common denominator.
     const Vector<Dyadic> d = at(set.carrier[1]) - at(set.carrier[0]);
     const Dyadic along = dot(c.point - c.divisor * at(set.carrier[0]), d);
@@ -83,7 +84,8 @@ std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const C
   const auto plain_of = [&](const Dyadic& x) {
     const auto [top, top_power] = x.split();
     const auto [bottom, bottom_power] = c.divisor.split();
-    return top == 0 ? 0.0 : std::ldexp(top / bottom, static_cast<int>(std::clamp(top_power - bottom_power, -2000L, 2000L)));
+    return top == 0 ? 0.0
+                    : std::ldexp(top / bottom, static_cast<int>(std::clamp(top_power - bottom_power, -2000L, 2000L)));
   };
   const Vec3 rounded(plain_of(c.point.x), plain_of(c.point.y), plain_of(c.point.z));
   if (!is_flat_hull(part, set)) {
@@ -115,7 +117,9 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
   if (total.sign() <= 0) return false;
   summand = c.divisor * summand + total * c.point;
   const Dyadic scale = total * c.divisor;
-  const auto at_most_square = [](const Dyadic& square_of, const Dyadic& root) { return (square_of - root * root).sign() <= 0; };
+  const auto at_most_square = [](const Dyadic& square_of, const Dyadic& root) {
+    return (square_of - root * root).sign() <= 0;
+  };
   if (set.plus != Convex::Plus::nothing) {
     const Vector<Dyadic> axis[3] = {at(set.axes.col(0)), at(set.axes.col(1)), at(set.axes.col(2))};
     const Dyadic volume = dot(axis[0], cross(axis[1], axis[2]));
@@ -123,7 +127,8 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
     Dyadic squares;
     for (int k = 0; k < 3; ++k) {
       const Dyadic along = dot(summand, cross(axis[(k + 1) % 3], axis[(k + 2) % 3]));
-      if (set.plus == Convex::Plus::box && !at_most_square(along * along, Dyadic(set.half_m[k]) * volume * scale)) return false;
+      if (set.plus == Convex::Plus::box && !at_most_square(along * along, Dyadic(set.half_m[k]) * volume * scale))
+        return false;
       const Dyadic part_of = along * Dyadic(set.half_m[(k + 1) % 3]) * Dyadic(set.half_m[(k + 2) % 3]);
       squares = squares + part_of * part_of;
     }
@@ -168,7 +173,8 @@ bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   const long displacement = of_mix + std::min(of_x, of_divisor + of_points);
   const double sizes[] = {set.ball_m, set.disc_m};
   const long radius = of_mix + of_divisor + lowest_bit(sizes);
-  if (set.plus == Convex::Plus::nothing) return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(displacement, radius) : displacement) > kLowest;
+  if (set.plus == Convex::Plus::nothing)
+    return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(displacement, radius) : displacement) > kLowest;
   const long axes = lowest_bit_of(set.axes);
   const long halves = lowest_bit_of(set.half_m);
   const bool is_box = set.plus == Convex::Plus::box;
@@ -177,7 +183,8 @@ bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   return 2 * std::min(along, volume) > kLowest;
 }
 
-bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b, Proof& proof) {
+bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b,
+          Proof& proof) {
   if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
   proof.touches = true;
   const Dyadic scale = scale_for(c.divisor);
@@ -189,8 +196,9 @@ bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mi
   proof.divisor.clear();
   proof.mix_a.clear();
   proof.mix_b.clear();
-  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b) &&
-         can_be_read(convex_of(a), proof, proof.mix_a) && can_be_read(convex_of(b), proof, proof.mix_b);
+  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) &&
+         append_mix(mix_b, proof.mix_b) && can_be_read(convex_of(a), proof, proof.mix_a) &&
+         can_be_read(convex_of(b), proof, proof.mix_b);
 }
 
 /// A box's common point mixes corners, which are not among its points: place it beside the centre instead.
@@ -199,7 +207,8 @@ Mix of_points(const Convex& set, Mix mix) {
 }
 
 /// Tries a point of the triangle near the hint, with weights that are doubles.
-bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& triangle, const Vec3& hint, bool is_a, Proof& proof) {
+bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& triangle, const Vec3& hint, bool is_a,
+                 Proof& proof) {
   const Vec3 foot = closest(hint, triangle).point;
   const Vec3 u = triangle.b - triangle.a;
   const Vec3 v = triangle.c - triangle.a;
@@ -230,7 +239,8 @@ bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proo
 }
 
 /// Tries points of a solid that lie deepest behind a plane: corners, then points of its ball.
-bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid, Proof& proof) {
+bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid,
+                Proof& proof) {
   const Convex set = convex_of(solid);
   std::vector<Candidate> candidates;
   for (int i = 0; i < set.count(); ++i) candidates.push_back({at(set.point(i))});
@@ -251,7 +261,8 @@ bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& 
       candidates.push_back({at(set.point(i) - set.ball_m * out)});
     }
   }
-  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) { return at_point(a, b, c, proof); });
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [&](const Candidate& c) { return at_point(a, b, c, proof); });
 }
 
 /// A part shrunk towards a point inside it.
@@ -292,7 +303,8 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
   // Between the nearest points of the two without their balls: the middle of what both balls cover.
   const double apart_m = (near_b - near_a).stableNorm();
   const Vec3 displacement = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
-  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * displacement});
+  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2,
+                               near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * displacement});
 }
 
 /// Points that both sets may hold: the nearest points of the two, and of both shrunk, which lie off the surfaces where
@@ -300,9 +312,7 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
 std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
   std::vector<Vec3> points;
   constexpr double kDrawnIn[] = {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0};
-  for (const double share : kDrawnIn) {
-    append_nearest(DrawnIn(a, share).set(), DrawnIn(b, share).set(), points);
-  }
+  for (const double share : kDrawnIn) { append_nearest(DrawnIn(a, share).set(), DrawnIn(b, share).set(), points); }
   return points;
 }
 

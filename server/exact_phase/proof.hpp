@@ -13,7 +13,6 @@ using ExactSum = std::vector<double>;
 /// Weights of a part's points: (number of the point, weight).
 using ExactMix = std::vector<std::pair<std::uint32_t, ExactSum>>;
 
-
 /// One step of a proof of separation; as Certificate::Step in collided/certificate.hpp.
 struct ProofStep {
   enum class Kind : std::uint8_t { plane, split_a, split_b };

@@ -52,9 +52,7 @@ struct Reach {
   bool is_exact;
 };
 
-bool is_simple(const Vec3& normal) {
-  return (normal.array() == 0 || normal.array().abs() == 1).all();
-}
+bool is_simple(const Vec3& normal) { return (normal.array() == 0 || normal.array().abs() == 1).all(); }
 
 Reach simple_reach(const Vec3& normal, const Vec3& point) {
   double sum = 0;
@@ -86,7 +84,8 @@ Aabb bounding_aabb(std::span<const Vec3> points) {
 std::vector<Vec3> kdop_normals(int sides) {
   const bool has_corners = sides == 14 || sides == 26;
   const bool has_edges = sides == 18 || sides == 26;
-  if (sides != 6 && !has_corners && !has_edges) throw std::invalid_argument("k-DOP of " + std::to_string(sides) + " sides; offered are 6, 14, 18 and 26");
+  if (sides != 6 && !has_corners && !has_edges)
+    throw std::invalid_argument("k-DOP of " + std::to_string(sides) + " sides; offered are 6, 14, 18 and 26");
   std::vector<Vec3> normals{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (has_corners) normals.insert(normals.end(), {{1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}});
   if (has_edges) normals.insert(normals.end(), {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}});
@@ -139,7 +138,8 @@ Box bounding_obb(std::span<const Vec3> points) {
   const auto box_along = [&](const Mat3& axes) {
     // {x : axes^T (x - c) in half} would be enough for exact axes. These are off by at most `defect`, so the u of a
     // point err by that share of its distance, and by the roundings of the products.
-    const double defect = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().rowwise().sum().maxCoeff() + 16 * kRoundoff;
+    const double defect =
+        (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().rowwise().sum().maxCoeff() + 16 * kRoundoff;
     Aabb turned;
     for (const Vec3& point : points) turned.extend(Vec3(axes.transpose() * point));
     Box box{axes * middle_of(turned), axes, Vec3::Zero()};
@@ -168,7 +168,9 @@ Box bounding_obb(std::span<const Vec3> points) {
   axes.col(0).normalize();
   axes.col(1) = (axes.col(1) - axes.col(0) * axes.col(0).dot(axes.col(1))).normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1)).normalized();
-  const Vec3 plain_half = ((aligned.high - center).cwiseMax(center - aligned.low)).unaryExpr([](double half) { return half == 0 ? 0 : next_up(half); });
+  const Vec3 plain_half = ((aligned.high - center).cwiseMax(center - aligned.low)).unaryExpr([](double half) {
+    return half == 0 ? 0 : next_up(half);
+  });
   const Box plain{center, Mat3::Identity(), plain_half};
   if (!axes.allFinite()) return plain;
   const Box turned = box_along(axes);
@@ -190,12 +192,15 @@ Sphere farthest_point_sphere(std::span<const Vec3> points) {
 
 Sphere sphere_about(std::span<const Vec3> points, const Vec3& center) {
   Sphere sphere{center, 0};
-  for (const Vec3& point : points) sphere.radius_m = std::max(sphere.radius_m, length_at_most(away_at_most(point, center)));
+  for (const Vec3& point : points)
+    sphere.radius_m = std::max(sphere.radius_m, length_at_most(away_at_most(point, center)));
   return sphere;
 }
 
 double volume(const Aabb& box) { return box.empty() ? 0 : (box.high - box.low).prod(); }
 double volume(const Box& box) { return 8 * box.half_m.prod(); }
-double volume(const Sphere& sphere) { return 4 * std::numbers::pi / 3 * sphere.radius_m * sphere.radius_m * sphere.radius_m; }
+double volume(const Sphere& sphere) {
+  return 4 * std::numbers::pi / 3 * sphere.radius_m * sphere.radius_m * sphere.radius_m;
+}
 
 }  // namespace collided::engine

@@ -52,7 +52,8 @@ bool Builder::begin(std::array<std::uint32_t, 4>& corner) {
       const int i = (axis + 1) % 3;
       const int j = (axis + 2) % 3;
       const auto side = [&](const Vec3& to, int k) { return Expansion(to[k]) - Expansion(points_[0][k]); };
-      const Expansion turn = side(points_[corner[1]], i) * side(points_[point], j) - side(points_[corner[1]], j) * side(points_[point], i);
+      const Expansion turn =
+          side(points_[corner[1]], i) * side(points_[point], j) - side(points_[corner[1]], j) * side(points_[point], i);
       lost_ = lost_ || turn.lost();
       if (!turn.lost() && turn.leading() != 0) return true;
     }
@@ -70,7 +71,8 @@ bool Builder::begin(std::array<std::uint32_t, 4>& corner) {
 
 void Builder::add(std::uint32_t point) {
   rim_.clear();
-  const auto seen = std::partition(faces_.begin(), faces_.end(), [&](const Face& face) { return in_front(face, point) <= 0; });
+  const auto seen =
+      std::partition(faces_.begin(), faces_.end(), [&](const Face& face) { return in_front(face, point) <= 0; });
   for (auto face = seen; face != faces_.end(); ++face) {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::uint32_t from = (*face)[e];

@@ -83,8 +83,8 @@ class Expansion {
     int next_b = 0;
     double carry = 0;
     while (!result.lost_ && (next_a < a.count_ || next_b < b.count_)) {
-      const bool take_a = next_b == b.count_ ||
-                          (next_a < a.count_ && std::abs(a.part_[next_a]) < std::abs(b.part_[next_b]));
+      const bool take_a =
+          next_b == b.count_ || (next_a < a.count_ && std::abs(a.part_[next_a]) < std::abs(b.part_[next_b]));
       const double part = take_a ? a.part_[next_a++] : factor * b.part_[next_b++];
       double low;
       two_sum(carry, part, carry, low);
@@ -102,7 +102,8 @@ class Expansion {
     for (int i = 0; i < a.count_ && !result.lost_; ++i) {
       const double product = a.part_[i] * factor;
       // Outside these bounds the low half of the product is not a double.
-      if (!(std::abs(product) >= kSmallestExactProduct && std::abs(product) <= kLargestExactProduct)) result.lost_ = true;
+      if (!(std::abs(product) >= kSmallestExactProduct && std::abs(product) <= kLargestExactProduct))
+        result.lost_ = true;
       const double product_low = std::fma(a.part_[i], factor, -product);
       double middle;
       double low;

@@ -24,13 +24,9 @@ bool restore_float_environment() {
   return true;
 }
 
-OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
-  _mm_setcsr(kDefault);
-}
+OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} { _mm_setcsr(kDefault); }
 
-OwnFloatEnvironment::~OwnFloatEnvironment() {
-  _mm_setcsr(static_cast<unsigned>(host_[0]));
-}
+OwnFloatEnvironment::~OwnFloatEnvironment() { _mm_setcsr(static_cast<unsigned>(host_[0])); }
 
 #else
 

@@ -25,7 +25,8 @@ Face behind(const Face& face, const HalfSpaceOf& plane) {
     const double of_from = plane.normal.dot(from) - plane.reach;
     const double of_to = plane.normal.dot(to) - plane.reach;
     if (of_from <= 0) kept.push_back(from);
-    if ((of_from < 0 && of_to > 0) || (of_from > 0 && of_to < 0)) kept.push_back(from + of_from / (of_from - of_to) * (to - from));
+    if ((of_from < 0 && of_to > 0) || (of_from > 0 && of_to < 0))
+      kept.push_back(from + of_from / (of_from - of_to) * (to - from));
   }
   return kept;
 }

@@ -6,7 +6,10 @@
 namespace collided::engine {
 
 OrientedPlane::OrientedPlane(const Vec3& a, const Vec3& b, const Vec3& c)
-    : a_(a), b_(b), c_(c), normal_((b - a).cross(c - a)),
+    : a_(a),
+      b_(b),
+      c_(c),
+      normal_((b - a).cross(c - a)),
       spread_(kOrientationError * (b - a).cwiseAbs().maxCoeff() * (c - a).cwiseAbs().maxCoeff()) {}
 
 std::optional<int> OrientedPlane::exact_side(const Vec3& d) const {

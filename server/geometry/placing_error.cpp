@@ -54,12 +54,16 @@ class Placing {
     for (const Vec3& vertex : h.mesh->vertices) most_m = std::max(most_m, of_point(vertex));
     return most_m;
   }
-  double operator()(const HalfSpace& h) const { return rounded_up(of_point(h.point) + (turns_ ? 2 * kTurnedPoint * far_m : 0)); }
+  double operator()(const HalfSpace& h) const {
+    return rounded_up(of_point(h.point) + (turns_ ? 2 * kTurnedPoint * far_m : 0));
+  }
 
   double far_m = 0;
 
  private:
-  static double rounded_up(double error_m) { return error_m == 0 ? 0 : error_m * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min(); }
+  static double rounded_up(double error_m) {
+    return error_m == 0 ? 0 : error_m * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min();
+  }
 
   const Frame& frame_;
   bool turns_;
@@ -81,7 +85,8 @@ double placing_error_m(const Frame& frame, const Triangle& own) {
 double placing_error_m(const Frame& frame, double reach_m) {
   if (!turns(frame) && frame.position.isZero(0)) return 0;
   const double turned = turns(frame) ? kTurnedPoint * reach_m : 0;
-  return (turned + kRoundoff * (frame.position.norm() + reach_m)) * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min();
+  return (turned + kRoundoff * (frame.position.norm() + reach_m)) * (1 + kBoundSlack) +
+         std::numeric_limits<double>::denorm_min();
 }
 
 }  // namespace collided::engine

@@ -27,7 +27,8 @@ Ball ball_through(const std::vector<Vec3>& points) {
   Eigen::Matrix<double, 3, Eigen::Dynamic> motions(3, count);
   for (int i = 0; i < count; ++i) motions.col(i) = points[static_cast<std::size_t>(i) + 1] - points[0];
   const Eigen::MatrixXd products = motions.transpose() * motions;
-  const Eigen::VectorXd shares = count == 0 ? Eigen::VectorXd() : Eigen::VectorXd(products.fullPivLu().solve(products.diagonal() / 2));
+  const Eigen::VectorXd shares =
+      count == 0 ? Eigen::VectorXd() : Eigen::VectorXd(products.fullPivLu().solve(products.diagonal() / 2));
   const Vec3 to_center = count == 0 ? Vec3::Zero() : Vec3(motions * shares);
   return {points[0] + to_center, to_center.squaredNorm()};
 }

@@ -19,9 +19,7 @@ namespace {
 class Pipe {
  public:
   Pipe() {
-    if (::pipe2(ends_.data(), O_CLOEXEC) != 0) {
-      ends_ = {-1, -1};
-    }
+    if (::pipe2(ends_.data(), O_CLOEXEC) != 0) { ends_ = {-1, -1}; }
   }
   ~Pipe() {
     close_end(0);
@@ -39,12 +37,8 @@ class Pipe {
   void drain_into(std::string& text) {
     std::array<char, 4096> piece;
     const ssize_t got = ::read(ends_[0], piece.data(), piece.size());
-    if (got > 0) {
-      text.append(piece.data(), std::min(static_cast<std::size_t>(got), kMaxChildText - text.size()));
-    }
-    if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) {
-      close_end(0);
-    }
+    if (got > 0) { text.append(piece.data(), std::min(static_cast<std::size_t>(got), kMaxChildText - text.size())); }
+    if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) { close_end(0); }
   }
 
  private:
@@ -61,9 +55,7 @@ class Pipe {
 /// Starts the program; the process id, or minus the error.
 pid_t start(const std::vector<std::string>& words, const Pipe& output, const Pipe& errors) {
   std::vector<char*> arguments;
-  for (const std::string& word : words) {
-    arguments.push_back(const_cast<char*>(word.c_str()));
-  }
+  for (const std::string& word : words) { arguments.push_back(const_cast<char*>(word.c_str())); }
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -94,15 +86,9 @@ void read_until_end(pid_t child, Pipe& output, Pipe& errors, std::chrono::millis
   while (output.is_open() || errors.is_open()) {
     std::array<pollfd, 2> waits = {pollfd{output.read_end(), POLLIN, 0}, pollfd{errors.read_end(), POLLIN, 0}};
     ::poll(waits.data(), waits.size(), kLook_ms);  // a closed end is -1, which poll passes over: nothing happens there
-    if (waits[0].revents != 0) {
-      output.drain_into(result.output);
-    }
-    if (waits[1].revents != 0) {
-      errors.drain_into(result.errors);
-    }
-    if (is_ended) {
-      continue;
-    }
+    if (waits[0].revents != 0) { output.drain_into(result.output); }
+    if (waits[1].revents != 0) { errors.drain_into(result.errors); }
+    if (is_ended) { continue; }
     result.timed_out = std::chrono::steady_clock::now() >= end;
     result.cancelled = cancelled && cancelled();
     if (result.timed_out || result.cancelled) {
@@ -139,8 +125,7 @@ ChildResult run_child(const std::vector<std::string>& words, std::chrono::millis
   }
   int status = 0;
   pid_t waited = 0;
-  while ((waited = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {
-  }
+  while ((waited = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {}
   if (waited == child && WIFEXITED(status)) {
     result.exit_code = WEXITSTATUS(status);
   } else if (waited == child && WIFSIGNALED(status)) {

@@ -44,9 +44,7 @@ std::string find_converter(const std::string& path) {
   const std::vector<fs::path> places = {here / kProgram, here / "../libexec/collided" / kProgram,
                                         fs::path(COLLIDED_LIBEXEC_DIR) / kProgram};
   for (const fs::path& place : places) {
-    if (is_program(place)) {
-      return place.string();
-    }
+    if (is_program(place)) { return place.string(); }
   }
   refuse_file(path, fmt::format("'{}' needs the converter {}, which is not in {} nor {}; COLLIDED_IMPORT may name it",
                                 fs::path(path).extension().string(), kProgram, here.string(), COLLIDED_LIBEXEC_DIR));
@@ -65,12 +63,8 @@ std::chrono::seconds time_limit() {
 std::string first_line(std::string_view text) {
   constexpr std::size_t kMost = 400;
   std::string line(text.substr(0, std::min(text.find('\n'), kMost)));
-  for (char& c : line) {
-    c = c < ' ' && c >= 0 ? '?' : c;
-  }
-  while (!line.empty() && (line.back() == '.' || line.back() == ' ')) {
-    line.pop_back();
-  }
+  for (char& c : line) { c = c < ' ' && c >= 0 ? '?' : c; }
+  while (!line.empty() && (line.back() == '.' || line.back() == ' ')) { line.pop_back(); }
   return line;
 }
 
@@ -80,9 +74,7 @@ void report_lines(std::string_view text, LoadReport& report) {
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     const auto take = [line](std::string_view head, std::vector<std::string>& lines) {
-      if (line.starts_with(head)) {
-        lines.emplace_back(line.substr(head.size()));
-      }
+      if (line.starts_with(head)) { lines.emplace_back(line.substr(head.size())); }
     };
     take("placed: ", report.placed);
     take("note: ", report.notes);
@@ -128,9 +120,7 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   if (!result.start_failure.empty()) {
     refuse_file(path, fmt::format("{} cannot be started: {}", words[0], result.start_failure));
   }
-  if (result.cancelled) {
-    refuse_file(path, "cancelled while it was converted");
-  }
+  if (result.cancelled) { refuse_file(path, "cancelled while it was converted"); }
   if (result.timed_out) {
     refuse_file(path, fmt::format("the converter needed more than {} s and was ended", time_limit().count()));
   }

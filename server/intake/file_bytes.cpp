@@ -24,8 +24,7 @@ std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZ
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options)
-    : name_(file_name(path)) {
+FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) : name_(file_name(path)) {
   // Not blocking: opening a pipe that nobody writes would wait for ever.
   file_.number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat state {};
@@ -39,9 +38,7 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
   if (byte_count_ > options.max_file_bytes) {
     refuse_file(name_, fmt::format("{} bytes, limit {}", byte_count_, options.max_file_bytes));
   }
-  if (byte_count_ == 0) {
-    refuse_file(name_, "the file is empty");
-  }
+  if (byte_count_ == 0) { refuse_file(name_, "the file is empty"); }
   if (access != Access::mapped) {
     reserve();
     // The first bytes tell a format's marks.
@@ -86,9 +83,7 @@ void FileBytes::fetch_before(std::size_t byte) {
   }
   for (std::size_t done = fetched_bytes_; done < end;) {
     const ssize_t got = ::read(file_.number, copy_.get() + done, end - done);
-    if (got < 0 && errno == EINTR) {
-      continue;
-    }
+    if (got < 0 && errno == EINTR) { continue; }
     if (got <= 0) {
       refuse_file(name_, got < 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
                                  : fmt::format("ended at byte {} of {} while it was read", done, byte_count_));
@@ -109,16 +104,15 @@ void FileBytes::Unmap::operator()(char* memory) const { ::munmap(memory, byte_co
 void FileBytes::give_back(std::span<const char> piece) const {
   if (!copy_) return;
   const std::size_t page = page_bytes();
-  const auto first = static_cast<std::size_t>(piece.data() - copy_.get() + static_cast<std::ptrdiff_t>(page) - 1) / page * page;
+  const auto first =
+      static_cast<std::size_t>(piece.data() - copy_.get() + static_cast<std::ptrdiff_t>(page) - 1) / page * page;
   const std::size_t end = static_cast<std::size_t>(piece.data() + piece.size() - copy_.get()) / page * page;
   if (first < end) ::madvise(copy_.get() + first, end - first, MADV_DONTNEED);
 }
 
 void FileBytes::forget_before(std::size_t byte) {
   const std::size_t forgotten = byte / page_bytes() * page_bytes();
-  if (map_ == nullptr || forgotten <= forgotten_bytes_) {
-    return;
-  }
+  if (map_ == nullptr || forgotten <= forgotten_bytes_) { return; }
   ::munmap(static_cast<char*>(map_) + forgotten_bytes_, forgotten - forgotten_bytes_);
   forgotten_bytes_ = forgotten;
 }

@@ -35,9 +35,7 @@ void run_in_parallel(std::size_t task_count, const std::function<void(std::size_
   // Tasks are handed out in order, so when one fails every smaller one has been started and will be heard.
   const auto take_one = [&] {
     const std::size_t index = run.next.fetch_add(1);
-    if (index >= task_count) {
-      return false;
-    }
+    if (index >= task_count) { return false; }
     try {
       task(index);
       run.done.fetch_add(1);
@@ -55,28 +53,21 @@ void run_in_parallel(std::size_t task_count, const std::function<void(std::size_
     try {
       for (std::size_t i = 1; i < std::min(core_count, task_count); ++i) {
         helpers.emplace_back([&] {
-          while (take_one()) {
-          }
+          while (take_one()) {}
         });
       }
     } catch (const std::system_error&) {
       // No memory for another stack: fewer do the work.
     }
     try {
-      while (take_one()) {
-        between(run.done.load());
-      }
+      while (take_one()) { between(run.done.load()); }
     } catch (...) {
       stopped = std::current_exception();
       run.next.store(task_count);
     }
   }
-  if (stopped) {
-    std::rethrow_exception(stopped);
-  }
-  if (run.failure) {
-    std::rethrow_exception(run.failure);
-  }
+  if (stopped) { std::rethrow_exception(stopped); }
+  if (run.failure) { std::rethrow_exception(run.failure); }
 }
 
 }  // namespace collided::engine

@@ -34,8 +34,8 @@ struct Format {
   const char* name;
   Content content;
   Scene (*read)(const Reading&);
-  bool says_metres = false;  // by its definition
-  char up = 0;               // the same; 0: it does not say
+  bool says_metres = false;     // by its definition
+  char up = 0;                  // the same; 0: it does not say
   bool asks_for_bytes = false;  // its reader calls fetch
 };
 
@@ -95,9 +95,7 @@ std::span<const char> without_mark(const Reading& reading) {
 }
 
 TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
-  for (Vec3& vertex : mesh.vertices) {
-    vertex *= unit_m;
-  }
+  for (Vec3& vertex : mesh.vertices) { vertex *= unit_m; }
   return mesh;
 }
 
@@ -127,13 +125,9 @@ void place(const Format& format, const Reading& reading, Scene& scene) {
   tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
   const bool turns = (reading.options.up != 0 ? reading.options.up : format.up) == 'y';
-  if (unit_m != 1) {
-    scene.mesh = scaled(std::move(scene.mesh), unit_m);
-  }
+  if (unit_m != 1) { scene.mesh = scaled(std::move(scene.mesh), unit_m); }
   for (Vec3& vertex : scene.mesh.vertices) {
-    if (turns) {
-      vertex = turned_up(vertex);
-    }
+    if (turns) { vertex = turned_up(vertex); }
     if (unit_m != 1 && !vertex.allFinite()) {
       refuse(reading, fmt::format("a coordinate times {} m is too large for a double", unit_m));
     }
@@ -169,9 +163,7 @@ Oddities count_oddities(const Reading& reading, const TriangleMesh& mesh) {
   const auto task = [&](std::size_t task_index) {
     if (task_index == 0) {
       const std::vector<std::uint32_t> first_equal = first_equal_vertices(mesh.vertices);
-      for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
-        found.equal_vertices += first_equal[i] == i ? 0 : 1;
-      }
+      for (std::uint32_t i = 0; i < first_equal.size(); ++i) { found.equal_vertices += first_equal[i] == i ? 0 : 1; }
       found.duplicates = duplicate_triangles(mesh, first_equal).size();
       return;
     }
@@ -192,9 +184,7 @@ Oddities count_oddities(const Reading& reading, const TriangleMesh& mesh) {
 void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
   const Oddities found = count_oddities(reading, mesh);
   const auto tell = [&](std::uint64_t count, std::string_view sentence) {
-    if (count > 0) {
-      reading.report.warnings.push_back(fmt::format("{} {}", count, sentence));
-    }
+    if (count > 0) { reading.report.warnings.push_back(fmt::format("{} {}", count, sentence)); }
   };
   tell(found.zero_areas, "triangles without area kept, as the segments or points they are");
   tell(found.duplicates, "triangles with the three points of another one kept");
@@ -222,9 +212,7 @@ void check_mesh(const Reading& reading, const Scene& scene) {
 
 /// The radius is in metres already.
 void set_radius(const Reading& reading, SceneObject& cloud) {
-  for (Primitive& point : cloud.shape.primitives) {
-    std::get<Sphere>(point).radius_m = reading.options.radius_m;
-  }
+  for (Primitive& point : cloud.shape.primitives) { std::get<Sphere>(point).radius_m = reading.options.radius_m; }
   if (reading.options.radius_m == 0) {
     reading.report.warnings.emplace_back("the points have no radius, so that hardly a ray meets one");
   }
@@ -309,7 +297,9 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
     const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };
-    const auto fetch = [&](const char* end) { bytes->fetch_before(static_cast<std::size_t>(end - bytes->bytes().data())); };
+    const auto fetch = [&](const char* end) {
+      bytes->fetch_before(static_cast<std::size_t>(end - bytes->bytes().data()));
+    };
     scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back, fetch});
     // Saved indexes go on using the end of a mapping.
     if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));

@@ -61,7 +61,7 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
-  SavedIndex index{};  // of the mesh
+  SavedIndex index{};         // of the mesh
   CollapseOrder collapses{};  // of the mesh; empty: no levels of detail are made
 };
 
@@ -83,8 +83,8 @@ struct LoadOptions {
   double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
   std::optional<double> mend_m{};  // close cracks up to this width and T-vertices; 0: what mend.hpp takes by itself
-  bool is_foreign = false;         // came from somebody who could not read the server's files: read by the converter process
-  std::string srdf{};              // of a URDF robot: the file that says which links may touch
+  bool is_foreign = false;  // came from somebody who could not read the server's files: read by the converter process
+  std::string srdf{};       // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // fraction done in [0, 1]

@@ -39,9 +39,7 @@ class IndexTable {
         slots_[slot] = index;
         return index;
       }
-      if (equals(slots_[slot])) {
-        return slots_[slot];
-      }
+      if (equals(slots_[slot])) { return slots_[slot]; }
     }
   }
 

@@ -5,8 +5,6 @@
 
 namespace collided::engine::service {
 
-
-
 SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed) {
   constexpr std::size_t kMostReported = 5;
   RandomQuestions random(snapshot, seed);

@@ -65,16 +65,12 @@ dds::Participant join(const Options& options) {
   try {
     return dds::Participant(
         {.domain = options.domain, .role = dds::Role::server, .interface = options.interface, .peers = options.peers});
-  } catch (const dds::DdsError& failed) {
-    throw StartError(failed.what());
-  }
+  } catch (const dds::DdsError& failed) { throw StartError(failed.what()); }
 }
 
 }  // namespace
 
-std::string version_text() {
-  return COLLIDED_VERSION;
-}
+std::string version_text() { return COLLIDED_VERSION; }
 
 /// In the order of making; unmade in the reverse order, so that nobody calls what is gone.
 struct Server::Parts {
@@ -121,7 +117,8 @@ Epoch Server::Parts::make_epoch() {
     log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value,
               kept.problem);
   }
-  if (kept.crashed) log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
+  if (kept.crashed)
+    log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
   return kept;
 }
 
@@ -132,8 +129,11 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
-      world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts,
-             .clock_error_ns = options.clock_error_ns, .memory = {.reach_ns = options.memory_ns}}),
+      world({.epoch = identity.epoch,
+             .max_objects = options.max_objects,
+             .max_contacts = options.max_contacts,
+             .clock_error_ns = options.clock_error_ns,
+             .memory = {.reach_ns = options.memory_ns}}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
@@ -163,7 +163,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .limits = {.object_numbers = 2 * options.max_objects}}),
       durable(keep()),
       commands({loop, inbox, clock, questions, audit, durable.get(), flight.get()},
-               epoch.kept_in.empty() ? std::string() : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
+               epoch.kept_in.empty() ? std::string()
+                                     : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
@@ -172,11 +173,14 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
 std::unique_ptr<DurableState> Server::Parts::keep() {
   if (epoch.kept_in.empty()) return nullptr;
   const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
-  auto kept = std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(), epoch.crashed,
-                                             [this](const std::string& sentence) { log->warn("{}", sentence); });
+  auto kept =
+      std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(),
+                                     epoch.crashed, [this](const std::string& sentence) { log->warn("{}", sentence); });
   if (kept->had_covers()) world.state_covers("", {});
-  if (!kept->publishers_left().empty()) log->warn("waiting for {} publishers from before", kept->publishers_left().size());
-  if (!kept->commands_left().empty()) log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
+  if (!kept->publishers_left().empty())
+    log->warn("waiting for {} publishers from before", kept->publishers_left().size());
+  if (!kept->commands_left().empty())
+    log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
   return kept;
 }
 
@@ -191,7 +195,8 @@ std::unique_ptr<FlightRecorder> Server::Parts::record() {
 bool Server::Parts::has_all_back() const {
   if (!durable) return false;
   const auto& left = durable->publishers_left();
-  return std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
+  return std::all_of(left.begin(), left.end(),
+                     [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
 }
 
 void Server::Parts::note_publishers() {
@@ -223,20 +228,18 @@ Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log)
   load_start_scenes(options, parts_->world, parts_->clock.now_ns());
 }
 
-Server::~Server() {
-  stop();
-}
+Server::~Server() { stop(); }
 
 std::string Server::start() {
   Parts& p = *parts_;
-  p.answering =
-      std::make_unique<Answering>(Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit}, p.reply_topic,
-                                  AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
-                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
-                                                   &p.overload, p.flight.get()},
-                                  [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
+  p.answering = std::make_unique<Answering>(
+      Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit}, p.reply_topic,
+      AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
+                       p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get()},
+      [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
-  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());
+  p.listeners =
+      std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const SnapshotRing::Lease state = p.world.newest();
@@ -251,13 +254,12 @@ void Server::write_flight_recorder() {
   if (!p.flight) return p.log->warn("SIGUSR1: the flight recorder is off");
   try {
     const auto now = std::chrono::system_clock::now();
-    const FlightFile file = p.flight->write(fmt::format("{:%Y%m%dT%H%M%S}Z", fmt::gmtime(now)), p.options.flight_recorder_ns);
+    const FlightFile file =
+        p.flight->write(fmt::format("{:%Y%m%dT%H%M%S}Z", fmt::gmtime(now)), p.options.flight_recorder_ns);
     p.log->info("flight recorder: {} messages of the last {:.1f} s, {} bytes, in {}{}", file.messages,
                 static_cast<double>(file.to_ns - file.from_ns) * 1e-9, file.bytes, file.path,
                 file.dropped > 0 ? fmt::format("; {} samples since the start had no room", file.dropped) : "");
-  } catch (const std::exception& failed) {
-    p.log->error("flight recorder: {}. Nothing was written", failed.what());
-  }
+  } catch (const std::exception& failed) { p.log->error("flight recorder: {}. Nothing was written", failed.what()); }
 }
 
 void Server::stop() {

@@ -49,9 +49,7 @@ void WorldLoop::run() {
   thread_.store(std::this_thread::get_id());
   try {
     serve();
-  } catch (const std::bad_alloc&) {
-    end_out_of_memory("the world's thread");
-  }
+  } catch (const std::bad_alloc&) { end_out_of_memory("the world's thread"); }
 }
 
 void WorldLoop::serve() {
@@ -239,7 +237,8 @@ void WorldLoop::publish() {
 }
 
 const std::vector<ProbeReading>& WorldLoop::read_probes() {
-  probes_.read(*with_.world.newest(), [&](std::string_view name) { return with_.world.find(name); }, probe_readings_);
+  probes_.read(
+      *with_.world.newest(), [&](std::string_view name) { return with_.world.find(name); }, probe_readings_);
   return probe_readings_;
 }
 
@@ -352,8 +351,9 @@ void WorldLoop::say_skipped_sweeps() {
   const std::uint64_t before = counts_.sweeps_skipped;
   counts_.sweeps_skipped += with_.world.cost().sweeps_skipped;
   if (std::bit_width(before) == std::bit_width(counts_.sweeps_skipped)) return;
-  with_.notice("the ways of " + std::to_string(counts_.sweeps_skipped) +
-                 " pairs could not be followed from pose to pose to their end; contacts between two poses may be missing");
+  with_.notice(
+      "the ways of " + std::to_string(counts_.sweeps_skipped) +
+      " pairs could not be followed from pose to pose to their end; contacts between two poses may be missing");
 }
 
 void WorldLoop::say_notices() {

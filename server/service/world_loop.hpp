@@ -31,7 +31,7 @@ struct LoopOptions {
 /// What the loop met; read by the log.
 struct LoopCounts {
   std::uint64_t steps = 0;
-  std::uint64_t stalled_steps = 0;  // readers held every free state; tried again
+  std::uint64_t stalled_steps = 0;   // readers held every free state; tried again
   std::uint64_t sweeps_skipped = 0;  // pairs whose way could not be followed to its end
 };
 
@@ -51,10 +51,10 @@ class WorldLoop {
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
     // Asked after a crash.
-    std::function<bool()> is_adding_again = {};      // scenes and objects that commands had added; however long it takes
-    std::function<bool()> has_all_back = {};         // every publisher that was there
+    std::function<bool()> is_adding_again = {};  // scenes and objects that commands had added; however long it takes
+    std::function<bool()> has_all_back = {};     // every publisher that was there
     // Asked while overloaded.
-    std::function<bool()> leaves_out_details = {};   // contacts that go on are not told anew
+    std::function<bool()> leaves_out_details = {};  // contacts that go on are not told anew
   };
 
   WorldLoop(const Collaborators& with, const LoopOptions& options)

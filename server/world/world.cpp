@@ -18,7 +18,7 @@ namespace {
 
 /// The saved index where there is a valid one, else one built anew.
 Bvh index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BvhOptions& options,
-                 std::vector<std::string>& warnings) {
+             std::vector<std::string>& warnings) {
   if (!saved.bytes.empty()) {
     auto loaded = Bvh::load(mesh, saved.bytes, saved.keeper, options.threads);
     if (auto* tree = std::get_if<Bvh>(&loaded)) return std::move(*tree);
@@ -57,8 +57,7 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   }
   std::shared_ptr<const IndexedMesh> added = definition.indexed;
   if (!added) {
-    added = indexed_mesh(definition.shape.mesh,
-                         Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+    added = indexed_mesh(definition.shape.mesh, Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   }
   std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
   meshes.emplace(key, added);
@@ -97,8 +96,8 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& 
       object.index = {};
       continue;
     }
-    known = mesh = indexed_mesh(object.shape.mesh, index_of(*object.shape.mesh, object.index, "object " + object.name, quietly,
-                                                    indexed->warnings));
+    known = mesh = indexed_mesh(object.shape.mesh, index_of(*object.shape.mesh, object.index, "object " + object.name,
+                                                            quietly, indexed->warnings));
     object.index = {};
   }
   return indexed;
@@ -188,7 +187,8 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
                    std::to_string(s.options.max_objects) + " objects (max_objects). Nothing was added"};
   }
   if (definition.moving && is_endless(definition.shape)) {
-    return Refusal{"object '" + definition.name + "' is a half-space that moves: it has no end, so it would be a candidate "
+    return Refusal{"object '" + definition.name +
+                   "' is a half-space that moves: it has no end, so it would be a candidate "
                    "for everything in every step; offered are those that do not move. Nothing was added"};
   }
   auto info = std::make_shared<ObjectInfo>();

@@ -21,12 +21,12 @@ namespace collided::engine {
 /// Limits and tolerances of a world, fixed for its lifetime.
 struct WorldOptions {
   std::uint64_t epoch = 1;
-  std::uint32_t max_objects = 100'000;  // static parts and moving objects together
+  std::uint32_t max_objects = 100'000;      // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find; more set StepCost::truncated
-  double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
-  std::int64_t clock_error_ns = 0;      // between two publishers' clocks: widens brackets and nothing else
-  PoseMemoryOptions memory = {};        // how far back questions about a past instant reach
-  double sweep_width_s = 1e-6;          // of the bracket of any other mover's first contact, seconds of world time
+  double sweep_width = 1e-9;        // of the bracket of a lone sphere's first contact, as a fraction of the step
+  std::int64_t clock_error_ns = 0;  // between two publishers' clocks: widens brackets and nothing else
+  PoseMemoryOptions memory = {};    // how far back questions about a past instant reach
+  double sweep_width_s = 1e-6;      // of the bracket of any other mover's first contact, seconds of world time
 };
 
 /// What World::define() needs to know of a new object.
@@ -39,7 +39,7 @@ struct ObjectDefinition {
   Filter filter;
   bool moving = true;
   LostPolicy lost_policy = LostPolicy::remove;
-  std::uint64_t publisher = 0;  // whose poses move it; 0: the server's own
+  std::uint64_t publisher = 0;                   // whose poses move it; 0: the server's own
   std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh with its index, where that exists already
   CutTriangles cut{};                            // of the shape's mesh: which pieces belong to which original triangle
 };
@@ -54,9 +54,9 @@ struct StepCost {
   std::uint32_t moved = 0;  // objects with a new pose, new ones included
   std::uint32_t candidate_pairs = 0;
   std::uint32_t exact_tests = 0;
-  std::uint32_t undecided = 0;  // pairs that the exact phase could not decide
-  std::uint32_t swept = 0;  // pairs decided over their motion, not only at its end
-  std::uint32_t filtered = 0;  // pairs of movers near each other that layers, masks or groups exclude
+  std::uint32_t undecided = 0;   // pairs that the exact phase could not decide
+  std::uint32_t swept = 0;       // pairs decided over their motion, not only at its end
+  std::uint32_t filtered = 0;    // pairs of movers near each other that layers, masks or groups exclude
   std::uint32_t kept_apart = 0;  // pairs of meshes not tested: known to be farther apart than both have moved since
   /// Pairs with a mover whose motion could not be searched to its end: a contact between two poses may be missing.
   std::uint32_t sweeps_skipped = 0;

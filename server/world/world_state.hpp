@@ -33,7 +33,7 @@ struct World::State {
   std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of vertices and triangles
 
   std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step
-  std::vector<std::pair<ObjectId, bool>> lost;  // true: stale, false: found again; since the last step
+  std::vector<std::pair<ObjectId, bool>> lost;          // true: stale, false: found again; since the last step
   std::uint64_t version = 0;
   std::uint64_t step_count = 0;
   std::int64_t last_step_ns = 0;

@@ -92,7 +92,9 @@ inline Quad core_distance2(const Vec<Wide>& a, const Vec<Wide>& b, const Corners
 /// 113 bits, of which at most 60 cancel.
 inline Quad excess(Quad distance2, std::int64_t radius) { return static_cast<Quad>(radius) - root(distance2); }
 
-inline Quad core_distance2(const GridPoint& p, const BallInput& ball) { return quad(square(Vec<Wide>(p - ball.center))); }
+inline Quad core_distance2(const GridPoint& p, const BallInput& ball) {
+  return quad(square(Vec<Wide>(p - ball.center)));
+}
 inline Quad core_distance2(const GridPoint& p, const PillInput& pill) {
   return quad(squared_distance<Wide>(p, pill.a, pill.b));
 }

@@ -36,7 +36,8 @@ class Record {
                 name(family_), bounds_.size(), largest_error_, *middle, largest_ratio_);
     // Of a few numbers the largest error says little.
     if (bounds_.size() < 5000) return;
-    EXPECT_LE(*middle, kTightest * largest_error_) << what_ << " " << name(family_) << ": a bound so wide proves little";
+    EXPECT_LE(*middle, kTightest * largest_error_)
+        << what_ << " " << name(family_) << ": a bound so wide proves little";
   }
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
@@ -98,7 +99,8 @@ void check_rays(const char* what, std::uint64_t seed, MakeCase make_case) {
       ASSERT_TRUE(distances.add(*s * length_quad(ray.direction), hit.distance_m, hit.distance_error_m, at))
           << what << " " << name(family) << " " << i << " " << hit.distance_m << " +- " << hit.distance_error_m;
       std::array<Quad, 3> truth;
-      for (std::size_t k = 0; k < 3; ++k) truth[k] = static_cast<Quad>(ray.origin[k]) + *s * static_cast<Quad>(ray.direction[k]);
+      for (std::size_t k = 0; k < 3; ++k)
+        truth[k] = static_cast<Quad>(ray.origin[k]) + *s * static_cast<Quad>(ray.direction[k]);
       ASSERT_TRUE(points.add_error(point_error(hit.point, truth, at), std::ldexp(point_error_m(hit), -at.power)))
           << what << " " << name(family) << " " << i << " point";
     }
@@ -148,7 +150,8 @@ Quad depth(const BallInput& a, const BoxInput& b) {
   const Quad apart2 = core_distance2(a.center, b);
   if (apart2 > 0) return excess(apart2, a.radius);
   Polytope point{{finer<Wide>(a.center, b.shift)}, {}, {}};
-  return static_cast<Quad>(a.radius) + least_push(point, polytope(b, b.shift)) / static_cast<Quad>(std::int64_t{1} << b.shift);
+  return static_cast<Quad>(a.radius) +
+         least_push(point, polytope(b, b.shift)) / static_cast<Quad>(std::int64_t{1} << b.shift);
 }
 Quad depth(const PillInput& a, const PillInput& b) { return excess(core_distance2(a, b), a.radius + b.radius); }
 Quad depth(const PillInput& a, const TriangleInput& b) { return excess(core_distance2(a, b), a.radius); }
@@ -206,7 +209,8 @@ void check_times(const char* what, std::uint64_t seed, auto grown, auto make_sha
       if (start == end) continue;
       TimeBracket bracket;
       const MovingSphere mover{{double(start[0]), double(start[1]), double(start[2])},
-                               {double(end[0]), double(end[1]), double(end[2])}, static_cast<double>(radius)};
+                               {double(end[0]), double(end[1]), double(end[2])},
+                               static_cast<double>(radius)};
       const bool found = first_contact(mover, placed(shape, Placing{}), 0, bracket).yes();
       const std::optional<Quad> truth = first_parameter(RayInput{start, end - start}, grown(shape, radius));
       ASSERT_EQ(found, truth && *truth <= 1) << what << name(family) << i;
@@ -219,12 +223,22 @@ void check_times(const char* what, std::uint64_t seed, auto grown, auto make_sha
 }
 
 TEST(AccuracyBounds, TimeSphereSphere) {
-  check_times<BallInput>("time sphere sphere", 31, [](BallInput b, std::int64_t r) { b.radius += r; return b; },
-                         [](Maker& make) { return make.ball(); });
+  check_times<BallInput>(
+      "time sphere sphere", 31,
+      [](BallInput b, std::int64_t r) {
+        b.radius += r;
+        return b;
+      },
+      [](Maker& make) { return make.ball(); });
 }
 TEST(AccuracyBounds, TimeSphereCapsule) {
-  check_times<PillInput>("time sphere capsule", 32, [](PillInput c, std::int64_t r) { c.radius += r; return c; },
-                         [](Maker& make) { return make.pill(); });
+  check_times<PillInput>(
+      "time sphere capsule", 32,
+      [](PillInput c, std::int64_t r) {
+        c.radius += r;
+        return c;
+      },
+      [](Maker& make) { return make.pill(); });
 }
 
 }  // namespace

@@ -53,9 +53,10 @@ TEST_F(Ask, OffATerminalARecordIsALineWithTabs) {
 
 TEST_F(Ask, JsonHoldsWhatIsKnown) {
   answer_rays(shelf());
-  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --json").out,
-            R"({"answer":"hit","object":"shelf_3/top","distance":3.8,"error":4.4e-16,"point":[0,0,1.2],"normal":[0,0,1],"triangle":118,"point_error":4.5e-16})"
-            "\n");
+  EXPECT_EQ(
+      collide("ray 0 0 5 0 0 -1 --json").out,
+      R"({"answer":"hit","object":"shelf_3/top","distance":3.8,"error":4.4e-16,"point":[0,0,1.2],"normal":[0,0,1],"triangle":118,"point_error":4.5e-16})"
+      "\n");
   answer_rays(answer(Verdict::miss));
   EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json").out, "{\"answer\":\"miss\"}\n");
 }
@@ -65,12 +66,14 @@ TEST_F(Ask, InfinityInJsonIsAString) {
   inside.hits[0].inside = true;
   inside.hits[0].exit_m = std::numeric_limits<double>::infinity();
   answer_rays(inside);
-  EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json --fields exit,distance,inside").out, "{\"exit\":\"inf\",\"distance\":0,\"inside\":true}\n");
+  EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json --fields exit,distance,inside").out,
+            "{\"exit\":\"inf\",\"distance\":0,\"inside\":true}\n");
 }
 
 TEST_F(Ask, CsvHasAHeaderAndVectorsTakeThreeColumns) {
   answer_rays(shelf());
-  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --csv --fields object,distance,point").out, "object,distance,point_x,point_y,point_z\nshelf_3/top,3.8,0,0,1.2\n");
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --csv --fields object,distance,point").out,
+            "object,distance,point_x,point_y,point_z\nshelf_3/top,3.8,0,0,1.2\n");
 }
 
 TEST_F(Ask, NamesThatHurtAFormatAreEscaped) {
@@ -104,14 +107,16 @@ TEST_F(Ask, WhatIsNotCoveredSaysWhere) {
   answer_rays(uncovered);
   const Ran ran = at_terminal("ray 0 0 5 0 0 1");
   EXPECT_EQ(ran.code, 3);
-  EXPECT_EQ(ran.out, "undecided: not_covered; it reaches out of what the server's geometry covers, at 0 0 8 (3 m on)\n");
+  EXPECT_EQ(ran.out,
+            "undecided: not_covered; it reaches out of what the server's geometry covers, at 0 0 8 (3 m on)\n");
   EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json").out,
             "{\"answer\":\"undecided\",\"reason\":\"not_covered\",\"covered\":3,\"covered_to\":[0,0,8]}\n");
 }
 
 TEST_F(Ask, EverySpellingOfARayIsTheSameRay) {
   answer_rays(shelf());
-  for (const char* words : {"ray 0,0,5 0,0,-1", "ray 0,0,5 0 0 -1", "ray 0 0 5 --to 0 0 4", "ray --to 0,0,4 0 0 5", "ray 0 0 5000mm 0 0 -1", "ray -- 0 0 5 0 0 -1"}) {
+  for (const char* words : {"ray 0,0,5 0,0,-1", "ray 0,0,5 0 0 -1", "ray 0 0 5 --to 0 0 4", "ray --to 0,0,4 0 0 5",
+                            "ray 0 0 5000mm 0 0 -1", "ray -- 0 0 5 0 0 -1"}) {
     EXPECT_EQ(collide(words).code, 0) << words;
     EXPECT_EQ(last_ray.origin, Vec3(0, 0, 5)) << words;
     EXPECT_EQ(last_ray.direction, Vec3(0, 0, -1)) << words;
@@ -124,7 +129,9 @@ TEST_F(Ask, EverySpellingOfARayIsTheSameRay) {
 
 TEST_F(Ask, OptionsReachTheServer) {
   answer_rays(shelf());
-  collide("ray 0 0 5 0 0 -1 --all --only 'pallet_*' --skip p9 --mask 0x6 --within 1um --deadline 200us --timeout 3s --max-hits 7 --fresh");
+  collide(
+      "ray 0 0 5 0 0 -1 --all --only 'pallet_*' --skip p9 --mask 0x6 --within 1um --deadline 200us --timeout 3s "
+      "--max-hits 7 --fresh");
   const AskOptions& options = fake::server().last_options;
   EXPECT_EQ(options.mode, HitMode::all);
   EXPECT_EQ(options.only, "pallet_*");

@@ -26,7 +26,8 @@ void expect_closed(const MeshShape& mesh) {
 
 double volume(const MeshShape& mesh) {
   double six_times = 0;
-  for (const auto& t : mesh.triangles) six_times += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
+  for (const auto& t : mesh.triangles)
+    six_times += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
   return six_times / 6;
 }
 
@@ -79,7 +80,8 @@ std::set<std::pair<std::size_t, std::size_t>> touching(const Bounce& bounce) {
   const auto& spheres = bounce.spheres();
   for (std::size_t a = 0; a < spheres.size(); ++a) {
     for (std::size_t b = a + 1; b < spheres.size(); ++b) {
-      if ((spheres[a].position - spheres[b].position).norm() <= spheres[a].radius_m + spheres[b].radius_m) pairs.emplace(a, b);
+      if ((spheres[a].position - spheres[b].position).norm() <= spheres[a].radius_m + spheres[b].radius_m)
+        pairs.emplace(a, b);
     }
   }
   return pairs;
@@ -108,7 +110,8 @@ TEST(Bounce, NoSphereLeavesTheCubeInAMillionSteps) {
   for (const Sphere& sphere : bounce.spheres()) speeds.push_back(sphere.velocity.norm());
   for (int step = 0; step < 1'000'000; ++step) {
     bounce.step(0.0173);
-    for (const Sphere& sphere : bounce.spheres()) ASSERT_LE(sphere.position.cwiseAbs().maxCoeff() + sphere.radius_m, 0.5 * (1 + 1e-15)) << step;
+    for (const Sphere& sphere : bounce.spheres())
+      ASSERT_LE(sphere.position.cwiseAbs().maxCoeff() + sphere.radius_m, 0.5 * (1 + 1e-15)) << step;
   }
   for (std::size_t at = 0; at < speeds.size(); ++at) EXPECT_EQ(bounce.spheres()[at].velocity.norm(), speeds[at]);
   const BounceLedger ledger = bounce.ledger();
@@ -127,9 +130,7 @@ TEST(Bounce, AWallTurnsOnlyTheComponentAlongItsNormal) {
     const Vec3& now = bounce.spheres()[0].velocity;
     EXPECT_EQ(now.cwiseAbs(), before.cwiseAbs());
     const std::uint64_t hits = bounce.ledger().wall_hits[1];
-    if (hits > walls) {
-      EXPECT_EQ((now.array() != before.array()).count(), 1);
-    }
+    if (hits > walls) { EXPECT_EQ((now.array() != before.array()).count(), 1); }
     walls = hits;
     before = now;
   }

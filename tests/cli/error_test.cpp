@@ -32,12 +32,15 @@ TEST_F(Errors, ABadLineOfABatchIsNamedAndTheRestIsAnswered) {
   csv += "0,0,5,0,0,NaN\n0,0,5,0,0,-1\n";
   const Ran ran = collide("ray - -q", {.in = csv});
   EXPECT_EQ(ran.code, 6);
-  EXPECT_EQ(ran.err, "error: stdin line 4812: 'NaN' in column dz; 4 810 rays answered, this one refused (--stop-on-error to stop)\n");
+  EXPECT_EQ(
+      ran.err,
+      "error: stdin line 4812: 'NaN' in column dz; 4 810 rays answered, this one refused (--stop-on-error to stop)\n");
 }
 
 TEST_F(Errors, NoServerSaysWhatWasSeen) {
-  fake::server().connect_error = Error{ErrorCode::no_server, "no collided answered in 2 s on domain 0, namespace 'collided'",
-                                       "seen on this domain: 3 participants, none of ours"};
+  fake::server().connect_error =
+      Error{ErrorCode::no_server, "no collided answered in 2 s on domain 0, namespace 'collided'",
+            "seen on this domain: 3 participants, none of ours"};
   const Ran ran = collide("status");
   EXPECT_EQ(ran.code, 4);
   EXPECT_EQ(ran.err,
@@ -48,7 +51,8 @@ TEST_F(Errors, NoServerSaysWhatWasSeen) {
 TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
   fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
     if (name == "get") return Error{ErrorCode::refused, "no object", ""};
-    return std::string(R"({"objects":[{"name":"wall"},{"name":"pallet_70"},{"name":"pallet_07"}],"count":3,"version":18204})");
+    return std::string(
+        R"({"objects":[{"name":"wall"},{"name":"pallet_70"},{"name":"pallet_07"}],"count":3,"version":18204})");
   };
   const Ran ran = collide("get pallet7");
   EXPECT_EQ(ran.code, 1);
@@ -56,16 +60,20 @@ TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
 }
 
 TEST_F(Errors, ARefusalOfTheServerIsPassedOn) {
-  fake::server().ask_error = Error{ErrorCode::refused, "server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs", ""};
+  fake::server().ask_error =
+      Error{ErrorCode::refused,
+            "server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs", ""};
   const Ran ran = collide("box 0 0 0 1 1 1");
   EXPECT_EQ(ran.code, 5);
-  EXPECT_EQ(ran.err, "error: server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs\n");
+  EXPECT_EQ(ran.err,
+            "error: server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs\n");
 }
 
 TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"ray 0 0 5 0 0 nan", "error: ray: 'nan' has no place in a question or a pose\n"},
-      {"ray 0 0 5 0 0", "error: ray: 5 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide help ray\n"},
+      {"ray 0 0 5 0 0",
+       "error: ray: 5 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide help ray\n"},
       {"ray 0 0 5 0 0 -1 --tp 1 2 3", "error: ray: unknown option '--tp'; did you mean '--to'?\n"},
       {"ray 0 0 5 --to 0 0 5", "error: ray: start and target are the same point, 0 0 5\n"},
       {"ray 0 0 5 0 0 inf", "error: ray: direction 0 0 inf must be finite\n"},
@@ -77,7 +85,9 @@ TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
       {"ray 0 0 5 0 0 -1 --domain -1", "error: ray: domain '-1': allowed 0 to 230\n"},
       {"ray 0 0 5 0 0 -1 --domain lab", "error: ray: domain 'lab': allowed 0 to 230\n"},
       {"ray missing.csv", "error: ray: missing.csv: No such file or directory\n"},
-      {"add crate bx 1 1 1", "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY]\n"},
+      {"add crate bx 1 1 1",
+       "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, "
+       "cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY]\n"},
       {"add crate box 1 1", "error: add: a box takes 3: full lengths along x, y, z; 2 given\n"},
       {"--jsn status", "error: status: unknown option '--jsn'; did you mean '--json'?\n"},
       {"get \xff", "error: get: a name or path is not UTF-8 text\n"},
@@ -97,7 +107,9 @@ TEST_F(Errors, AFieldThatDoesNotExistNamesThoseThatDo) {
   EXPECT_EQ(ran.code, 2);
   EXPECT_EQ(ran.err,
             "error: ray: no field 'distanze'; did you mean 'distance'?\n"
-            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error,covered,covered_to\n");
+            "       fields: "
+            "answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error,covered,"
+            "covered_to\n");
 }
 
 TEST_F(Errors, QuietLeavesOutTheHint) {
@@ -108,7 +120,9 @@ TEST_F(Errors, TheHelpIsTwelveLinesAndListsWhatWorks) {
   const Ran ran = collide("");
   EXPECT_EQ(ran.code, 0);
   EXPECT_LE(std::count(ran.out.begin(), ran.out.end(), '\n'), 12);
-  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  sweep  pair\nFollow   watch  probe  top\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  sweep  pair\nFollow   watch  probe  top\n"),
+            std::string::npos)
+      << ran.out;
   EXPECT_EQ(collide("--help").out, ran.out);
   EXPECT_EQ(collide("help").out, ran.out);
   EXPECT_EQ(ran.out.find("inside"), std::string::npos) << "not built, so not listed";

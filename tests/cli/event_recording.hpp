@@ -69,7 +69,8 @@ class EventRecording {
   }
   /// As a server does that has just started.
   void empty_shards(double time_s) {
-    for (std::uint32_t number = 0; number < wire_contract::kContactShards; ++number) shard(time_s, 0, {}, static_cast<std::uint8_t>(number));
+    for (std::uint32_t number = 0; number < wire_contract::kContactShards; ++number)
+      shard(time_s, 0, {}, static_cast<std::uint8_t>(number));
   }
   void shard(double time_s, std::uint64_t as_of, const std::vector<Contact>& contacts, std::uint8_t number) {
     Columns columns;
@@ -92,7 +93,8 @@ class EventRecording {
     status->world_time_ns = ns(time_s);
     status->last_event_sequence = last_sequence;
     status->state = static_cast<std::uint8_t>(wire_contract::ServerState::ready);
-    for (const Contact& contact : contacts) status->contact_hash += wire_contract::contact_hash(contact.a, contact.b, contact.episode);
+    for (const Contact& contact : contacts)
+      status->contact_hash += wire_contract::contact_hash(contact.a, contact.b, contact.episode);
     status->contact_count = static_cast<std::uint32_t>(contacts.size());
     write(recording::Recorded::status, time_s, *status);
   }

@@ -16,7 +16,8 @@ using test::EventRecording;
 using Kind = EventRecording::Kind;
 using Reason = EventRecording::Reason;
 
-constexpr std::uint64_t kCrate = 1, kShelf = 2, kDrone = 3, kCart = kDrone + (std::uint64_t{1} << 32);  // in the drone's place
+constexpr std::uint64_t kCrate = 1, kShelf = 2, kDrone = 3,
+                        kCart = kDrone + (std::uint64_t{1} << 32);  // in the drone's place
 
 class EventsVerb : public testing::Test {
  protected:
@@ -36,7 +37,9 @@ class EventsVerb : public testing::Test {
     run.shard(99, 10, {{kCrate, kShelf, 3, 90}});
     run.status(100, 10, {{kCrate, kShelf, 3, 90}});
     run.status(100.05, 10, {{kCrate, kShelf, 3, 90}});
-    if (kept(11)) run.frame(101, 11, {{Kind::began, kShelf, kDrone, 11, 0.003, 0.002}, {Kind::began, kCrate, kDrone, 12, 0.006, 0.005}});
+    if (kept(11))
+      run.frame(101, 11,
+                {{Kind::began, kShelf, kDrone, 11, 0.003, 0.002}, {Kind::began, kCrate, kDrone, 12, 0.006, 0.005}});
     if (kept(13)) run.frame(102, 13, {{Kind::ended, kShelf, kDrone, 11, 0.002, 0.001, Reason::separated}});
     if (kept(14)) run.frame(103, 14, {{Kind::ended, kCrate, kDrone, 12, 0, 0, Reason::removed}});
     if (kept(15)) run.frame(104, 15, {{Kind::began, kShelf, kCart, 15}});
@@ -51,7 +54,8 @@ class EventsVerb : public testing::Test {
     std::istringstream all(ran.out);
     for (std::string line; std::getline(all, line);) {
       const nlohmann::json event = nlohmann::json::parse(line);
-      lines += event["what"].get<std::string>() + " " + event["a"].get<std::string>() + " " + event["b"].get<std::string>() + " " + std::to_string(event["sequence"].get<std::uint64_t>()) + "\n";
+      lines += event["what"].get<std::string>() + " " + event["a"].get<std::string>() + " " +
+               event["b"].get<std::string>() + " " + std::to_string(event["sequence"].get<std::uint64_t>()) + "\n";
     }
     return lines;
   }
@@ -78,18 +82,26 @@ TEST_F(EventsVerb, ALineAnEventInOrderOfTime) {
 
 TEST_F(EventsVerb, MachinesGetTheFieldsOfWatch) {
   write_run();
-  EXPECT_EQ(collide("events " + path() + " --json --to 100.996").out,
-            "{\"time\":90,\"time_ns\":90000000000,\"what\":\"open\",\"a\":\"crate\",\"b\":\"shelf\",\"depth\":0.004,\"error\":1e-15,"
-            "\"point\":[1,2,0.5],\"normal\":[0,0,1],\"resync\":true,\"sequence\":10,\"episode\":3,\"bracket_low\":0,\"bracket_high\":0,\"epoch\":1}\n"
-            "{\"time\":101,\"time_ns\":101000000000,\"first_ns\":100994000000,\"last_ns\":100995000000,\"what\":\"began\",\"a\":\"crate\","
-            "\"b\":\"drone\",\"depth\":0.004,\"error\":1e-15,\"point\":[1,2,0.5],\"normal\":[0,0,1],\"sequence\":12,\"episode\":12,"
-            "\"bracket_low\":0.006,\"bracket_high\":0.005,\"epoch\":1,\"velocity\":[-1,0,0],\"velocity_error\":1e-09}\n");
+  EXPECT_EQ(
+      collide("events " + path() + " --json --to 100.996").out,
+      "{\"time\":90,\"time_ns\":90000000000,\"what\":\"open\",\"a\":\"crate\",\"b\":\"shelf\",\"depth\":0.004,"
+      "\"error\":1e-15,"
+      "\"point\":[1,2,0.5],\"normal\":[0,0,1],\"resync\":true,\"sequence\":10,\"episode\":3,\"bracket_low\":0,"
+      "\"bracket_high\":0,\"epoch\":1}\n"
+      "{\"time\":101,\"time_ns\":101000000000,\"first_ns\":100994000000,\"last_ns\":100995000000,\"what\":\"began\","
+      "\"a\":\"crate\","
+      "\"b\":\"drone\",\"depth\":0.004,\"error\":1e-15,\"point\":[1,2,0.5],\"normal\":[0,0,1],\"sequence\":12,"
+      "\"episode\":12,"
+      "\"bracket_low\":0.006,\"bracket_high\":0.005,\"epoch\":1,\"velocity\":[-1,0,0],\"velocity_error\":1e-09}\n");
 }
 
 TEST_F(EventsVerb, WhatHeldAtTheBeginOfTheWindowIsOpen) {
   write_run();
-  EXPECT_EQ(told("--from 101.5 --to 103.5"), "open crate shelf 12\nopen crate drone 12\nopen shelf drone 12\nended shelf drone 13\nended crate drone 14\n");
-  EXPECT_EQ(told("--from 102.5 --to 102.6"), "open crate shelf 13\nopen crate drone 13\n") << "what ended before does not hold";
+  EXPECT_EQ(
+      told("--from 101.5 --to 103.5"),
+      "open crate shelf 12\nopen crate drone 12\nopen shelf drone 12\nended shelf drone 13\nended crate drone 14\n");
+  EXPECT_EQ(told("--from 102.5 --to 102.6"), "open crate shelf 13\nopen crate drone 13\n")
+      << "what ended before does not hold";
   EXPECT_EQ(told("--from 103.5 --to 104"), "open crate shelf 14\nbegan shelf cart 15\n");
 }
 
@@ -100,14 +112,16 @@ TEST_F(EventsVerb, BothEndsOfTheWindowBelongToIt) {
   EXPECT_EQ(told("--from +4s --to -1s"), both);
   EXPECT_EQ(told("--from 1970-01-01T00:01:44Z --to 1970-01-01T00:01:45Z"), both);
   EXPECT_EQ(told("--from 104.000000001 --to 104.999999999"), "open crate shelf 15\nopen shelf cart 15\n");
-  EXPECT_EQ(told("--from 105 --to 105"), "open crate shelf 15\nopen shelf cart 15\nended crate shelf 16\n") << "it held until then";
+  EXPECT_EQ(told("--from 105 --to 105"), "open crate shelf 15\nopen shelf cart 15\nended crate shelf 16\n")
+      << "it held until then";
   // By when it happened, not by when it was told.
   EXPECT_EQ(told("--from 100.998 --to 100.998"), "open crate shelf 12\nopen crate drone 12\nbegan shelf drone 11\n");
 }
 
 TEST_F(EventsVerb, NamesChoosePairs) {
   write_run();
-  EXPECT_EQ(told("--only 'd*'"), "began crate drone 12\nbegan shelf drone 11\nended shelf drone 13\nended crate drone 14\n");
+  EXPECT_EQ(told("--only 'd*'"),
+            "began crate drone 12\nbegan shelf drone 11\nended shelf drone 13\nended crate drone 14\n");
   EXPECT_EQ(told("--skip 'd*'"), "open crate shelf 10\nbegan shelf cart 15\nended crate shelf 16\n");
   EXPECT_EQ(told("--only 'c*' --skip shelf"), "began crate drone 12\nended crate drone 14\n");
 }
@@ -134,8 +148,10 @@ TEST_F(EventsVerb, ACutFileIsReadUpToThereAndSaysSo) {
             "100.995 began  crate x drone  depth 4 mm at 1 2 0.5  seq 12\n"
             "100.998 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n"
             "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n");
-  EXPECT_EQ(ran.err, "warning: " + path() + ": breaks off in the record at byte " + std::to_string(whole) + "; what stands before it was read\n"
-                     "4 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
+  EXPECT_EQ(ran.err, "warning: " + path() + ": breaks off in the record at byte " + std::to_string(whole) +
+                         "; what stands before it was read\n"
+                         "4 events in " +
+                         path() + ", recorded from 100.000 to 102.000; 0 lost\n");
 }
 
 // That the drone left the shelf is in no sample, and nothing is made up for it.
@@ -143,8 +159,10 @@ TEST_F(EventsVerb, LostEventsAreCounted) {
   write_run([](std::uint64_t first) { return first != 13; });
   const Ran ran = at_terminal("events " + path());
   EXPECT_EQ(ran.code, 0);
-  EXPECT_EQ(ran.err, "warning: " + path() + ": 1 events are not in it; what they changed is marked resync as far as it shows\n"
-                     "6 events in " + path() + ", recorded from 100.000 to 106.000; 1 lost\n");
+  EXPECT_EQ(ran.err, "warning: " + path() +
+                         ": 1 events are not in it; what they changed is marked resync as far as it shows\n"
+                         "6 events in " +
+                         path() + ", recorded from 100.000 to 106.000; 1 lost\n");
   EXPECT_EQ(told("--only drone"), "began crate drone 12\nbegan shelf drone 11\nended crate drone 14\n");
   write_run([](std::uint64_t first) { return first < 15; });
   EXPECT_NE(collide("events " + path()).err.find("; 2 lost\n"), std::string::npos) << "the last ones too";
@@ -170,9 +188,12 @@ TEST_F(EventsVerb, AContactWhoseBeginningIsInNoSampleHoldsFromTheBegin) {
     run.status(106, 11);
   }
   const Ran ran = at_terminal("events " + path());
-  EXPECT_EQ(ran.out, "open     crate x shelf  since 100.000\n105.000 ended  crate x shelf  after 5 s  (separated)  seq 11\n");
-  EXPECT_EQ(ran.err, "warning: " + path() + ": of 1 contacts it tells the end but not since when they held: at least from its begin\n"
-                     "2 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
+  EXPECT_EQ(ran.out,
+            "open     crate x shelf  since 100.000\n105.000 ended  crate x shelf  after 5 s  (separated)  seq 11\n");
+  EXPECT_EQ(ran.err, "warning: " + path() +
+                         ": of 1 contacts it tells the end but not since when they held: at least from its begin\n"
+                         "2 events in " +
+                         path() + ", recorded from 100.000 to 106.000; 0 lost\n");
 }
 
 TEST_F(EventsVerb, AContactThatNoSampleNamesIsMissedAloud) {
@@ -212,7 +233,8 @@ TEST_F(EventsVerb, ALaterSampleOfWhatHoldsTellsOfTheBegin) {
     run.status(102, 11, {{kCrate, kShelf, 3, 90}, {kShelf, kDrone, 11, 101}});
   }
   const Ran ran = at_terminal("events " + path());
-  EXPECT_EQ(ran.out, "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n");
+  EXPECT_EQ(ran.out,
+            "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n");
   EXPECT_EQ(ran.err, "2 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
 }
 
@@ -243,7 +265,9 @@ TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {
   EXPECT_EQ(turned.err, "error: events: the end of what is asked for lies before its begin\n       nothing was read\n");
   const Ran when = collide("events " + path() + " --from noon");
   EXPECT_EQ(when.code, 2);
-  EXPECT_EQ(when.err, "error: events: --from 'noon' is no time\n       2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end\n");
+  EXPECT_EQ(when.err,
+            "error: events: --from 'noon' is no time\n       2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the "
+            "begin or -2s before the end\n");
   const ScratchFile other("poses.csv", "t,name,x\n");
   const Ran csv = collide("events " + other.path());
   EXPECT_EQ(csv.code, 2);
@@ -254,12 +278,15 @@ TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {
 TEST_F(EventsVerb, ARecordingOfTheFirstWireIsSaidToBeOne) {
   {
     mcap::FileOutput output(path());
-    mcap::Writer writer(output, "collided 0.1.0", {{"collided/event", "cdr", "collided::wire::EventFrame", "omgidl", "struct EventFrame {};", {}}});
+    mcap::Writer writer(
+        output, "collided 0.1.0",
+        {{"collided/event", "cdr", "collided::wire::EventFrame", "omgidl", "struct EventFrame {};", {}}});
     writer.write(1, 1, 1, {});
     ASSERT_TRUE(writer.close());
   }
-  EXPECT_EQ(collide("events " + path()).err, "error: events: " + path() +
-            ": was recorded by an earlier version, whose messages were laid out differently. Nothing was read\n");
+  EXPECT_EQ(collide("events " + path()).err,
+            "error: events: " + path() +
+                ": was recorded by an earlier version, whose messages were laid out differently. Nothing was read\n");
 }
 
 TEST(TimeText, IsReadToTheNanosecond) {
@@ -278,8 +305,10 @@ TEST(TimeText, IsReadToTheNanosecond) {
   EXPECT_EQ(cli::parse_time("--from", "+1.5s", "").offset, std::chrono::milliseconds(1500));
   EXPECT_EQ(cli::parse_time("--from", "-2min", "").since, RunTime::Since::end);
   EXPECT_EQ(cli::parse_time("--from", "-2min", "").offset, -std::chrono::minutes(2));
-  for (const char* bad : {"", ".5", "5.", "1e9", "2026-11-22", "2026-11-22T12:03:10", "2026-02-29T00:00:00Z", "2026-13-01T00:00:00Z", "2026-11-22T24:00:00Z",
-                          "2026-11-22T12:03:10.Z", "2026-11-22T12:03:10.1234567890Z", "2026-11-22T12:03:10Zz", "99999999999", "1969-12-31T23:59:59Z", "+", "-", "+-2s", "-nan"}) {
+  for (const char* bad :
+       {"", ".5", "5.", "1e9", "2026-11-22", "2026-11-22T12:03:10", "2026-02-29T00:00:00Z", "2026-13-01T00:00:00Z",
+        "2026-11-22T24:00:00Z", "2026-11-22T12:03:10.Z", "2026-11-22T12:03:10.1234567890Z", "2026-11-22T12:03:10Zz",
+        "99999999999", "1969-12-31T23:59:59Z", "+", "-", "+-2s", "-nan"}) {
     EXPECT_THROW(cli::parse_time("--from", bad, ""), cli::Failure) << bad;
   }
 }

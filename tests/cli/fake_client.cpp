@@ -12,13 +12,9 @@ std::unique_ptr<Server> the_server = std::make_unique<Server>();
 
 }  // namespace
 
-Server& server() {
-  return *the_server;
-}
+Server& server() { return *the_server; }
 
-void reset() {
-  the_server = std::make_unique<Server>();
-}
+void reset() { the_server = std::make_unique<Server>(); }
 
 Hit hit(const std::string& object, double distance_m, const Vec3& point) {
   Hit hit;
@@ -106,7 +102,9 @@ Result<Answers> Client::ask_all(std::span<const NearQuestion> questions, const A
 Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
   std::function<Answer(const SweepQuestion&, const AskOptions&)> respond;
   if (fake::server().sweep) {
-    respond = [&](const SweepQuestion& motion, const AskOptions& asked) { return fake::server().sweep(shape, motion, asked); };
+    respond = [&](const SweepQuestion& motion, const AskOptions& asked) {
+      return fake::server().sweep(shape, motion, asked);
+    };
   }
   return answer_all(motions, options, respond);
 }
@@ -128,11 +126,13 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
 }
 
-Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name, std::string_view json_arguments,
-                                   std::chrono::nanoseconds, std::function<void(double)>) {
+Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name,
+                                   std::string_view json_arguments, std::chrono::nanoseconds,
+                                   std::function<void(double)>) {
   const std::lock_guard lock(fake::server().mutex);
   nlohmann::json arguments = nlohmann::json::parse(json_arguments);
-  arguments["uploaded"] = std::string(file_name) + ":" + std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  arguments["uploaded"] =
+      std::string(file_name) + ":" + std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return fake::server().command("load", arguments, {});
 }
 
@@ -179,9 +179,7 @@ std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) {
   std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
   return std::nullopt;
 }
-std::uint64_t ProbeWatch::lost() const {
-  return 0;
-}
+std::uint64_t ProbeWatch::lost() const { return 0; }
 
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
@@ -208,21 +206,11 @@ std::optional<Event> Watch::next(std::chrono::nanoseconds wait) {
   std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
   return std::nullopt;
 }
-std::uint64_t Watch::lost() const {
-  return 0;
-}
-std::uint64_t Watch::resyncs() const {
-  return 0;
-}
-bool Watch::connected() const {
-  return true;
-}
-std::size_t Watch::open_contacts() const {
-  return 0;
-}
-std::chrono::nanoseconds Watch::tells_since() const {
-  return fake::server().tells_since;
-}
+std::uint64_t Watch::lost() const { return 0; }
+std::uint64_t Watch::resyncs() const { return 0; }
+bool Watch::connected() const { return true; }
+std::size_t Watch::open_contacts() const { return 0; }
+std::chrono::nanoseconds Watch::tells_since() const { return fake::server().tells_since; }
 
 Result<Publisher> Client::publish(const std::string& publisher_name) {
   auto state = std::make_unique<Publisher::State>();
@@ -260,15 +248,9 @@ Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
   return std::uint64_t{published.batches.size()};
 }
 void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
-Result<void> Publisher::keep_alive() {
-  return {};
-}
-Result<void> Publisher::wait_applied(std::chrono::nanoseconds) {
-  return {};
-}
+Result<void> Publisher::keep_alive() { return {}; }
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds) { return {}; }
 
-std::string_view library_version() {
-  return "0.1.0";
-}
+std::string_view library_version() { return "0.1.0"; }
 
 }  // namespace collided

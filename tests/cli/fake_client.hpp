@@ -19,7 +19,7 @@ namespace collided::fake {
 
 struct Published {
   std::string publisher;
-  std::map<std::uint32_t, ObjectOptions> objects;   // by handle; removed ones are gone
+  std::map<std::uint32_t, ObjectOptions> objects;      // by handle; removed ones are gone
   std::vector<std::map<std::uint32_t, Pose>> batches;  // one a flush
   std::map<std::uint32_t, Pose> pending;
   std::vector<std::chrono::nanoseconds> stamps = {};  // one a flush

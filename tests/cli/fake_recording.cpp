@@ -20,7 +20,8 @@ Result<Recording> record(const ConnectOptions& options, const std::string& path)
   return Recording(std::make_unique<Recording::State>());
 }
 
-Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last, const std::string& path) {
+Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last,
+                                      const std::string& path) {
   fake::server().connected_with = options;
   fake::server().fetched = last;
   fake::server().recorded_to = path;
@@ -31,7 +32,8 @@ Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& 
   fake::Server& server = fake::server();
   server.connected_with = connect;
   server.replayed_with = options;
-  if (server.replays.empty()) return Error{ErrorCode::bad_input, options.path + ": is no MCAP file. Nothing was replayed", ""};
+  if (server.replays.empty())
+    return Error{ErrorCode::bad_input, options.path + ": is no MCAP file. Nothing was replayed", ""};
   const ReplayReport report = server.replays.front();
   if (server.replays.size() > 1) server.replays.pop_front();
   return report;

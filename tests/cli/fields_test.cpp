@@ -48,9 +48,15 @@ TEST_F(Fields, OfARayAreItsHits) {
   };
   const std::vector<json> all = records("ray 0 0 5 0 0 -1 --all");
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0], json::parse(R"({"answer":"hit","object":"hit 32","distance":33,"error":0.0078125,"point":[35,36,37],"normal":[38,39,40],
+  EXPECT_EQ(
+      all[0],
+      json::parse(
+          R"({"answer":"hit","object":"hit 32","distance":33,"error":0.0078125,"point":[35,36,37],"normal":[38,39,40],
                                     "triangle":32,"order":0,"exit":34,"inside":true,"stale":true,"point_error":0.00390625})"));
-  EXPECT_EQ(all[1], json::parse(R"({"answer":"hit","object":"hit 64","distance":65,"error":0.00390625,"point":[67,68,69],"normal":[70,71,72],
+  EXPECT_EQ(
+      all[1],
+      json::parse(
+          R"({"answer":"hit","object":"hit 64","distance":65,"error":0.00390625,"point":[67,68,69],"normal":[70,71,72],
                                     "triangle":64,"order":1,"point_error":0.001953125})"));
 }
 
@@ -58,15 +64,21 @@ TEST_F(Fields, OfTheOtherQuestionsAreTheirHits) {
   fake::server().near = [](const NearQuestion&, const AskOptions&) { return fake::hit_answer({hit(32)}); };
   fake::server().sphere = [](const SphereQuestion&, const AskOptions&) { return fake::hit_answer({hit(32)}); };
   fake::server().box = [](const BoxQuestion&, const AskOptions&) { return fake::hit_answer({hit(32)}); };
-  fake::server().sweep = [](const Shape&, const SweepQuestion&, const AskOptions&) { return fake::hit_answer({hit(32)}); };
-  EXPECT_EQ(records("near 0 0 5").at(0), json::parse(R"({"answer":"hit","object":"hit 32","distance":33,"error":0.0078125,"point":[35,36,37],
+  fake::server().sweep = [](const Shape&, const SweepQuestion&, const AskOptions&) {
+    return fake::hit_answer({hit(32)});
+  };
+  EXPECT_EQ(records("near 0 0 5").at(0),
+            json::parse(R"({"answer":"hit","object":"hit 32","distance":33,"error":0.0078125,"point":[35,36,37],
                                                       "normal":[38,39,40],"triangle":32,"inside":true,"stale":true,"point_error":0.00390625})"));
-  const json contact = json::parse(R"({"answer":"hit","object":"hit 32","depth":33,"error":0.0078125,"point":[35,36,37],"normal":[38,39,40],
+  const json contact = json::parse(
+      R"({"answer":"hit","object":"hit 32","depth":33,"error":0.0078125,"point":[35,36,37],"normal":[38,39,40],
                                        "triangle":32,"inside":true,"stale":true})");
   EXPECT_EQ(records("sphere 0 0 5 1").at(0), contact);
   EXPECT_EQ(records("box 0 0 0 1 1 1").at(0), contact);
-  EXPECT_EQ(records("sweep sphere 1 --from 0 0 0 --to 1 1 1").at(0),
-            json::parse(R"({"answer":"contact","object":"hit 32","time_low":44,"time_high":45,"point":[35,36,37],"normal":[38,39,40],"triangle":32,"stale":true})"));
+  EXPECT_EQ(
+      records("sweep sphere 1 --from 0 0 0 --to 1 1 1").at(0),
+      json::parse(
+          R"({"answer":"contact","object":"hit 32","time_low":44,"time_high":45,"point":[35,36,37],"normal":[38,39,40],"triangle":32,"stale":true})"));
 }
 
 TEST_F(Fields, OfAPairAreThoseOfItsAnswer) {
@@ -87,16 +99,23 @@ TEST_F(Fields, OfAPairAreThoseOfItsAnswer) {
     return pair;
   };
   pair.contained = Containment::a_in_b;
-  EXPECT_EQ(records("pair x y").at(0), json::parse(R"({"answer":"apart","distance":4,"error":6,"normal":[1,2,3],"on_a":[7,8,9],"on_b":[10,11,12],"contained":"a","world":9})"));
+  EXPECT_EQ(
+      records("pair x y").at(0),
+      json::parse(
+          R"({"answer":"apart","distance":4,"error":6,"normal":[1,2,3],"on_a":[7,8,9],"on_b":[10,11,12],"contained":"a","world":9})"));
   pair.contained = Containment::b_in_a;
   EXPECT_EQ(records("pair x y").at(0)["contained"], "b");
   pair.contained = Containment::none;
   EXPECT_EQ(records("pair x y").at(0)["contained"], "");
   pair.verdict = Verdict::hit;
-  EXPECT_EQ(records("pair x y").at(0), json::parse(R"({"answer":"touching","depth":5,"error":6,"normal":[1,2,3],"point":[13,14,15],"a_triangle":16,"b_triangle":17,
+  EXPECT_EQ(
+      records("pair x y").at(0),
+      json::parse(
+          R"({"answer":"touching","depth":5,"error":6,"normal":[1,2,3],"point":[13,14,15],"a_triangle":16,"b_triangle":17,
                                                      "manifold":[{"point":[18,19,20],"depth":21,"error":22}],"world":9})"));
   pair.triangle_pairs = {{.a_triangle = 23, .b_triangle = 24, .from = {25, 26, 27}, .to = {28, 29, 30}, .error_m = 31}};
-  EXPECT_EQ(records("pair x y --triangles").at(0), json::parse(R"({"a_triangle":23,"b_triangle":24,"from":[25,26,27],"to":[28,29,30],"error":31})"));
+  EXPECT_EQ(records("pair x y --triangles").at(0),
+            json::parse(R"({"a_triangle":23,"b_triangle":24,"from":[25,26,27],"to":[28,29,30],"error":31})"));
   const Ran ran = at_terminal("pair x y");
   EXPECT_EQ(ran.out, "touching  depth 5 m ±6  at 13 14 15  apart by 5 10 15\n  bears at 18 19 20  21 m deep ±22\n");
 }
@@ -130,7 +149,8 @@ Event event(EventKind what) {
 }
 
 TEST_F(Fields, OfAnEventAreTheServersOwn) {
-  fake::server().events = {event(EventKind::open), event(EventKind::began), event(EventKind::persisted), event(EventKind::ended)};
+  fake::server().events = {event(EventKind::open), event(EventKind::began), event(EventKind::persisted),
+                           event(EventKind::ended)};
   Event& at_inner_edge = fake::server().events[2];
   at_inner_edge.surface_normal = {0, 0, 1};
   at_inner_edge.surface_depth_m = 0.5;
@@ -139,7 +159,8 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   std::istringstream lines(ran.out);
   for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line));
   ASSERT_EQ(all.size(), 4U);
-  const json open = json::parse(R"({"time":8.5,"time_ns":8500000000,"what":"open","a":"x","b":"y","depth":17,"error":18,"point":[11,12,13],"normal":[14,15,16],"a_triangle":3,"b_triangle":4,
+  const json open = json::parse(
+      R"({"time":8.5,"time_ns":8500000000,"what":"open","a":"x","b":"y","depth":17,"error":18,"point":[11,12,13],"normal":[14,15,16],"a_triangle":3,"b_triangle":4,
                                     "resync":true,"sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})");
   EXPECT_EQ(all[0], open);
   json began = open;
@@ -155,7 +176,10 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   began["first_ns"] = 17'500'000'000;
   began["last_ns"] = 18'500'000'000;
   EXPECT_EQ(all[1], began);
-  EXPECT_EQ(all[3], json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"ended","a":"x","b":"y","after":10.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
+  EXPECT_EQ(
+      all[3],
+      json::parse(
+          R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"ended","a":"x","b":"y","after":10.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
                                     "sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
 }
 
@@ -172,7 +196,10 @@ TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
   std::string first, second;
   std::getline(lines, first);
   std::getline(lines, second);
-  EXPECT_EQ(json::parse(first), json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"began","a":"x","b":"y","doubt":"cost_limit","a_triangle":3,
+  EXPECT_EQ(
+      json::parse(first),
+      json::parse(
+          R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"began","a":"x","b":"y","doubt":"cost_limit","a_triangle":3,
                                                "b_triangle":4,"resync":true,"sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
   EXPECT_EQ(json::parse(second)["doubt"], "numeric");
   EXPECT_EQ(json::parse(second)["why"], "decided");
@@ -192,10 +219,14 @@ TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
 }
 
 TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
-  const std::vector<std::pair<EndReason, const char*>> words{{EndReason::separated, "separated"}, {EndReason::removed, "removed"}, {EndReason::publisher_lost, "publisher_lost"},
-                                                       {EndReason::teleported, "teleported"}, {EndReason::geometry_changed, "geometry_changed"},
-                                                       {EndReason::server_stopping, "server_stopping"}, {EndReason::server_restarted, "server_restarted"},
-                                                       {EndReason::decided, "decided"}};
+  const std::vector<std::pair<EndReason, const char*>> words{{EndReason::separated, "separated"},
+                                                             {EndReason::removed, "removed"},
+                                                             {EndReason::publisher_lost, "publisher_lost"},
+                                                             {EndReason::teleported, "teleported"},
+                                                             {EndReason::geometry_changed, "geometry_changed"},
+                                                             {EndReason::server_stopping, "server_stopping"},
+                                                             {EndReason::server_restarted, "server_restarted"},
+                                                             {EndReason::decided, "decided"}};
   for (const auto& [why, word] : words) {
     Event ended = event(EventKind::ended);
     ended.reason = why;
@@ -205,9 +236,10 @@ TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
 }
 
 TEST_F(Fields, EveryReasonOfAnUndecidedAnswerHasItsOwnWord) {
-  const std::vector<std::pair<UndecidedReason, std::string>> words{{UndecidedReason::numeric, "numeric"}, {UndecidedReason::stale_object, "stale_object"},
-                                                             {UndecidedReason::recovering, "recovering"}, {UndecidedReason::truncated, "truncated"},
-                                                             {UndecidedReason::deadline, "deadline"}, {UndecidedReason::not_covered, "not_covered"}};
+  const std::vector<std::pair<UndecidedReason, std::string>> words{
+      {UndecidedReason::numeric, "numeric"},       {UndecidedReason::stale_object, "stale_object"},
+      {UndecidedReason::recovering, "recovering"}, {UndecidedReason::truncated, "truncated"},
+      {UndecidedReason::deadline, "deadline"},     {UndecidedReason::not_covered, "not_covered"}};
   for (const auto& [reason, word] : words) {
     fake::server().ray = [reason = reason](const RayQuestion&, const AskOptions&) {
       Answer answer;
@@ -221,9 +253,20 @@ TEST_F(Fields, EveryReasonOfAnUndecidedAnswerHasItsOwnWord) {
 }
 
 TEST_F(Fields, OfAReadingAreTheProbesOwn) {
-  fake::server().readings = {{.probe = "p", .object = "o", .state = Clearance::deeper, .clearance_m = -1, .error_m = 2, .met = "m", .triangle = 3,
-                              .point = {4, 5, 6}, .normal = {7, 8, 9}, .epoch = 10, .version = 11, .world_time = std::chrono::milliseconds(12'500)}};
-  const json expected = json::parse(R"({"time":12.5,"probe":"p","state":"deeper","clearance":-1,"error":2,"met":"m","point":[4,5,6],"normal":[7,8,9],"triangle":3,"object":"o","world":11})");
+  fake::server().readings = {{.probe = "p",
+                              .object = "o",
+                              .state = Clearance::deeper,
+                              .clearance_m = -1,
+                              .error_m = 2,
+                              .met = "m",
+                              .triangle = 3,
+                              .point = {4, 5, 6},
+                              .normal = {7, 8, 9},
+                              .epoch = 10,
+                              .version = 11,
+                              .world_time = std::chrono::milliseconds(12'500)}};
+  const json expected = json::parse(
+      R"({"time":12.5,"probe":"p","state":"deeper","clearance":-1,"error":2,"met":"m","point":[4,5,6],"normal":[7,8,9],"triangle":3,"object":"o","world":11})");
   EXPECT_EQ(records("probe").at(0), expected);
   EXPECT_EQ(json::parse(collide("probe --watch -n 1 --json").out), expected);
 }
@@ -250,11 +293,16 @@ TEST_F(Fields, OfAStatusAreTheServersOwn) {
   status.questions_refused = 13;
   status.undecided_answers = 14;
   status.age = std::chrono::milliseconds(15'500);
-  status.publishers = {{"p", 16, std::chrono::milliseconds(17'500), true}, {"q", 18, std::chrono::milliseconds(19'500), false}};
+  status.publishers = {{"p", 16, std::chrono::milliseconds(17'500), true},
+                       {"q", 18, std::chrono::milliseconds(19'500), false}};
   fake::server().status = status;
-  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> { return std::string("{}"); };
-  EXPECT_EQ(records("--domain 20 status").at(0),
-            json::parse(R"({"state":"ready","version_text":"v","pid":1,"domain":20,"namespace":"ns","epoch":2,"world":3,"world_time":4.5,"scenes":["s","t"],
+  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    return std::string("{}");
+  };
+  EXPECT_EQ(
+      records("--domain 20 status").at(0),
+      json::parse(
+          R"({"state":"ready","version_text":"v","pid":1,"domain":20,"namespace":"ns","epoch":2,"world":3,"world_time":4.5,"scenes":["s","t"],
                             "static_triangles":7,"objects":8,"moving":9,"contacts":6,"contacts_truncated":true,"poses_applied":10,"poses_dropped":11,
                             "questions_answered":12,"questions_refused":13,"undecided_answers":14,"last_event_sequence":5,"age":15.5,
                             "publishers":[{"name":"p","applied_sequence":16,"silent":17.5,"lost":true},{"name":"q","applied_sequence":18,"silent":19.5,"lost":false}]})"));

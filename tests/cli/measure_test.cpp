@@ -10,7 +10,8 @@ class Measure : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
-    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments, const Shape&) -> Result<std::string> {
+    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments,
+                                    const Shape&) -> Result<std::string> {
       asked = arguments;
       return replies.at(name).dump();
     };
@@ -21,12 +22,13 @@ class Measure : public testing::Test {
 };
 
 nlohmann::json menu_row(const char* method, nlohmann::json bound) {
-  return {{"kind", "ray"}, {"method", method}, {"asked", 300}, {"undecided", 0}, {"wrong", 7}, {"worst_error", 4.4e-16},
-          {"worst_bound", bound}, {"p50_ns", 2100}, {"p99_ns", 7700}};
+  return {{"kind", "ray"},          {"method", method},     {"asked", 300},   {"undecided", 0}, {"wrong", 7},
+          {"worst_error", 4.4e-16}, {"worst_bound", bound}, {"p50_ns", 2100}, {"p99_ns", 7700}};
 }
 
 TEST_F(Measure, TheMenuIsAPriceList) {
-  replies["menu"] = {{"rows", {menu_row("exact on doubt", 2e-15), menu_row("boxes only", "inf")}}, {"seed", 7}, {"version", 9}};
+  replies["menu"] = {
+      {"rows", {menu_row("exact on doubt", 2e-15), menu_row("boxes only", "inf")}}, {"seed", 7}, {"version", 9}};
   EXPECT_EQ(at_terminal("menu --questions 300 --seed 7").out,
             "ASKED  METHOD          WORST ERROR  BOUND    P50     P99     UNDECIDED  WRONG\n"
             "ray    exact on doubt  4.4e-16 m    2e-15 m  2.1 us  7.7 us  0          7\n"
@@ -48,7 +50,12 @@ TEST_F(Measure, AnEmptyWorldHasNoMenu) {
 nlohmann::json audit(int every, int differing) {
   nlohmann::json differences = nlohmann::json::array();
   if (differing > 0) differences.push_back("ray 0 0 5: the first hit is at 4");
-  return {{"every", every}, {"chosen", 12419}, {"audited", 12419}, {"differing", differing}, {"skipped", 0}, {"float_repairs", 0},
+  return {{"every", every},
+          {"chosen", 12419},
+          {"audited", 12419},
+          {"differing", differing},
+          {"skipped", 0},
+          {"float_repairs", 0},
           {"differences", differences},
           {"questions", {{{"kind", "ray"}, {"double", 12417}, {"expansion", 2}, {"rational", 0}}}}};
 }

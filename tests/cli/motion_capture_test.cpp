@@ -15,7 +15,8 @@ constexpr const char* kJumps = "/usr/share/assimp/models/BVH/01_01.bvh";
 
 /// A hip, a leg below it and the leg's end; the hip stands at (1, 2, 3) and turns about z by what the frame says.
 std::string two_joints(const std::string& motion) {
-  return "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n"
+  return "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation "
+         "Xrotation\n"
          " JOINT LeftFoot\n {\n  OFFSET 0 -2 0\n  CHANNELS 3 Zrotation Yrotation Xrotation\n"
          "  End Site\n  {\n   OFFSET 0 0 1\n  }\n }\n}\nMOTION\n" +
          motion;
@@ -25,13 +26,12 @@ std::string refusal(const std::string& text) {
   try {
     parse_bvh(text, "a.bvh");
     return "accepted";
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
+  } catch (const Failure& failure) { return failure.what(); }
 }
 
 TEST(MotionCapture, ChildrenTurnWithTheirParents) {
-  const MotionCapture bvh = parse_bvh(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 90 0 0 0 0 0\n1 2 3 0 0 90 0 90 0\n"), "a.bvh");
+  const MotionCapture bvh =
+      parse_bvh(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 90 0 0 0 0 0\n1 2 3 0 0 90 0 90 0\n"), "a.bvh");
   ASSERT_EQ(bvh.joints.size(), 3U);
   EXPECT_EQ(bvh.frame_seconds, 0.01);
   // A quarter turn about z takes (0, -2, 0) to (2, 0, 0).
@@ -51,22 +51,28 @@ TEST(MotionCapture, TheFirstChannelIsTheOutermostTurn) {
 
 TEST(MotionCapture, WhatIsWrongIsNamedWithItsLine) {
   EXPECT_EQ(refusal(""), "a.bvh line 1: the file ends where 'HIERARCHY' should stand");
-  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n{\n OFFSET 0 nan 0\n"), "a.bvh line 4: 'nan' where a number of OFFSET should stand");
-  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n{\n CHANNELS 9 Xposition\n"), "a.bvh line 4: 9 channels of one joint, allowed 6");
-  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n{\n CHANNELS 1 Wposition\n"),
-            "a.bvh line 4: 'Wposition' is no channel; channels: Xposition Yposition Zposition Xrotation Yrotation Zrotation");
-  EXPECT_EQ(refusal(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 90 0 0 0 0 0\n")), "a.bvh line 20: the file ends where a channel's value should stand");
+  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n{\n OFFSET 0 nan 0\n"),
+            "a.bvh line 4: 'nan' where a number of OFFSET should stand");
+  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n{\n CHANNELS 9 Xposition\n"),
+            "a.bvh line 4: 9 channels of one joint, allowed 6");
+  EXPECT_EQ(
+      refusal("HIERARCHY\nROOT Hips\n{\n CHANNELS 1 Wposition\n"),
+      "a.bvh line 4: 'Wposition' is no channel; channels: Xposition Yposition Zposition Xrotation Yrotation Zrotation");
+  EXPECT_EQ(refusal(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 90 0 0 0 0 0\n")),
+            "a.bvh line 20: the file ends where a channel's value should stand");
   EXPECT_EQ(refusal(two_joints("Frames: 1\nFrame Time: 0.01\n1 2 3 90 0 0 0 0 0 7\n")),
             "a.bvh line 19: more values than 1 frames of 9 channels take");
   EXPECT_EQ(refusal(two_joints("Frames: 1\nFrame Time: 0\n")), "a.bvh line 18: frame time 0 must be above 0");
-  EXPECT_EQ(refusal(two_joints("Frames: 99999999999\nFrame Time: 0.01\n")), "a.bvh line 17: 99999999999 frames, allowed 2");
+  EXPECT_EQ(refusal(two_joints("Frames: 99999999999\nFrame Time: 0.01\n")),
+            "a.bvh line 17: 99999999999 frames, allowed 2");
   std::string deep = "HIERARCHY\nROOT r\n{\n";
   for (int level = 0; level < 100'000; ++level) deep += "JOINT j {\n";
   EXPECT_EQ(refusal(deep), "a.bvh line 67: joints nest deeper than 64");
 }
 
 TEST(Walker, BonesAreCapsulesAndFeetAreSpheres) {
-  const MotionCapture bvh = parse_bvh(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 0 0 0 0 0 0\n1 2 3 0 0 0 0 0 0\n"), "a.bvh");
+  const MotionCapture bvh =
+      parse_bvh(two_joints("Frames: 2\nFrame Time: 0.01\n1 2 3 0 0 0 0 0 0\n1 2 3 0 0 0 0 0 0\n"), "a.bvh");
   WalkerOptions options{.name = "walker", .unit_m = 0.5};
   const std::vector<WalkerPart> parts = walker_parts(bvh, options);
   ASSERT_EQ(parts.size(), 2U);
@@ -97,7 +103,8 @@ std::vector<Jump> jumps_of(const MotionCapture& bvh, const WalkerOptions& option
     const std::vector<Pose> poses = walker_poses(bvh, parts, options, frame);
     double lowest_m = std::numeric_limits<double>::infinity();
     for (std::size_t at = 0; at < parts.size(); ++at) {
-      const bool foot = std::holds_alternative<SphereShape>(parts[at].shape[0]) && parts[at].name.find("Foot") != std::string::npos;
+      const bool foot =
+          std::holds_alternative<SphereShape>(parts[at].shape[0]) && parts[at].name.find("Foot") != std::string::npos;
       const bool toe = parts[at].name.find("ToeBase") != std::string::npos;
       if (foot || toe) lowest_m = std::min(lowest_m, poses[at].position.y());
     }

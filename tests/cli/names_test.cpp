@@ -26,8 +26,26 @@ std::vector<std::string> hostile_names() {
     names.emplace_back(1, static_cast<char>(c));
     names.push_back("a" + std::string(1, static_cast<char>(c)) + "b");
   }
-  for (const char* name : {"", "\\n", "\\\\", "\\\"", "C:\\parts\\new\\table", "\"quoted\"", "</script><script>alert(1)</script>", "<!--", "]]>", "&lt;", "&amp;amp;",
-                           "a,b", "'single'", "$(x)`y`", "tab\tline\nend\r", "\x1b[2J", "Gel\xc3\xa4nde", "\xf0\x9f\x93\xa6 \xe6\xa3\x9a", "{what}", " space "}) {
+  for (const char* name : {"",
+                           "\\n",
+                           "\\\\",
+                           "\\\"",
+                           "C:\\parts\\new\\table",
+                           "\"quoted\"",
+                           "</script><script>alert(1)</script>",
+                           "<!--",
+                           "]]>",
+                           "&lt;",
+                           "&amp;amp;",
+                           "a,b",
+                           "'single'",
+                           "$(x)`y`",
+                           "tab\tline\nend\r",
+                           "\x1b[2J",
+                           "Gel\xc3\xa4nde",
+                           "\xf0\x9f\x93\xa6 \xe6\xa3\x9a",
+                           "{what}",
+                           " space "}) {
     names.emplace_back(name);
   }
   return names;
@@ -53,11 +71,22 @@ TEST(HostileNames, EveryVerbThatTellsANameTellsTheSame) {
   for (const std::string& name : hostile_names()) {
     if (name.empty()) continue;
     fake::reset();
-    fake::server().ray = [&](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
-    fake::server().sweep = [&](const Shape&, const SweepQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
+    fake::server().ray = [&](const RayQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
+    fake::server().sweep = [&](const Shape&, const SweepQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
     fake::server().command = [&](const std::string&, const json&, const Shape&) -> Result<std::string> {
-      return json{{"objects", {{{"name", name}, {"kind", "box"}, {"scene", name}, {"publisher", name}, {"position", {1, 2, 3}}}}}, {"count", 1}, {"version", 9},
-                  {"name", name}, {"contacts", {name}}, {"scene", name}, {"publisher", name}}.dump();
+      return json{{"objects",
+                   {{{"name", name}, {"kind", "box"}, {"scene", name}, {"publisher", name}, {"position", {1, 2, 3}}}}},
+                  {"count", 1},
+                  {"version", 9},
+                  {"name", name},
+                  {"contacts", {name}},
+                  {"scene", name},
+                  {"publisher", name}}
+          .dump();
     };
     Event event;
     event.a = name;
@@ -67,7 +96,9 @@ TEST(HostileNames, EveryVerbThatTellsANameTellsTheSame) {
     fake::server().status.state = "ready";
     fake::server().status.scenes = {name};
     fake::server().status.publishers = {{name, 1, {}, false}};
-    const auto record = [&](const std::string& words) { return json::parse(collide(words + " --json").out, nullptr, false); };
+    const auto record = [&](const std::string& words) {
+      return json::parse(collide(words + " --json").out, nullptr, false);
+    };
     EXPECT_EQ(record("ray 0 0 5 0 0 -1")["object"], name);
     EXPECT_EQ(record("sweep sphere 1 --from 0 0 0 --to 1 1 1")["object"], name);
     EXPECT_EQ(record("ls")["name"], name);
@@ -87,7 +118,9 @@ TEST(HostileNames, EveryVerbThatTellsANameTellsTheSame) {
 TEST(HostileNames, CsvReadsBackToTheSameName) {
   for (const std::string& name : hostile_names()) {
     fake::reset();
-    fake::server().ray = [&](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
+    fake::server().ray = [&](const RayQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
     const std::string text = collide("ray 0 0 5 0 0 -1 --csv --fields answer,object,distance").out;
     const std::string head = "answer,object,distance\n";
     ASSERT_EQ(text.substr(0, head.size()), head);
@@ -100,7 +133,8 @@ TEST(HostileNames, CsvReadsBackToTheSameName) {
     EXPECT_EQ(cell.starts_with('"') && cell.ends_with('"'), must_quote) << text;
     if (must_quote) {
       cell = cell.substr(1, cell.size() - 2);
-      for (std::size_t at = cell.find("\"\""); at != std::string::npos; at = cell.find("\"\"", at + 1)) cell.erase(at, 1);
+      for (std::size_t at = cell.find("\"\""); at != std::string::npos; at = cell.find("\"\"", at + 1))
+        cell.erase(at, 1);
     }
     EXPECT_EQ(cell, name);
     if (name.find_first_of("\r\n") == std::string::npos && cell.find_first_of(" \t") == std::string::npos) {
@@ -114,7 +148,9 @@ TEST(HostileNames, CsvReadsBackToTheSameName) {
 TEST(HostileNames, APlainRecordStaysOneLineOfItsColumns) {
   for (const std::string& name : hostile_names()) {
     fake::reset();
-    fake::server().ray = [&](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
+    fake::server().ray = [&](const RayQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
     const std::string text = collide("ray 0 0 5 0 0 -1 --plain --fields answer,object,distance").out;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\t'), 2) << text;
@@ -127,12 +163,28 @@ TEST(HostileNames, ATerminalIsGivenNoControlCharacters) {
   for (const std::string& name : hostile_names()) {
     if (name.empty()) continue;
     fake::reset();
-    fake::server().ray = [&](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
-    fake::server().sphere = [&](const SphereQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
-    fake::server().sweep = [&](const Shape&, const SweepQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})}); };
+    fake::server().ray = [&](const RayQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
+    fake::server().sphere = [&](const SphereQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
+    fake::server().sweep = [&](const Shape&, const SweepQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit(name, 1, {0, 0, 0})});
+    };
     fake::server().command = [&](const std::string&, const json&, const Shape&) -> Result<std::string> {
-      return json{{"objects", {{{"name", name}, {"kind", name}, {"scene", name}, {"publisher", name}, {"position", {1, 2, 3}}}}}, {"count", 1}, {"version", 9},
-                  {"name", name}, {"kind", name}, {"contacts", {name}}, {"scene", name}, {"publisher", name}, {"differences", {name}}, {"every", 1}}.dump();
+      return json{{"objects",
+                   {{{"name", name}, {"kind", name}, {"scene", name}, {"publisher", name}, {"position", {1, 2, 3}}}}},
+                  {"count", 1},
+                  {"version", 9},
+                  {"name", name},
+                  {"kind", name},
+                  {"contacts", {name}},
+                  {"scene", name},
+                  {"publisher", name},
+                  {"differences", {name}},
+                  {"every", 1}}
+          .dump();
     };
     Event event;
     event.a = event.b = name;
@@ -140,8 +192,9 @@ TEST(HostileNames, ATerminalIsGivenNoControlCharacters) {
     fake::server().status.state = "ready";
     fake::server().status.scenes = {name};
     fake::server().status.publishers = {{name, 1, {}, false}};
-    for (const char* words : {"ray 0 0 5 0 0 -1", "sphere 0 0 0 1", "sweep sphere 1 --from 0 0 0 --to 1 1 1", "ls", "get thing", "watch -n 1", "watch -n 1 --format '{a}'",
-                              "probe", "probe --watch -n 1", "status", "audit", "ray 0 0 5 0 0 -1 --watch -n 1 --every 1ms"}) {
+    for (const char* words : {"ray 0 0 5 0 0 -1", "sphere 0 0 0 1", "sweep sphere 1 --from 0 0 0 --to 1 1 1", "ls",
+                              "get thing", "watch -n 1", "watch -n 1 --format '{a}'", "probe", "probe --watch -n 1",
+                              "status", "audit", "ray 0 0 5 0 0 -1 --watch -n 1 --every 1ms"}) {
       fake::server().events = {event};
       const std::string text = at_terminal(words).out;
       EXPECT_NE(text, "") << words;
@@ -156,7 +209,8 @@ TEST(HostileNames, ATerminalIsGivenNoControlCharacters) {
 /// What stands between tags, and in attributes, as a reader of XML takes it.
 std::string unescaped(std::string text) {
   const auto put = [&](std::string_view what, std::string_view by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) text.replace(at, what.size(), by);
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+      text.replace(at, what.size(), by);
   };
   put("&lt;", "<");
   put("&gt;", ">");
@@ -175,7 +229,9 @@ TEST(HostileNames, ADrawingHoldsNoSignOfXmlButItsOwn) {
   // Each place of each drawing into which somebody's text goes.
   const std::string evil = "<i x=\"&\">";
   const auto plain = [](std::string svg) {
-    for (std::size_t at = svg.find("&lt;i x=&quot;&amp;&quot;&gt;"); at != std::string::npos; at = svg.find("&lt;i x=&quot;&amp;&quot;&gt;")) svg.erase(at, 29);
+    for (std::size_t at = svg.find("&lt;i x=&quot;&amp;&quot;&gt;"); at != std::string::npos;
+         at = svg.find("&lt;i x=&quot;&amp;&quot;&gt;"))
+      svg.erase(at, 29);
     return svg;
   };
   const auto check = [&](const std::string& svg, std::size_t least_count) {
@@ -188,10 +244,23 @@ TEST(HostileNames, ADrawingHoldsNoSignOfXmlButItsOwn) {
     }
     EXPECT_EQ(rest.find('&'), std::string::npos) << rest;
   };
-  check(draw::svg(draw::Plot{.title = evil, .x = {.label = evil}, .y = {.label = evil}, .series = {{.name = evil, .points = {{1, 2, evil}, {3, 4, evil}}}}}), 5);
-  check(draw::svg(draw::Bars{.title = evil, .value = {.label = evil}, .series = {evil, evil}, .groups = {{evil, {1, 2}}}}), 5);
+  check(draw::svg(draw::Plot{.title = evil,
+                             .x = {.label = evil},
+                             .y = {.label = evil},
+                             .series = {{.name = evil, .points = {{1, 2, evil}, {3, 4, evil}}}}}),
+        5);
+  check(draw::svg(
+            draw::Bars{.title = evil, .value = {.label = evil}, .series = {evil, evil}, .groups = {{evil, {1, 2}}}}),
+        5);
   check(draw::svg(draw::Strips{.title = evil, .parts = {evil}, .rows = {{evil, {1}, evil}}}), 4);
-  check(draw::svg(draw::HeatMap{.title = evil, .x_label = evil, .y_label = evil, .columns = {evil}, .rows = {evil}, .cells = {{0.5, evil}}, .legend = evil}), 6);
+  check(draw::svg(draw::HeatMap{.title = evil,
+                                .x_label = evil,
+                                .y_label = evil,
+                                .columns = {evil},
+                                .rows = {evil},
+                                .cells = {{0.5, evil}},
+                                .legend = evil}),
+        6);
 }
 
 TEST(HostileNames, ThePageAndFoxgloveReadBackTheSameName) {
@@ -211,7 +280,8 @@ TEST(HostileNames, ThePageAndFoxgloveReadBackTheSameName) {
     event.b = name + "b";
     EXPECT_EQ(json::parse(view::events_text(std::vector<Event>{event}, 9))["events"][0]["a"], name);
     EXPECT_EQ(json::parse(view::events_text(std::vector<Event>{event}, 9))["events"][0]["b"], name + "b");
-    EXPECT_EQ(json::parse(view::contact_update(std::vector<Event>{event}))["entities"][0]["id"], name + " x " + name + "b");
+    EXPECT_EQ(json::parse(view::contact_update(std::vector<Event>{event}))["entities"][0]["id"],
+              name + " x " + name + "b");
     EXPECT_EQ(json::parse(view::event_json(event))["b"], name + "b");
     EXPECT_EQ(json::parse(view::refused_text(1, name))["why"], name);
   }
@@ -223,8 +293,12 @@ TEST(HostileNames, ASavedRunReadsBackToTheSameName) {
   fake::reset();
   fake::server().status.state = "ready";
   fake::server().status.scenes = {name};
-  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> { return std::string("{}"); };
-  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> { return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}}; };
+  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    return std::string("{}");
+  };
+  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> {
+    return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}};
+  };
   Event event;
   event.a = name;
   event.b = "floor";
@@ -251,20 +325,31 @@ TEST(HostileNames, ASavedRunReadsBackToTheSameName) {
 
 TEST(HostileNames, AnUndoLineIsReadByTheShellAsTheSameName) {
   for (const std::string& name : hostile_names()) {
-    const bool has_control = std::any_of(name.begin(), name.end(), [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; });
+    const bool has_control =
+        std::any_of(name.begin(), name.end(), [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; });
     if (name.empty() || has_control) continue;  // no object has such a name
     fake::reset();
     const json box{{"box", {{"center", {0, 0, 0}}, {"half_m", {0.2, 0.2, 0.1}}, {"rotation", {1, 0, 0, 0}}}}};
     fake::server().command = [&](const std::string& command, const json&, const Shape&) -> Result<std::string> {
       if (command == "remove") return json{{"removed", {name}}, {"ended", 0}, {"version", 1}}.dump();
-      return json{{"objects", {{{"name", name}, {"kind", "box"}, {"scene", ""}, {"publisher", ""}}}}, {"count", 1}, {"version", 1}, {"name", name}, {"shape", {box}},
-                  {"pose", {1, 2, 3, 1, 0, 0, 0}}, {"layers", 1}, {"mask", 0xffffffff}, {"group", 0}, {"moving", true}}.dump();
+      return json{{"objects", {{{"name", name}, {"kind", "box"}, {"scene", ""}, {"publisher", ""}}}},
+                  {"count", 1},
+                  {"version", 1},
+                  {"name", name},
+                  {"shape", {box}},
+                  {"pose", {1, 2, 3, 1, 0, 0, 0}},
+                  {"layers", 1},
+                  {"mask", 0xffffffff},
+                  {"group", 0},
+                  {"moving", true}}
+          .dump();
     };
     const std::string said = at_terminal("rm thing").err;
     const std::size_t undo = said.find("undo: collide ");
     ASSERT_NE(undo, std::string::npos) << said;
     const std::string line = said.substr(undo + 14, said.find('\n', undo) - undo - 14);
-    fake::server().command = [&](const std::string& command, const json& arguments, const Shape&) -> Result<std::string> {
+    fake::server().command = [&](const std::string& command, const json& arguments,
+                                 const Shape&) -> Result<std::string> {
       EXPECT_EQ(command, "add");
       EXPECT_EQ(arguments["name"], name) << line;
       return json{{"name", name}, {"id", 7}, {"version", 2}}.dump();

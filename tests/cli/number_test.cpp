@@ -17,9 +17,7 @@ std::string refusal(std::string_view text, Measure measure = Measure::none) {
   try {
     parse_number(text, measure);
     return "accepted";
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
+  } catch (const Failure& failure) { return failure.what(); }
 }
 
 TEST(Number, EverySpellingOfADoubleIsRead) {
@@ -66,20 +64,21 @@ TEST(Number, EveryUnitIsWhatItSays) {
   };
   const double pi = std::acos(-1.0);
   const Known known[] = {
-      {"7nm", Measure::length, 7e-9},      {"7um", Measure::length, 7e-6},       {"7µm", Measure::length, 7e-6},     {"7mm", Measure::length, 7e-3},
-      {"7cm", Measure::length, 0.07},      {"7m", Measure::length, 7},           {"7km", Measure::length, 7000},     {"10in", Measure::length, 0.254},
-      {"10ft", Measure::length, 3.048},    {"7rad", Measure::angle, 7},          {"90deg", Measure::angle, pi / 2},  {"-60°", Measure::angle, -pi / 3},
-      {"7ns", Measure::duration, 7e-9},    {"7us", Measure::duration, 7e-6},     {"7µs", Measure::duration, 7e-6},   {"7ms", Measure::duration, 7e-3},
-      {"7s", Measure::duration, 7},        {"7min", Measure::duration, 420},     {"7h", Measure::duration, 25200},   {"7Hz", Measure::rate, 7},
-      {"7kHz", Measure::rate, 7000},       {"7mm/s", Measure::speed, 7e-3},      {"7m/s", Measure::speed, 7},        {"36km/h", Measure::speed, 10},
+      {"7nm", Measure::length, 7e-9},     {"7um", Measure::length, 7e-6},    {"7µm", Measure::length, 7e-6},
+      {"7mm", Measure::length, 7e-3},     {"7cm", Measure::length, 0.07},    {"7m", Measure::length, 7},
+      {"7km", Measure::length, 7000},     {"10in", Measure::length, 0.254},  {"10ft", Measure::length, 3.048},
+      {"7rad", Measure::angle, 7},        {"90deg", Measure::angle, pi / 2}, {"-60°", Measure::angle, -pi / 3},
+      {"7ns", Measure::duration, 7e-9},   {"7us", Measure::duration, 7e-6},  {"7µs", Measure::duration, 7e-6},
+      {"7ms", Measure::duration, 7e-3},   {"7s", Measure::duration, 7},      {"7min", Measure::duration, 420},
+      {"7h", Measure::duration, 25200},   {"7Hz", Measure::rate, 7},         {"7kHz", Measure::rate, 7000},
+      {"7mm/s", Measure::speed, 7e-3},    {"7m/s", Measure::speed, 7},       {"36km/h", Measure::speed, 10},
       {"1km/h", Measure::speed, 1 / 3.6},
   };
   for (const Known& one : known) {
     EXPECT_EQ(parse_number(one.text, one.measure), one.value) << one.text;
-    for (const Measure other : {Measure::none, Measure::length, Measure::angle, Measure::duration, Measure::rate, Measure::speed}) {
-      if (other != one.measure) {
-        EXPECT_NE(refusal(one.text, other), "accepted") << one.text;
-      }
+    for (const Measure other :
+         {Measure::none, Measure::length, Measure::angle, Measure::duration, Measure::rate, Measure::speed}) {
+      if (other != one.measure) { EXPECT_NE(refusal(one.text, other), "accepted") << one.text; }
     }
   }
   EXPECT_EQ(parse_vector("1m:20cm:300mm", Measure::length), Eigen::Vector3d(1, 0.2, 0.3));
@@ -136,8 +135,10 @@ TEST(Number, BitsAreDecimalHexadecimalOrBinary) {
 }
 
 TEST(Tokens, ANumberIsNeverAnOption) {
-  for (const char* text : {"-1", "-.5", "+3", "1e-300", "-inf", "-3.5mm", "-1,0,5", "-nan"}) EXPECT_TRUE(is_number_text(text)) << text;
-  for (const char* text : {"-n", "--to", "-", "", "rays.csv", "-1x", "1,,2", "-in"}) EXPECT_FALSE(is_number_text(text)) << text;
+  for (const char* text : {"-1", "-.5", "+3", "1e-300", "-inf", "-3.5mm", "-1,0,5", "-nan"})
+    EXPECT_TRUE(is_number_text(text)) << text;
+  for (const char* text : {"-n", "--to", "-", "", "rays.csv", "-1x", "1,,2", "-in"})
+    EXPECT_FALSE(is_number_text(text)) << text;
 }
 
 TEST(Tokens, AVectorOptionTakesItsNumbersAndNoMore) {

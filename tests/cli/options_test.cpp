@@ -19,12 +19,18 @@ class Options : public testing::Test {
   void SetUp() override {
     fake::reset();
     fake::server().status.state = "ready";
-    fake::server().command = [this](const std::string& name, const json& arguments, const Shape&) -> Result<std::string> {
+    fake::server().command = [this](const std::string& name, const json& arguments,
+                                    const Shape&) -> Result<std::string> {
       asked[name] = arguments;
-      return json{{"name", "x"}, {"id", 1}, {"version", 2}, {"pose", {1, 2, 3, 1, 0, 0, 0}}, {"scene", "s"}, {"objects", json::array()}, {"count", 0},
-                  {"moved_m", 0}}.dump();
+      return json{{"name", "x"},  {"id", 1},
+                  {"version", 2}, {"pose", {1, 2, 3, 1, 0, 0, 0}},
+                  {"scene", "s"}, {"objects", json::array()},
+                  {"count", 0},   {"moved_m", 0}}
+          .dump();
     };
-    fake::server().ray = [](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit("wall", 1, {0, 0, 0})}); };
+    fake::server().ray = [](const RayQuestion&, const AskOptions&) {
+      return fake::hit_answer({fake::hit("wall", 1, {0, 0, 0})});
+    };
   }
   AskOptions ray_options(const std::string& options) {
     const Ran ran = collide("ray 0 0 5 0 0 -1 " + options);
@@ -70,7 +76,9 @@ TEST_F(Options, OfAQuestionReachTheServerEachForItself) {
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --as-of +2s").code, 2);
   const Ran soon = collide("ray 0 0 5 0 0 -1 --as-of soon");
   EXPECT_EQ(soon.code, 2);
-  EXPECT_EQ(soon.err, "error: ray: --as-of 'soon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970\n");
+  EXPECT_EQ(soon.err,
+            "error: ray: --as-of 'soon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds "
+            "since 1970\n");
   EXPECT_TRUE(ray_options("--fresh").fresh);
   EXPECT_FALSE(ray_options("").fresh) << "not the next time";
 }
@@ -82,9 +90,11 @@ TEST_F(Options, OfAQuestionCountForEveryKindAndForFiles) {
   fake::server().near = [](const NearQuestion&, const AskOptions&) { return fake::hit_answer({}); };
   fake::server().sweep = [](const Shape&, const SweepQuestion&, const AskOptions&) { return fake::hit_answer({}); };
   const ScratchFile file("rays.csv", "fx,fy,fz,dx,dy,dz\n0,0,5,0,0,-1\n");
-  for (const std::string words : {"ray 0 0 5 0 0 -1", "sphere 0 0 0 1", "box 0 0 0 1 1 1", "near 0 0 0", "sweep sphere 1 --from 0 0 0 --to 1 1 1", "file"}) {
+  for (const std::string words : {"ray 0 0 5 0 0 -1", "sphere 0 0 0 1", "box 0 0 0 1 1 1", "near 0 0 0",
+                                  "sweep sphere 1 --from 0 0 0 --to 1 1 1", "file"}) {
     fake::server().last_options = {};
-    collide((words == "file" ? "ray -q '" + file.path() + "'" : words) + " --only 'a*' --skip b --mask 6 --within 1um --deadline 2ms --importance low --as-of settled --fresh");
+    collide((words == "file" ? "ray -q '" + file.path() + "'" : words) +
+            " --only 'a*' --skip b --mask 6 --within 1um --deadline 2ms --importance low --as-of settled --fresh");
     const AskOptions& options = fake::server().last_options;
     EXPECT_EQ(options.only, "a*") << words;
     EXPECT_EQ(options.skip, "b") << words;
@@ -104,7 +114,10 @@ TEST_F(Options, OfAnObjectReachTheServerEachForItself) {
     return asked["add"];
   };
   json plain = add("");
-  EXPECT_EQ(plain, json::parse(R"({"name":"x","pose":[0,0,0,1,0,0,0],"layers":1,"mask":4294967295,"group":0,"scale":[1,1,1],"moving":true})"));
+  EXPECT_EQ(
+      plain,
+      json::parse(
+          R"({"name":"x","pose":[0,0,0,1,0,0,0],"layers":1,"mask":4294967295,"group":0,"scale":[1,1,1],"moving":true})"));
   const auto expect_changed = [&](const std::string& options, const char* key, const json& value) {
     json expected = plain;
     expected[key] = value;
@@ -142,7 +155,10 @@ TEST_F(Options, OfALoadReachTheServerEachForItself) {
     return asked["load"];
   };
   const json plain = load("");
-  EXPECT_EQ(plain, json::parse(R"({"name":"","unit_m":1,"up":"","radius_m":0,"strict":false,"mend":false,"crack_m":0,"srdf":"","replace":false,"path":"/a/b.obj"})"));
+  EXPECT_EQ(
+      plain,
+      json::parse(
+          R"({"name":"","unit_m":1,"up":"","radius_m":0,"strict":false,"mend":false,"crack_m":0,"srdf":"","replace":false,"path":"/a/b.obj"})"));
   const auto expect_changed = [&](const std::string& options, const char* key, const json& value) {
     json expected = plain;
     expected[key] = value;
@@ -159,7 +175,8 @@ TEST_F(Options, OfALoadReachTheServerEachForItself) {
   expect_changed("--crack 2mm", "crack_m", 0.002);
   expect_changed("--srdf /c/d.srdf", "srdf", "/c/d.srdf");
   expect_changed("--replace", "replace", true);
-  for (const char* wrong : {"--unit 0", "--unit -1m", "--unit 3s", "--up x", "--radius x", "--crack 1deg"}) EXPECT_EQ(collide("load /a/b.obj " + std::string(wrong)).code, 2) << wrong;
+  for (const char* wrong : {"--unit 0", "--unit -1m", "--unit 3s", "--up x", "--radius x", "--crack 1deg"})
+    EXPECT_EQ(collide("load /a/b.obj " + std::string(wrong)).code, 2) << wrong;
 }
 
 TEST_F(Options, OfAListReachTheServer) {
@@ -202,7 +219,9 @@ TEST_F(Options, ColourIsForcedOrForbidden) {
   EXPECT_NE(collide("ray 0 0 5 0 0 -1", terminal).out.find('\x1b'), std::string::npos);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --color never", terminal).out.find('\x1b'), std::string::npos);
   EXPECT_EQ(at_terminal("ray 0 0 5 0 0 -1").out.find('\x1b'), std::string::npos) << "NO_COLOR";
-  EXPECT_NE(collide("ray 0 0 5 0 0 -1 --color always", {.out_is_terminal = true, .err_is_terminal = true, .in = {}, .environment = {{"NO_COLOR", "1"}}}).out.find('\x1b'),
+  EXPECT_NE(collide("ray 0 0 5 0 0 -1 --color always",
+                    {.out_is_terminal = true, .err_is_terminal = true, .in = {}, .environment = {{"NO_COLOR", "1"}}})
+                .out.find('\x1b'),
             std::string::npos);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --color sometimes").code, 2);
 }
@@ -214,7 +233,8 @@ class DrawOptions : public Options {
     Options::SetUp();
     fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> {
       ShownObjects shown;
-      shown.objects.push_back({.id = 1, .name = "crate", .scene = {}, .pose = {}, .parts = {BoxShape{{1, 2, 3}}}, .runs = {}});
+      shown.objects.push_back(
+          {.id = 1, .name = "crate", .scene = {}, .pose = {}, .parts = {BoxShape{{1, 2, 3}}}, .runs = {}});
       return shown;
     };
     // Seen from anywhere outside: the box itself answers.
@@ -253,7 +273,8 @@ class DrawOptions : public Options {
   static std::map<std::string, std::size_t> paints(const std::string& svg) {
     std::map<std::string, std::size_t> sizes;
     const std::string head = "fill=\"";
-    for (std::size_t at = svg.find("class=\"tone\""); at != std::string::npos; at = svg.find("class=\"tone\"", at + 1)) {
+    for (std::size_t at = svg.find("class=\"tone\""); at != std::string::npos;
+         at = svg.find("class=\"tone\"", at + 1)) {
       const std::size_t begin = svg.find(head, at) + head.size();
       sizes[svg.substr(begin, svg.find('"', begin) - begin)] += svg.find("/>", at) - at;
     }
@@ -306,7 +327,9 @@ TEST_F(DrawOptions, WithoutPerspectiveParallelEdgesStayParallel) {
 }
 
 TEST_F(Options, ASavedRunSaysWhichWayIsUp) {
-  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> { return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}}; };
+  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> {
+    return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}};
+  };
   for (const std::string up : {"y", "z"}) {
     const ScratchFile file("up.html", "");
     ASSERT_EQ(collide("view --save '" + file.path() + "' --last 60ms --up " + up).code, 0);

@@ -50,7 +50,8 @@ TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
   next.manifold = {{.point = {1, 2, 0}, .depth_m = 0.01, .error_m = 1e-15}};
   const Ran ran = at_terminal("pair crate shelf");
   EXPECT_EQ(ran.code, 0);
-  EXPECT_EQ(ran.out, "touching  depth 10 mm ±1e-16  at 1 2 0  apart by 0 0 0.01\n  bears at 1 2 0  10 mm deep ±1e-15\n");
+  EXPECT_EQ(ran.out,
+            "touching  depth 10 mm ±1e-16  at 1 2 0  apart by 0 0 0.01\n  bears at 1 2 0  10 mm deep ±1e-15\n");
   next.verdict = Verdict::undecided;
   EXPECT_EQ(collide("pair crate shelf").code, 3);
 }
@@ -65,16 +66,20 @@ TEST_F(PairVerb, BothAreAskedForAtOneInstant) {
   EXPECT_EQ(last_options.as_of.time, std::chrono::seconds(2));
   const Ran noon = collide("pair crate shelf --as-of noon");
   EXPECT_EQ(noon.code, 2);
-  EXPECT_EQ(noon.err, "error: pair: --as-of 'noon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970\n");
+  EXPECT_EQ(noon.err,
+            "error: pair: --as-of 'noon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds "
+            "since 1970\n");
 }
 
 TEST_F(PairVerb, WhatIsNotKnownOfALostObjectShows) {
   next.stale = true;
   EXPECT_EQ(at_terminal("pair crate shelf").out,
-            "apart  12.4 mm ±1e-13  nearest 1 0 0 | 1.0124 0 0\n  stale: one of them is where it was heard of last, and moved then\n");
+            "apart  12.4 mm ±1e-13  nearest 1 0 0 | 1.0124 0 0\n  stale: one of them is where it was heard of last, "
+            "and moved then\n");
   next.verdict = Verdict::undecided;
   next.reason = UndecidedReason::stale_object;
-  EXPECT_EQ(at_terminal("pair crate shelf").out, "undecided: stale_object; an object that decides has not been heard of lately\n");
+  EXPECT_EQ(at_terminal("pair crate shelf").out,
+            "undecided: stale_object; an object that decides has not been heard of lately\n");
   EXPECT_EQ(collide("pair crate shelf --fields answer,reason,stale").out, "undecided\tstale_object\ttrue\n");
   next.reason = UndecidedReason::numeric;
   next.stale = false;
@@ -82,7 +87,8 @@ TEST_F(PairVerb, WhatIsNotKnownOfALostObjectShows) {
 }
 
 TEST_F(PairVerb, ACertificateIsCheckedHere) {
-  next.certificate = Certificate{.a = {ball(0, 1)}, .b = {ball(3, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1.5, 0, 0}}}};
+  next.certificate =
+      Certificate{.a = {ball(0, 1)}, .b = {ball(3, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1.5, 0, 0}}}};
   const Ran ran = collide("pair crate shelf --certificate --fields answer,certificate");
   EXPECT_EQ(ran.code, 1);
   EXPECT_EQ(ran.out, "apart\tproved\n");
@@ -92,7 +98,8 @@ TEST_F(PairVerb, ACertificateIsCheckedHere) {
 
 // A server that is wrong, or lies, does not get its answer printed.
 TEST_F(PairVerb, AWrongCertificateIsRefused) {
-  next.certificate = Certificate{.a = {ball(0, 1)}, .b = {ball(1.5, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1, 0, 0}}}};
+  next.certificate =
+      Certificate{.a = {ball(0, 1)}, .b = {ball(1.5, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1, 0, 0}}}};
   const Ran ran = collide("pair crate shelf --certificate");
   EXPECT_EQ(ran.code, 3);
   EXPECT_EQ(ran.out, "");
@@ -100,8 +107,13 @@ TEST_F(PairVerb, AWrongCertificateIsRefused) {
   next.certificate->touches = true;
   EXPECT_EQ(collide("pair crate shelf --certificate").code, 3);
   // One that proves the other answer is not believed either.
-  next.certificate = Certificate{.touches = true, .a = {ball(0, 1)}, .b = {ball(2, 1)}, .point = {Certificate::Sum{1}, {}, {}}, .divisor = {1},
-                                 .mix_a = {{0, {1}}}, .mix_b = {{0, {1}}}};
+  next.certificate = Certificate{.touches = true,
+                                 .a = {ball(0, 1)},
+                                 .b = {ball(2, 1)},
+                                 .point = {Certificate::Sum{1}, {}, {}},
+                                 .divisor = {1},
+                                 .mix_a = {{0, {1}}},
+                                 .mix_b = {{0, {1}}}};
   EXPECT_EQ(collide("pair crate shelf --certificate").code, 3);
 }
 
@@ -126,8 +138,18 @@ class ProbeVerb : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
-    fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .clearance_m = 0.12, .error_m = 1e-15, .met = "road"},
-                               {.probe = "rear", .object = "car", .state = Clearance::collision, .clearance_m = -0.003, .error_m = 1e-15, .met = "road"},
+    fake::server().readings = {{.probe = "front",
+                                .object = "car",
+                                .state = Clearance::gap,
+                                .clearance_m = 0.12,
+                                .error_m = 1e-15,
+                                .met = "road"},
+                               {.probe = "rear",
+                                .object = "car",
+                                .state = Clearance::collision,
+                                .clearance_m = -0.003,
+                                .error_m = 1e-15,
+                                .met = "road"},
                                {.probe = "lost", .object = "", .state = Clearance::absent, .met = ""}};
   }
 };
@@ -150,7 +172,8 @@ TEST_F(ProbeVerb, IsFixedToAnObjectAndRemoved) {
 }
 
 TEST_F(ProbeVerb, ReadingsAreRecords) {
-  EXPECT_EQ(collide("probe --fields probe,state,clearance,met").out, "front\tgap\t0.12\troad\nrear\tcollision\t-0.003\troad\nlost\tabsent\t\t\n");
+  EXPECT_EQ(collide("probe --fields probe,state,clearance,met").out,
+            "front\tgap\t0.12\troad\nrear\tcollision\t-0.003\troad\nlost\tabsent\t\t\n");
   const Ran ran = collide("probe --watch -n 2 --fields probe,clearance");
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "front\t0.12\nrear\t-0.003\n");

@@ -30,7 +30,8 @@ constexpr const char* kPoses =
 
 TEST_F(Publish, RowsOfOneTimeAreOneFrame) {
   const ScratchFile file("poses.csv", kPoses);
-  const Ran ran = collide("publish " + file.path() + " --shape box:0.4,0.2,0.1 --json --fields frames,poses,objects,lost");
+  const Ran ran =
+      collide("publish " + file.path() + " --shape box:0.4,0.2,0.1 --json --fields frames,poses,objects,lost");
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(ran.out, "{\"frames\":3,\"poses\":5,\"objects\":3,\"lost\":0}\n");
   ASSERT_EQ(published().batches.size(), 3U);
@@ -47,11 +48,15 @@ TEST_F(Publish, AServerThatIsSilentForAWhileEndsNothing) {
   const ScratchFile file("poses.csv", "t,name,x,y,z\n0,a,1,2,3\n0.01,a,1,2,4\n0.02,a,1,2,5\n");
   int moves = 0;
   fake::server().on_move = [&]() -> std::optional<Error> {
-    return ++moves == 2 ? std::optional(Error{ErrorCode::timeout, "publish: the server takes nothing more", ""}) : std::nullopt;
+    return ++moves == 2 ? std::optional(Error{ErrorCode::timeout, "publish: the server takes nothing more", ""})
+                        : std::nullopt;
   };
-  EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1 --json --fields frames").out, "{\"frames\":3}\n");
+  EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1 --json --fields frames").out,
+            "{\"frames\":3}\n");
   EXPECT_EQ(moves, 3);
-  fake::server().on_move = [] { return std::optional(Error{ErrorCode::bad_input, "object 'a': its pose is none", ""}); };
+  fake::server().on_move = [] {
+    return std::optional(Error{ErrorCode::bad_input, "object 'a': its pose is none", ""});
+  };
   EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1").code, 2);
 }
 
@@ -83,7 +88,9 @@ TEST_F(Publish, FramesComeWhenTheyAreDue) {
     start = std::chrono::steady_clock::now();
     collide("publish " + file.path() + how);
   };
-  const auto seconds = [&](std::size_t frame) { return std::chrono::duration<double>(times.at(frame) - start).count(); };
+  const auto seconds = [&](std::size_t frame) {
+    return std::chrono::duration<double>(times.at(frame) - start).count();
+  };
   publish("");
   ASSERT_EQ(times.size(), 3U);
   EXPECT_GE(seconds(1), 0.1);
@@ -111,12 +118,14 @@ TEST_F(Publish, ALoopGoesOnUntilItsTime) {
 }
 
 TEST_F(Publish, BadRowsAreNamedAndLeftOut) {
-  const ScratchFile file("poses.csv", "t,name,x,y,z,qw,qx,qy,qz\n0,a,0,0,1,1,0,0,0\n0.001,a,0,nan,1,1,0,0,0\n0.002,a,0,0,1,0.5,0,0,0\n0.003,a,0,0\n0.004,a,0,0,7,1,0,0,0\n");
+  const ScratchFile file("poses.csv",
+                         "t,name,x,y,z,qw,qx,qy,qz\n0,a,0,0,1,1,0,0,0\n0.001,a,0,nan,1,1,0,0,0\n0.002,a,0,0,1,0.5,0,0,"
+                         "0\n0.003,a,0,0\n0.004,a,0,0,7,1,0,0,0\n");
   const Ran ran = collide("publish " + file.path() + " --json --fields frames,refused");
   EXPECT_EQ(ran.code, 6);
   EXPECT_EQ(ran.out, "{\"frames\":2,\"refused\":3}\n");
-  EXPECT_EQ(ran.err, "error: " + file.path() + " line 3: 'nan' in column y; this pose was not sent\n" +
-                         "error: " + file.path() + " line 4: quaternion norm 0.5, allowed 1 +- 1e-3; this pose was not sent\n" +
+  EXPECT_EQ(ran.err, "error: " + file.path() + " line 3: 'nan' in column y; this pose was not sent\n" + "error: " +
+                         file.path() + " line 4: quaternion norm 0.5, allowed 1 +- 1e-3; this pose was not sent\n" +
                          "error: " + file.path() + " line 5: 4 cells, 9 are needed; this pose was not sent\n");
 }
 
@@ -129,7 +138,8 @@ TEST_F(Publish, PosesComeThroughAPipe) {
 TEST_F(Publish, WithoutTimesAFileNeedsARate) {
   const ScratchFile file("poses.csv", "x,y,z\n0,0,0\n");
   EXPECT_EQ(collide("publish " + file.path()).err,
-            "error: publish: " + file.path() + " has no column t\n       give --rate HZ to publish its frames at that rate\n");
+            "error: publish: " + file.path() +
+                " has no column t\n       give --rate HZ to publish its frames at that rate\n");
   EXPECT_EQ(collide("publish " + file.path() + " --rate 100").code, 0);
 }
 
@@ -142,7 +152,9 @@ TEST_F(Publish, OptionsOfAnotherKindAreRefused) {
 }
 
 TEST_F(Publish, ADroneFliesItsPathAtItsSpeed) {
-  const Ran ran = collide("publish --waypoints '0,0,1 2,0,1 2,1,1' --speed 10m/s --rate 100 --shape box:0.4,0.4,0.1 --name drone_2 --json --fields frames,length,flown");
+  const Ran ran = collide(
+      "publish --waypoints '0,0,1 2,0,1 2,1,1' --speed 10m/s --rate 100 --shape box:0.4,0.4,0.1 --name drone_2 --json "
+      "--fields frames,length,flown");
   EXPECT_EQ(ran.out, "{\"frames\":31,\"length\":3,\"flown\":3}\n") << ran.err;
   EXPECT_EQ(published().objects.at(1).name, "drone_2");
   EXPECT_EQ(published().batches[0].at(1).position, Vec3(0, 0, 1));
@@ -152,7 +164,8 @@ TEST_F(Publish, ADroneFliesItsPathAtItsSpeed) {
 
 TEST_F(Publish, APathFileNamesItsBadCell) {
   const ScratchFile file("path.csv", "x,y,z\n0,0,1\n2,zero,1\n");
-  EXPECT_EQ(collide("publish --path " + file.path()).err, "error: publish: " + file.path() + " line 3: 'zero' in column y\n");
+  EXPECT_EQ(collide("publish --path " + file.path()).err,
+            "error: publish: " + file.path() + " line 3: 'zero' in column y\n");
 }
 
 TEST(PathOfPoints, SegmentsOfNoLengthAreStepped) {
@@ -170,11 +183,15 @@ TEST(PathOfPoints, SegmentsOfNoLengthAreStepped) {
 }
 
 TEST_F(Publish, ARecordingBecomesAPersonOfOneGroup) {
-  const ScratchFile file("walk.bvh",
-                         "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n"
-                         " JOINT LeftFoot\n {\n  OFFSET 0 -2 0\n  CHANNELS 3 Zrotation Yrotation Xrotation\n  End Site\n  {\n   OFFSET 0 0 1\n  }\n }\n}\n"
-                         "MOTION\nFrames: 3\nFrame Time: 0.001\n9 9 9 0 0 0 0 0 0\n1 2 3 0 0 0 0 0 0\n1 2 4 0 0 0 0 0 0\n");
-  const Ran ran = collide("publish " + file.path() + " --unit 50cm --radius 0.2 --name ada --json --fields frames,poses,objects");
+  const ScratchFile file(
+      "walk.bvh",
+      "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation "
+      "Xrotation\n"
+      " JOINT LeftFoot\n {\n  OFFSET 0 -2 0\n  CHANNELS 3 Zrotation Yrotation Xrotation\n  End Site\n  {\n   OFFSET 0 "
+      "0 1\n  }\n }\n}\n"
+      "MOTION\nFrames: 3\nFrame Time: 0.001\n9 9 9 0 0 0 0 0 0\n1 2 3 0 0 0 0 0 0\n1 2 4 0 0 0 0 0 0\n");
+  const Ran ran =
+      collide("publish " + file.path() + " --unit 50cm --radius 0.2 --name ada --json --fields frames,poses,objects");
   EXPECT_EQ(ran.out, "{\"frames\":2,\"poses\":4,\"objects\":2}\n") << ran.err;
   EXPECT_EQ(published().objects.at(1).name, "ada/Hips");
   EXPECT_EQ(published().objects.at(2).name, "ada/LeftFoot");
@@ -189,7 +206,9 @@ void report_contacts(fake::Published& published) {
   if (published.batches.size() == 1) open.clear();
   std::set<std::pair<std::string, std::string>> now;
   const auto& poses = published.batches.back();
-  const auto radius = [&](std::uint32_t handle) { return std::get<SphereShape>(published.objects.at(handle).shape[0]).radius_m; };
+  const auto radius = [&](std::uint32_t handle) {
+    return std::get<SphereShape>(published.objects.at(handle).shape[0]).radius_m;
+  };
   for (auto a = poses.begin(); a != poses.end(); ++a) {
     for (auto b = std::next(a); b != poses.end(); ++b) {
       const bool touch = (a->second.position - b->second.position).norm() <= radius(a->first) + radius(b->first);
@@ -215,7 +234,8 @@ void report_contacts(fake::Published& published) {
 // B4, A45: the server's events turn the spheres, and the energy stays.
 TEST_F(Publish, SpheresBounceByTheServersEvents) {
   fake::server().on_flush = report_contacts;
-  const Ran ran = collide("publish --spheres 20 --round --size 0.25 --speed 20 --seed 7 --bounce --rate 2000 --steps 400 --json");
+  const Ran ran =
+      collide("publish --spheres 20 --round --size 0.25 --speed 20 --seed 7 --bounce --rate 2000 --steps 400 --json");
   EXPECT_EQ(ran.code, 0) << ran.err;
   const nlohmann::json result = nlohmann::json::parse(ran.out);
   EXPECT_EQ(result["frames"], 400);
@@ -225,7 +245,8 @@ TEST_F(Publish, SpheresBounceByTheServersEvents) {
   EXPECT_EQ(result["energy_before"], result["energy_after"]);
   fake::reset();
   fake::server().on_flush = report_contacts;
-  const Ran literal = collide("publish --spheres 20 --round --size 0.25 --speed 20 --seed 7 --as-asked --rate 2000 --steps 400 --json");
+  const Ran literal =
+      collide("publish --spheres 20 --round --size 0.25 --speed 20 --seed 7 --as-asked --rate 2000 --steps 400 --json");
   EXPECT_GT(nlohmann::json::parse(literal.out)["sticking"].get<int>(), 0);
 }
 

@@ -14,13 +14,21 @@ using Replay = Record;
 using Doctor = Record;
 
 TEST_F(Record, SaysWhatWasRecordedAndWhatWasLost) {
-  fake::server().recording = {.channels = {{"object", 2, 0}, {"pose", 1'201, 3}, {"probe", 0, 0}}, .samples = 1'203, .lost = 3, .unanswered = 2,
-                              .bytes = 260'117, .no_opening = "the server keeps no flight recorder", .problem = ""};
+  fake::server().recording = {.channels = {{"object", 2, 0}, {"pose", 1'201, 3}, {"probe", 0, 0}},
+                              .samples = 1'203,
+                              .lost = 3,
+                              .unanswered = 2,
+                              .bytes = 260'117,
+                              .no_opening = "the server keeps no flight recorder",
+                              .problem = ""};
   const Ran ran = at_terminal("record run.mcap --for 10ms");
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "TOPIC   SAMPLES  LOST\nobject  2        0\npose    1 201    3\n");
   EXPECT_NE(ran.err.find("run.mcap: 1 203 samples in "), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find(", 260 kB, 3 lost\n2 questions without an answer\nwhat was in the world before is not in it: the server keeps no flight recorder\n"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find(", 260 kB, 3 lost\n2 questions without an answer\nwhat was in the world before is not in it: "
+                         "the server keeps no flight recorder\n"),
+            std::string::npos)
+      << ran.err;
   EXPECT_EQ(fake::server().recorded_to, "run.mcap");
   EXPECT_EQ(collide("record run.mcap --for 10ms --json").out,
             "{\"file\":\"run.mcap\",\"topic\":\"object\",\"samples\":2,\"lost\":0}\n"
@@ -30,10 +38,13 @@ TEST_F(Record, SaysWhatWasRecordedAndWhatWasLost) {
 
 TEST_F(Record, AFullDiskEndsIt) {
   fake::server().recording.problem = "run.mcap: No space left on device";
-  fake::server().recording_error = Error{ErrorCode::refused, "recording stopped: run.mcap: No space left on device", "what was written before can be read: 7 samples"};
+  fake::server().recording_error = Error{ErrorCode::refused, "recording stopped: run.mcap: No space left on device",
+                                         "what was written before can be read: 7 samples"};
   const Ran ran = collide("record run.mcap");
   EXPECT_EQ(ran.code, 5);
-  EXPECT_EQ(ran.err, "error: recording stopped: run.mcap: No space left on device\n       what was written before can be read: 7 samples\n");
+  EXPECT_EQ(ran.err,
+            "error: recording stopped: run.mcap: No space left on device\n       what was written before can be read: "
+            "7 samples\n");
 }
 
 TEST_F(Record, TheLastSecondsAreFetched) {
@@ -70,9 +81,12 @@ TEST_F(Replay, EqualAnswersAreAYesAndOthersANo) {
   fake::server().replays = {report};
   const Ran other = at_terminal("replay run.mcap --ask");
   EXPECT_EQ(other.code, 1);
-  EXPECT_EQ(other.out, "replayed 18 412 samples and 2 commands, 7 004 questions: 7 003 equal\n  version 9, ray 0: then hit crate 3.8, now miss\n");
-  EXPECT_EQ(collide("replay run.mcap --ask --json --fields questions,equal,differences").out,
-            "{\"questions\":7004,\"equal\":7003,\"differences\":[\"version 9, ray 0: then hit crate 3.8, now miss\"]}\n");
+  EXPECT_EQ(other.out,
+            "replayed 18 412 samples and 2 commands, 7 004 questions: 7 003 equal\n  version 9, ray 0: then hit crate "
+            "3.8, now miss\n");
+  EXPECT_EQ(
+      collide("replay run.mcap --ask --json --fields questions,equal,differences").out,
+      "{\"questions\":7004,\"equal\":7003,\"differences\":[\"version 9, ray 0: then hit crate 3.8, now miss\"]}\n");
 }
 
 TEST_F(Replay, NothingComparedIsUndecided) {
@@ -82,7 +96,9 @@ TEST_F(Replay, NothingComparedIsUndecided) {
   fake::server().replays = {report};
   const Ran ran = at_terminal("replay run.mcap --ask");
   EXPECT_EQ(ran.code, 3);
-  EXPECT_EQ(ran.out, "replayed 0 samples, 0 questions: 0 equal\n  not compared: 12 asked of a state that the recording does not describe\n");
+  EXPECT_EQ(ran.out,
+            "replayed 0 samples, 0 questions: 0 equal\n  not compared: 12 asked of a state that the recording does not "
+            "describe\n");
 }
 
 TEST_F(Replay, LoopsUntilItIsStopped) {
@@ -98,7 +114,8 @@ TEST_F(Replay, LoopsUntilItIsStopped) {
 
 TEST_F(Replay, PausedItWaitsForALine) {
   fake::server().replays = {ReplayReport{}};
-  const Ran ran = collide("replay run.mcap --start-paused", {.out_is_terminal = false, .err_is_terminal = false, .in = "\n", .environment = {}});
+  const Ran ran = collide("replay run.mcap --start-paused",
+                          {.out_is_terminal = false, .err_is_terminal = false, .in = "\n", .environment = {}});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.err, "paused; Enter begins\n");
 }
@@ -114,21 +131,26 @@ TEST_F(Replay, WhatMakesNoSenseIsRefused) {
 
 TEST_F(Doctor, EachLineHasItsRemedy) {
   fake::server().findings = {{Health::ok, "server", "server found in 12 ms (pid 4711)", ""},
-                             {Health::warn, "buffer", "receive buffer up to 212992 B; bursts above 1774 poses may drop", "sysctl -w net.core.rmem_max=8388608"}};
+                             {Health::warn, "buffer", "receive buffer up to 212992 B; bursts above 1774 poses may drop",
+                              "sysctl -w net.core.rmem_max=8388608"}};
   const Ran ran = at_terminal("doctor");
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "ok    server found in 12 ms (pid 4711)\n"
             "warn  receive buffer up to 212992 B; bursts above 1774 poses may drop\n"
             "        sysctl -w net.core.rmem_max=8388608\n");
-  EXPECT_EQ(collide("doctor --json --fields health,about").out, "{\"health\":\"ok\",\"about\":\"server\"}\n{\"health\":\"warn\",\"about\":\"buffer\"}\n");
+  EXPECT_EQ(collide("doctor --json --fields health,about").out,
+            "{\"health\":\"ok\",\"about\":\"server\"}\n{\"health\":\"warn\",\"about\":\"buffer\"}\n");
 }
 
 TEST_F(Doctor, AFailureIsANoAndNoServerIsNoServer) {
-  fake::server().findings = {{Health::fail, "server", "2 servers share namespace 'collided' (pid 4711, 5120): answers may differ", "stop all but one"}};
+  fake::server().findings = {{Health::fail, "server",
+                              "2 servers share namespace 'collided' (pid 4711, 5120): answers may differ",
+                              "stop all but one"}};
   EXPECT_EQ(collide("doctor").code, 1);
-  fake::server().findings = {{Health::fail, "interface", "this machine has no interface 'eth7'", "--interface one of: lo"},
-                             {Health::fail, "server", "no collided answered in 2 s on domain 0, namespace 'collided'", "start a server"}};
+  fake::server().findings = {
+      {Health::fail, "interface", "this machine has no interface 'eth7'", "--interface one of: lo"},
+      {Health::fail, "server", "no collided answered in 2 s on domain 0, namespace 'collided'", "start a server"}};
   EXPECT_EQ(collide("doctor").code, 4);
 }
 

@@ -38,7 +38,8 @@ class SeenByServer {
     const auto& spheres = bounce_.spheres();
     for (std::size_t a = 0; a < spheres.size(); ++a) {
       for (std::size_t b = a + 1; b < spheres.size(); ++b) {
-        const bool touch = (spheres[a].position - spheres[b].position).norm() <= spheres[a].radius_m + spheres[b].radius_m;
+        const bool touch =
+            (spheres[a].position - spheres[b].position).norm() <= spheres[a].radius_m + spheres[b].radius_m;
         if (touch && open_.emplace(a, b).second) bounce_.contact_began(a, b);
         if (!touch && open_.erase({a, b}) > 0) bounce_.contact_ended(a, b);
       }
@@ -123,8 +124,9 @@ TEST(PublishResponse, ImpulsesAndSpringsKeepMomentum) {
 
 TEST(PublishResponse, AnOptionWithoutItsMeaningIsRefused) {
   for (const std::string wrong :
-       {"--bounce --response bouncy", "--response impulse", "--as-asked --response impulse", "--bounce --restitution 0.5",
-        "--bounce --response impulse --stiffness 1e6", "--bounce --response compliant --stiffness 10", "--bounce --response impulse --restitution 1.5",
+       {"--bounce --response bouncy", "--response impulse", "--as-asked --response impulse",
+        "--bounce --restitution 0.5", "--bounce --response impulse --stiffness 1e6",
+        "--bounce --response compliant --stiffness 10", "--bounce --response impulse --restitution 1.5",
         "--bounce --response compliant --restitution 0"}) {
     fake::reset();
     const Ran ran = collide("publish --spheres 2 --round --steps 1 " + wrong);
@@ -135,9 +137,11 @@ TEST(PublishResponse, AnOptionWithoutItsMeaningIsRefused) {
 
 TEST(PublishResponse, TheSummaryTellsDriftAndPenetration) {
   fake::reset();
-  const std::string options = "publish --spheres 2 --round --steps 3 --rate 1000 --bounce --response compliant --stiffness 1e9 ";
+  const std::string options =
+      "publish --spheres 2 --round --steps 3 --rate 1000 --bounce --response compliant --stiffness 1e9 ";
   const Ran plain = at_terminal(options);
-  EXPECT_NE(plain.out.find("response compliant: energy drift 0, worst penetration 0 m"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("response compliant: energy drift 0, worst penetration 0 m"), std::string::npos)
+      << plain.out;
   fake::reset();
   const nlohmann::json result = nlohmann::json::parse(collide(options + "--json").out);
   EXPECT_EQ(result["response"], "compliant");

@@ -20,11 +20,27 @@ using nlohmann::json;
 
 /// The answer of a server that has done nothing yet to what it has done.
 json figures_of_nothing() {
-  return {{"up_ns", 1'000}, {"version", 1}, {"step_period_ns", 10'000'000}, {"steps", 0}, {"stalled_steps", 0}, {"step_durations", json::array()},
-          {"stages", json::array()}, {"pairs", {{"moved", 0}, {"candidates", 0}, {"filtered", 0}, {"exact_tests", 0}, {"undecided", 0}, {"swept", 0}, {"kept_apart", 0}}},
+  return {{"up_ns", 1'000},
+          {"version", 1},
+          {"step_period_ns", 10'000'000},
+          {"steps", 0},
+          {"stalled_steps", 0},
+          {"step_durations", json::array()},
+          {"stages", json::array()},
+          {"pairs",
+           {{"moved", 0},
+            {"candidates", 0},
+            {"filtered", 0},
+            {"exact_tests", 0},
+            {"undecided", 0},
+            {"swept", 0},
+            {"kept_apart", 0}}},
           {"poses", {{"applied", 0}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 0}, {"dropped", 0}}},
           {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
-          {"questions", json::array()}, {"refused", 0}, {"undecided", 0}, {"not_built", json::array()}};
+          {"questions", json::array()},
+          {"refused", 0},
+          {"undecided", 0},
+          {"not_built", json::array()}};
 }
 
 /// What single verbs send and say, each compared whole.
@@ -46,7 +62,12 @@ TEST_F(SaidByVerbs, EachRequestOfABatchIsTwiceAsLargeAsTheOneBefore) {
 TEST_F(SaidByVerbs, AProgressLineIsErasedWhenItsWorkEnds) {
   std::ostringstream out;
   std::ostringstream err;
-  cli::Io io{.in = 0, .out = out, .err = err, .out_is_terminal = false, .err_is_terminal = true, .environment = [](const char*) -> const char* { return nullptr; }};
+  cli::Io io{.in = 0,
+             .out = out,
+             .err = err,
+             .out_is_terminal = false,
+             .err_is_terminal = true,
+             .environment = [](const char*) -> const char* { return nullptr; }};
   {
     cli::Progress progress(io, {});
     while (err.str().empty()) progress.show(0, "loading");
@@ -108,7 +129,8 @@ TEST_F(SaidByVerbs, AStandingQuestionComparesNewStatesAloneAndSaysHowOftenItAske
     if (asked == 3) hits.push_back(fake::hit("shelf", 2, {0, 0, 0}));
     return fake::hit_answer(hits);
   };
-  const Ran ran = collide("near 0 0 0 --watch --every 1ms -n 2 --fields change,object", {.err_is_terminal = true, .environment = {{"NO_COLOR", "1"}}});
+  const Ran ran = collide("near 0 0 0 --watch --every 1ms -n 2 --fields change,object",
+                          {.err_is_terminal = true, .environment = {{"NO_COLOR", "1"}}});
   EXPECT_EQ(ran.out, "enter\tcrate\nenter\tshelf\n");
   EXPECT_EQ(ran.err.substr(0, 13), "2 changes in ");
   EXPECT_TRUE(ran.err.ends_with(", asked 3 times\n")) << ran.err;
@@ -151,21 +173,29 @@ class StandardTerminal {
 };
 
 TEST_F(SaidByVerbs, TopIsAsWideAsItsTerminalAndEightyColumnsWhereThatDoesNotSay) {
-  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> { return figures_of_nothing().dump(); };
+  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    return figures_of_nothing().dump();
+  };
   fake::server().status.scenes = {std::string(200, 'x')};
   const auto columns_at = [](unsigned short columns) {
     const StandardTerminal terminal(columns);
     const Ran ran = at_terminal("top -n 1 --every 10ms");
     const std::size_t begin = ran.out.find("\x1b[H") + 3;
     const std::string first = ran.out.substr(begin, ran.out.find("\x1b[K", begin) - begin);
-    return std::count_if(first.begin(), first.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
+    return std::count_if(first.begin(), first.end(),
+                         [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
   };
   EXPECT_EQ(columns_at(43), 43);
   EXPECT_EQ(columns_at(0), 80);
 }
 
 TEST_F(SaidByVerbs, WatchedProbesAreThoseThatMatch) {
-  fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .clearance_m = 0.12, .error_m = 1e-15, .met = "road"}};
+  fake::server().readings = {{.probe = "front",
+                              .object = "car",
+                              .state = Clearance::gap,
+                              .clearance_m = 0.12,
+                              .error_m = 1e-15,
+                              .met = "road"}};
   EXPECT_EQ(collide("probe --watch -n 1 --only 'fr*' --skip rear --fields probe").out, "front\n");
   EXPECT_EQ(fake::server().probes_watched_with.only, "fr*");
   EXPECT_EQ(fake::server().probes_watched_with.skip, "rear");
@@ -173,18 +203,25 @@ TEST_F(SaidByVerbs, WatchedProbesAreThoseThatMatch) {
 
 // Its reader is gone, as `head` goes: what comes then is not waited for.
 TEST_F(SaidByVerbs, WatchedProbesEndWithWhoReadsThem) {
-  fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .met = "road"}, {.probe = "rear", .object = "car", .state = Clearance::gap, .met = "road"}};
+  fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .met = "road"},
+                             {.probe = "rear", .object = "car", .state = Clearance::gap, .met = "road"}};
   std::ostringstream out;
   std::ostringstream err;
   out.setstate(std::ios::badbit);
-  cli::Io io{.in = 0, .out = out, .err = err, .out_is_terminal = false, .err_is_terminal = false, .environment = [](const char*) -> const char* { return nullptr; }};
+  cli::Io io{.in = 0,
+             .out = out,
+             .err = err,
+             .out_is_terminal = false,
+             .err_is_terminal = false,
+             .environment = [](const char*) -> const char* { return nullptr; }};
   cli::run({"probe", "--watch", "-n", "2"}, io);
   EXPECT_EQ(fake::server().readings.size(), 2U) << "none was taken";
 }
 
 TEST_F(SaidByVerbs, ARecordingsUpIsYOrZ) {
   const ScratchFile file("walk.bvh",
-                         "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n End Site\n {\n  OFFSET 0 0 1\n }\n}\n"
+                         "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n End "
+                         "Site\n {\n  OFFSET 0 0 1\n }\n}\n"
                          "MOTION\nFrames: 2\nFrame Time: 0.001\n9 9 9\n1 2 3\n");
   const auto hips = [&](const std::string& up) {
     fake::reset();
@@ -195,7 +232,8 @@ TEST_F(SaidByVerbs, ARecordingsUpIsYOrZ) {
   const Vec3 z_is_up = hips(" --up z");
   EXPECT_EQ(y_is_up, Vec3(1, 2, 3));
   EXPECT_EQ(z_is_up, Vec3(1, -3, 2));
-  EXPECT_EQ(collide("publish " + file.path() + " --up x").err.substr(0, 42), "error: publish: --up 'x'; allowed: y, z\n");
+  EXPECT_EQ(collide("publish " + file.path() + " --up x").err.substr(0, 42),
+            "error: publish: --up 'x'; allowed: y, z\n");
 }
 
 TEST_F(SaidByVerbs, ASweepTellsItsCostToAPersonAndToWhoAsks) {
@@ -209,12 +247,20 @@ TEST_F(SaidByVerbs, ASweepTellsItsCostToAPersonAndToWhoAsks) {
 
 TEST_F(SaidByVerbs, AnAuditsRecordIsALine) {
   fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
-    return json{{"every", 1000}, {"chosen", 5}, {"audited", 4}, {"differing", 1}, {"skipped", 2}, {"float_repairs", 3}, {"differences", {"ray", "box"}},
-                {"questions", {{{"kind", "ray"}, {"double", 3}}}}}.dump();
+    return json{{"every", 1000},
+                {"chosen", 5},
+                {"audited", 4},
+                {"differing", 1},
+                {"skipped", 2},
+                {"float_repairs", 3},
+                {"differences", {"ray", "box"}},
+                {"questions", {{{"kind", "ray"}, {"double", 3}}}}}
+        .dump();
   };
-  EXPECT_EQ(collide("audit --json").out,
-            R"({"every":1000,"chosen":5,"audited":4,"differing":1,"skipped":2,"float_repairs":3,"questions":[{"double":3,"kind":"ray"}],"differences":["ray","box"]})"
-            "\n");
+  EXPECT_EQ(
+      collide("audit --json").out,
+      R"({"every":1000,"chosen":5,"audited":4,"differing":1,"skipped":2,"float_repairs":3,"questions":[{"double":3,"kind":"ray"}],"differences":["ray","box"]})"
+      "\n");
 }
 
 }  // namespace

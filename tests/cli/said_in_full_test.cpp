@@ -11,7 +11,8 @@ class SaidInFull : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
-    fake::server().command = [this](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> { return replies.at(name).dump(); };
+    fake::server().command = [this](const std::string& name, const nlohmann::json&,
+                                    const Shape&) -> Result<std::string> { return replies.at(name).dump(); };
   }
   std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}}};
 };
@@ -23,7 +24,9 @@ TEST_F(SaidInFull, TheVersionOnATerminalIsThatOfTheLibrary) {
 }
 
 TEST_F(SaidInFull, AnyAndAllAreEachAllowedAlone) {
-  fake::server().ray = [](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit("wall", 1, {0, 0, 4})}); };
+  fake::server().ray = [](const RayQuestion&, const AskOptions&) {
+    return fake::hit_answer({fake::hit("wall", 1, {0, 0, 4})});
+  };
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --any").code, 0);
   EXPECT_EQ(fake::server().last_options.mode, HitMode::any);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all").code, 0);
@@ -37,7 +40,9 @@ TEST_F(SaidInFull, UndoCountsWhatIsNotListedAndWhatNoLineBringsBack) {
   const nlohmann::json brief{{"name", "ball"}, {"kind", "sphere"}, {"scene", ""}, {"publisher", ""}};
   const nlohmann::json sphere{{"sphere", {{"center", {0, 0, 0}}, {"radius_m", 0.25}}}};
   replies["list"] = {{"objects", {part, brief}}, {"count", 5}, {"version", 2}};
-  replies["get"] = {{"name", "ball"}, {"shape", {sphere}}, {"pose", {1, -0.0, 3, 1, 0, 0, 0}}, {"layers", 1}, {"mask", 0xffffffff}, {"group", 0}, {"moving", true}};
+  replies["get"] = {{"name", "ball"}, {"shape", {sphere}},  {"pose", {1, -0.0, 3, 1, 0, 0, 0}},
+                    {"layers", 1},    {"mask", 0xffffffff}, {"group", 0},
+                    {"moving", true}};
   replies["clear"] = {{"removed", 5}, {"ended", 0}, {"version", 3}};
   const Ran ran = at_terminal("clear");
   EXPECT_EQ(ran.code, 0);

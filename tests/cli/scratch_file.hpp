@@ -10,7 +10,8 @@
 class ScratchFile {
  public:
   ScratchFile(const std::string& name, const std::string& text)
-      : folder_(std::filesystem::temp_directory_path() / ("collide_test_" + std::to_string(::getpid()))), path_(folder_ / name) {
+      : folder_(std::filesystem::temp_directory_path() / ("collide_test_" + std::to_string(::getpid()))),
+        path_(folder_ / name) {
     std::filesystem::create_directories(folder_);
     std::ofstream(path_, std::ios::binary) << text;
   }

@@ -40,7 +40,9 @@ TEST(ShapeText, BoxesAreTypedByWholeLengthsAndSpheresByTheRadius) {
 TEST(LineReader, IsReadyForALineThatCameWithAnEarlierOneAndNotForHalfOfOne) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
-  const auto write_text = [&](const std::string& text) { ASSERT_EQ(write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size())); };
+  const auto write_text = [&](const std::string& text) {
+    ASSERT_EQ(write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  };
   LineReader reader(ends[0]);
   std::string line;
   EXPECT_FALSE(reader.ready());

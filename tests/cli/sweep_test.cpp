@@ -38,9 +38,10 @@ TEST_F(SweepVerb, AContactReadsAsASentence) {
 }
 
 TEST_F(SweepVerb, ARecordHoldsTheBracket) {
-  EXPECT_EQ(collide("sweep sphere 0.1 --from 0 0 1 --to 2 0 1 --json").out,
-            R"({"answer":"contact","object":"wall","time_low":0.474749,"time_high":0.474751,"point":[0.95,0,1],"normal":[-1,0,0]})"
-            "\n");
+  EXPECT_EQ(
+      collide("sweep sphere 0.1 --from 0 0 1 --to 2 0 1 --json").out,
+      R"({"answer":"contact","object":"wall","time_low":0.474749,"time_high":0.474751,"point":[0.95,0,1],"normal":[-1,0,0]})"
+      "\n");
 }
 
 TEST_F(SweepVerb, ATurnIsToldByItsEnds) {
@@ -50,7 +51,8 @@ TEST_F(SweepVerb, ATurnIsToldByItsEnds) {
   EXPECT_EQ(last_motion.to.position, Vec3(0, 0, -1));
   EXPECT_EQ(std::get<BoxShape>(last_shape[0]).half_m, Vec3(0.5, 0.05, 0.05));
   collide("sweep box 1 10cm 0.1 --from 0 0 0 --to 0 0 1 --rpy 0 0 90deg");
-  EXPECT_EQ(last_motion.from.rotation.coeffs(), last_motion.to.rotation.coeffs()) << "without --to-rpy it does not turn";
+  EXPECT_EQ(last_motion.from.rotation.coeffs(), last_motion.to.rotation.coeffs())
+      << "without --to-rpy it does not turn";
 }
 
 TEST_F(SweepVerb, FreeAndUndecidedHaveTheirExitCodes) {

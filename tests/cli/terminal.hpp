@@ -24,5 +24,6 @@ Ran collide(const std::string& words, const Terminal& terminal = {});
 
 /// As a person at a terminal sees it.
 inline Ran at_terminal(const std::string& words) {
-  return collide(words, {.out_is_terminal = true, .err_is_terminal = false, .in = {}, .environment = {{"NO_COLOR", "1"}}});
+  return collide(words,
+                 {.out_is_terminal = true, .err_is_terminal = false, .in = {}, .environment = {{"NO_COLOR", "1"}}});
 }

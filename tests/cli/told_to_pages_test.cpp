@@ -115,7 +115,8 @@ TEST_F(ToldToPages, FramesComeAtTheirRateHoweverLongALookTakes) {
     return Error{ErrorCode::timeout, "slow", ""};
   };
   Nobody nobody;
-  const auto follower = Follower::start(*client, nobody, {.frame = kFrame, .status = 1h, .is_watched = [] { return true; }});
+  const auto follower =
+      Follower::start(*client, nobody, {.frame = kFrame, .status = 1h, .is_watched = [] { return true; }});
   ASSERT_TRUE(follower);
   std::unique_lock lock(mutex);
   came.wait_for(lock, 20s, [&] { return least < kFrame + kLook || looks > 100; });
@@ -131,7 +132,8 @@ TEST_F(ToldToPages, FoxglovesContactIsAnArrowOfTwentyEightCentimetres) {
   event.point = {1, 2, 3};
   event.normal = {1, 0, 0};
   const json arrow = json::parse(contact_update(std::vector<Event>{event}))["entities"][0]["arrows"][0];
-  EXPECT_EQ(arrow["pose"], json::parse(R"({"position":{"x":1.0,"y":2.0,"z":3.0},"orientation":{"x":0.0,"y":0.0,"z":0.0,"w":1.0}})"));
+  EXPECT_EQ(arrow["pose"],
+            json::parse(R"({"position":{"x":1.0,"y":2.0,"z":3.0},"orientation":{"x":0.0,"y":0.0,"z":0.0,"w":1.0}})"));
   EXPECT_EQ(arrow["shaft_length"], 0.2);
   EXPECT_EQ(arrow["shaft_diameter"], 0.02);
   EXPECT_EQ(arrow["head_length"], 0.08);
@@ -143,7 +145,8 @@ TEST_F(ToldToPages, WhoComesLateIsToldStateTableContactsAndPosesInThisOrder) {
   ServerStatus status;
   status.state = "ready";
   feed.status(status, std::nullopt);
-  feed.objects(std::make_shared<const ShownObjects>(ShownObjects{.epoch = 1, .version = 2, .table_version = 3, .objects = {}}));
+  feed.objects(
+      std::make_shared<const ShownObjects>(ShownObjects{.epoch = 1, .version = 2, .table_version = 3, .objects = {}}));
   feed.poses(Poses{});
   std::vector<Event> events(3);
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -165,7 +168,11 @@ TEST_F(ToldToPages, WhoComesLateIsToldStateTableContactsAndPosesInThisOrder) {
 }
 
 TEST_F(ToldToPages, RatesAreCountsOverTheTimeTheyTook) {
-  const Figures recent{.up_ns = 2'000'000'000, .steps = 10, .step_durations = {{4'000'000, 10}}, .stages = {{"test", 500'000'000}}, .poses_applied = 300,
+  const Figures recent{.up_ns = 2'000'000'000,
+                       .steps = 10,
+                       .step_durations = {{4'000'000, 10}},
+                       .stages = {{"test", 500'000'000}},
+                       .poses_applied = 300,
                        .questions = {{.kind = "ray", .answered = 5, .durations = {{4'000'000, 5}}}}};
   const json told = json::parse(status_text({}, recent))["recent"];
   EXPECT_EQ(told["steps"], 5);
@@ -191,7 +198,9 @@ std::string bytes_of_base64(const std::string& text) {
 // Poses and tables are packed by zlib, whose first byte is 0x78 and whose first two are a multiple of 31.
 TEST_F(ToldToPages, ASavedRunHoldsItsWordsAsTheyAreAndItsBytesInBase64) {
   fake::server().status.state = "ready";
-  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> { return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}}; };
+  fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> {
+    return ShownObjects{.epoch = 1, .version = 1, .table_version = 1, .objects = {}};
+  };
   fake::server().poses = [version = 0]() mutable -> Result<Poses> {
     Poses poses;
     poses.epoch = poses.table_version = 1;

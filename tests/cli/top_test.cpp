@@ -12,22 +12,38 @@ using nlohmann::json;
 /// The sums of a server that is up for so long and has done everything `times` times.
 json figures(std::int64_t up_ns, std::uint64_t times) {
   const auto ns = [&](const char* stage, std::uint64_t each) { return json{{"stage", stage}, {"ns", each * times}}; };
-  return {{"up_ns", up_ns},
-          {"version", 18204},
-          {"step_period_ns", 10'000'000},
-          {"steps", 100 * times},
-          {"stalled_steps", 0},
-          {"step_durations", {{409'599, 99 * times}, {1'179'647, times}}},
-          {"stages", {ns("take", 1'000'000), ns("update", 0), ns("index", 9'000'000), ns("test", 30'000'000), ns("publish", 10'000'000)}},
-          {"pairs", {{"moved", 0}, {"candidates", 31'200 * times}, {"filtered", 104'400 * times}, {"exact_tests", 0}, {"undecided", 0}, {"swept", 0}, {"kept_apart", 0}}},
-          {"poses", {{"applied", 960 * times}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 2 * times}, {"dropped", 0}}},
-          {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
-          {"questions",
-           {{{"kind", "ray"}, {"answered", 12'400 * times}, {"durations", {{17'407, 80 * times}, {61'439, 20 * times}}}},
-            {{"kind", "box"}, {"answered", 0}, {"durations", json::array()}}}},
-          {"refused", 0},
-          {"undecided", 31 * times},
-          {"not_built", {"FCL", "octree"}}};
+  return {
+      {"up_ns", up_ns},
+      {"version", 18204},
+      {"step_period_ns", 10'000'000},
+      {"steps", 100 * times},
+      {"stalled_steps", 0},
+      {"step_durations", {{409'599, 99 * times}, {1'179'647, times}}},
+      {"stages",
+       {ns("take", 1'000'000), ns("update", 0), ns("index", 9'000'000), ns("test", 30'000'000),
+        ns("publish", 10'000'000)}},
+      {"pairs",
+       {{"moved", 0},
+        {"candidates", 31'200 * times},
+        {"filtered", 104'400 * times},
+        {"exact_tests", 0},
+        {"undecided", 0},
+        {"swept", 0},
+        {"kept_apart", 0}}},
+      {"poses",
+       {{"applied", 960 * times},
+        {"late", 0},
+        {"unknown", 0},
+        {"refused", 0},
+        {"superseded", 2 * times},
+        {"dropped", 0}}},
+      {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
+      {"questions",
+       {{{"kind", "ray"}, {"answered", 12'400 * times}, {"durations", {{17'407, 80 * times}, {61'439, 20 * times}}}},
+        {{"kind", "box"}, {"answered", 0}, {"durations", json::array()}}}},
+      {"refused", 0},
+      {"undecided", 31 * times},
+      {"not_built", {"FCL", "octree"}}};
 }
 
 class Top : public testing::Test {
@@ -44,8 +60,9 @@ class Top : public testing::Test {
     status.objects = 60;
     status.moving = 48;
     status.contacts = 7;
-    status.publishers = {{.name = "walker", .applied_sequence = 9, .silent = std::chrono::milliseconds(12), .lost = false},
-                         {.name = "lift_plc", .applied_sequence = 9, .silent = std::chrono::seconds(4), .lost = false}};
+    status.publishers = {
+        {.name = "walker", .applied_sequence = 9, .silent = std::chrono::milliseconds(12), .lost = false},
+        {.name = "lift_plc", .applied_sequence = 9, .silent = std::chrono::seconds(4), .lost = false}};
     fake::server().command = [this](const std::string& name, const json&, const Shape&) -> Result<std::string> {
       EXPECT_EQ(name, "figures");
       const std::size_t look = std::min(looks++, readings.size() - 1);
@@ -79,11 +96,13 @@ TEST_F(Top, StampsThatWereTakenForOthersAreCounted) {
   readings[0]["stamps"] = {{"late", 2}, {"jumped", 0}, {"missing", 7}};
   readings[1]["stamps"] = {{"late", 5}, {"jumped", 1}, {"missing", 1'007}};
   const Ran ran = at_terminal("top --once --every 10ms");
-  EXPECT_NE(ran.out.find("late 0   lost 2\nSTAMPS late 3   jumped 1   missing 1 000\nFROM   "), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("late 0   lost 2\nSTAMPS late 3   jumped 1   missing 1 000\nFROM   "), std::string::npos)
+      << ran.out;
   looks = 0;
   const Ran records = collide("top --every 10ms --json");
-  for (const char* line : {R"({"figure":"stamps.late","value":3,"unit":"1/s"})", R"({"figure":"stamps.jumped","value":1,"unit":"1/s"})",
-                           R"({"figure":"stamps.missing","value":1000,"unit":"1/s"})"}) {
+  for (const char* line :
+       {R"({"figure":"stamps.late","value":3,"unit":"1/s"})", R"({"figure":"stamps.jumped","value":1,"unit":"1/s"})",
+        R"({"figure":"stamps.missing","value":1000,"unit":"1/s"})"}) {
     EXPECT_NE(records.out.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << records.out;
   }
 }
@@ -91,9 +110,12 @@ TEST_F(Top, StampsThatWereTakenForOthersAreCounted) {
 TEST_F(Top, MachinesGetOneSetOfRecords) {
   const Ran ran = collide("top --every 10ms --json");
   EXPECT_EQ(ran.code, 0) << ran.err;
-  for (const char* line : {R"({"figure":"ask.ray.rate","value":12400,"unit":"1/s"})", R"({"figure":"ask.ray.p99","value":6.1439e-05,"unit":"s"})",
-                           R"({"figure":"ask.box.rate","value":0,"unit":"1/s"})", R"({"figure":"ask.box.p50","unit":"s"})",
-                           R"({"figure":"pairs.filtered","value":1044,"unit":"a step"})", R"({"figure":"silent.lift_plc","value":4,"unit":"s"})"}) {
+  for (const char* line :
+       {R"({"figure":"ask.ray.rate","value":12400,"unit":"1/s"})",
+        R"({"figure":"ask.ray.p99","value":6.1439e-05,"unit":"s"})",
+        R"({"figure":"ask.box.rate","value":0,"unit":"1/s"})", R"({"figure":"ask.box.p50","unit":"s"})",
+        R"({"figure":"pairs.filtered","value":1044,"unit":"a step"})",
+        R"({"figure":"silent.lift_plc","value":4,"unit":"s"})"}) {
     EXPECT_NE(ran.out.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << ran.out;
   }
   EXPECT_EQ(looks, 2U);
@@ -141,7 +163,8 @@ TEST_F(Top, AServerStartedAnewIsSaidSoAndItsSumsBeginAtNothing) {
 }
 
 TEST_F(Top, AnAnswerFromElsewhereIsRefused) {
-  for (const json& reading : {json::object(), json::array(), json{{"up_ns", "a"}}, json{{"up_ns", 1}, {"step_durations", {{1}}}}}) {
+  for (const json& reading :
+       {json::object(), json::array(), json{{"up_ns", "a"}}, json{{"up_ns", 1}, {"step_durations", {{1}}}}}) {
     looks = 0;
     readings[0] = reading;
     EXPECT_EQ(collide("top --once --every 10ms").code, 5) << reading;

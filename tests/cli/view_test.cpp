@@ -12,7 +12,9 @@ class View : public testing::Test {
   void SetUp() override {
     fake::reset();
     fake::server().status.state = "ready";
-    fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> { return std::string("{}"); };
+    fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+      return std::string("{}");
+    };
     fake::server().shapes = [](const ShapesOptions&) -> Result<ShownObjects> {
       ShownObject ball;
       ball.id = 1;
@@ -63,7 +65,9 @@ TEST_F(View, ASavedRunHoldsItsFramesAndNoNameBreaksOut) {
   std::ifstream in(file.path());
   const std::string page((std::istreambuf_iterator<char>(in)), {});
   std::size_t frames = 0;
-  for (std::size_t at = page.find("\"kind\":\"poses\""); at != std::string::npos; at = page.find("\"kind\":\"poses\"", at + 1)) ++frames;
+  for (std::size_t at = page.find("\"kind\":\"poses\""); at != std::string::npos;
+       at = page.find("\"kind\":\"poses\"", at + 1))
+    ++frames;
   EXPECT_EQ(frames, said["frames"].get<std::size_t>());
   EXPECT_EQ(page.find("<b>ball"), std::string::npos);
   std::size_t ends = 0;

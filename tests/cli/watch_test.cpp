@@ -50,7 +50,8 @@ TEST_F(WatchVerb, MachinesGetEveryField) {
   EXPECT_EQ(collide("watch -n 3 --json --fields what,a,b,depth,after,why,sequence").out,
             "{\"what\":\"open\",\"a\":\"arm/link_5\",\"b\":\"shelf_3\",\"depth\":0.0031,\"sequence\":881}\n"
             "{\"what\":\"began\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"depth\":0.0031,\"sequence\":881}\n"
-            "{\"what\":\"ended\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"after\":0.254,\"why\":\"separated\",\"sequence\":884}\n");
+            "{\"what\":\"ended\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"after\":0.254,\"why\":\"separated\","
+            "\"sequence\":884}\n");
 }
 
 // A late joiner's open contacts and endings bear on nothing.
@@ -61,15 +62,21 @@ TEST_F(WatchVerb, WhereTheyBearIsAskedForAsTheyBegin) {
     asked += a + " " + b + ";";
     PairAnswer answer;
     answer.verdict = Verdict::hit;
-    answer.manifold = {{.point = {1, 2, 0.5}, .depth_m = 0.003, .error_m = 1e-15}, {.point = {1, 3, 0.5}, .depth_m = 0.002, .error_m = 1e-15}};
+    answer.manifold = {{.point = {1, 2, 0.5}, .depth_m = 0.003, .error_m = 1e-15},
+                       {.point = {1, 3, 0.5}, .depth_m = 0.002, .error_m = 1e-15}};
     return answer;
   };
   const Ran ran = at_terminal("watch -n 3 --manifold");
   EXPECT_EQ(asked, "drone_2 pallet_07;");
-  EXPECT_NE(ran.out.find("seq 881\n  bears at 1 2 0.5  3 mm deep ±1e-15\n  bears at 1 3 0.5  2 mm deep ±1e-15\n12.455 ended"), std::string::npos) << ran.out;
+  EXPECT_NE(
+      ran.out.find("seq 881\n  bears at 1 2 0.5  3 mm deep ±1e-15\n  bears at 1 3 0.5  2 mm deep ±1e-15\n12.455 ended"),
+      std::string::npos)
+      << ran.out;
   fake::server().events = events;
   const std::string records = collide("watch -n 3 --manifold --json --fields what,a,depth,point").out;
-  EXPECT_NE(records.find("{\"what\":\"persisted\",\"a\":\"drone_2\",\"depth\":0.002,\"point\":[1,3,0.5]}"), std::string::npos) << records;
+  EXPECT_NE(records.find("{\"what\":\"persisted\",\"a\":\"drone_2\",\"depth\":0.002,\"point\":[1,3,0.5]}"),
+            std::string::npos)
+      << records;
   fake::server().events = events;
   fake::server().pair = nullptr;
   EXPECT_EQ(collide("watch -n 3 --manifold").code, 0) << "they may have parted, or be gone";
@@ -100,12 +107,16 @@ TEST_F(WatchVerb, SinceAsksForWhatTheServerRemembers) {
   EXPECT_LT(late, std::chrono::seconds(5));
   const Ran ahead = collide("watch --since +2s");
   EXPECT_EQ(ahead.code, 2);
-  EXPECT_EQ(ahead.err, "error: watch: --since: a time after the begin is for recordings\n       -10s, 2026-11-22T12:03:10.5Z or seconds since 1970\n");
+  EXPECT_EQ(ahead.err,
+            "error: watch: --since: a time after the begin is for recordings\n       -10s, 2026-11-22T12:03:10.5Z or "
+            "seconds since 1970\n");
 }
 
 TEST_F(WatchVerb, AMemoryThatIsTooShortSaysFromWhenOn) {
   fake::server().tells_since = std::chrono::milliseconds(12'500);
-  EXPECT_EQ(at_terminal("watch -n 1 --since 12.25").err.find("the server remembers what happened from 12.500 on\n1 event in "), 0U);
+  EXPECT_EQ(at_terminal("watch -n 1 --since 12.25")
+                .err.find("the server remembers what happened from 12.500 on\n1 event in "),
+            0U);
   fake::server().tells_since = std::chrono::milliseconds(12'250);
   EXPECT_EQ(at_terminal("watch -n 1 --since 12.25").err.substr(0, 11), "1 event in ");
 }

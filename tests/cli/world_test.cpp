@@ -13,14 +13,16 @@ class World : public testing::Test {
   void SetUp() override {
     fake::reset();
     asked.clear();
-    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments, const Shape& shape) -> Result<std::string> {
+    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments,
+                                    const Shape& shape) -> Result<std::string> {
       asked.emplace_back(name, arguments);
       last_shape = shape;
       return replies.at(name).dump();
     };
   }
 
-  std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}}, {"figures", nlohmann::json::object()}};
+  std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}},
+                                                {"figures", nlohmann::json::object()}};
   std::vector<std::pair<std::string, nlohmann::json>> asked;
   Shape last_shape;
 };
@@ -41,7 +43,11 @@ TEST_F(World, AddSendsShapeAndPose) {
 
 TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
   replies["get"] = {{"name", "crate"}, {"pose", {1, 2, 0.2, 0, 1, 0, 0}}};
-  replies["move"] = {{"name", "crate"}, {"moved_m", 0.2}, {"began", {"shelf_3"}}, {"ended", nlohmann::json::array()}, {"version", 18206}};
+  replies["move"] = {{"name", "crate"},
+                     {"moved_m", 0.2},
+                     {"began", {"shelf_3"}},
+                     {"ended", nlohmann::json::array()},
+                     {"version", 18206}};
   EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began x shelf_3\n");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1.2, 2, 0.2, 0, 1, 0, 0}));
   collide("move crate 0 0 -1 --by");
@@ -52,7 +58,9 @@ TEST_F(World, RemoveSaysWhatWentAndHowToBringItBack) {
   const nlohmann::json brief{{"name", "a crate"}, {"kind", "box"}, {"scene", ""}, {"publisher", ""}};
   const nlohmann::json box{{"box", {{"center", {0, 0, 0}}, {"half_m", {0.2, 0.2, 0.1}}, {"rotation", {1, 0, 0, 0}}}}};
   replies["list"] = {{"objects", {brief}}, {"count", 1}, {"version", 18206}};
-  replies["get"] = {{"name", "a crate"}, {"shape", {box}}, {"pose", {1, 2, 0.2, 0, 1, 0, 0}}, {"layers", 2}, {"mask", 0xffffffff}, {"group", 0}, {"moving", true}};
+  replies["get"] = {{"name", "a crate"}, {"shape", {box}},     {"pose", {1, 2, 0.2, 0, 1, 0, 0}},
+                    {"layers", 2},       {"mask", 0xffffffff}, {"group", 0},
+                    {"moving", true}};
   replies["remove"] = {{"removed", {"a crate"}}, {"ended", 1}, {"version", 18207}};
   const Ran ran = at_terminal("rm 'a crate'");
   EXPECT_EQ(ran.code, 0);
@@ -84,9 +92,16 @@ TEST_F(World, WhatCannotBeRemovedIsComparedWithNamesUnlessItIsAGlob) {
 }
 
 TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
-  replies["load"] = {{"scene", "warehouse"}, {"triangles", 1204118}, {"parts", 312}, {"objects", 40}, {"seconds", 0.412},
-                     {"mended", {"18 T-vertices"}}, {"refused", nlohmann::json::array()}, {"warnings", nlohmann::json::array()},
-                     {"left_out", {"moving index"}}, {"version", 18210}};
+  replies["load"] = {{"scene", "warehouse"},
+                     {"triangles", 1204118},
+                     {"parts", 312},
+                     {"objects", 40},
+                     {"seconds", 0.412},
+                     {"mended", {"18 T-vertices"}},
+                     {"refused", nlohmann::json::array()},
+                     {"warnings", nlohmann::json::array()},
+                     {"left_out", {"moving index"}},
+                     {"version", 18210}};
   const Ran ran = at_terminal("load warehouse.obj --unit mm --up y");
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
@@ -100,7 +115,12 @@ TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
 }
 
 TEST_F(World, LoadAndStatusKnowWhatIsCovered) {
-  replies["load"] = {{"scene", "hall"}, {"triangles", 1}, {"parts", 1}, {"objects", 0}, {"seconds", 0.1}, {"version", 5},
+  replies["load"] = {{"scene", "hall"},
+                     {"triangles", 1},
+                     {"parts", 1},
+                     {"objects", 0},
+                     {"seconds", 0.1},
+                     {"version", 5},
                      {"covers", {{-1, 0, 0, 1, 1, "inf"}}}};
   const Ran ran = collide("load hall.obj --covers -1,0,0:1,1m,inf --covers 5,5,5:6,6,6 --fields covers");
   EXPECT_EQ(ran.code, 0) << ran.err;
@@ -112,14 +132,16 @@ TEST_F(World, LoadAndStatusKnowWhatIsCovered) {
   EXPECT_EQ(asked.size(), 1U);
   fake::server().status.state = "ready";
   replies["covers"] = {{"covers", {{-1, 0, 0, 1, 1, "inf"}}}, {"version", 5}};
-  EXPECT_NE(at_terminal("status").out.find("\ncovers -1 0 0 to 1 1 inf\n"), std::string::npos) << at_terminal("status").out;
+  EXPECT_NE(at_terminal("status").out.find("\ncovers -1 0 0 to 1 1 inf\n"), std::string::npos)
+      << at_terminal("status").out;
   EXPECT_EQ(collide("status --fields covers").out, "[[-1,0,0,1,1,\"inf\"]]\n");
   replies["covers"] = {{"covers", nullptr}, {"version", 5}};
   EXPECT_EQ(at_terminal("status").out.find("cover"), std::string::npos);
 }
 
 TEST_F(World, UploadSendsTheBytesAndANameThatIsOne) {
-  replies["load"] = {{"scene", "part"}, {"triangles", 1}, {"parts", 1}, {"objects", 0}, {"seconds", 0.1}, {"version", 5}};
+  replies["load"] = {{"scene", "part"}, {"triangles", 1}, {"parts", 1},
+                     {"objects", 0},    {"seconds", 0.1}, {"version", 5}};
   const ScratchFile file("a part$.obj", "v 0 0 0\n");
   const Ran ran = collide("load --upload '" + file.path() + "' --name part --fields scene");
   EXPECT_EQ(ran.out, "part\n") << ran.err;
@@ -131,13 +153,25 @@ TEST_F(World, UploadSendsTheBytesAndANameThatIsOne) {
 }
 
 TEST_F(World, ListIsATableOrRecords) {
-  replies["list"] = {{"objects", {{{"name", "drone_2"}, {"id", 5}, {"kind", "sphere"}, {"moving", true}, {"scene", ""}, {"publisher", "fleet"},
-                                   {"position", {1, 2, 3}}, {"triangles", 0}, {"layers", 1}, {"stale", false}}}},
-                     {"count", 1}, {"version", 9}};
-  EXPECT_EQ(at_terminal("ls --moving 'drone_*'").out, "OBJECT   KIND    MOVES  AT     FROM\ndrone_2  sphere  yes    1 2 3  fleet\n");
+  replies["list"] = {{"objects",
+                      {{{"name", "drone_2"},
+                        {"id", 5},
+                        {"kind", "sphere"},
+                        {"moving", true},
+                        {"scene", ""},
+                        {"publisher", "fleet"},
+                        {"position", {1, 2, 3}},
+                        {"triangles", 0},
+                        {"layers", 1},
+                        {"stale", false}}}},
+                     {"count", 1},
+                     {"version", 9}};
+  EXPECT_EQ(at_terminal("ls --moving 'drone_*'").out,
+            "OBJECT   KIND    MOVES  AT     FROM\ndrone_2  sphere  yes    1 2 3  fleet\n");
   EXPECT_EQ(asked[0].second["moving"], true);
   EXPECT_EQ(asked[0].second["name"], "drone_*");
-  EXPECT_EQ(collide("ls --json --fields name,position,layers").out, "{\"name\":\"drone_2\",\"position\":[1,2,3],\"layers\":1}\n");
+  EXPECT_EQ(collide("ls --json --fields name,position,layers").out,
+            "{\"name\":\"drone_2\",\"position\":[1,2,3],\"layers\":1}\n");
   EXPECT_EQ(collide("ls --count").out, "1\n");
 }
 
@@ -148,22 +182,32 @@ TEST_F(World, AGlobInBracketsArrivesWhole) {
 }
 
 TEST_F(World, PlanSaysWhy) {
-  replies["plan"] = {{"structures", {{{"structure", "grid"}, {"built", false}, {"why", "nothing moves"}, {"saves", "2 MB"}}}},
-                     {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}}};
+  replies["plan"] = {
+      {"structures", {{{"structure", "grid"}, {"built", false}, {"why", "nothing moves"}, {"saves", "2 MB"}}}},
+      {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}}};
   EXPECT_EQ(at_terminal("plan").out, "STRUCTURE  BUILT  WHY            SAVES\ngrid       no     nothing moves  2 MB\n");
   EXPECT_EQ(collide("plan --pairs").out, "sphere\tbox\tclosed form\n");
 }
 
 TEST_F(World, GetShowsTheObject) {
-  replies["get"] = {{"name", "crate"}, {"id", 7}, {"kind", "box"}, {"moving", true}, {"scene", ""}, {"publisher", ""}, {"layers", 2},
-                    {"pose", {1, 2, 0.2, 1, 0, 0, 0}}, {"bounds", {{0.8, 1.8, 0}, {1.2, 2.2, 0.4}}}, {"contacts", {"shelf_3"}}};
+  replies["get"] = {{"name", "crate"},
+                    {"id", 7},
+                    {"kind", "box"},
+                    {"moving", true},
+                    {"scene", ""},
+                    {"publisher", ""},
+                    {"layers", 2},
+                    {"pose", {1, 2, 0.2, 1, 0, 0, 0}},
+                    {"bounds", {{0.8, 1.8, 0}, {1.2, 2.2, 0.4}}},
+                    {"contacts", {"shelf_3"}}};
   EXPECT_EQ(at_terminal("get crate").out,
             "crate  box  moving\n"
             "  pose      1 2 0.2 1 0 0 0\n"
             "  bounds    0.8 1.8 0  to  1.2 2.2 0.4\n"
             "  layers    0x2\n"
             "  contacts  shelf_3\n");
-  EXPECT_EQ(collide("get crate --json --fields name,bounds").out, "{\"name\":\"crate\",\"bounds\":[[0.8,1.8,0],[1.2,2.2,0.4]]}\n");
+  EXPECT_EQ(collide("get crate --json --fields name,bounds").out,
+            "{\"name\":\"crate\",\"bounds\":[[0.8,1.8,0],[1.2,2.2,0.4]]}\n");
 }
 
 TEST_F(World, StatusNamesServerSceneAndPublishers) {
@@ -198,7 +242,8 @@ TEST_F(World, TheConnectionComesFromFlagsThenTheEnvironment) {
   EXPECT_EQ(options("status", {{"ROS_DOMAIN_ID", "7"}}).domain, 7);
   EXPECT_EQ(options("status", {{"ROS_DOMAIN_ID", "7"}, {"COLLIDED_DOMAIN", "8"}}).domain, 8);
   EXPECT_EQ(options("--domain 9 status", {{"COLLIDED_DOMAIN", "8"}}).domain, 9);
-  const ConnectOptions all = options("status --namespace lab --interface auto --wait 5s --peer 10.0.0.2 --peer host", {});
+  const ConnectOptions all =
+      options("status --namespace lab --interface auto --wait 5s --peer 10.0.0.2 --peer host", {});
   EXPECT_EQ(all.name_space, "lab");
   EXPECT_EQ(all.interface, "auto");
   EXPECT_EQ(all.wait, std::chrono::seconds(5));
@@ -213,7 +258,9 @@ TEST_F(World, ManyVerbsShareOneConnection) {
     EXPECT_TRUE(options.fresh);
     return fake::hit_answer({fake::hit("crate", 4.6, {1, 2, 0.4})});
   };
-  const Ran ran = collide("- --table", {.in = "# a crate\nadd crate box 0.4 0.4 0.4 --at 1 2 0.2\n\nray 1 2 5  0 0 -1 --fresh -q\nrm crate\n"});
+  const Ran ran =
+      collide("- --table",
+              {.in = "# a crate\nadd crate box 0.4 0.4 0.4 --at 1 2 0.2\n\nray 1 2 5  0 0 -1 --fresh -q\nrm crate\n"});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "added crate (world 18205)\n"
@@ -227,7 +274,9 @@ TEST_F(World, TheUndoLineIsACommandOfCollide) {
   const nlohmann::json brief{{"name", "it's"}, {"kind", "capsule"}, {"scene", ""}, {"publisher", ""}};
   const nlohmann::json capsule{{"capsule", {{"a", {0, 0, -0.15}}, {"b", {0, 0, 0.15}}, {"radius_m", 0.05}}}};
   replies["list"] = {{"objects", {brief}}, {"count", 1}, {"version", 18206}};
-  replies["get"] = {{"name", "it's"}, {"shape", {capsule}}, {"pose", {-1, 2, -0.2, 1, 0, 0, 0}}, {"layers", 1}, {"mask", 6}, {"group", 3}, {"moving", false}};
+  replies["get"] = {{"name", "it's"}, {"shape", {capsule}}, {"pose", {-1, 2, -0.2, 1, 0, 0, 0}},
+                    {"layers", 1},    {"mask", 6},          {"group", 3},
+                    {"moving", false}};
   replies["remove"] = {{"removed", {"it's"}}, {"ended", 0}, {"version", 18207}};
   replies["add"] = {{"name", "it's"}, {"id", 8}, {"version", 18208}};
   const std::string hint = collide("rm \"it's\"").err;
@@ -257,7 +306,9 @@ TEST_F(World, ALineThatFailsIsNamedAndTheNextRuns) {
   const Ran ran = collide("-", {.in = "ray 1 2\nrm crate\n"});
   EXPECT_EQ(ran.code, 6);
   EXPECT_EQ(ran.out, "[\"crate\"]\t0\t2\n");
-  EXPECT_EQ(ran.err, "error: line 1: ray: 2 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide help ray\n");
+  EXPECT_EQ(ran.err,
+            "error: line 1: ray: 2 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide "
+            "help ray\n");
 }
 
 }  // namespace

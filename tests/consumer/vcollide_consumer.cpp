@@ -22,7 +22,8 @@ int object_pairs_at(VCollide& vc, int id, double x) {
   VCReport report;
   if (vc.UpdateTrans(id, trans) != VC_OK || vc.Collide(&report, VC_ALL_CONTACTS) != VC_OK) return -1;
   for (int pair = 0; pair < report.numObjPairs(); ++pair) {
-    std::cout << report.obj1ID(pair) << " x " << report.obj2ID(pair) << ": " << report.numTriPairs(pair) << " pairs of triangles\n";
+    std::cout << report.obj1ID(pair) << " x " << report.obj2ID(pair) << ": " << report.numTriPairs(pair)
+              << " pairs of triangles\n";
   }
   return report.numObjPairs();
 }

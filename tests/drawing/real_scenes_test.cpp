@@ -17,7 +17,8 @@ class DrawingRealScenes : public DrawingTest {
     const std::string svg = draw::as_svg(d.picture);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     std::printf("%zu lines, %zu kB, %llu rays, %llu undecided, %.2f s\n", d.segments.size(), svg.size() / 1000,
-                static_cast<unsigned long long>(rays_->asked()), static_cast<unsigned long long>(rays_->undecided()), seconds);
+                static_cast<unsigned long long>(rays_->asked()), static_cast<unsigned long long>(rays_->undecided()),
+                seconds);
     EXPECT_LT(seconds, 5);
     EXPECT_GT(d.picture.strokes.size(), 100U);
     EXPECT_EQ(rays_->undecided(), 0U);

@@ -65,7 +65,8 @@ TEST_F(DrawingStyles, ToonTonesAreAsManyAsAskedForAndEndAtTheAnalyticCircles) {
 // A line that runs out of the picture has no pixels there, neither on the other side nor on the next row.
 TEST_F(DrawingStyles, LinesBesideThePictureAskForNoRays) {
   serve(Shape{SphereShape{1}});
-  const draw::Drawing d = drawing({.view = {.from = Vec3(0, -20, 0), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 200}});
+  const draw::Drawing d =
+      drawing({.view = {.from = Vec3(0, -20, 0), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 200}});
   const double width = d.camera.width_px(), height = d.camera.height_px();
   const auto rays_for = [&](const std::vector<draw::Segment>& lines, draw::ToneMap& map) {
     draw::Rays rays(*client_, AskOptions{.timeout = std::chrono::seconds(30)});
@@ -80,10 +81,11 @@ TEST_F(DrawingStyles, LinesBesideThePictureAskForNoRays) {
   };
   draw::ToneMap plain, summand, across;
   const std::uint64_t none = rays_for({}, plain);
-  EXPECT_EQ(rays_for({line(width, 5, width + 60, 5), line(width + 3, 9, width + 3, height - 1), line(-9, 5, -2, height - 1), line(5, -30, width - 5, -2),
-                      line(5, height, width - 5, height), line(5, height + 3, 40, height + 60)},
-                     summand),
-            none);
+  EXPECT_EQ(
+      rays_for({line(width, 5, width + 60, 5), line(width + 3, 9, width + 3, height - 1), line(-9, 5, -2, height - 1),
+                line(5, -30, width - 5, -2), line(5, height, width - 5, height), line(5, height + 3, 40, height + 60)},
+               summand),
+      none);
   EXPECT_EQ(summand.numbers, plain.numbers);
   EXPECT_EQ(summand.light, plain.light);
   EXPECT_GT(rays_for({line(0, 5.5, width - 1, 5.5)}, across), none) << "a line in the picture is looked through";

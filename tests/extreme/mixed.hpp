@@ -102,13 +102,14 @@ class Mixer {
   Ground ground_;
 };
 
-inline constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere,
-                                                      QuestionKind::box, QuestionKind::near};
+inline constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
+                                          QuestionKind::near};
 
 /// Objects get their ids in the order of the cast.
 inline void build(Stage& stage, const Cast& cast) {
   if (!cast.scene.triangles.empty()) stage.load("scene", cast.scene);
-  for (const ObjectDefinition& body : cast.movers) stage.add(body.name, body.shape, body.pose, body.moving, body.filter);
+  for (const ObjectDefinition& body : cast.movers)
+    stage.add(body.name, body.shape, body.pose, body.moving, body.filter);
   stage.step();
 }
 

@@ -64,7 +64,8 @@ class Stage {
     Scene scene;
     scene.name = name;
     scene.mesh = std::move(mesh);
-    scene.parts = {{.name = name, .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
+    scene.parts = {
+        {.name = name, .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
     ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
   }
@@ -78,8 +79,7 @@ class Stage {
     return world.events();
   }
 
-  Answers ask(QuestionKind kind, const std::vector<double>& numbers,
-              HitMode mode = HitMode::closest) const {
+  Answers ask(QuestionKind kind, const std::vector<double>& numbers, HitMode mode = HitMode::closest) const {
     Answers answers;
     QueryScratch scratch;
     Questions questions;
@@ -91,8 +91,8 @@ class Stage {
   }
   Answers ray(const Vec3& from, const Vec3& direction, double length_m = kEndless,
               HitMode mode = HitMode::closest) const {
-    return ask(QuestionKind::ray,
-               {from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z(), length_m}, mode);
+    return ask(QuestionKind::ray, {from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z(), length_m},
+               mode);
   }
 
  private:

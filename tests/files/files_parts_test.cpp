@@ -17,16 +17,16 @@ template <class Ask>
 std::string complaint_of(const Ask& ask) {
   try {
     ask();
-  } catch (const LoadError& error) {
-    return error.what();
-  }
+  } catch (const LoadError& error) { return error.what(); }
   return "taken";
 }
 
 TEST(FilesLengths, EveryUnitIsItsMetres) {
-  const std::map<std::string, double> metres{{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}, {"2.5", 2.5}, {"1e-4", 1e-4}};
+  const std::map<std::string, double> metres{{"m", 1},       {"mm", 1e-3},   {"cm", 1e-2}, {"km", 1e3},   {"um", 1e-6},
+                                             {"in", 0.0254}, {"ft", 0.3048}, {"2.5", 2.5}, {"1e-4", 1e-4}};
   for (const auto& [unit, value] : metres) EXPECT_EQ(unit_in_metres(unit), value) << unit;
-  for (const char* unit : {"", "M", "0", "-1", "nan", "inf", "1e999", "2m", "1 ", "mmm"}) EXPECT_FALSE(unit_in_metres(unit)) << unit;
+  for (const char* unit : {"", "M", "0", "-1", "nan", "inf", "1e999", "2m", "1 ", "mmm"})
+    EXPECT_FALSE(unit_in_metres(unit)) << unit;
 }
 
 TEST(FilesLengths, ALengthIsANumberAndAUnitOrItIsRefused) {
@@ -34,8 +34,10 @@ TEST(FilesLengths, ALengthIsANumberAndAUnitOrItIsRefused) {
   EXPECT_EQ(length_in_metres("--crack", "2e-4"), 2e-4);
   EXPECT_EQ(length_in_metres("--crack", "3mm"), 3 * 1e-3);
   EXPECT_EQ(length_in_metres("--crack", "12in"), 12 * 0.0254);
-  for (const char* text : {"", "wide", "mm", "1xx", "1mmm", "1 mm", "0", "0mm", "-1mm", "inf", "infmm", "nan", "1e999", "1e999mm", "1e-999"}) {
-    EXPECT_EQ(complaint_of([&] { length_in_metres("--crack", text); }), std::string("--crack '") + text + "'; a length above 0 is needed, as 0.1mm or 2e-4");
+  for (const char* text : {"", "wide", "mm", "1xx", "1mmm", "1 mm", "0", "0mm", "-1mm", "inf", "infmm", "nan", "1e999",
+                           "1e999mm", "1e-999"}) {
+    EXPECT_EQ(complaint_of([&] { length_in_metres("--crack", text); }),
+              std::string("--crack '") + text + "'; a length above 0 is needed, as 0.1mm or 2e-4");
   }
   FileOptions file;
   EXPECT_EQ(crack_in_metres(file), 0);
@@ -45,13 +47,21 @@ TEST(FilesLengths, ALengthIsANumberAndAUnitOrItIsRefused) {
 
 TEST(FilesLengths, APointIsThreeFiniteNumbersAndNothingElse) {
   EXPECT_EQ(parse_point("--eye", "1,-2.5,3e5"), Vec3(1, -2.5, 3e5));
-  for (const char* text : {"", "1,2", "1,2,", "1,2,3,", "1,2,3 ", "1,2,3,4", "1;2;3", "1, 2,3", "x,2,3", "1,y,3", "1,2,z", "inf,2,3", "1,nan,3", "1,2,1e999"}) {
-    EXPECT_EQ(complaint_of([&] { parse_point("--eye", text); }), std::string("--eye '") + text + "'; three finite numbers are needed: X,Y,Z");
+  for (const char* text : {"", "1,2", "1,2,", "1,2,3,", "1,2,3 ", "1,2,3,4", "1;2;3", "1, 2,3", "x,2,3", "1,y,3",
+                           "1,2,z", "inf,2,3", "1,nan,3", "1,2,1e999"}) {
+    EXPECT_EQ(complaint_of([&] { parse_point("--eye", text); }),
+              std::string("--eye '") + text + "'; three finite numbers are needed: X,Y,Z");
   }
 }
 
 TEST(FilesNumbers, ThousandsStandApartAndNoDigitIsLost) {
-  const std::map<std::uint64_t, std::string> texts{{0, "0"}, {7, "7"}, {999, "999"}, {1000, "1 000"}, {18204, "18 204"}, {1002003, "1 002 003"}, {10020030, "10 020 030"}};
+  const std::map<std::uint64_t, std::string> texts{{0, "0"},
+                                                   {7, "7"},
+                                                   {999, "999"},
+                                                   {1000, "1 000"},
+                                                   {18204, "18 204"},
+                                                   {1002003, "1 002 003"},
+                                                   {10020030, "10 020 030"}};
   for (const auto& [value, text] : texts) EXPECT_EQ(grouped(value), text);
   EXPECT_EQ(shortest(0.1), "0.1");
   EXPECT_EQ(shortest(-1e300), "-1e+300");
@@ -74,13 +84,15 @@ TEST(FilesCheck, ProgressComesToEachPhaseAndStaysWithinIt) {
     EXPECT_GE(told[i], 0.25);
     EXPECT_LE(told[i], 1);
   }
-  EXPECT_TRUE(std::any_of(told.begin() + 2, told.end(), [](double fraction) { return fraction > 0.25 && fraction <= 0.5; }));
+  EXPECT_TRUE(
+      std::any_of(told.begin() + 2, told.end(), [](double fraction) { return fraction > 0.25 && fraction <= 0.5; }));
   EXPECT_TRUE(std::any_of(told.begin() + 2, told.end(), [](double fraction) { return fraction > 0.5; }));
 }
 
 std::vector<std::string> lines_of(const Finding& finding) {
   std::vector<std::string> lines;
-  for (const Place& place : finding.worst) lines.push_back(place.object + " " + std::to_string(place.triangle) + " " + place.detail);
+  for (const Place& place : finding.worst)
+    lines.push_back(place.object + " " + std::to_string(place.triangle) + " " + place.detail);
   return lines;
 }
 
@@ -89,7 +101,8 @@ TEST(FilesCheck, FindingsComeInTheirOrderWorstFirstWithTheirPlaces) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {4, 3, 0}, {8, 0, 0}, {1, 1, -1}, {1, 1, 1}, {2, 1, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 2, 3}, {2, 0, 1}, {0, 1, 4}, {5, 6, 7}};
-  const std::vector<Part> parts{{.name = "s/a", .triangle_count = 2}, {.name = "s/b", .first_triangle = 2, .triangle_count = 3}};
+  const std::vector<Part> parts{{.name = "s/a", .triangle_count = 2},
+                                {.name = "s/b", .first_triangle = 2, .triangle_count = 3}};
   const CheckedMesh checked = check_mesh("s", mesh, &parts, {}, [](double) {});
   std::map<std::string, std::pair<std::uint64_t, std::vector<std::string>>> found;
   std::string order;
@@ -126,7 +139,9 @@ void add_plate(Scene& scene, const std::string& name, double x, std::uint32_t ce
       scene.mesh.triangles.push_back({low, low + cells + 2, low + cells + 1});
     }
   }
-  scene.parts.push_back({.name = name, .first_triangle = first_triangle, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()) - first_triangle});
+  scene.parts.push_back({.name = name,
+                         .first_triangle = first_triangle,
+                         .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()) - first_triangle});
 }
 
 TEST(FilesSimplify, PartsKeepTheirNamesAndTheirOwnTriangles) {

@@ -91,9 +91,7 @@ TEST_F(Files, MendingIsSaidAndWhatComesAfterIsClean) {
   EXPECT_EQ(found["mended"][0], "1 T-vertices: the edges cut there");
   // The worst boundary edges are named by the file's two triangles of that part, never by the third one.
   for (const json& place : found["findings"]["boundary_edges"]["places"]) {
-    if (place["object"] == "panels/right") {
-      EXPECT_LE(place["triangle"], 1);
-    }
+    if (place["object"] == "panels/right") { EXPECT_LE(place["triangle"], 1); }
   }
   EXPECT_EQ(checked(path)["mended"].size(), 0u);
 }
@@ -244,7 +242,8 @@ std::string flat_stl(std::uint32_t cells) {
   put(2 * cells * cells);
   const auto triangle = [&](std::initializer_list<std::array<std::uint32_t, 2>> corners) {
     bytes.append(12, '\0');
-    for (const auto& corner : corners) put(std::array<float, 3>{static_cast<float>(corner[0]), static_cast<float>(corner[1]), 0});
+    for (const auto& corner : corners)
+      put(std::array<float, 3>{static_cast<float>(corner[0]), static_cast<float>(corner[1]), 0});
     bytes.append(2, '\0');
   };
   for (std::uint32_t y = 0; y < cells; ++y) {
@@ -292,21 +291,24 @@ TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
       "  placed   a unit of the file is 1 m, since OBJ does not say; --unit does\n"
       "  placed   z is up, since OBJ does not say; --up does\n"
       "  placed   the origin is that of the file\n";
-  EXPECT_EQ(run("check " + write("panels.obj", bent)).text,
-            "panels  2 parts, 5 triangles, 0 objects\n" + placed +
-                "  bounds   0 0 0  to  2 1 0.25\n"
-                "  surface  open, not manifold\n"
-                "  pieces   1\n"
-                "  points   7 vertices, 0 of them equal to an earlier one\n"
-                "  edges    12, 0 of them creases, 0 between parts\n"
-                "            9  boundary edges       kept; the surface is open, so nothing is inside\n"
-                "               the worst: panels/right triangle 0 side 1; panels/right triangle 1 side 1; panels/left triangle 0 side 0\n"
-                "            2  pinched points       kept; several surfaces touch there\n"
-                "               panels/left triangle 0 vertex 1; panels/left triangle 2 vertex 3\n"
-                "            3  meet each other      kept; every triangle counts\n"
-                "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with 1\n"
-                "            1  T-vertices           kept; a ray may pass between their roundings; --mend cuts the edges there\n"
-                "               panels/right triangle 1 side 2 at vertex 2, gap 0 m\n");
+  EXPECT_EQ(
+      run("check " + write("panels.obj", bent)).text,
+      "panels  2 parts, 5 triangles, 0 objects\n" + placed +
+          "  bounds   0 0 0  to  2 1 0.25\n"
+          "  surface  open, not manifold\n"
+          "  pieces   1\n"
+          "  points   7 vertices, 0 of them equal to an earlier one\n"
+          "  edges    12, 0 of them creases, 0 between parts\n"
+          "            9  boundary edges       kept; the surface is open, so nothing is inside\n"
+          "               the worst: panels/right triangle 0 side 1; panels/right triangle 1 side 1; panels/left "
+          "triangle 0 side 0\n"
+          "            2  pinched points       kept; several surfaces touch there\n"
+          "               panels/left triangle 0 vertex 1; panels/left triangle 2 vertex 3\n"
+          "            3  meet each other      kept; every triangle counts\n"
+          "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with 1\n"
+          "            1  T-vertices           kept; a ray may pass between their roundings; --mend cuts the edges "
+          "there\n"
+          "               panels/right triangle 1 side 2 at vertex 2, gap 0 m\n");
   EXPECT_EQ(run("check " + write("cube.obj", kCube) + " --encodings --eye 5,7,11").text,
             "cube  1 parts, 12 triangles, 0 objects\n" + placed +
                 "  bounds   0 0 0  to  1 1 1\n"
@@ -328,13 +330,16 @@ TEST_F(Files, ThePageOfAConversionHasEveryLineOfIt) {
   const std::string text = run("convert " + write("panels.obj", kPanels) + " " + out + " --origin 0,0.1,0").text;
   const std::size_t told = text.find("  index    ");
   ASSERT_NE(told, std::string::npos) << text;
-  EXPECT_EQ(text.substr(0, told), "panels  2 parts, 5 triangles, 0 objects\n  origin   0,0.1,0 is now 0 0 0; 4 numbers were rounded by that\n");
+  EXPECT_EQ(
+      text.substr(0, told),
+      "panels  2 parts, 5 triangles, 0 objects\n  origin   0,0.1,0 is now 0 0 0; 4 numbers were rounded by that\n");
   EXPECT_EQ(text.substr(text.find(" ms, ", told)),
             " ms, 102.4 bytes and 1.00 references a triangle\n"
             "  placed   a unit of the file is 1 m, since OBJ does not say; --unit does\n"
             "  placed   z is up, since OBJ does not say; --up does\n"
             "  placed   the origin is that of the file\n"
-            "  written  " + out + "\n");
+            "  written  " +
+                out + "\n");
   const std::string flat = (folder_ / "flat.cscene").string();
   ASSERT_EQ(run("convert " + write("flat.stl", flat_stl(400)) + " " + flat + " --no-index").code, 0);
   const auto begin = std::chrono::steady_clock::now();
@@ -355,12 +360,16 @@ TEST_F(Files, AShareOfTheTrianglesIsThatShareAndANumberThatNumber) {
     EXPECT_NE(ran.text.find("  simplify  16 of 32 triangles, "), std::string::npos) << target << ": " << ran.text;
     EXPECT_EQ(checked(out)["triangles"], 16) << target;
   }
-  EXPECT_NE(run("convert " + path + " " + out + " --to 100%").text.find("  simplify  nothing: 32 triangles are asked for, the file has 32\n"), std::string::npos);
+  EXPECT_NE(run("convert " + path + " " + out + " --to 100%")
+                .text.find("  simplify  nothing: 32 triangles are asked for, the file has 32\n"),
+            std::string::npos);
   for (const char* target : {"0", "0%", "101%", "25%%", "%", "many"}) {
     const Ran ran = run("convert " + path + " " + out + " --cost length --to " + target);
     EXPECT_EQ(ran.code, 2) << target;
-    EXPECT_NE(ran.text.find(std::string("error: --to '") + target + "'; a number of triangles, or of per cent of them, is needed: 5000 or 10%\n"),
-              std::string::npos) << ran.text;
+    EXPECT_NE(ran.text.find(std::string("error: --to '") + target +
+                            "'; a number of triangles, or of per cent of them, is needed: 5000 or 10%\n"),
+              std::string::npos)
+        << ran.text;
   }
 }
 
@@ -413,17 +422,21 @@ TEST_F(Files, ImplicitAnswersRaysAndPointsOfAPolynomial) {
 }
 
 TEST_F(Files, ImplicitTakesAFilesLineAndABatchAndSaysWhatItRefuses) {
-  const std::string path = write("a.surfaces", "globe sphere 1 count 6 4\nring implicit (x^2+y^2+z^2+3)^2 \\\n - 16*(x^2+y^2) in 0 -3 -1 3 3 1\n");
+  const std::string path = write(
+      "a.surfaces", "globe sphere 1 count 6 4\nring implicit (x^2+y^2+z^2+3)^2 \\\n - 16*(x^2+y^2) in 0 -3 -1 3 3 1\n");
   EXPECT_EQ(run("implicit ring --file " + path + " 3 0 0").text, "on\n");
   EXPECT_EQ(run("implicit ring --file " + path + " -3 0 0").text, "outside\n");
   const Ran other = run("implicit globe --file " + path + " 1 0 0");
   EXPECT_EQ(other.code, 2);
-  EXPECT_NE(other.text.find("a.surfaces: line 1: 'globe' is of kind 'sphere', not implicit"), std::string::npos) << other.text;
+  EXPECT_NE(other.text.find("a.surfaces: line 1: 'globe' is of kind 'sphere', not implicit"), std::string::npos)
+      << other.text;
   const std::string rays = write("rays", "0 0 5 0 0 -1\n1 1\n0,0,1\n\n");
   const Ran batch = run("implicit x^2+y^2+z^2-1 - < " + rays);
   EXPECT_EQ(batch.code, 6);
   EXPECT_NE(batch.text.find("on\n"), std::string::npos) << batch.text;
-  EXPECT_NE(batch.text.find("stdin line 2: 2 numbers; a point X Y Z or a ray X Y Z DX DY DZ is needed"), std::string::npos) << batch.text;
+  EXPECT_NE(batch.text.find("stdin line 2: 2 numbers; a point X Y Z or a ray X Y Z DX DY DZ is needed"),
+            std::string::npos)
+      << batch.text;
   const Ran wrong = run("implicit x^9 0 0 0");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.text.find("column 3: exponent '9', allowed are 0 to 8"), std::string::npos) << wrong.text;

@@ -14,9 +14,7 @@ template <class Number>
 void put(std::string& bytes, Number value, bool big) {
   char raw[sizeof(Number)];
   std::memcpy(raw, &value, sizeof(Number));
-  if (big) {
-    std::reverse(raw, raw + sizeof(Number));
-  }
+  if (big) { std::reverse(raw, raw + sizeof(Number)); }
   bytes.append(raw, sizeof(Number));
 }
 
@@ -33,9 +31,7 @@ std::string binary(bool big) {
   }
   for (int face = 0; face < 2; ++face) {
     put(bytes, static_cast<std::uint8_t>(3), big);
-    for (int i = 0; i < 3; ++i) {
-      put(bytes, static_cast<std::int32_t>(i + face), big);
-    }
+    for (int i = 0; i < 3; ++i) { put(bytes, static_cast<std::int32_t>(i + face), big); }
   }
   return bytes;
 }

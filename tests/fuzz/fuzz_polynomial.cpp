@@ -35,7 +35,8 @@ void check_program(const ImplicitSurface& surface) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const ImplicitSurface surface = collided::engine::read_implicit_surface({reinterpret_cast<const char*>(data), size});
+    const ImplicitSurface surface =
+        collided::engine::read_implicit_surface({reinterpret_cast<const char*>(data), size});
     check_program(surface);
     // Double alone: what rationals cost with exponents hundreds apart is no question of the text.
     const collided::engine::PrecisionScope doubles({.highest = collided::engine::Level::filter, .error_asked_m = 0});
@@ -44,8 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     collided::fuzz::require(!verdict.yes() || (hit.low >= 0 && hit.low <= hit.high), "a bracket is one");
     collided::engine::Side side = collided::engine::Side::on;
     side_of({0.5, -2, 4}, surface, side);
-  } catch (const std::invalid_argument&) {
-  }
+  } catch (const std::invalid_argument&) {}
   return 0;
 }
 

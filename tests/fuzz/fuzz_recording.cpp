@@ -33,7 +33,8 @@ void write(mcap::Writer& writer, recording::Recorded topic, std::uint64_t time, 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::vector<std::byte> bytes(reinterpret_cast<const std::byte*>(data), reinterpret_cast<const std::byte*>(data) + size);
+  std::vector<std::byte> bytes(reinterpret_cast<const std::byte*>(data),
+                               reinterpret_cast<const std::byte*>(data) + size);
   client::RecordedRun run;
   try {
     run = client::read_run(std::move(bytes), "fuzz.mcap");
@@ -43,14 +44,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const std::byte* const first = run.bytes.data();
   for (const client::RecordedItem& item : run.items) {
-    fuzz::require(item.data.data() >= first && item.data.data() + item.data.size() <= first + run.bytes.size(), "messages lie in the file");
+    fuzz::require(item.data.data() >= first && item.data.data() + item.data.size() <= first + run.bytes.size(),
+                  "messages lie in the file");
   }
   for (const auto& [state, requests] : run.requests) {
     for (const client::RecordedRequest& request : requests) {
       fuzz::require(!request.questions.empty() && !request.replies.empty(), "a request has both");
       for (const std::size_t index : request.questions) {
         dds::Sample<wire::Query> query;
-        fuzz::require(index < run.items.size() && wire::read_cdr(run.items[index].data, query), "its questions are questions");
+        fuzz::require(index < run.items.size() && wire::read_cdr(run.items[index].data, query),
+                      "its questions are questions");
       }
     }
   }

@@ -50,8 +50,10 @@ static std::string with_buffers() {
     std::memcpy(vertices.data() + 16 * i + 4, position, sizeof position);
   }
   const std::vector<std::uint8_t> indices{0, 0, 1, 0, 2, 0, 3, 0, 4, 0};
-  const auto strip = format::CreateVertexBufferDirect(builder, format::BufferKind::strip, false, 16, 4, &vertices, 2, &indices);
-  const auto line = format::CreateVertexBufferDirect(builder, format::BufferKind::polyline, false, 16, 4, &vertices, 0, nullptr, 0.1);
+  const auto strip =
+      format::CreateVertexBufferDirect(builder, format::BufferKind::strip, false, 16, 4, &vertices, 2, &indices);
+  const auto line =
+      format::CreateVertexBufferDirect(builder, format::BufferKind::polyline, false, 16, 4, &vertices, 0, nullptr, 0.1);
   const auto buffers = builder.CreateVector(std::vector{strip, line});
   format::ShapeBuilder shape(builder);
   shape.add_buffers(buffers);
@@ -68,7 +70,8 @@ std::vector<std::string> fuzz_seeds() {
                         Capsule{{0, 0, 0}, {1, 0, 0}, 1}},
                        std::make_shared<const TriangleMesh>(latitude_longitude_sphere(1, 4, 3))};
   std::vector<std::string> seeds;
-  for (const Shape& shape : {compound, Shape{{Sphere{{1, 2, 3}, 0.5}}, nullptr}, Shape{{HalfSpace{{1, 2, 3}, {0, 0, 2}}}, nullptr}}) {
+  for (const Shape& shape :
+       {compound, Shape{{Sphere{{1, 2, 3}, 0.5}}, nullptr}, Shape{{HalfSpace{{1, 2, 3}, {0, 0, 2}}}, nullptr}}) {
     const std::vector<std::byte> bytes = encode_shape(shape);
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }

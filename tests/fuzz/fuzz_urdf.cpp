@@ -13,8 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(unknown_count <= pairs.size(), "no more pairs are unknown than there are");
     for (const SceneObject& object : objects)
       fuzz::require(may_meet(object.filter, Filter{}), "a link meets what is no link");
-  } catch (const LoadError&) {
-  }
+  } catch (const LoadError&) {}
   return 0;
 }
 

@@ -18,13 +18,16 @@ collided::engine::VertexBuffer buffer_of(std::span<const std::byte> bytes) {
           .indices = rest.subspan(vertex_bytes)};
 }
 
-std::string seed(std::uint8_t kind, bool is_double, std::uint8_t stride, std::uint8_t offset, std::uint8_t index_bytes, int vertices) {
-  std::string text{static_cast<char>(kind), static_cast<char>(is_double), static_cast<char>(stride), static_cast<char>(offset),
-                   static_cast<char>(index_bytes)};
+std::string seed(std::uint8_t kind, bool is_double, std::uint8_t stride, std::uint8_t offset, std::uint8_t index_bytes,
+                 int vertices) {
+  std::string text{static_cast<char>(kind), static_cast<char>(is_double), static_cast<char>(stride),
+                   static_cast<char>(offset), static_cast<char>(index_bytes)};
   const int vertex_bytes = vertices * stride;
   text += {static_cast<char>(vertex_bytes % 256), static_cast<char>(vertex_bytes / 256)};
-  for (int i = 0; i < vertex_bytes; ++i) text += static_cast<char>(i % (is_double ? 8 : 4) == (is_double ? 7 : 3) ? 0x3f : i * 7);
-  for (int i = 0; i < 12 * index_bytes; ++i) text += static_cast<char>(i % std::max(1, int{index_bytes}) == 0 ? i % vertices : 0);
+  for (int i = 0; i < vertex_bytes; ++i)
+    text += static_cast<char>(i % (is_double ? 8 : 4) == (is_double ? 7 : 3) ? 0x3f : i * 7);
+  for (int i = 0; i < 12 * index_bytes; ++i)
+    text += static_cast<char>(i % std::max(1, int{index_bytes}) == 0 ? i % vertices : 0);
   return text;
 }
 

@@ -14,10 +14,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   if (const auto question = view::parse_page_question(text)) {
     if (const auto* ray = std::get_if<RayQuestion>(&question->what)) {
-      fuzz::require(ray->origin.allFinite() && ray->direction.allFinite() && !ray->direction.isZero(0), "a ray that can be asked");
+      fuzz::require(ray->origin.allFinite() && ray->direction.allFinite() && !ray->direction.isZero(0),
+                    "a ray that can be asked");
     } else {
       const auto& pair = std::get<view::PairOfNames>(question->what);
-      fuzz::require(!pair.a.empty() && pair.a.size() <= 255 && !pair.b.empty() && pair.b.size() <= 255, "names that can be asked");
+      fuzz::require(!pair.a.empty() && pair.a.size() <= 255 && !pair.b.empty() && pair.b.size() <= 255,
+                    "names that can be asked");
     }
   }
   std::size_t answers = 0;
@@ -37,14 +39,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::string> fuzz_seeds() {
-  return {R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,-1]})",
-          R"({"ask":"pair","id":4,"a":"x","b":"y"})",
-          R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2},{"id":2,"channelId":1}]})",
-          R"({"op":"unsubscribe","subscriptionIds":[1,2]})",
-          "localhost:8765",
-          "[::1]:8765",
-          R"({"up_ns":1,"version":2,"step_period_ns":0,"steps":3,"stalled_steps":0,"step_durations":[[100,2],[200,1]],"stages":[{"stage":"take","ns":5}],)"
-          R"("pairs":{"moved":1,"candidates":1,"filtered":1,"exact_tests":1,"undecided":0,"swept":0,"kept_apart":0},)"
-          R"("poses":{"applied":1,"late":0,"unknown":0,"refused":0,"superseded":0,"dropped":0},"stamps":{"late":0,"jumped":0,"missing":0},"questions":[{"kind":"ray","answered":1,"durations":[[7,1]]}],)"
-          R"("refused":0,"undecided":0,"not_built":["FCL"]})"};
+  return {
+      R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,-1]})",
+      R"({"ask":"pair","id":4,"a":"x","b":"y"})",
+      R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2},{"id":2,"channelId":1}]})",
+      R"({"op":"unsubscribe","subscriptionIds":[1,2]})",
+      "localhost:8765",
+      "[::1]:8765",
+      R"({"up_ns":1,"version":2,"step_period_ns":0,"steps":3,"stalled_steps":0,"step_durations":[[100,2],[200,1]],"stages":[{"stage":"take","ns":5}],)"
+      R"("pairs":{"moved":1,"candidates":1,"filtered":1,"exact_tests":1,"undecided":0,"swept":0,"kept_apart":0},)"
+      R"("poses":{"applied":1,"late":0,"unknown":0,"refused":0,"superseded":0,"dropped":0},"stamps":{"late":0,"jumped":0,"missing":0},"questions":[{"kind":"ray","answered":1,"durations":[[7,1]]}],)"
+      R"("refused":0,"undecided":0,"not_built":["FCL"]})"};
 }

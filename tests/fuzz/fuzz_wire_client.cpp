@@ -34,7 +34,8 @@ class Listener {
   void hear_frame(std::span<const std::byte> bytes, bool persisted) {
     dds::Sample<wire::EventFrame> frame;
     if (!wire::read_cdr(bytes, frame)) return;
-    if (const auto heard = client::decode(*frame, names_)) persisted ? state_.hear_persisted(*heard) : state_.hear(*heard, now_);
+    if (const auto heard = client::decode(*frame, names_))
+      persisted ? state_.hear_persisted(*heard) : state_.hear(*heard, now_);
   }
   void hear_shard(std::span<const std::byte> bytes) {
     dds::Sample<wire::ContactShard> shard;
@@ -78,7 +79,9 @@ class Listener {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Listener listener;
-  collided::fuzz::for_each_frame(std::as_bytes(std::span(data, size)), [&](std::uint8_t kind, std::span<const std::byte> bytes) { listener.hear(kind, bytes); });
+  collided::fuzz::for_each_frame(
+      std::as_bytes(std::span(data, size)),
+      [&](std::uint8_t kind, std::span<const std::byte> bytes) { listener.hear(kind, bytes); });
   return 0;
 }
 
@@ -90,7 +93,9 @@ std::vector<std::string> fuzz_seeds() {
   const std::vector<std::uint8_t> names = wire_contract::pack_names(both), began{0}, ended{2}, none{0}, separated{1};
   const std::vector<std::uint8_t> shard{wire_contract::contact_shard(1, 2)};
   const std::vector<std::uint32_t> triangles{7};
-  const std::vector<double> event_numbers(wire::width_of<wire::EventFrame>(wire::kEventColumns), 0.5), contact_numbers(wire::width_of<wire::ContactShard>(wire::kContactColumns), 0.5), hit_numbers(wire_contract::kHitNumbers, 1.5);
+  const std::vector<double> event_numbers(wire::width_of<wire::EventFrame>(wire::kEventColumns), 0.5),
+      contact_numbers(wire::width_of<wire::ContactShard>(wire::kContactColumns), 0.5),
+      hit_numbers(wire_contract::kHitNumbers, 1.5);
   const std::vector<std::int64_t> began_ns{5};
 
   dds::Sample<wire::EventFrame> frame;

@@ -51,7 +51,8 @@ class Side {
     dds::Sample<wire::Definition> sample;
     if (!wire::read_cdr(bytes, sample)) return;
     const std::unique_ptr<service::DefinitionSample> definition = service::decoded(*sample);
-    DecodedShape shape = decode_shape(std::as_bytes(std::span(definition->shape_bytes)), {.max_triangles = 1'000, .max_primitives = 100});
+    DecodedShape shape = decode_shape(std::as_bytes(std::span(definition->shape_bytes)),
+                                      {.max_triangles = 1'000, .max_primitives = 100});
     if (shape.shape) definition->shape = std::move(*shape.shape);
     else definition->shape = Refusal{shape.refusal};
     repeat([&] { return publishers_.define(*definition, now_ns_); });
@@ -100,7 +101,8 @@ class Side {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Side side;
-  collided::fuzz::for_each_frame(std::as_bytes(std::span(data, size)), [&](std::uint8_t kind, std::span<const std::byte> bytes) { side.take(kind, bytes); });
+  collided::fuzz::for_each_frame(std::as_bytes(std::span(data, size)),
+                                 [&](std::uint8_t kind, std::span<const std::byte> bytes) { side.take(kind, bytes); });
   return 0;
 }
 
@@ -141,8 +143,11 @@ std::vector<std::string> fuzz_seeds() {
   fuzz::append_frame(run, 1, *batch);
   fuzz::append_frame(run, 3, *batch);
   std::string asked = run;
-  for (const auto& [kind, values] : std::vector<std::pair<QueryKind, std::vector<double>>>{
-           {QueryKind::ray, {-9, 0, 0, 1, 0, 0, 20}}, {QueryKind::sphere, {0, 0, 0, 1}}, {QueryKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}}, {QueryKind::near, {5, 0, 0, 9}}}) {
+  for (const auto& [kind, values] :
+       std::vector<std::pair<QueryKind, std::vector<double>>>{{QueryKind::ray, {-9, 0, 0, 1, 0, 0, 20}},
+                                                              {QueryKind::sphere, {0, 0, 0, 1}},
+                                                              {QueryKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+                                                              {QueryKind::near, {5, 0, 0, 9}}}) {
     dds::Sample<wire::Query> query;
     query->client = query->request = query->chunk_count = 1;
     query->kind = static_cast<std::uint8_t>(kind);

@@ -20,9 +20,7 @@ void load_or_refuse(const std::string& file, const std::uint8_t* data, std::size
     require(flaw_of_name(std::string(error.what()).substr(0, 200)).empty(), "an error is printable");
     return;
   }
-  for (const Vec3& vertex : scene.mesh.vertices) {
-    require(vertex.allFinite(), "every vertex is finite");
-  }
+  for (const Vec3& vertex : scene.mesh.vertices) { require(vertex.allFinite(), "every vertex is finite"); }
   for (const TriangleCorners& corners : scene.mesh.triangles) {
     require(*std::max_element(corners.begin(), corners.end()) < scene.mesh.vertices.size(), "corners are vertices");
   }

@@ -44,9 +44,7 @@ class Mutator {
 
   std::string make() {
     std::string bytes = seeds_[below(seeds_.size())];
-    for (std::size_t i = 1 + below(6); i > 0; --i) {
-      mutate(bytes);
-    }
+    for (std::size_t i = 1 + below(6); i > 0; --i) { mutate(bytes); }
     return bytes;
   }
 
@@ -58,33 +56,17 @@ class Mutator {
     const std::size_t length = below(std::min<std::size_t>(bytes.size() - at, 64) + 1);
     switch (below(9)) {
       case 0:
-        if (!bytes.empty()) {
-          bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8)));
-        }
+        if (!bytes.empty()) { bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8))); }
         break;
       case 1:
-        if (!bytes.empty()) {
-          bytes[at] = static_cast<char>(below(256));
-        }
+        if (!bytes.empty()) { bytes[at] = static_cast<char>(below(256)); }
         break;
-      case 2:
-        bytes.erase(at, length);
-        break;
-      case 3:
-        bytes.insert(at, bytes.substr(at, length));
-        break;
-      case 4:
-        bytes.resize(at);
-        break;
-      case 5:
-        put_number(bytes, at);
-        break;
-      case 6:
-        bytes.insert(at, word());
-        break;
-      case 7:
-        replace_digits(bytes, at);
-        break;
+      case 2: bytes.erase(at, length); break;
+      case 3: bytes.insert(at, bytes.substr(at, length)); break;
+      case 4: bytes.resize(at); break;
+      case 5: put_number(bytes, at); break;
+      case 6: bytes.insert(at, word()); break;
+      case 7: replace_digits(bytes, at); break;
       default: {
         const std::string& other = seeds_[below(seeds_.size())];
         const std::size_t from = below(other.size());
@@ -163,16 +145,12 @@ void run_once(const std::vector<std::string>& seeds, std::uint64_t run) {
 
 int mutate_for_a_while() {
   const std::vector<std::string> seeds = fuzz_seeds();
-  for (const std::string& seed : seeds) {
-    feed(seed);
-  }
+  for (const std::string& seed : seeds) { feed(seed); }
   const std::uint64_t runs = number_from_environment("COLLIDED_FUZZ_RUNS", 20'000);
   const std::chrono::seconds limit(number_from_environment("COLLIDED_FUZZ_SECONDS", 5));
   const auto end = std::chrono::steady_clock::now() + limit;
   std::uint64_t run = 0;
-  for (; run < runs && std::chrono::steady_clock::now() < end; ++run) {
-    run_once(seeds, run);
-  }
+  for (; run < runs && std::chrono::steady_clock::now() < end; ++run) { run_once(seeds, run); }
   std::printf("%" PRIu64 " mutated inputs, seed %" PRIu64 "\n", run, seed_in_use);
   return 0;
 }

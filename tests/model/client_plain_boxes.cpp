@@ -14,9 +14,7 @@ double gap(const PlainBox& a, const PlainBox& b) {
   return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(Vec3::Zero()).norm();
 }
 
-double depth(const PlainBox& a, const PlainBox& b) {
-  return (a.high - b.low).cwiseMin(b.high - a.low).minCoeff();
-}
+double depth(const PlainBox& a, const PlainBox& b) { return (a.high - b.low).cwiseMin(b.high - a.low).minCoeff(); }
 
 double gap(const Vec3& point, const PlainBox& box) { return gap(PlainBox{point, point}, box); }
 
@@ -24,7 +22,8 @@ std::optional<double> entry(const AxisRay& ray, const PlainBox& box) {
   for (int k = 0; k < 3; ++k) {
     if (k != ray.axis && (ray.origin[k] < box.low[k] || ray.origin[k] > box.high[k])) return std::nullopt;
   }
-  const double ahead = ray.sign > 0 ? box.low[ray.axis] - ray.origin[ray.axis] : ray.origin[ray.axis] - box.high[ray.axis];
+  const double ahead =
+      ray.sign > 0 ? box.low[ray.axis] - ray.origin[ray.axis] : ray.origin[ray.axis] - box.high[ray.axis];
   const double beyond = ahead + box.high[ray.axis] - box.low[ray.axis];
   if (beyond < 0 || ahead > ray.length_m) return std::nullopt;
   return std::max(ahead, 0.0);
@@ -72,7 +71,9 @@ std::set<PlainBoxes::Pair> PlainBoxes::contacts() const {
 }
 
 std::map<std::string, std::vector<PlainBox>> PlainBoxes::allowed(const AskOptions& options) const {
-  const auto matches = [](const std::string& glob, const std::string& name) { return ::fnmatch(glob.c_str(), name.c_str(), 0) == 0; };
+  const auto matches = [](const std::string& glob, const std::string& name) {
+    return ::fnmatch(glob.c_str(), name.c_str(), 0) == 0;
+  };
   std::map<std::string, std::vector<PlainBox>> chosen;
   for (const auto& [name, object] : objects) {
     if ((object.layers & options.mask) == 0) continue;

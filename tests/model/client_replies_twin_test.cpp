@@ -51,7 +51,9 @@ struct Piece {
 
 class RepliesTwin : public testing::Test {
  protected:
-  std::uint32_t below(std::uint32_t count) { return std::uniform_int_distribution<std::uint32_t>(0, count - 1)(random_); }
+  std::uint32_t below(std::uint32_t count) {
+    return std::uniform_int_distribution<std::uint32_t>(0, count - 1)(random_);
+  }
   bool chance(double probability) { return std::uniform_real_distribution<double>(0, 1)(random_) < probability; }
 
   Piece piece(std::uint32_t first, std::uint32_t count) {
@@ -67,7 +69,8 @@ class RepliesTwin : public testing::Test {
       for (std::uint32_t k = 0; k < made.hit_counts.back(); ++k) {
         made.objects.push_back(1 + below(9));
         made.triangles.push_back(below(99));
-        made.flags.push_back(static_cast<std::uint8_t>((chance(0.3) ? wire_contract::kInside : 0) | (chance(0.3) ? wire_contract::kStale : 0)));
+        made.flags.push_back(static_cast<std::uint8_t>((chance(0.3) ? wire_contract::kInside : 0) |
+                                                       (chance(0.3) ? wire_contract::kStale : 0)));
         for (std::uint32_t n = 0; n < wire_contract::kHitNumbers; ++n) made.numbers.push_back(below(1'000'000) * 0.001);
       }
     }

@@ -51,12 +51,15 @@ class ServerTwin : public testing_support::ServerTest {
   bool chance(int percent) { return below(100) < percent; }
   int between(int low, int high) { return low + below(high - low + 1); }
   template <class Items>
-  auto one_of(const Items& items) { return *std::next(items.begin(), below(static_cast<int>(items.size()))); }
+  auto one_of(const Items& items) {
+    return *std::next(items.begin(), below(static_cast<int>(items.size())));
+  }
   Lattice place() { return {between(-20, 20), between(-20, 20), between(-20, 20)}; }
   PlainObject any_object() {
     PlainObject object;
     for (int part = chance(30) ? 2 : 1; part > 0; --part) {
-      object.parts.push_back({Lattice{between(-4, 4), between(-4, 4), between(-4, 4)}, Lattice{between(1, 7), between(1, 7), between(1, 7)}});
+      object.parts.push_back({Lattice{between(-4, 4), between(-4, 4), between(-4, 4)},
+                              Lattice{between(1, 7), between(1, 7), between(1, 7)}});
     }
     object.origin = place();
     object.layers = 1U << below(3);
@@ -66,7 +69,11 @@ class ServerTwin : public testing_support::ServerTest {
   }
   AskOptions any_options() {
     const std::vector<std::string> globs{"", "", "c*", "*o*", "d?p", "[ce]*", "floor*", "*t", "sky*"};
-    AskOptions options{.mask = chance(50) ? 0xffffffffU : 1U << below(3), .only = one_of(globs), .skip = one_of(globs), .timeout = 20s, .fresh = true};
+    AskOptions options{.mask = chance(50) ? 0xffffffffU : 1U << below(3),
+                       .only = one_of(globs),
+                       .skip = one_of(globs),
+                       .timeout = 20s,
+                       .fresh = true};
     if (options.only == options.skip) options.skip.clear();
     return options;
   }
@@ -74,7 +81,8 @@ class ServerTwin : public testing_support::ServerTest {
   // ---- as the library says it
   static Shape shape_of(const PlainObject& object) {
     Shape shape;
-    for (const auto& [center, half] : object.parts) shape.push_back(BoxShape{.half_m = metres(half), .center = metres(center)});
+    for (const auto& [center, half] : object.parts)
+      shape.push_back(BoxShape{.half_m = metres(half), .center = metres(center)});
     return shape;
   }
   static json pose_of(const Lattice& at) {
@@ -86,7 +94,8 @@ class ServerTwin : public testing_support::ServerTest {
       const Vec3 v = metres({x, y, z});
       return "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z()) + "\n";
     };
-    return "o sheet\n" + corner(low[0], low[1]) + corner(high[0], low[1]) + corner(high[0], high[1]) + corner(low[0], high[1]) + "f 1 2 3\nf 1 3 4\n";
+    return "o sheet\n" + corner(low[0], low[1]) + corner(high[0], low[1]) + corner(high[0], high[1]) +
+           corner(low[0], high[1]) + "f 1 2 3\nf 1 3 4\n";
   }
 
   // ---- what is done
@@ -94,9 +103,12 @@ class ServerTwin : public testing_support::ServerTest {
     const std::string name = one_of(feed.pool);
     if (feed.objects.contains(name)) remove(feed, name);
     const PlainObject object = any_object();
-    const Result<Publisher::Object> added =
-        feed.publisher->add({.name = name, .shape = shape_of(object), .pose = {.position = metres(object.origin)}, .layers = object.layers,
-                             .mask = object.mask, .group = object.group});
+    const Result<Publisher::Object> added = feed.publisher->add({.name = name,
+                                                                 .shape = shape_of(object),
+                                                                 .pose = {.position = metres(object.origin)},
+                                                                 .layers = object.layers,
+                                                                 .mask = object.mask,
+                                                                 .group = object.group});
     ASSERT_TRUE(added) << added.error().message;
     feed.objects[name] = *added;
     plain_.objects[name] = object;
@@ -111,7 +123,9 @@ class ServerTwin : public testing_support::ServerTest {
       for (const auto& [name, object] : feed.objects) {
         if (chance(40)) continue;
         Lattice& origin = plain_.objects.at(name).origin;
-        origin = chance(30) ? place() : Lattice{origin[0] + between(-2, 2), origin[1] + between(-2, 2), origin[2] + between(-2, 2)};
+        origin = chance(30)
+                     ? place()
+                     : Lattice{origin[0] + between(-2, 2), origin[1] + between(-2, 2), origin[2] + between(-2, 2)};
         ASSERT_TRUE(feed.publisher->move(object, {.position = metres(origin)}, chance(20)));
       }
       ASSERT_TRUE(feed.publisher->flush());
@@ -138,7 +152,12 @@ class ServerTwin : public testing_support::ServerTest {
       command("move", {{"name", name}, {"pose", pose_of(origin)}, {"teleport", chance(50)}});
     } else {
       const PlainObject object = plain_.objects[name] = any_object();
-      command("add", {{"name", name}, {"pose", pose_of(object.origin)}, {"layers", object.layers}, {"mask", object.mask}, {"group", object.group}},
+      command("add",
+              {{"name", name},
+               {"pose", pose_of(object.origin)},
+               {"layers", object.layers},
+               {"mask", object.mask},
+               {"group", object.group}},
               shape_of(object));
     }
   }
@@ -153,8 +172,9 @@ class ServerTwin : public testing_support::ServerTest {
     }
     const Lattice half{between(4, 20), between(4, 20), 0};
     const Lattice center{between(-6, 6), between(-6, 6), between(-20, 20)};
-    const std::string file = folder_.write(scene + std::to_string(++files_) + ".obj",
-                                           sheet({center[0] - half[0], center[1] - half[1]}, {center[0] + half[0], center[1] + half[1]}, center[2]));
+    const std::string file = folder_.write(
+        scene + std::to_string(++files_) + ".obj",
+        sheet({center[0] - half[0], center[1] - half[1]}, {center[0] + half[0], center[1] + half[1]}, center[2]));
     command("load", {{"path", file}, {"name", scene}, {"replace", is_there}});
     PlainObject made;
     made.parts = {{center, half}};
@@ -168,8 +188,12 @@ class ServerTwin : public testing_support::ServerTest {
       probes_.erase(name);
       return;
     }
-    Probe made{.name = name, .object = one_of(std::vector<std::string>{"cup", "cot", "dot", "egg"}), .origin = metres(Lattice{between(-2, 2), between(-2, 2), 0}),
-               .direction = {0, 0, -1}, .reach_m = chance(50) ? 1.53 : 10.03, .back_m = chance(50) ? 0.03 : 0.53};
+    Probe made{.name = name,
+               .object = one_of(std::vector<std::string>{"cup", "cot", "dot", "egg"}),
+               .origin = metres(Lattice{between(-2, 2), between(-2, 2), 0}),
+               .direction = {0, 0, -1},
+               .reach_m = chance(50) ? 1.53 : 10.03,
+               .back_m = chance(50) ? 0.03 : 0.53};
     ASSERT_TRUE(client_->add_probe(made));
     probes_[name] = made;
   }
@@ -184,8 +208,12 @@ class ServerTwin : public testing_support::ServerTest {
   void live_on() {
     Feed& feed = one_of_feeds();
     switch (below(12)) {
-      case 0: case 1: case 2: return define(feed);
-      case 3: case 4: case 5: return move_some(feed);
+      case 0:
+      case 1:
+      case 2: return define(feed);
+      case 3:
+      case 4:
+      case 5: return move_some(feed);
       case 6: return feed.objects.empty() ? define(feed) : remove(feed, one_of(feed.objects).first);
       case 7: return command_an_object();
       case 8: return load_or_clear();
@@ -207,7 +235,12 @@ class ServerTwin : public testing_support::ServerTest {
     for (Feed& feed : feeds_) EXPECT_TRUE(feed.publisher->keep_alive());
   }
   bool becomes(const std::function<bool()>& condition, std::chrono::milliseconds most = 20s) {
-    return test::eventually([&] { keep_alive(); return condition(); }, most);
+    return test::eventually(
+        [&] {
+          keep_alive();
+          return condition();
+        },
+        most);
   }
   void settle() {
     for (Feed& feed : feeds_) {
@@ -219,7 +252,8 @@ class ServerTwin : public testing_support::ServerTest {
       if (event->kind == EventKind::persisted) continue;
       const PlainBoxes::Pair pair = std::minmax(event->a, event->b);
       held_[pair] += event->kind == EventKind::ended ? -1 : 1;
-      EXPECT_TRUE(held_[pair] == 0 || held_[pair] == 1) << pair.first << " and " << pair.second << " began or ended twice";
+      EXPECT_TRUE(held_[pair] == 0 || held_[pair] == 1)
+          << pair.first << " and " << pair.second << " began or ended twice";
       if (held_[pair] == 0) held_.erase(pair);
     }
   }
@@ -233,7 +267,8 @@ class ServerTwin : public testing_support::ServerTest {
       return held == expected;
     });
     if (are_told) return;
-    for (const auto& [a, b] : expected) EXPECT_TRUE(held.contains({a, b})) << a << " and " << b << " touch, and nobody was told";
+    for (const auto& [a, b] : expected)
+      EXPECT_TRUE(held.contains({a, b})) << a << " and " << b << " touch, and nobody was told";
     for (const auto& [a, b] : held) EXPECT_TRUE(expected.contains({a, b})) << a << " and " << b << " do not touch";
   }
   void compare_objects() {
@@ -256,7 +291,8 @@ class ServerTwin : public testing_support::ServerTest {
   }
 
   /// The answer names what is nearest, as far as it is; where several are, any of them.
-  static void expect_nearest(const Answer& answer, const std::map<std::string, double>& distances, double at_most, const std::string& question) {
+  static void expect_nearest(const Answer& answer, const std::map<std::string, double>& distances, double at_most,
+                             const std::string& question) {
     double nearest = INFINITY;
     for (const auto& [name, distance] : distances) nearest = std::min(nearest, distance);
     ASSERT_EQ(answer.verdict, !distances.empty() && nearest <= at_most ? Verdict::hit : Verdict::miss) << question;
@@ -267,7 +303,10 @@ class ServerTwin : public testing_support::ServerTest {
     EXPECT_NEAR(distances.at(hit.object), nearest, kTolerance_m) << question;
   }
   void ask_ray() {
-    AxisRay ray{.origin = metres(place()), .axis = below(3), .sign = chance(50) ? 1 : -1, .length_m = chance(50) ? INFINITY : 2.53};
+    AxisRay ray{.origin = metres(place()),
+                .axis = below(3),
+                .sign = chance(50) ? 1 : -1,
+                .length_m = chance(50) ? INFINITY : 2.53};
     ray.origin[ray.axis] += 0.03;
     AskOptions options = any_options();
     options.mode = one_of(std::vector{HitMode::closest, HitMode::any, HitMode::all});
@@ -278,12 +317,14 @@ class ServerTwin : public testing_support::ServerTest {
         if (at && (!entries.contains(name) || *at < entries[name])) entries[name] = *at;
       }
     }
-    const Result<Answer> answer = client_->ask(RayQuestion{ray.origin, ray.sign * Vec3::Unit(ray.axis), ray.length_m}, options);
+    const Result<Answer> answer =
+        client_->ask(RayQuestion{ray.origin, ray.sign * Vec3::Unit(ray.axis), ray.length_m}, options);
     ASSERT_TRUE(answer) << answer.error().message;
     if (options.mode == HitMode::closest) return expect_nearest(*answer, entries, INFINITY, "ray");
     EXPECT_EQ(answer->verdict, entries.empty() ? Verdict::miss : Verdict::hit);
     std::map<std::string, double> told;
-    for (const Hit& hit : answer->hits) told.emplace(hit.object, hit.distance_m);  // the first of each, which is its nearest
+    for (const Hit& hit : answer->hits)
+      told.emplace(hit.object, hit.distance_m);  // the first of each, which is its nearest
     for (const auto& [name, at] : told) {
       ASSERT_TRUE(entries.contains(name)) << name;
       if (options.mode == HitMode::any) continue;
@@ -349,7 +390,9 @@ class ServerTwin : public testing_support::ServerTest {
     const Answer& answer = answers->answers.at(0);
     ASSERT_EQ(answer.verdict, times.empty() ? Verdict::miss : Verdict::hit);
     if (times.empty()) return;
-    const double first = std::min_element(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->second;
+    const double first = std::min_element(times.begin(), times.end(), [](const auto& a, const auto& b) {
+                           return a.second < b.second;
+                         })->second;
     const Hit& hit = answer.hits.at(0);
     EXPECT_LE(hit.time_low, first);
     EXPECT_GE(hit.time_high, first);
@@ -375,7 +418,8 @@ class ServerTwin : public testing_support::ServerTest {
     ASSERT_EQ(answer->verdict, meet ? Verdict::hit : Verdict::miss) << a << " and " << b;
     if (!meet) {
       EXPECT_NEAR(answer->distance_m, apart, kTolerance_m) << a << " and " << b;
-    } else if (!of_a.is_scene && !of_b.is_scene) {  // a sheet's two triangles overlap a box less deep than the sheet does
+    } else if (!of_a.is_scene &&
+               !of_b.is_scene) {  // a sheet's two triangles overlap a box less deep than the sheet does
       EXPECT_NEAR(answer->depth_m, deepest, kTolerance_m) << a << " and " << b;
     }
   }
@@ -390,7 +434,9 @@ class ServerTwin : public testing_support::ServerTest {
         EXPECT_EQ(reading.state, Clearance::absent) << reading.probe;
         continue;
       }
-      const AxisRay ray{.origin = metres(holder->second.origin) + probe.origin + Vec3(0, 0, probe.back_m), .axis = 2, .sign = -1,
+      const AxisRay ray{.origin = metres(holder->second.origin) + probe.origin + Vec3(0, 0, probe.back_m),
+                        .axis = 2,
+                        .sign = -1,
                         .length_m = probe.back_m + probe.reach_m};
       double nearest = INFINITY;
       for (const auto& [name, object] : plain_.objects) {
@@ -406,7 +452,10 @@ class ServerTwin : public testing_support::ServerTest {
         EXPECT_NEAR(reading.clearance_m, clearance, kTolerance_m) << reading.probe;
         // Origins and faces lie on the lattice: nearer than a step is the same place.
         const bool is_touching = std::abs(clearance) < kTolerance_m;
-        EXPECT_EQ(reading.state, is_touching ? Clearance::touching : clearance > 0 ? Clearance::gap : Clearance::collision) << reading.probe;
+        EXPECT_EQ(reading.state, is_touching     ? Clearance::touching
+                                 : clearance > 0 ? Clearance::gap
+                                                 : Clearance::collision)
+            << reading.probe;
       }
     }
   }
@@ -432,7 +481,8 @@ class ServerTwin : public testing_support::ServerTest {
   PlainBoxes plain_;
   std::map<std::string, Probe> probes_;
   std::optional<Client> client_;
-  std::array<Feed, 2> feeds_{Feed{"first", {"cup", "cap", "cot"}, {}, {}}, Feed{"second", {"dot", "dip", "dam"}, {}, {}}};
+  std::array<Feed, 2> feeds_{Feed{"first", {"cup", "cap", "cot"}, {}, {}},
+                             Feed{"second", {"dot", "dip", "dam"}, {}, {}}};
   std::optional<Watch> watch_;
   std::map<PlainBoxes::Pair, int> held_;
 };

@@ -25,19 +25,21 @@ int rounds_asked() {
 }
 
 bool are_equal(const Event& told, const Event& said) {
-  return told.kind == said.kind && told.reason == said.reason && told.a == said.a && told.b == said.b && told.a_id == said.a_id &&
-         told.b_id == said.b_id && told.a_triangle == said.a_triangle && told.b_triangle == said.b_triangle &&
-         told.episode == said.episode && told.world_time == said.world_time && told.bracket_low_s == said.bracket_low_s &&
-         told.bracket_high_s == said.bracket_high_s && told.point == said.point && told.normal == said.normal &&
-         told.depth_m == said.depth_m && told.depth_error_m == said.depth_error_m &&
-         told.relative_velocity == said.relative_velocity;
+  return told.kind == said.kind && told.reason == said.reason && told.a == said.a && told.b == said.b &&
+         told.a_id == said.a_id && told.b_id == said.b_id && told.a_triangle == said.a_triangle &&
+         told.b_triangle == said.b_triangle && told.episode == said.episode && told.world_time == said.world_time &&
+         told.bracket_low_s == said.bracket_low_s && told.bracket_high_s == said.bracket_high_s &&
+         told.point == said.point && told.normal == said.normal && told.depth_m == said.depth_m &&
+         told.depth_error_m == said.depth_error_m && told.relative_velocity == said.relative_velocity;
 }
 
 class WatchTwin : public testing::Test {
  protected:
   double uniform() { return std::uniform_real_distribution<double>(0, 1)(random_); }
   bool chance(double probability) { return uniform() < probability; }
-  std::uint64_t below(std::uint64_t count) { return std::uniform_int_distribution<std::uint64_t>(0, count - 1)(random_); }
+  std::uint64_t below(std::uint64_t count) {
+    return std::uniform_int_distribution<std::uint64_t>(0, count - 1)(random_);
+  }
   Pair any_pair() {
     const std::uint64_t a = below(6);
     return {a, a + 1 + below(5)};
@@ -50,8 +52,10 @@ class WatchTwin : public testing::Test {
       event.world_time = std::chrono::nanoseconds(++clock_);
       event.a_triangle = static_cast<std::uint32_t>(below(9));
       event.b_triangle = static_cast<std::uint32_t>(below(9));
-      for (double* number : {&event.bracket_low_s, &event.bracket_high_s, &event.depth_m, &event.depth_error_m}) *number = uniform();
-      for (int i = 0; i < 3; ++i) event.point[i] = uniform(), event.normal[i] = uniform(), event.relative_velocity[i] = uniform();
+      for (double* number : {&event.bracket_low_s, &event.bracket_high_s, &event.depth_m, &event.depth_error_m})
+        *number = uniform();
+      for (int i = 0; i < 3; ++i)
+        event.point[i] = uniform(), event.normal[i] = uniform(), event.relative_velocity[i] = uniform();
     }
     return frame;
   }
@@ -61,7 +65,8 @@ class WatchTwin : public testing::Test {
     for (std::uint64_t left = 1 + below(3); left > 0; --left) {
       const Pair pair = any_pair();
       const bool holds = server_.contacts().contains(pair);
-      HeardFrame one = decorated(holds ? server_.ended(pair, chance(0.5) ? EndReason::separated : EndReason::removed) : server_.began(pair));
+      HeardFrame one = decorated(holds ? server_.ended(pair, chance(0.5) ? EndReason::separated : EndReason::removed)
+                                       : server_.began(pair));
       log_[one.first_sequence] = one.entries[0].event;
       if (frame.entries.empty()) frame = one;
       else frame.entries.push_back(one.entries[0]);
@@ -86,11 +91,15 @@ class WatchTwin : public testing::Test {
     if (event.kind == EventKind::persisted) {
       EXPECT_TRUE(open_.contains(names)) << "goes on, but was not told";
       // What was told in an earlier life of the server has another number in this one.
-      EXPECT_TRUE(open_[names].epoch != event.epoch || open_[names].episode == event.episode) << "of an earlier episode";
+      EXPECT_TRUE(open_[names].epoch != event.epoch || open_[names].episode == event.episode)
+          << "of an earlier episode";
       return;
     }
-    if (event.kind == EventKind::ended) EXPECT_EQ(open_.erase(names), 1u) << event.a << " " << event.b << " ended without having begun";
-    else EXPECT_TRUE(open_.emplace(names, Told{event.epoch, event.episode}).second) << event.a << " " << event.b << " began twice";
+    if (event.kind == EventKind::ended)
+      EXPECT_EQ(open_.erase(names), 1u) << event.a << " " << event.b << " ended without having begun";
+    else
+      EXPECT_TRUE(open_.emplace(names, Told{event.epoch, event.episode}).second)
+          << event.a << " " << event.b << " began twice";
     if (event.resync) return;
     ASSERT_TRUE(log_.contains(event.sequence));
     EXPECT_TRUE(are_equal(event, log_[event.sequence])) << "event " << event.sequence << " is told as it was said";
@@ -161,7 +170,8 @@ class WatchTwin : public testing::Test {
       deliver_foreign(Model(0).bookmark(), true);
       deliver_foreign(Model(0).shard(any_pair()), true);
     } else if (what < 0.85 && !server_.contacts().empty()) {
-      const auto contact = std::next(server_.contacts().begin(), static_cast<std::ptrdiff_t>(below(server_.contacts().size())));
+      const auto contact =
+          std::next(server_.contacts().begin(), static_cast<std::ptrdiff_t>(below(server_.contacts().size())));
       persisted_.push_back(decorated(server_.persisted(contact->first)));
       state_.hear_persisted(persisted_.back());
     } else if (what < 0.855 && heard_any_) {

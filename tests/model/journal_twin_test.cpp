@@ -73,7 +73,9 @@ TEST(JournalTwin, WhatIsReadBackIsWhatWasPutWhileItSaidNoProblem) {
     fails = make.chance(0.03);
     const double what = make.uniform(0, 1);
     if (what < 0.6) {
-      const Journal::Entry entry{.key = make.name(), .text = std::to_string(i), .blob = Bytes(static_cast<std::size_t>(make.below(20'000)), std::byte(i))};
+      const Journal::Entry entry{.key = make.name(),
+                                 .text = std::to_string(i),
+                                 .blob = Bytes(static_cast<std::size_t>(make.below(20'000)), std::byte(i))};
       journal->put(entry, make.chance(0.5) ? Journal::Sync::now : Journal::Sync::later);
       if (find(entry.key) == plain.end()) plain.push_back(entry);
       else *find(entry.key) = entry;

@@ -14,13 +14,23 @@ TEST(OneProgram, AsksAnEngineOfItsOwnBesideTheClient) {
   engine::World world{engine::WorldOptions{}};
   engine::Shape shape;
   shape.primitives.emplace_back(engine::Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
-  const engine::ObjectDefinition ball{.name = "ball", .scene = {}, .shape = shape, .pose = {}, .filter = {}, .moving = true, .lost_policy = engine::LostPolicy::remove, .publisher = 1};
+  const engine::ObjectDefinition ball{.name = "ball",
+                                      .scene = {},
+                                      .shape = shape,
+                                      .pose = {},
+                                      .filter = {},
+                                      .moving = true,
+                                      .lost_policy = engine::LostPolicy::remove,
+                                      .publisher = 1};
   ASSERT_TRUE(std::holds_alternative<engine::ObjectId>(world.define(ball)));
   ASSERT_TRUE(world.step(1, 1, {}));
   engine::Answers answers;
   engine::QueryScratch scratch;
   const std::vector<double> down{0, 0, 2, 0, 0, -1, 10};
-  engine::answer(*world.newest(), {.kind = engine::QuestionKind::ray, .mode = engine::HitMode::closest, .numbers = down, .mover = nullptr}, answers, scratch);
+  engine::answer(
+      *world.newest(),
+      {.kind = engine::QuestionKind::ray, .mode = engine::HitMode::closest, .numbers = down, .mover = nullptr}, answers,
+      scratch);
   ASSERT_EQ(answers.hits.size(), 1u);
   EXPECT_EQ(answers.hits[0].distance_m, 1.5);
 

@@ -179,7 +179,8 @@ void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseS
   if (!is_sign_of_life && in_world.size() > 1) ++changes;
 }
 
-bool PlainPublishers::accept(Party& party, const service::PoseSample& sample, std::size_t index, std::set<std::uint32_t>& named) {
+bool PlainPublishers::accept(Party& party, const service::PoseSample& sample, std::size_t index,
+                             std::set<std::uint32_t>& named) {
   const std::uint32_t number = sample.object_numbers[index];
   const auto found = party.objects.find(number);
   if (found == party.objects.end() || found->second.place == Place::gone) {
@@ -233,17 +234,20 @@ void PlainPublishers::settle(std::int64_t now_ns) {
     if (!is_known || party->second.objects.at(key.second).place != Place::waits) continue;
     Object& object = party->second.objects.at(key.second);
     if (!party->second.lost) enter(key, object);
-    if (object.place == Place::waits && std::find(waiting_.begin(), waiting_.end(), key) == waiting_.end()) waiting_.push_back(key);
+    if (object.place == Place::waits && std::find(waiting_.begin(), waiting_.end(), key) == waiting_.end())
+      waiting_.push_back(key);
   }
   for (auto& [id, party] : parties_) {
     const bool has_gap = !party.heard.empty() && *party.heard.rbegin() > party.through;
-    if (has_gap && now_ns - party.gap_since_ns >= service::SequenceWatermark::kGapPatienceNs) party.through = *party.heard.rbegin();
+    if (has_gap && now_ns - party.gap_since_ns >= service::SequenceWatermark::kGapPatienceNs)
+      party.through = *party.heard.rbegin();
   }
   for (auto entry = parties_.begin(); entry != parties_.end();) {
     const std::uint64_t id = entry->first;
     Party& party = entry->second;
-    const bool is_in_use = std::any_of(party.objects.begin(), party.objects.end(),
-                                       [&](const auto& object) { return is_in_world({id, object.first}, object.second); });
+    const bool is_in_use = std::any_of(party.objects.begin(), party.objects.end(), [&](const auto& object) {
+      return is_in_world({id, object.first}, object.second);
+    });
     if (!party.lost || now_ns - party.lost_ns < limits_.forgotten_after_ns || is_in_use) {
       ++entry;
       continue;

@@ -58,7 +58,9 @@ class PlainPublishers {
   std::size_t size() const { return parties_.size(); }
   /// (publisher, number) of who has the name in the world; publisher 0: somebody else.
   std::optional<std::pair<std::uint64_t, std::uint32_t>> owner(const std::string& name) const;
-  const Object& object(const std::pair<std::uint64_t, std::uint32_t>& owner) const { return parties_.at(owner.first).objects.at(owner.second); }
+  const Object& object(const std::pair<std::uint64_t, std::uint32_t>& owner) const {
+    return parties_.at(owner.first).objects.at(owner.second);
+  }
   std::set<std::uint64_t> waiting_for(const std::string& name) const;
   service::PublisherCounts counts;
   std::uint64_t changes = 0;

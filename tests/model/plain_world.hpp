@@ -25,7 +25,7 @@ class PlainWorld {
     Pose before;                  // the way to it began here
     std::int64_t before_ns = 0;
     std::int64_t posed_ns = 0;
-    bool is_shown = false;        // a step has seen it
+    bool is_shown = false;  // a step has seen it
     bool has_motion = false;
     bool is_stale = false;
     bool moved_while_stale = false;

@@ -34,7 +34,9 @@ class PublishersTwin : public testing::Test {
   };
 
   std::string name() { return make_.one_of(std::vector<std::string>{"ape", "bat", "cat", "cow", "dog"}); }
-  std::array<double, 7> pose() { return {make_.uniform(-9, 9), make_.uniform(-9, 9), make_.uniform(-9, 9), 0, 1, 0, 0}; }
+  std::array<double, 7> pose() {
+    return {make_.uniform(-9, 9), make_.uniform(-9, 9), make_.uniform(-9, 9), 0, 1, 0, 0};
+  }
 
   void step() {
     ASSERT_TRUE(world_.step(++now_ns_, 1, {}));
@@ -82,7 +84,8 @@ class PublishersTwin : public testing::Test {
     sample.publisher = id;
     sample.incarnation = sender.incarnation;
     sample.sequence = ++sender.sequence;
-    sample.definitions_through = make_.chance(0.2) ? sample.sequence + static_cast<std::uint64_t>(make_.below(12)) : sender.last_definition;
+    sample.definitions_through =
+        make_.chance(0.2) ? sample.sequence + static_cast<std::uint64_t>(make_.below(12)) : sender.last_definition;
     sample.flags = make_.chance(0.02) ? wire_contract::kAllSaid : 0;
     sample.received_ns = now_ns_;
     const bool with_velocities = make_.chance(0.5);

@@ -46,15 +46,18 @@ Scene RandomWorld::scene(const std::string& name) {
     const std::uint32_t first_vertex = static_cast<std::uint32_t>(made.mesh.vertices.size());
     const std::uint32_t first = static_cast<std::uint32_t>(made.mesh.triangles.size());
     for (std::uint32_t i = 0; i < (kSide + 1) * (kSide + 1); ++i) {
-      made.mesh.vertices.push_back({i % (kSide + 1) * 1.0 - 2, i / (kSide + 1) * 1.0 - 2, part * 2.0 - 1 + uniform(-0.4, 0.4)});
+      made.mesh.vertices.push_back(
+          {i % (kSide + 1) * 1.0 - 2, i / (kSide + 1) * 1.0 - 2, part * 2.0 - 1 + uniform(-0.4, 0.4)});
     }
     for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
       const std::uint32_t v = first_vertex + i / kSide * (kSide + 1) + i % kSide;
       made.mesh.triangles.push_back({v, v + 1, v + kSide + 1});
       made.mesh.triangles.push_back({v + 1, v + kSide + 2, v + kSide + 1});
     }
-    made.parts.push_back({.name = name + "/" + std::to_string(part), .first_triangle = first,
-                          .triangle_count = 2 * kSide * kSide, .filter = filter()});
+    made.parts.push_back({.name = name + "/" + std::to_string(part),
+                          .first_triangle = first,
+                          .triangle_count = 2 * kSide * kSide,
+                          .filter = filter()});
   }
   SceneObject object{.name = name + "/object"};
   object.shape = shape();

@@ -28,12 +28,18 @@ class RandomWorld {
     if (!only_slow_meshes && chance(0.15)) return this->pose();
     const double size = only_slow_meshes ? 0.003 : chance(0.7) ? 0.03 : 0.5;
     const Quat small = Quat(1, uniform(-size, size), uniform(-size, size), uniform(-size, size)).normalized();
-    return {.position = pose.position + point(size), .rotation = chance(0.5) ? pose.rotation : (small * pose.rotation).normalized()};
+    return {.position = pose.position + point(size),
+            .rotation = chance(0.5) ? pose.rotation : (small * pose.rotation).normalized()};
   }
 
   template <class Items>
-  const auto& one_of(const Items& items) { return items[static_cast<std::size_t>(below(static_cast<int>(items.size())))]; }
-  std::string name() { return one_of(std::vector<std::string>{"ape", "bat", "cat", "cow", "dog", "eel", "elk", "fox", "gnu", "hen", "ibex", "jay"}); }
+  const auto& one_of(const Items& items) {
+    return items[static_cast<std::size_t>(below(static_cast<int>(items.size())))];
+  }
+  std::string name() {
+    return one_of(
+        std::vector<std::string>{"ape", "bat", "cat", "cow", "dog", "eel", "elk", "fox", "gnu", "hen", "ibex", "jay"});
+  }
   /// Few values, so that objects share them and questions meet some and not others.
   std::uint32_t layers() { return 1u << below(3); }
   Filter filter() {

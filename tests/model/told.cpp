@@ -35,8 +35,10 @@ Lines told(const Answers& answers, const NamesById& names, const AnswerDetail& d
   if (detail.age) lines.push_back(line("oldest pose %lld", static_cast<long long>(answers.oldest_pose_ns)));
   std::size_t next = 0;
   for (std::size_t i = 0; i < answers.answers.size(); ++i) {
-    std::string text = line("answer %d reason %d", static_cast<int>(answers.answers[i]), static_cast<int>(answers.reasons[i]));
-    if (detail.cost) text += line(" level %d nodes %u tests %u", answers.levels[i], answers.nodes[i], answers.exact_tests[i]);
+    std::string text =
+        line("answer %d reason %d", static_cast<int>(answers.answers[i]), static_cast<int>(answers.reasons[i]));
+    if (detail.cost)
+      text += line(" level %d nodes %u tests %u", answers.levels[i], answers.nodes[i], answers.exact_tests[i]);
     lines.push_back(text);
     for (std::uint32_t k = 0; k < answers.hit_counts[i]; ++k, ++next) {
       if (detail.hits) lines.push_back(line_of(answers.hits.at(next), names, detail));
@@ -74,8 +76,8 @@ std::string told(const OpenContact& contact, const NamesById& names, const Conta
 Lines told(const PairReport& report) {
   Lines lines{line("touches %d contained %d triangles %u %u", static_cast<int>(report.touches),
                    static_cast<int>(report.contained), report.a_triangle, report.b_triangle)};
-  lines.push_back("contact" + told(report.contact.point) + told(report.contact.normal) + number(report.contact.depth_m) +
-                  number(report.contact.depth_error_m));
+  lines.push_back("contact" + told(report.contact.point) + told(report.contact.normal) +
+                  number(report.contact.depth_m) + number(report.contact.depth_error_m));
   const Separation& apart = report.separation;
   lines.push_back("apart" + number(apart.distance_m) + number(apart.error_m) + told(apart.on_a) + told(apart.on_b) +
                   told(apart.normal) + number(apart.point_error_m));
@@ -87,9 +89,10 @@ Lines told(const PairReport& report) {
 }
 
 std::string told(const ProbeReading& reading, const NamesById& names) {
-  return (reading.object == 0 ? "absent" : names.of(reading.object)) + line(" state %d", static_cast<int>(reading.state)) +
-         number(reading.clearance_m) + number(reading.error_m) + " met " + (reading.met == 0 ? "" : names.of(reading.met)) +
-         line(" triangle %u at", reading.triangle) + told(reading.point) + told(reading.normal);
+  return (reading.object == 0 ? "absent" : names.of(reading.object)) +
+         line(" state %d", static_cast<int>(reading.state)) + number(reading.clearance_m) + number(reading.error_m) +
+         " met " + (reading.met == 0 ? "" : names.of(reading.met)) + line(" triangle %u at", reading.triangle) +
+         told(reading.point) + told(reading.normal);
 }
 
 }  // namespace collided::model

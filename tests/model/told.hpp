@@ -45,8 +45,8 @@ class NamesById {
 };
 
 struct AnswerDetail {
-  bool cost = false;         // nodes, tests and levels too: of the same world and questions only
-  bool hits = true;          // mode any may name another one in another world
+  bool cost = false;  // nodes, tests and levels too: of the same world and questions only
+  bool hits = true;   // mode any may name another one in another world
   bool point_error = true;
   bool age = true;
 };

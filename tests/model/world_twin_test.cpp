@@ -18,7 +18,6 @@ namespace collided::model {
 using namespace engine;
 namespace {
 
-
 int steps_asked() {
   const char* asked = std::getenv("COLLIDED_TWIN_STEPS");
   return asked != nullptr ? std::atoi(asked) : 300;
@@ -72,7 +71,8 @@ class WorldTwin : public testing::Test {
     plain_.define(definition);
   }
   void remove_one(bool define_again) {
-    const std::string name = any_object([](const PlainWorld::Object& object) { return object.is_shown && object.definition.scene.empty(); });
+    const std::string name =
+        any_object([](const PlainWorld::Object& object) { return object.is_shown && object.definition.scene.empty(); });
     if (name.empty()) return;
     const EndReason why = make_.chance(0.5) ? EndReason::removed : EndReason::publisher_lost;
     change([name, why](World& world) { ASSERT_TRUE(world.remove(*world.find(name), why)); });
@@ -100,7 +100,8 @@ class WorldTwin : public testing::Test {
   void load_or_clear() {
     const std::string name = make_.one_of(std::vector<std::string>{"hall", "yard"});
     if (plain_.has_scene(name)) {
-      for (const auto& part : {name + "/0", name + "/1", name + "/object"}) ended_by_removal_[part] = EndReason::geometry_changed;
+      for (const auto& part : {name + "/0", name + "/1", name + "/object"})
+        ended_by_removal_[part] = EndReason::geometry_changed;
       change([name](World& world) { ASSERT_EQ(world.remove_scene(name), 3u); });
       return plain_.remove_scene(name);
     }
@@ -117,7 +118,8 @@ class WorldTwin : public testing::Test {
     plain_.state_covers(name, boxes);
   }
   void lose_or_find() {
-    const std::string name = any_object([](const PlainWorld::Object& object) { return object.definition.moving && object.is_shown; });
+    const std::string name =
+        any_object([](const PlainWorld::Object& object) { return object.definition.moving && object.is_shown; });
     if (name.empty()) return;
     const bool is_stale = !plain_.objects().at(name).is_stale;
     change([=](World& world) { world.set_stale(*world.find(name), is_stale); });
@@ -137,8 +139,12 @@ class WorldTwin : public testing::Test {
       EXPECT_EQ(probes_.remove(name).size(), probe_definitions_.erase(name));
       return;
     }
-    const ProbeDefinition probe{.name = name, .object = make_.chance(0.1) ? "hall/object" : make_.name(), .origin = make_.point(0.5),
-                                .direction = make_.point(1), .reach_m = make_.uniform(0, 4), .back_m = make_.uniform(0, 1)};
+    const ProbeDefinition probe{.name = name,
+                                .object = make_.chance(0.1) ? "hall/object" : make_.name(),
+                                .origin = make_.point(0.5),
+                                .direction = make_.point(1),
+                                .reach_m = make_.uniform(0, 4),
+                                .back_m = make_.uniform(0, 1)};
     EXPECT_FALSE(probes_.set(probe));
     probe_definitions_[name] = probe;
   }
@@ -181,7 +187,9 @@ class WorldTwin : public testing::Test {
       for (const Event& event : world.events()) {
         const auto pair = pair_of(event.of, names);
         // A new world has its objects' last ways before it, and may doubt what they passed.
-        if (is_known(pair) && event.of.doubt == Doubt::none) all.push_back(told(event, names, {.point = same_order(pair), .surface = all_moved_ && event.kind != EventKind::ended}));
+        if (is_known(pair) && event.of.doubt == Doubt::none)
+          all.push_back(
+              told(event, names, {.point = same_order(pair), .surface = all_moved_ && event.kind != EventKind::ended}));
       }
       std::sort(all.begin(), all.end());
       return all;
@@ -207,10 +215,12 @@ class WorldTwin : public testing::Test {
       }
       EXPECT_EQ(event.sequence, ++sequence_);
       if (event.kind == EventKind::began) {
-        EXPECT_TRUE(episodes_.emplace(pair, event.sequence).second) << pair.first << " " << pair.second << " began twice";
+        EXPECT_TRUE(episodes_.emplace(pair, event.sequence).second)
+            << pair.first << " " << pair.second << " began twice";
         EXPECT_EQ(event.of.episode, event.sequence);
         const bool is_doubt = event.of.doubt != Doubt::none;
-        EXPECT_TRUE(!is_doubt || !is_known(pair)) << pair.first << " " << pair.second << " stand where they are known to";
+        EXPECT_TRUE(!is_doubt || !is_known(pair))
+            << pair.first << " " << pair.second << " stand where they are known to";
         began_ns_[pair] = is_doubt ? event.of.began_ns : now_ns_ - std::llround(event.bracket_high_s * 1e9);
         ++began_count_;
         if (!is_doubt) expect_time(event, pair);
@@ -218,7 +228,8 @@ class WorldTwin : public testing::Test {
         EXPECT_EQ(event.of.episode, episodes_[pair]) << pair.first << " " << pair.second;
         EXPECT_EQ(episodes_.erase(pair), 1u);
         const auto held = held_.find(pair);
-        if (held != held_.end() && is_known(pair)) expect_same({told(event.of, names_, {})}, {held->second}, "an end tells the contact as it last was");
+        if (held != held_.end() && is_known(pair))
+          expect_same({told(event.of, names_, {})}, {held->second}, "an end tells the contact as it last was");
         if (is_known(pair)) expect_reason(event, pair);
       }
       EXPECT_EQ(event.of.began_ns, began_ns_[pair]);
@@ -241,7 +252,8 @@ class WorldTwin : public testing::Test {
     for (const std::string& name : {pair.first, pair.second}) {
       const auto object = plain_.objects().find(name);
       const auto before = before_.objects().find(name);
-      is_new = is_new || (object != plain_.objects().end() && object->second.posed_ns == now_ns_ && before == before_.objects().end());
+      is_new = is_new || (object != plain_.objects().end() && object->second.posed_ns == now_ns_ &&
+                          before == before_.objects().end());
       if (object != plain_.objects().end()) first_ns = std::min(first_ns, object->second.before_ns);
     }
     const double longest_s = is_new ? 0 : static_cast<double>(now_ns_ - first_ns) * 1e-9;
@@ -333,7 +345,9 @@ class WorldTwin : public testing::Test {
     for (std::size_t i = 0; i < now->scenes.size(); ++i) EXPECT_EQ(now->scenes[i]->name, plain_.scenes()[i].name);
   }
   void expect_probes(const World& twin, const NamesById& twin_names) {
-    const auto find_in = [](const World& world) { return [&world](std::string_view name) { return world.find(name); }; };
+    const auto find_in = [](const World& world) {
+      return [&world](std::string_view name) { return world.find(name); };
+    };
     std::vector<ProbeReading> readings, expected;
     probes_.read(*world_->newest(), find_in(*world_), readings);
     ASSERT_EQ(readings.size(), probe_definitions_.size());
@@ -360,7 +374,9 @@ class WorldTwin : public testing::Test {
     const auto push_turn = [&](const Quat& q) { all.insert(all.end(), {q.w(), q.x(), q.y(), q.z()}); };
     const bool one_start = make_.chance(0.5);
     const Vec3 start = make_.point(3), along = make_.point(1);
-    const int count = kind == QuestionKind::ray && make_.chance(0.3) ? 24 : kind == QuestionKind::sweep ? 1 : 1 + make_.below(3);
+    const int count = kind == QuestionKind::ray && make_.chance(0.3) ? 24
+                      : kind == QuestionKind::sweep                  ? 1
+                                                                     : 1 + make_.below(3);
     for (int i = 0; i < count; ++i) {
       push(one_start ? start : make_.point(2.5));
       if (kind == QuestionKind::ray) push(one_start ? Vec3(along + make_.point(0.02)) : make_.point(1));
@@ -386,11 +402,19 @@ class WorldTwin : public testing::Test {
   }
   void ask() {
     change_filter();
-    const QuestionKind kind = make_.one_of(std::vector<QuestionKind>{QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep});
+    const QuestionKind kind = make_.one_of(std::vector<QuestionKind>{
+        QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep});
     const std::vector<double> asked = numbers(kind);
     const ObjectInfo mover = without_world(Shape{{Primitive(Sphere{Vec3::Zero(), 0.2})}, nullptr});
-    Questions questions{.kind = kind, .mode = filter_.mode, .mask = filter_.mask, .max_hits = filter_.max_hits, .only = filter_.only,
-                        .skip = filter_.skip, .error_m = filter_.error_m, .numbers = asked, .mover = &mover};
+    Questions questions{.kind = kind,
+                        .mode = filter_.mode,
+                        .mask = filter_.mask,
+                        .max_hits = filter_.max_hits,
+                        .only = filter_.only,
+                        .skip = filter_.skip,
+                        .error_m = filter_.error_m,
+                        .numbers = asked,
+                        .mover = &mover};
     answer(*world_->newest(), questions, answers_, scratch_);
     Answers fresh;
     QueryScratch fresh_scratch;
@@ -410,14 +434,17 @@ class WorldTwin : public testing::Test {
     QueryScratch scratch;
     answer(*twin->newest(), questions, expected, scratch);
     // Of several that touch from the start the lowest id is told, and ids of parts hang on which slots were free.
-    const bool is_tie = questions.kind == QuestionKind::sweep && !answers_.hits.empty() && answers_.hits[0].is_at_start();
+    const bool is_tie =
+        questions.kind == QuestionKind::sweep && !answers_.hits.empty() && answers_.hits[0].is_at_start();
     const bool any = filter_.mode == HitMode::any || is_tie;
     const AnswerDetail detail{.hits = !any, .age = !any};
-    const std::string asked = line("kind %d mode %d mask %u only '%s' skip '%s'", static_cast<int>(questions.kind),
-                                   static_cast<int>(filter_.mode), filter_.mask, filter_.only.c_str(), filter_.skip.c_str());
+    const std::string asked =
+        line("kind %d mode %d mask %u only '%s' skip '%s'", static_cast<int>(questions.kind),
+             static_cast<int>(filter_.mode), filter_.mask, filter_.only.c_str(), filter_.skip.c_str());
     expect_same(told(answers_, names_, detail), told(expected, twin_names, detail), asked);
     const bool is_cut = filter_.max_hits < 1'000 && questions.kind != QuestionKind::near;
-    if (any || is_cut || questions.kind == QuestionKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
+    if (any || is_cut || questions.kind == QuestionKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere())
+      return;
     const AnswerDetail of_force{.point_error = false, .age = false};
     oracle::answer(*twin->newest(), questions, expected);
     expect_same(told(answers_, names_, of_force), told(expected, twin_names, of_force), "by force, " + asked);
@@ -468,21 +495,24 @@ class WorldTwin : public testing::Test {
 TEST_F(WorldTwin, OneLongLivedWorldSaysWhatANewOneSays) {
   random_ = oracle::seeded(171);
   run(steps_asked());
-  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
+  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2)
+      << "the scene must be worth testing";
 }
 
 TEST_F(WorldTwin, ALongLivedWorldWithLostPublishersAndCoversSaysWhatANewOneSays) {
   random_ = oracle::seeded(172);
   covers_ = stale_ = true;
   run(steps_asked());
-  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
+  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2)
+      << "the scene must be worth testing";
 }
 
 TEST_F(WorldTwin, MeshesThatAreRememberedApartMeetWhenNewOnesDo) {
   random_ = oracle::seeded(177);
   make_.only_slow_meshes = true;
   run(2 * steps_asked());
-  EXPECT_TRUE(HasFailure() || kept_apart_count_ > static_cast<std::size_t>(steps_asked())) << "the scene must be worth testing";
+  EXPECT_TRUE(HasFailure() || kept_apart_count_ > static_cast<std::size_t>(steps_asked()))
+      << "the scene must be worth testing";
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ namespace collided::oracle {
 using namespace engine;
 namespace {
 
-
 bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId id) {
   return ((*snapshot.objects)[slot_of(id)]->filter.layers & questions.mask) != 0;
 }
@@ -152,11 +151,13 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
     const bool is_solid = !std::holds_alternative<Triangle>(part.shape);
     hit.flags = is_solid && found.distance_m == 0 && found.distance_error_m == 0 ? kInside : 0;
     hit.distance_m = found.distance_m;
-    hit.error_m = with_underflow(found.distance_m, found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0));
+    hit.error_m =
+        with_underflow(found.distance_m, found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0));
     hit.point = found.point;
     hit.normal = found.normal;
     const auto [place, is_new] = nearest.emplace(part.object, hit);
-    if (!is_new && std::pair(hit.distance_m, hit.triangle) < std::pair(place->second.distance_m, place->second.triangle)) {
+    if (!is_new &&
+        std::pair(hit.distance_m, hit.triangle) < std::pair(place->second.distance_m, place->second.triangle)) {
       place->second = hit;
     }
   }
@@ -183,7 +184,8 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
     for (std::uint32_t t = 0; t < scene->mesh.triangles.size(); ++t) {
       std::uint32_t number = 0;
       while (t >= scene->parts[number].first_triangle + scene->parts[number].triangle_count) ++number;
-      parts.push_back({scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t), {}});
+      parts.push_back(
+          {scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t), {}});
     }
   }
   for (const auto& info : *snapshot.objects) {
@@ -191,7 +193,9 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
     const Frame& frame = snapshot.frames[slot_of(info->id)];
     for (const Primitive& primitive : info->primitives) {
       std::visit(
-          [&](const auto& own) { parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame}); },
+          [&](const auto& own) {
+            parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame});
+          },
           primitive);
     }
     if (!info->mesh) continue;
@@ -209,8 +213,9 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   const std::size_t stride = questions.kind == QuestionKind::ray      ? kRayNumbers
                              : questions.kind == QuestionKind::sphere ? kSphereNumbers
                              : questions.kind == QuestionKind::box    ? kBoxNumbers
-                                                                   : kNearNumbers;
-  for (const double* n = questions.numbers.data(); n != questions.numbers.data() + questions.numbers.size(); n += stride) {
+                                                                      : kNearNumbers;
+  for (const double* n = questions.numbers.data(); n != questions.numbers.data() + questions.numbers.size();
+       n += stride) {
     std::vector<AnswerHit> hits;
     if (questions.kind == QuestionKind::ray) {
       hits = ray(parts, snapshot, questions, n);
@@ -240,8 +245,8 @@ std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot)
       const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
       const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
       if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a.filter, info_b.filter)) continue;
-      const bool touching = std::visit([](const auto& x, const auto& y) { return overlaps(x, y).yes(); },
-                                       parts[i].shape, parts[j].shape);
+      const bool touching =
+          std::visit([](const auto& x, const auto& y) { return overlaps(x, y).yes(); }, parts[i].shape, parts[j].shape);
       if (touching) pairs.emplace(a, b);
     }
   }

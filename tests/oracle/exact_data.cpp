@@ -31,7 +31,8 @@ Table read_table(const fs::path& file) {
   const std::unique_ptr<FILE, decltype(close)> pipe(popen(command.c_str(), "r"), close);
   std::string text;
   char buffer[65536];
-  for (std::size_t size; pipe && (size = std::fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) text.append(buffer, size);
+  for (std::size_t size; pipe && (size = std::fread(buffer, 1, sizeof buffer, pipe.get())) > 0;)
+    text.append(buffer, size);
   Table table;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {

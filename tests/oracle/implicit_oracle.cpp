@@ -176,7 +176,8 @@ std::optional<Stay> stay_in_box(const Ray& ray, const Vec3& low, const Vec3& hig
     if (d == 0) continue;
     const double entered = d > 0 ? low[axis] : high[axis];
     const double left = d > 0 ? high[axis] : low[axis];
-    if (std::isfinite(entered)) stay.first = std::max(stay.first, Rational((Rational(entered) - Rational(o)) / Rational(d)));
+    if (std::isfinite(entered))
+      stay.first = std::max(stay.first, Rational((Rational(entered) - Rational(o)) / Rational(d)));
     if (!std::isfinite(left)) continue;
     const Rational last = (Rational(left) - Rational(o)) / Rational(d);
     stay.last = stay.last ? std::min(*stay.last, last) : last;

@@ -132,7 +132,8 @@ std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& 
     if (are_far(a, b, from, *to)) continue;
     const mpq_class t0(static_cast<long>(from));
     const mpq_class t1(static_cast<long>(*to));
-    const Point a0 = position_at(a, from), a1 = position_at(a, *to), b0 = position_at(b, from), b1 = position_at(b, *to);
+    const Point a0 = position_at(a, from), a1 = position_at(a, *to), b0 = position_at(b, from),
+                b1 = position_at(b, *to);
     Point start, displacement;
     for (std::size_t k = 0; k < 3; ++k) {
       start[k] = b0[k] - a0[k];
@@ -170,7 +171,8 @@ void compare(const MovingBody& a, const MovingBody& b, std::span<const ToldMeeti
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const bool from_start = truth[i].begin_ns == static_cast<double>(first_ns) && told[i].began.high_ns <= first_ns;
     const bool begins = from_start || holds(told[i].began, truth[i].begin_ns);
-    const bool ends = told[i].ended ? holds(*told[i].ended, truth[i].end_ns) : truth[i].end_ns == static_cast<double>(last_ns);
+    const bool ends =
+        told[i].ended ? holds(*told[i].ended, truth[i].end_ns) : truth[i].end_ns == static_cast<double>(last_ns);
     tally.wrong_brackets += begins && ends ? 0 : 1;
   }
 }

@@ -171,10 +171,8 @@ std::vector<Seam> seams(const TriangleMesh& mesh, const SeamReach& reach) {
         best_edge = Seam{on ? Seam::Kind::t_vertex : Seam::Kind::beside_edge, point, 0, half, gap};
       }
     }
-    if (best_point)
-      nearest[point] = *best_point;
-    else if (best_edge)
-      nearest[point] = *best_edge;
+    if (best_point) nearest[point] = *best_point;
+    else if (best_edge) nearest[point] = *best_edge;
   }
   std::vector<Seam> told;
   for (const auto& [point, seam] : nearest) {

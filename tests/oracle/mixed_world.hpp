@@ -33,8 +33,10 @@ class MixedWorld {
     for (int i = 0; i < 2; ++i) {
       ObjectDefinition definition;
       definition.name = "half_space" + std::to_string(i);
-      definition.pose = i == 0 ? Pose{.position = {0, 0, -3}, .rotation = Quat::Identity()} : Pose{.position = Vec3(-2, -2, -2), .rotation = pose().rotation};
-      definition.shape.primitives.push_back(HalfSpace{{0, 0, 0}, i == 0 ? Vec3(0, 0, 1) : Vec3(definition.pose.rotation.inverse() * Vec3(1, 1, 1))});
+      definition.pose = i == 0 ? Pose{.position = {0, 0, -3}, .rotation = Quat::Identity()}
+                               : Pose{.position = Vec3(-2, -2, -2), .rotation = pose().rotation};
+      definition.shape.primitives.push_back(
+          HalfSpace{{0, 0, 0}, i == 0 ? Vec3(0, 0, 1) : Vec3(definition.pose.rotation.inverse() * Vec3(1, 1, 1))});
       definition.moving = false;
       world.define(definition);
     }

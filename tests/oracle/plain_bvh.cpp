@@ -24,8 +24,8 @@ PlainBvh::PlainBvh(const TriangleMesh& mesh) : mesh_(mesh) {
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle triangle = mesh.triangle(i);
-    boxes_.push_back({triangle.a.cwiseMin(triangle.b).cwiseMin(triangle.c),
-                      triangle.a.cwiseMax(triangle.b).cwiseMax(triangle.c)});
+    boxes_.push_back(
+        {triangle.a.cwiseMin(triangle.b).cwiseMin(triangle.c), triangle.a.cwiseMax(triangle.b).cwiseMax(triangle.c)});
     all.push_back(i);
   }
   build(std::move(all), 0);
@@ -34,7 +34,8 @@ PlainBvh::PlainBvh(const TriangleMesh& mesh) : mesh_(mesh) {
 
 std::uint32_t PlainBvh::leaf(const std::vector<std::uint32_t>& triangles) {
   largest_leaf_ = std::max(largest_leaf_, triangles.size());
-  nodes_.push_back({-1, 0, static_cast<std::uint32_t>(references_.size()), static_cast<std::uint32_t>(triangles.size())});
+  nodes_.push_back(
+      {-1, 0, static_cast<std::uint32_t>(references_.size()), static_cast<std::uint32_t>(triangles.size())});
   references_.insert(references_.end(), triangles.begin(), triangles.end());
   return static_cast<std::uint32_t>(nodes_.size() - 1);
 }

@@ -39,11 +39,13 @@ inline int reaches_past(const Primitive& solid, const Point& n, const Rational& 
     const Point turn = cross(n, axis);
     return Rational(radius_m) * Rational(radius_m) * dot(turn, turn) / dot(axis, axis);
   };
-  if (const auto* s = std::get_if<Sphere>(&solid)) return sign_with_root(at(s->center), Rational(s->radius_m) * Rational(s->radius_m) * dot(n, n));
+  if (const auto* s = std::get_if<Sphere>(&solid))
+    return sign_with_root(at(s->center), Rational(s->radius_m) * Rational(s->radius_m) * dot(n, n));
   if (const auto* s = std::get_if<Capsule>(&solid)) {
     return sign_with_root(std::max(at(s->a), at(s->b)), Rational(s->radius_m) * Rational(s->radius_m) * dot(n, n));
   }
-  if (const auto* s = std::get_if<Cylinder>(&solid)) return sign_with_root(std::max(at(s->a), at(s->b)), disc(s->a, s->b, s->radius_m));
+  if (const auto* s = std::get_if<Cylinder>(&solid))
+    return sign_with_root(std::max(at(s->a), at(s->b)), disc(s->a, s->b, s->radius_m));
   if (const auto* s = std::get_if<Cone>(&solid)) {
     return std::max(sign_with_root(at(s->apex), 0), sign_with_root(at(s->base), disc(s->apex, s->base, s->radius_m)));
   }
@@ -54,7 +56,8 @@ inline int reaches_past(const Primitive& solid, const Point& n, const Rational& 
   }
   if (const auto* s = std::get_if<Hull>(&solid)) {
     int most = -1;
-    for (std::size_t i = 0; i < s->mesh->vertices.size(); ++i) most = std::max(most, sign_with_root(at(vertex_of(*s, i)), 0));
+    for (std::size_t i = 0; i < s->mesh->vertices.size(); ++i)
+      most = std::max(most, sign_with_root(at(vertex_of(*s, i)), 0));
     return most;
   }
   const auto& e = std::get<Ellipsoid>(solid);
@@ -69,7 +72,8 @@ inline int reaches_past(const Primitive& solid, const Point& n, const Rational& 
 inline kernel::Convex convex_of(const Primitive& solid) {
   return std::visit(
       [](const auto& shape) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, HalfSpace>) return kernel::Convex(Sphere{shape.point, 0});
+        if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, HalfSpace>)
+          return kernel::Convex(Sphere{shape.point, 0});
         else return kernel::Convex(shape);
       },
       solid);
@@ -103,7 +107,8 @@ inline Vec3 stepped(Vec3 p, const Vec3& n, int ulps) {
 
 /// Of four points, whose faces need no building.
 inline Primitive tetrahedron(const Triangle& face, const Vec3& n, const Vec3& apex) {
-  TriangleMesh mesh{.vertices = {face.a, face.b, face.c, apex}, .triangles = {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}};
+  TriangleMesh mesh{.vertices = {face.a, face.b, face.c, apex},
+                    .triangles = {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}}};
   if ((face.b - face.a).cross(face.c - face.a).dot(n) < 0) {
     for (TriangleCorners& corner : mesh.triangles) std::swap(corner[0], corner[1]);
   }

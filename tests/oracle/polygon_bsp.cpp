@@ -73,7 +73,8 @@ PolygonBsp::Plane PolygonBsp::choose(const std::vector<std::uint32_t>& triangles
 }
 
 std::uint32_t PolygonBsp::add(const Plane& plane, const std::vector<std::uint32_t>& triangles) {
-  nodes_.push_back({plane, static_cast<std::uint32_t>(references_.size()), static_cast<std::uint32_t>(triangles.size())});
+  nodes_.push_back(
+      {plane, static_cast<std::uint32_t>(references_.size()), static_cast<std::uint32_t>(triangles.size())});
   references_.insert(references_.end(), triangles.begin(), triangles.end());
   return static_cast<std::uint32_t>(nodes_.size() - 1);
 }

@@ -62,7 +62,7 @@ class PolygonBsp {
   void walk(Walk& walk, std::uint32_t node, double from, double to) const;
 
   const TriangleMesh& mesh_;
-  double reach_ = 0;  // largest coordinate
+  double reach_ = 0;         // largest coordinate
   std::size_t waiting_ = 0;  // references in cells that are still to be built
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> references_;

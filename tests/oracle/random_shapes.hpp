@@ -15,7 +15,8 @@ enum class Family { random, lattice, tenths, far_lattice, tiny, needles };
 inline constexpr Family kFamilies[] = {Family::random,      Family::lattice, Family::tenths,
                                        Family::far_lattice, Family::tiny,    Family::needles};
 /// Those whose squares and triple products stay in the range of double, for twins that compute in it.
-inline constexpr Family kFamiliesOfUsualSize[] = {Family::random, Family::lattice, Family::tenths, Family::far_lattice, Family::needles};
+inline constexpr Family kFamiliesOfUsualSize[] = {Family::random, Family::lattice, Family::tenths, Family::far_lattice,
+                                                  Family::needles};
 inline const char* name(Family f) {
   static constexpr const char* kNames[] = {"random", "lattice", "tenths", "far_lattice", "tiny", "needles"};
   return kNames[static_cast<int>(f)];

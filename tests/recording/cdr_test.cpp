@@ -22,7 +22,7 @@ class Filler {
   explicit Filler(std::mt19937_64& random) : random_(random) {}
 
   template <class Number>
-    requires std::is_arithmetic_v<Number>
+  requires std::is_arithmetic_v<Number>
   void operator()(Number& number) {
     if constexpr (std::is_same_v<Number, bool>) number = random_() % 2 == 1;
     else if constexpr (std::is_same_v<Number, double>) number = std::ldexp(static_cast<double>(random_()), -40);
@@ -39,7 +39,7 @@ class Filler {
     for (double& number : numbers) (*this)(number);
   }
   template <class S>
-    requires requires(S& s) { s._buffer; }
+  requires requires(S& s) { s._buffer; }
   void operator()(S& sequence) {
     using Element = std::remove_pointer_t<decltype(sequence._buffer)>;
     const auto length = static_cast<std::uint32_t>(random_() % 2 == 0 ? 0 : random_() % 9);

@@ -56,7 +56,8 @@ dds::Sample<wire::PoseBatch> batch(std::uint64_t publisher, std::uint64_t sequen
   return owner;
 }
 
-dds::Sample<wire::Definition> definition(std::uint64_t publisher, std::uint32_t number, std::uint64_t sequence, bool removed = false) {
+dds::Sample<wire::Definition> definition(std::uint64_t publisher, std::uint32_t number, std::uint64_t sequence,
+                                         bool removed = false) {
   dds::Sample<wire::Definition> sample;
   sample->publisher = publisher;
   sample->object_number = number;
@@ -115,7 +116,9 @@ TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
       }
       const auto numbers = dds::view(sample->depths);
       const bool whole = numbers.size() == sample->first_sequence % 50 &&
-                         std::all_of(numbers.begin(), numbers.end(), [&](double number) { return number == static_cast<double>(sample->first_sequence); });
+                         std::all_of(numbers.begin(), numbers.end(), [&](double number) {
+                           return number == static_cast<double>(sample->first_sequence);
+                         });
       const bool in_order = sample->first_sequence == next[sample->server];
       wrong += whole && in_order ? 0 : 1;
       next[sample->server] = sample->first_sequence + 1;
@@ -186,14 +189,15 @@ TEST(FlightWindow, ABusyWindowIsShorterAndNoLarger) {
   const std::vector<std::byte> record(1 << 20);
   for (std::uint64_t i = 0; i < 100; ++i) window.add(record, 1);
   std::uint64_t kept = 0;
-  window.for_each_block([&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) { kept += records.size(); });
+  window.for_each_block(
+      [&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) { kept += records.size(); });
   EXPECT_EQ(left + kept, 100U << 20);
   EXPECT_LE(kept, FlightWindow::kBlocks * FlightWindow::kBlockBytes);
 }
 
 struct Written {
-  std::map<std::uint32_t, std::uint64_t> objects;                // sequence by number
-  std::map<std::uint32_t, double> x;                             // of the newest pose
+  std::map<std::uint32_t, std::uint64_t> objects;  // sequence by number
+  std::map<std::uint32_t, double> x;               // of the newest pose
   std::vector<std::string> commands;
   std::uint64_t newest = 0;
 };
@@ -203,10 +207,12 @@ Written written(const FlightOpening& opening) {
     dds::Sample<wire::Definition> definition;
     dds::Sample<wire::PoseBatch> poses;
     dds::Sample<wire::Query> query;
-    if (topic == Recorded::object && wire::read_cdr(data, definition)) all.objects[definition->object_number] = definition->sequence_number;
+    if (topic == Recorded::object && wire::read_cdr(data, definition))
+      all.objects[definition->object_number] = definition->sequence_number;
     if (topic == Recorded::pose && wire::read_cdr(data, poses)) {
       all.newest = poses->sequence_number;
-      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i) all.x[poses->object_numbers._buffer[i]] = poses->positions._buffer[3 * i];
+      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i)
+        all.x[poses->object_numbers._buffer[i]] = poses->positions._buffer[3 * i];
     }
     if (topic == Recorded::query && wire::read_cdr(data, query)) all.commands.emplace_back(query->text);
   });
@@ -288,7 +294,8 @@ TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
 void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wire_contract::PublisherState>>& listed) {
   std::vector<std::uint64_t> publishers;
   std::vector<std::uint8_t> states;
-  for (const auto& [publisher, state] : listed) publishers.push_back(publisher), states.push_back(static_cast<std::uint8_t>(state));
+  for (const auto& [publisher, state] : listed)
+    publishers.push_back(publisher), states.push_back(static_cast<std::uint8_t>(state));
   dds::Sample<wire::Status> status;
   dds::borrow(status->publishers, publishers);
   dds::borrow(status->publisher_states, states);
@@ -351,9 +358,12 @@ TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
     ask(opening, R"({"command":"move","name":"crate","pose":[1]})");
     ask(opening, R"({"command":"move","name":"crate","pose":[2]})");
     ask(opening, R"({"command":"list"})");
-    if (i < 9) ask(opening, i % 2 == 0 ? R"({"command":"remove","name":"crate"})" : R"({"command":"remove","name":"c*"})", R"({"removed":["crate"]})");
+    if (i < 9)
+      ask(opening, i % 2 == 0 ? R"({"command":"remove","name":"crate"})" : R"({"command":"remove","name":"c*"})",
+          R"({"removed":["crate"]})");
   }
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})", R"({"command":"move","name":"crate","pose":[2]})"}));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})",
+                                                                 R"({"command":"move","name":"crate","pose":[2]})"}));
   for (int i = 0; i < 10; ++i) {
     ask(opening, R"({"command":"load","path":"/a/plate.obj"})", R"({"scene":"plate"})");
     ask(opening, R"({"command":"clear","scene":"plate"})");
@@ -362,7 +372,8 @@ TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
   }
   EXPECT_EQ(written(opening).commands.size(), 2U);
   ask(opening, R"({"command":"clear"})");
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"})) << "the scenes of the start are gone too";
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"}))
+      << "the scenes of the start are gone too";
 }
 
 TEST(FlightOpening, WhatWasRefusedChangedNothing) {
@@ -398,8 +409,10 @@ TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {
     ask(opening, R"({"command":"load","path":"/a/hall.obj","replace":true})", R"({"scene":"hall"})");
     ask(opening, R"({"command":"remove","name":"door?"})", R"({"removed":["door1","door2"]})");
   }
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"load","path":"/a/hall.obj","replace":true})",
-                                                                 R"({"command":"remove","name":"door1"})", R"({"command":"remove","name":"door2"})"}));
+  EXPECT_EQ(
+      written(opening).commands,
+      (std::vector<std::string>{R"({"command":"load","path":"/a/hall.obj","replace":true})",
+                                R"({"command":"remove","name":"door1"})", R"({"command":"remove","name":"door2"})"}));
 }
 
 TEST(FlightOpening, WhatALostPublisherLeftCanBeRemovedAndOfALivingOneNothing) {
@@ -422,7 +435,8 @@ TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
   FlightOpening opening;
   opening.fold(*command(R"({"command":"add","name":"late"})", 1'000'000));
   opening.fold(*command(R"({"command":"add","name":"from the journal"})"));
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"from the journal"})", R"({"command":"add","name":"late"})"}));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"from the journal"})",
+                                                                 R"({"command":"add","name":"late"})"}));
   for (std::uint64_t i = 0; i < 200; ++i) opening.fold(*command(R"({"command":"add","name":"lost"})", 2'000'000 + i));
   EXPECT_EQ(written(opening).commands.size(), 1 + FlightCommands::kMostUnanswered);
   EXPECT_EQ(opening.left_out(), 201 - FlightCommands::kMostUnanswered);
@@ -430,7 +444,8 @@ TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
 
 // What has left the window comes back as the state that the file begins with.
 /// The contacts of a shard after an event, each of this size at least.
-void hold(FlightOpening& opening, std::uint8_t shard, std::uint64_t as_of, std::size_t count, std::size_t name_bytes = 0) {
+void hold(FlightOpening& opening, std::uint8_t shard, std::uint64_t as_of, std::size_t count,
+          std::size_t name_bytes = 0) {
   std::vector<std::uint64_t> ids(count, 7);
   const std::vector<std::uint8_t> names(name_bytes, 'x');
   dds::Sample<wire::ContactShard> sample;

@@ -35,7 +35,8 @@ class Memory : public Output {
 };
 
 std::vector<ChannelDescription> two_channels() {
-  return {{"a/object", "cdr", "T", "omgidl", "struct T {};", {{"key", "value"}}}, {"a/pose", "cdr", "U", "omgidl", "struct U {};", {}}};
+  return {{"a/object", "cdr", "T", "omgidl", "struct T {};", {{"key", "value"}}},
+          {"a/pose", "cdr", "U", "omgidl", "struct U {};", {}}};
 }
 
 /// `chunks` chunks of two messages each.
@@ -86,7 +87,8 @@ TEST(Mcap, AFileThatBreaksOffIsReadUpToItsLastChunk) {
   writer.close();
   for (std::size_t size = 0; size < memory.file.size(); ++size) {
     const Contents contents = read(std::span<const std::byte>(memory.file).first(size));
-    const auto whole = static_cast<std::size_t>(std::count_if(chunk_ends.begin(), chunk_ends.end(), [&](std::size_t end) { return end <= size; }));
+    const auto whole = static_cast<std::size_t>(
+        std::count_if(chunk_ends.begin(), chunk_ends.end(), [&](std::size_t end) { return end <= size; }));
     ASSERT_EQ(contents.messages.size(), 2 * whole) << "cut at " << size;
     ASSERT_FALSE(contents.complete) << "cut at " << size;
     ASSERT_EQ(contents.damage.empty(), !contents.is_mcap) << "cut at " << size;
@@ -99,7 +101,8 @@ TEST(Mcap, AChunkWithAWrongByteIsLeftOutAndSaid) {
   write_chunks(writer, 3);
   writer.close();
   const std::string wanted = "first 1";
-  const auto at = std::search(memory.file.begin(), memory.file.end(), std::as_bytes(std::span(wanted)).begin(), std::as_bytes(std::span(wanted)).end());
+  const auto at = std::search(memory.file.begin(), memory.file.end(), std::as_bytes(std::span(wanted)).begin(),
+                              std::as_bytes(std::span(wanted)).end());
   ASSERT_NE(at, memory.file.end());
   *at ^= std::byte{1};
   const Contents contents = read(memory.file);

@@ -117,13 +117,17 @@ struct Sent {
   std::uint64_t time;
 };
 // Neither the first nor the last of a chunk is its earliest or latest, and the second chunk is earlier than the first.
-const std::vector<std::vector<Sent>> kChunks{{{1, 105}, {2, 101}, {1, 130}, {1, 103}}, {{2, 60}, {2, 120}, {2, 55}, {2, 70}}};
+const std::vector<std::vector<Sent>> kChunks{{{1, 105}, {2, 101}, {1, 130}, {1, 103}},
+                                             {{2, 60}, {2, 120}, {2, 55}, {2, 70}}};
 
 std::vector<std::byte> indexed_file() {
   Pieces output;
-  Writer writer(output, "test", {{"a/pose", "cdr", "T", "omgidl", "struct T {};", {}}, {"a/event", "cdr", "U", "omgidl", "struct U {};", {}}});
+  Writer writer(
+      output, "test",
+      {{"a/pose", "cdr", "T", "omgidl", "struct T {};", {}}, {"a/event", "cdr", "U", "omgidl", "struct U {};", {}}});
   for (const std::vector<Sent>& chunk : kChunks) {
-    for (const Sent& sent : chunk) writer.write(sent.channel, sent.time, sent.time - 50, std::vector<std::byte>(sent.channel * 10u));
+    for (const Sent& sent : chunk)
+      writer.write(sent.channel, sent.time, sent.time - 50, std::vector<std::byte>(sent.channel * 10u));
     writer.flush();
   }
   writer.metadata("recording", {{"key", "value"}});
@@ -243,7 +247,8 @@ TEST(McapReader, DamageNamesTheRecordThatBreaksOff) {
       EXPECT_EQ(read(std::span(file).first(size)).damage,
                 "breaks off in the record at byte " + std::to_string(record.at) + "; what stands before it was read");
     }
-    EXPECT_EQ(read(std::span(file).first(record.end)).damage, "has no end: its writer was stopped; what stands there was read");
+    EXPECT_EQ(read(std::span(file).first(record.end)).damage,
+              "has no end: its writer was stopped; what stands there was read");
   }
 }
 

@@ -11,9 +11,7 @@ namespace {
 bool is_taken(const std::string& name_space) {
   try {
     return topic_name(name_space, kPoseTopic) == name_space + "/pose_v2";
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
+  } catch (const std::invalid_argument&) { return false; }
 }
 
 TEST(TopicName, ANamespaceIsOfLettersDigitsLinesAndStrokesWithoutADigitFirst) {
@@ -25,7 +23,8 @@ TEST(TopicName, ANamespaceIsOfLettersDigitsLinesAndStrokesWithoutADigitFirst) {
     EXPECT_EQ(is_taken(std::string("a") + c), later.find(c) != std::string::npos) << byte;
   }
   EXPECT_FALSE(is_taken(""));
-  EXPECT_THROW(topic_name(std::string_view("abc").substr(0, 0), kPoseTopic), std::invalid_argument) << "whatever stands behind it";
+  EXPECT_THROW(topic_name(std::string_view("abc").substr(0, 0), kPoseTopic), std::invalid_argument)
+      << "whatever stands behind it";
 }
 
 }  // namespace

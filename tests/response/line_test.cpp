@@ -64,8 +64,10 @@ TEST(ResponseLine, AFlightKeepsEveryGapsEquation) {
   EXPECT_DOUBLE_EQ(motion.velocity_m_s[0], -3.5);
   EXPECT_DOUBLE_EQ(motion.velocity_m_s[1], 0.5);
   for (std::size_t contact = 0; contact <= line.size(); ++contact) {
-    const double rate = gap_rate(line, start.velocity_m_s, contact), acceleration = free_gap_acceleration(line, contact);
-    EXPECT_NEAR(gap(line, motion.position_m, contact), gap(line, start.position_m, contact) + seconds * (rate + 0.5 * acceleration * seconds), 1e-14);
+    const double rate = gap_rate(line, start.velocity_m_s, contact),
+                 acceleration = free_gap_acceleration(line, contact);
+    EXPECT_NEAR(gap(line, motion.position_m, contact),
+                gap(line, start.position_m, contact) + seconds * (rate + 0.5 * acceleration * seconds), 1e-14);
   }
 }
 

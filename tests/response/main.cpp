@@ -12,7 +12,9 @@ int main(int argc, char** argv) {
   std::string file = "-";
   app.add_option("--csv", file, "Where to write; - is the standard output")->capture_default_str();
   app.add_option("--seed", options.seed, "Of the starts")->capture_default_str();
-  app.add_option("--starts", options.starts, "Starts a row, of which the worst counts")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option("--starts", options.starts, "Starts a row, of which the worst counts")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   app.add_option("--steps", options.steps_s, "Lengths of a step, s")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 

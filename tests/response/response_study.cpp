@@ -18,7 +18,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExplosion = 10;
 constexpr double kRestingSpeed_m_s = 1e-4;
-constexpr Method kSpringMethods[]{Method::explicit_euler, Method::semi_implicit_euler, Method::implicit_euler, Method::compliant};
+constexpr Method kSpringMethods[]{Method::explicit_euler, Method::semi_implicit_euler, Method::implicit_euler,
+                                  Method::compliant};
 
 double nanoseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
@@ -34,7 +35,8 @@ double largest_distance(const Motion& one, const Motion& other) {
 }
 
 /// Counts, errors and bounds of one finished run, merged as the worst so far.
-void merge(ResponseRow& row, const StudyScene& scene, const Spring* spring, const Motion& motion, std::uint64_t contacts, double deepest_m, double energy_change_j) {
+void merge(ResponseRow& row, const StudyScene& scene, const Spring* spring, const Motion& motion,
+           std::uint64_t contacts, double deepest_m, double energy_change_j) {
   const double end_s = std::round(scene.duration_s / row.dt_s) * row.dt_s;
   const Expected expected = scene.expected(spring, end_s);
   row.energy_drift = std::max(row.energy_drift, std::abs(energy_change_j) / scene.energy_scale_j);
@@ -83,7 +85,8 @@ void run_event_driven(ResponseRow& row, const StudyScene& scene) {
 }
 
 /// `stiffness` infinite: rigid, by `method` where it is impulse and event-driven where there is none.
-ResponseRow make_row(std::size_t scene_index, const Method* method, double stiffness, double dt_s, const StudyOptions& study) {
+ResponseRow make_row(std::size_t scene_index, const Method* method, double stiffness, double dt_s,
+                     const StudyOptions& study) {
   ResponseRow row{.dt_s = dt_s, .ns_per_step = kInfinity};
   row.stiffness_n_m = stiffness;
   row.method = method == nullptr ? "event_driven" : std::string(name(*method));
@@ -110,7 +113,8 @@ std::vector<ResponseRow> response_rows(const StudyOptions& options) {
   for (std::size_t scene = 0; scene < kSceneCount; ++scene) {
     for (const double dt_s : options.steps_s) {
       for (const Method method : kSpringMethods) {
-        for (double stiffness = options.least_stiffness_n_m; stiffness <= options.largest_stiffness_n_m * 1.5; stiffness *= 10) {
+        for (double stiffness = options.least_stiffness_n_m; stiffness <= options.largest_stiffness_n_m * 1.5;
+             stiffness *= 10) {
           rows.push_back(make_row(scene, &method, stiffness, dt_s, options));
         }
       }
@@ -122,10 +126,12 @@ std::vector<ResponseRow> response_rows(const StudyOptions& options) {
 }
 
 void write_csv(std::ostream& out, const std::vector<ResponseRow>& rows) {
-  out << "scene,method,stiffness_n_m,dt_s,stiffness_ratio,energy_drift,penetration_m,penetration_bound_m,error_m,missed,spurious,ns_per_step,exploded\n";
+  out << "scene,method,stiffness_n_m,dt_s,stiffness_ratio,energy_drift,penetration_m,penetration_bound_m,error_m,"
+         "missed,spurious,ns_per_step,exploded\n";
   for (const ResponseRow& row : rows) {
-    out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{}\n", row.scene, row.method, row.stiffness_n_m, row.dt_s, row.stiffness_ratio, row.energy_drift,
-                       row.penetration_m, row.penetration_bound_m, row.error_m, row.missed, row.spurious, row.ns_per_step, row.exploded ? 1 : 0);
+    out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{}\n", row.scene, row.method, row.stiffness_n_m,
+                       row.dt_s, row.stiffness_ratio, row.energy_drift, row.penetration_m, row.penetration_bound_m,
+                       row.error_m, row.missed, row.spurious, row.ns_per_step, row.exploded ? 1 : 0);
   }
 }
 

@@ -32,7 +32,11 @@ StudyScene ball(double random) {
 
 /// Laid on the floor without a spring's depth; it sinks in, swings and must lie still.
 StudyScene resting(double random) {
-  StudyScene scene{.name = "resting", .line = {{1}, {kRadius}, -kGravity, random}, .duration_s = 4, .settling_s = 2, .restitution = 0.5};
+  StudyScene scene{.name = "resting",
+                   .line = {{1}, {kRadius}, -kGravity, random},
+                   .duration_s = 4,
+                   .settling_s = 2,
+                   .restitution = 0.5};
   scene.start = {{random + kRadius}, {0}};
   scene.energy_scale_j = kGravity;
   scene.expected = [random](const Spring* spring, double) -> Expected {
@@ -44,8 +48,10 @@ StudyScene resting(double random) {
 
 /// Ten bodies of a kilogram at rest, from the first moment on.
 StudyScene stack(const Spring* spring, double random) {
-  StudyScene scene{.name = "stack", .line = {std::vector<double>(kStackSize, 1), std::vector<double>(kStackSize, kRadius), -kGravity, random},
-                   .restitution = 0.5};
+  StudyScene scene{
+      .name = "stack",
+      .line = {std::vector<double>(kStackSize, 1), std::vector<double>(kStackSize, kRadius), -kGravity, random},
+      .restitution = 0.5};
   double top_m = random;
   double deepest_m = 0;
   for (std::size_t body = 0; body < kStackSize; ++body) {
@@ -57,7 +63,9 @@ StudyScene stack(const Spring* spring, double random) {
     top_m = scene.start.position_m.back() + kRadius;
   }
   scene.energy_scale_j = kGravity * static_cast<double>(kStackSize);
-  scene.expected = [start = scene.start, deepest_m](const Spring*, double) -> Expected { return {start, deepest_m, kStackSize}; };
+  scene.expected = [start = scene.start, deepest_m](const Spring*, double) -> Expected {
+    return {start, deepest_m, kStackSize};
+  };
   return scene;
 }
 
@@ -69,7 +77,8 @@ StudyScene pair(double random) {
   scene.expected = [line = scene.line, start = scene.start](const Spring* spring, double seconds) -> Expected {
     if (spring != nullptr) {
       const double rate = -gap_rate(line, start.velocity_m_s, 1);
-      return {compliant_pair(*spring, line, start, seconds), ContactPhase(*spring, line.reduced_mass(1), rate, 0).deepest(), 1};
+      return {compliant_pair(*spring, line, start, seconds),
+              ContactPhase(*spring, line.reduced_mass(1), rate, 0).deepest(), 1};
     }
     EventDriven rigid(line, start, 1);
     rigid.advance(seconds);
@@ -81,9 +90,11 @@ StudyScene pair(double random) {
 /// Five balls a millimetre apart, so that springs pass the blow on one by one. The rigid reference serves both: what
 /// springs add, five times the time of a contact, is part of the error.
 StudyScene cradle(double random) {
-  StudyScene scene{.name = "cradle", .line = {std::vector<double>(kCradleSize, 1), std::vector<double>(kCradleSize, kRadius)}};
+  StudyScene scene{.name = "cradle",
+                   .line = {std::vector<double>(kCradleSize, 1), std::vector<double>(kCradleSize, kRadius)}};
   for (std::size_t body = 0; body < kCradleSize; ++body) {
-    scene.start.position_m.push_back(static_cast<double>(body) * (2 * kRadius + 1e-3) - (body == 0 ? 0.1 * (1 + random) : 0));
+    scene.start.position_m.push_back(static_cast<double>(body) * (2 * kRadius + 1e-3) -
+                                     (body == 0 ? 0.1 * (1 + random) : 0));
     scene.start.velocity_m_s.push_back(body == 0 ? 1 : 0);
   }
   scene.energy_scale_j = 0.5;

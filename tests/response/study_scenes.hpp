@@ -23,10 +23,10 @@ struct StudyScene {
   Line line = {};
   Motion start = {};
   double duration_s = 1;
-  double settling_s = 0;         // penetration counts from here on
+  double settling_s = 0;  // penetration counts from here on
   double restitution = 1;
   double lightest_kg = 1;
-  double energy_scale_j = 1;     // what drift is relative to
+  double energy_scale_j = 1;                                     // what drift is relative to
   std::function<Expected(const Spring*, double)> expected = {};  // at a time; without a spring: rigid
 };
 

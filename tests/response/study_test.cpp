@@ -17,7 +17,8 @@ const std::vector<ResponseRow>& rows() {
 
 std::vector<ResponseRow> of(const std::string& scene, const std::string& method) {
   std::vector<ResponseRow> chosen;
-  std::copy_if(rows().begin(), rows().end(), std::back_inserter(chosen), [&](const ResponseRow& row) { return row.scene == scene && row.method == method; });
+  std::copy_if(rows().begin(), rows().end(), std::back_inserter(chosen),
+               [&](const ResponseRow& row) { return row.scene == scene && row.method == method; });
   return chosen;
 }
 
@@ -47,7 +48,8 @@ TEST(ResponseStudy, TheCompliantMethodHoldsOnEveryScene) {
 TEST(ResponseStudy, PenetrationAtRestIsTheLoadOverTheStiffness) {
   for (const char* scene : {"resting", "stack"}) {
     const double load = std::string(scene) == "stack" ? 98.1 : 9.81;
-    for (const ResponseRow& row : of(scene, "compliant")) EXPECT_NEAR(row.penetration_bound_m, load / row.stiffness_n_m, 1e-9 * load / row.stiffness_n_m);
+    for (const ResponseRow& row : of(scene, "compliant"))
+      EXPECT_NEAR(row.penetration_bound_m, load / row.stiffness_n_m, 1e-9 * load / row.stiffness_n_m);
   }
 }
 
@@ -62,9 +64,7 @@ TEST(ResponseStudy, ExplicitMethodsExplodeBeyondTheirLimit) {
       }
     }
     for (const ResponseRow& row : of(scene, "explicit_euler")) {
-      if (row.stiffness_ratio > 4) {
-        EXPECT_TRUE(row.exploded) << scene << row.stiffness_ratio;
-      }
+      if (row.stiffness_ratio > 4) { EXPECT_TRUE(row.exploded) << scene << row.stiffness_ratio; }
     }
   }
 }
@@ -72,9 +72,7 @@ TEST(ResponseStudy, ExplicitMethodsExplodeBeyondTheirLimit) {
 TEST(ResponseStudy, ImplicitEulerNeitherExplodesNorBounces) {
   for (const ResponseRow& row : of("ball", "implicit_euler")) {
     EXPECT_FALSE(row.exploded);
-    if (row.stiffness_ratio >= 1) {
-      EXPECT_GT(row.energy_drift, 0.9);
-    }
+    if (row.stiffness_ratio >= 1) { EXPECT_GT(row.energy_drift, 0.9); }
   }
 }
 
@@ -88,7 +86,8 @@ TEST(ResponseStudy, EventDrivenIsTheClosedForm) {
 }
 
 TEST(ResponseStudy, TheSameSeedIsTheSameStudyAndTheTableHasAllOfIt) {
-  const StudyOptions small{.seed = 5, .starts = 1, .least_stiffness_n_m = 1e6, .largest_stiffness_n_m = 1e6, .steps_s = {1e-2}};
+  const StudyOptions small{
+      .seed = 5, .starts = 1, .least_stiffness_n_m = 1e6, .largest_stiffness_n_m = 1e6, .steps_s = {1e-2}};
   const std::vector<ResponseRow> one = response_rows(small);
   const std::vector<ResponseRow> two = response_rows(small);
   ASSERT_EQ(one.size(), two.size());

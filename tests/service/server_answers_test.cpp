@@ -24,9 +24,7 @@ std::vector<RayQuestion> random_rays(std::size_t count) {
   return rays;
 }
 
-std::uint64_t bits(double number) {
-  return std::bit_cast<std::uint64_t>(number);
-}
+std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number); }
 
 TEST_F(ServerAnswers, TheFloorIsFiveMetresBelow) {
   start();
@@ -44,7 +42,7 @@ TEST_F(ServerAnswers, AShapeOnItsWayMeetsTheFloor) {
   start();
   Client client = connect();
   const SweepQuestion motions[] = {{.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, -5}}},
-                                {.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, 4}}}};
+                                   {.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, 4}}}};
   const Result<Answers> answers = client.sweep({SphereShape{.radius_m = 0.1}}, motions);
   ASSERT_TRUE(answers) << answers.error().message;
   ASSERT_EQ(answers->answers.size(), 2u);
@@ -56,7 +54,8 @@ TEST_F(ServerAnswers, AShapeOnItsWayMeetsTheFloor) {
   EXPECT_LE(hit.time_high - hit.time_low, 1e-6);
   EXPECT_NEAR(hit.point.z(), 0, 1e-5);
   EXPECT_EQ(answers->answers[1].verdict, Verdict::miss);
-  const SweepQuestion turn{.from = {.position = {6, 0, 4}}, .to = {.position = {6, 0, 4}, .rotation = Quat(0, 0, 0, 1)}};
+  const SweepQuestion turn{.from = {.position = {6, 0, 4}},
+                           .to = {.position = {6, 0, 4}, .rotation = Quat(0, 0, 0, 1)}};
   const Result<Answers> rod = client.sweep({BoxShape{.half_m = {1, 0.01, 0.01}}}, std::span(&turn, 1));
   ASSERT_TRUE(rod) << rod.error().message;
   EXPECT_EQ(rod->answers[0].verdict, Verdict::miss);
@@ -152,7 +151,8 @@ TEST_F(ServerAnswers, TheServersErrorAndDeadlineAreOfQuestionsThatBringNone) {
   const std::vector<Vec3> corners{{-1e3, -1e3, 20.1}, {1e3, -1e3, 20.3}, {0, 2e3, 20.7}};
   const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
   const Vec3 direction = (corners[2] - corners[0]).normalized() - 1e-9 * normal;
-  const RayQuestion grazing{.origin = (corners[0] + corners[1] + corners[2]) / 3 - 100 * direction, .direction = direction};
+  const RayQuestion grazing{.origin = (corners[0] + corners[1] + corners[2]) / 3 - 100 * direction,
+                            .direction = direction};
   int sheets = 0;
   const auto error_m = [&](const std::string& name, const AskOptions& options = {}) {
     const std::string sheet = "sheet" + std::to_string(++sheets);
@@ -189,7 +189,8 @@ TEST_F(ServerAnswers, ClientsThatShareAPartitionGetTheirOwn) {
     askers.emplace_back([&, i] {
       for (int round = 0; round < 10; ++round) {
         const double height_m = 5 + 0.01 * i + 0.001 * round;
-        const Result<Answer> down = clients[static_cast<std::size_t>(i)].ask(RayQuestion{.origin = {6, 0, height_m}, .direction = {0, 0, -1}});
+        const Result<Answer> down =
+            clients[static_cast<std::size_t>(i)].ask(RayQuestion{.origin = {6, 0, height_m}, .direction = {0, 0, -1}});
         right += down && !down->hits.empty() && std::abs(down->hits[0].distance_m - height_m) < 1e-9 ? 1 : 0;
       }
     });

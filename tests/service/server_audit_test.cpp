@@ -100,9 +100,7 @@ TEST_F(ServerAudit, TheMenuPricesEveryKindOfQuestion) {
     if (row["method"] == "boxes only") continue;
     EXPECT_EQ(row["wrong"], 0) << row;
     EXPECT_LE(row["worst_error"], row["worst_bound"]) << row;
-    if (row["method"] == "exact on doubt") {
-      EXPECT_EQ(row["undecided"], 0) << row;
-    }
+    if (row["method"] == "exact on doubt") { EXPECT_EQ(row["undecided"], 0) << row; }
   }
 }
 
@@ -120,8 +118,8 @@ TEST_F(ServerAudit, FloatingPointSettingsThatALibraryChangedAreSetBack) {
   const double tiny = 1e-310;
   ASSERT_TRUE(publisher.add({.name = "grain", .shape = {SphereShape{.radius_m = tiny}}, .pose = at(100, 0, 0)}));
   ASSERT_TRUE(publisher.flush());
-  const Result<Answer> answer = client.ask(
-      SphereQuestion{.center = {100, 1.5 * tiny, 0}, .radius_m = tiny}, {.fresh = true});
+  const Result<Answer> answer =
+      client.ask(SphereQuestion{.center = {100, 1.5 * tiny, 0}, .radius_m = tiny}, {.fresh = true});
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer->verdict, Verdict::hit);
   const Result<Answer> summand = client.ask(SphereQuestion{.center = {100, 2.5 * tiny, 0}, .radius_m = tiny});

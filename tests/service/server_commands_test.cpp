@@ -71,7 +71,8 @@ TEST_F(ServerCommands, AMenuIsOfAsManyQuestionsAsWereAskedFor) {
   Client client = connect();
   EXPECT_EQ(refusal(client, "menu", {{"questions", 100'001}}),
             "server refused: menu: 'questions' is 100001; allowed: a whole number from 0 to 100000");
-  EXPECT_EQ(refusal(client, "menu", {{"sed", 1}}), "server refused: menu: unknown argument 'sed'; did you mean 'seed'?");
+  EXPECT_EQ(refusal(client, "menu", {{"sed", 1}}),
+            "server refused: menu: unknown argument 'sed'; did you mean 'seed'?");
   const json menu = done(client, "menu", {{"questions", 20}, {"seed", 7}});
   EXPECT_EQ(menu["seed"], 7);
   EXPECT_EQ(menu["version"], done(client, "list", {{"limit", 1}})["version"]);
@@ -129,7 +130,8 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_EQ(client.ask(up)->verdict, Verdict::miss);
   // Statuses come twenty times a second.
   const auto until = std::chrono::steady_clock::now() + 5s;
-  while (client.status()->scenes.size() > 1 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(10ms);
+  while (client.status()->scenes.size() > 1 && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(10ms);
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});
 }
 
@@ -139,12 +141,14 @@ TEST_F(ServerCommands, WhatComesBackAfterACrashHasNoWayBehindIt) {
   Client client = connect();
   done(client, "add", {{"name", "crate"}, {"pose", pose(6, 0, 3)}}, {BoxShape{.half_m = {0.2, 0.2, 0.2}}});
   done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, -3)}});
-  ASSERT_TRUE(test::eventually([&] { return client.status()->last_event_sequence == 2; })) << client.status()->last_event_sequence;
+  ASSERT_TRUE(test::eventually([&] { return client.status()->last_event_sequence == 2; }))
+      << client.status()->last_event_sequence;
   const std::uint64_t epoch = client.status()->epoch;
   first.signal(SIGKILL);
   first.wait(10s);
   start({}, "second");
-  ASSERT_TRUE(test::eventually([&] { return client.status()->epoch > epoch && client.status()->state == "ready"; }, 20s));
+  ASSERT_TRUE(
+      test::eventually([&] { return client.status()->epoch > epoch && client.status()->state == "ready"; }, 20s));
   EXPECT_EQ(done(client, "get", {{"name", "crate"}})["pose"], pose(6, 0, -3));
   EXPECT_EQ(client.status()->last_event_sequence, 0U);
 }

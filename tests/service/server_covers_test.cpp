@@ -18,7 +18,8 @@ class ServerCovers : public testing_support::ServerTest {
     return answer ? json::parse(*answer) : json::object();
   }
   static Answer ask(Client& client, const Vec3& origin, const Vec3& direction, double length_m) {
-    const Result<Answer> answer = client.ask(RayQuestion{.origin = origin, .direction = direction, .length_m = length_m});
+    const Result<Answer> answer =
+        client.ask(RayQuestion{.origin = origin, .direction = direction, .length_m = length_m});
     EXPECT_TRUE(answer) << answer.error().message;
     return answer ? *answer : Answer{};
   }
@@ -40,7 +41,8 @@ TEST_F(ServerCovers, AMissThatLeavesThemIsUndecidedAndSaysWhere) {
   ASSERT_EQ(beyond.hits.size(), 1U) << "what is known to be there is told";
   EXPECT_EQ(beyond.hits[0].object.substr(0, 10), "warehouse/");
   EXPECT_EQ(ask(client, {0, 0, 5}, {0, 0, -1}, 100).verdict, Verdict::hit);
-  EXPECT_EQ(command(client, "covers", json::object())["covers"], json({{-20, -20, -1, 20, 20, 8}, {100, 0, 0, 110, 1, 1}}));
+  EXPECT_EQ(command(client, "covers", json::object())["covers"],
+            json({{-20, -20, -1, 20, 20, 8}, {100, 0, 0, 110, 1, 1}}));
 }
 
 TEST_F(ServerCovers, ALoadedSceneStatesThemAndTakesThemAlong) {
@@ -53,7 +55,8 @@ TEST_F(ServerCovers, ALoadedSceneStatesThemAndTakesThemAlong) {
   EXPECT_EQ(ask(client, {15, 15, 5}, {0, 0, 1}, 1e300).verdict, Verdict::miss);
   EXPECT_EQ(ask(client, {15, 15, 5}, {1, 0, 0}, 50).reason, UndecidedReason::not_covered);
   for (const json& wrong : {json{{1, 2, 3}}, json{{0, 0, 0, -1, 1, 1}}, json{{0, 0, 0, 1, 1, "far"}}, json("all")}) {
-    const Result<std::string> refused = client.command("load", json{{"path", write_roof()}, {"name", "next"}, {"covers", wrong}}.dump());
+    const Result<std::string> refused =
+        client.command("load", json{{"path", write_roof()}, {"name", "next"}, {"covers", wrong}}.dump());
     ASSERT_FALSE(refused) << wrong;
     EXPECT_EQ(refused.error().code, ErrorCode::refused);
   }

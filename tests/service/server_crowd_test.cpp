@@ -59,8 +59,9 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
   const std::vector<double> beside_ms = ask_singles(client, 300);
   over.store(true);
   for (std::thread& thread : threads) thread.join();
-  std::printf("single ray: alone p50 %.3f ms p99 %.3f ms; beside three floods p50 %.3f ms p99 %.3f ms, %d batches meanwhile\n",
-              alone_ms[150], alone_ms[297], beside_ms[150], beside_ms[297], batches.load() - before);
+  std::printf(
+      "single ray: alone p50 %.3f ms p99 %.3f ms; beside three floods p50 %.3f ms p99 %.3f ms, %d batches meanwhile\n",
+      alone_ms[150], alone_ms[297], beside_ms[150], beside_ms[297], batches.load() - before);
   EXPECT_LT(beside_ms[150], 2.0) << "the usual one is answered by the reading thread, at once";
   EXPECT_LT(beside_ms[297], 50.0) << "a machine with fewer processors than threads may have it wait for a turn";
 }

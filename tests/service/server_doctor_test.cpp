@@ -27,12 +27,14 @@ class ServerDoctor : public testing_support::ServerTest {
   /// By what they are about.
   std::map<std::string, Finding> findings(std::chrono::nanoseconds wait = 5s, const std::string& interface = "lo") {
     std::map<std::string, Finding> all;
-    for (const Finding& finding : diagnose({.domain = domain_, .interface = interface, .wait = wait})) all[finding.about] = finding;
+    for (const Finding& finding : diagnose({.domain = domain_, .interface = interface, .wait = wait}))
+      all[finding.about] = finding;
     return all;
   }
   /// `collide doctor` in a shell, after some words that set the scene.
   Ended doctor(const std::string& before = {}) {
-    const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) + " doctor --fields health,about,text,remedy";
+    const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) +
+                             " doctor --fields health,about,text,remedy";
     ChildProcess process({"/bin/bash", "-c", line}, folder_.path(), "doctor");
     const int code = process.wait(60s);
     return {code, process.output(), process.errors()};
@@ -47,7 +49,8 @@ TEST_F(ServerDoctor, AHealthyServerIsAllRight) {
     EXPECT_EQ(all.at(about).health, Health::ok) << all.at(about).text;
     EXPECT_EQ(all.at(about).remedy, "");
   }
-  EXPECT_NE(all.at("server").text.find("(pid " + std::to_string(server.pid()) + ")"), std::string::npos) << all.at("server").text;
+  EXPECT_NE(all.at("server").text.find("(pid " + std::to_string(server.pid()) + ")"), std::string::npos)
+      << all.at("server").text;
   EXPECT_NE(all.at("round_trip").text.find("1000 of 1000 back"), std::string::npos) << all.at("round_trip").text;
   EXPECT_EQ(doctor().code, 0);
 }
@@ -84,7 +87,8 @@ TEST_F(ServerDoctor, DatagramsThatAreDroppedMeanwhileAreCounted) {
   const std::uint64_t before = dropped_so_far();
   std::thread sending([&] {
     while (!done) {
-      static_cast<void>(::sendto(sender, "too much", 8, 0, reinterpret_cast<const sockaddr*>(&address), sizeof address));
+      static_cast<void>(
+          ::sendto(sender, "too much", 8, 0, reinterpret_cast<const sockaddr*>(&address), sizeof address));
       std::this_thread::sleep_for(1ms);
     }
   });
@@ -110,26 +114,30 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
   std::mutex mutex;
   std::size_t heard = 0;
   std::multiset<std::string> unlike;
-  const dds::Reader<wire::Query> reader(topic, {.data = [&](dds::Taker<wire::Query> taker) {
-    dds::Sample<wire::Query> query;
-    while (taker.take(query)) {
-      if (!query.info().valid_data) continue;
-      const std::lock_guard lock(mutex);
-      ++heard;
-      const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
-      if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->points._length != 0) {
-        unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) + " of " +
-                      std::to_string(query->chunk_count) + ", points " + std::to_string(query->points._length));
-      }
-    }
-  }});
+  const dds::Reader<wire::Query> reader(
+      topic, {.data = [&](dds::Taker<wire::Query> taker) {
+        dds::Sample<wire::Query> query;
+        while (taker.take(query)) {
+          if (!query.info().valid_data) continue;
+          const std::lock_guard lock(mutex);
+          ++heard;
+          const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
+          if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->points._length != 0) {
+            unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) +
+                          " of " + std::to_string(query->chunk_count) + ", points " +
+                          std::to_string(query->points._length));
+          }
+        }
+      }});
   findings();
   EXPECT_TRUE(test::eventually([&] {
     const std::lock_guard lock(mutex);
     return heard >= 1'000;
   }));
   const std::lock_guard lock(mutex);
-  EXPECT_EQ(unlike, std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::QueryKind::command)) + ", chunk 0 of 1, points 0"})
+  EXPECT_EQ(unlike,
+            std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::QueryKind::command)) +
+                                       ", chunk 0 of 1, points 0"})
       << "only the server's figures are asked for beside them, once";
 }
 
@@ -138,8 +146,11 @@ TEST_F(ServerDoctor, WithoutAServerItSaysWhichOnesThereAre) {
   const std::map<std::string, Finding> all = findings(200ms);
   ASSERT_EQ(all.count("server"), 1U);
   EXPECT_EQ(all.at("server").health, Health::fail);
-  EXPECT_EQ(all.at("server").text, "no collided answered in 200 ms on domain " + std::to_string(domain_) + ", namespace 'collided'");
-  EXPECT_NE(all.at("server").remedy.find("on this machine: pid " + std::to_string(servers_[0]->pid()) + ": collided --domain "), std::string::npos)
+  EXPECT_EQ(all.at("server").text,
+            "no collided answered in 200 ms on domain " + std::to_string(domain_) + ", namespace 'collided'");
+  EXPECT_NE(all.at("server").remedy.find("on this machine: pid " + std::to_string(servers_[0]->pid()) +
+                                         ": collided --domain "),
+            std::string::npos)
       << all.at("server").remedy;
   EXPECT_NE(all.at("server").remedy.find("--namespace other"), std::string::npos);
   EXPECT_EQ(doctor("COLLIDED_NAMESPACE=nobody").code, 4);
@@ -150,14 +161,16 @@ TEST_F(ServerDoctor, TwoServersOfOneNamespaceAreFound) {
   ChildProcess& first = start();
   first.signal(SIGSTOP);
   const testing_support::ScratchFolder elsewhere;
-  ChildProcess second({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", elsewhere.path()}, elsewhere.path(), "second");
+  ChildProcess second({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", elsewhere.path()},
+                      elsewhere.path(), "second");
   ASSERT_TRUE(second.says("ready:", 20s)) << second.errors();
   first.signal(SIGCONT);
   const std::map<std::string, Finding> all = findings();
   ASSERT_EQ(all.count("server"), 1U);
   EXPECT_EQ(all.at("server").health, Health::fail) << all.at("server").text;
   EXPECT_TRUE(all.at("server").text.starts_with("2 servers share namespace 'collided' (pid ")) << all.at("server").text;
-  for (const ChildProcess* server : {static_cast<const ChildProcess*>(&first), static_cast<const ChildProcess*>(&second)}) {
+  for (const ChildProcess* server :
+       {static_cast<const ChildProcess*>(&first), static_cast<const ChildProcess*>(&second)}) {
     EXPECT_NE(all.at("server").text.find(std::to_string(server->pid())), std::string::npos);
   }
   EXPECT_EQ(doctor().code, 1);
@@ -185,7 +198,8 @@ class TakenPlaces {
       sockaddr_in address{};
       address.sin_family = AF_INET;
       address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      address.sin_port = htons(static_cast<std::uint16_t>(7'410 + 250 * domain_ + 2 * static_cast<int>(sockets_.size())));
+      address.sin_port =
+          htons(static_cast<std::uint16_t>(7'410 + 250 * domain_ + 2 * static_cast<int>(sockets_.size())));
       sockets_.push_back(socket);
       // Any program may have been given such a port for a while: then the place is taken all the same.
       const int refused = ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
@@ -239,7 +253,8 @@ TEST_F(ServerDoctor, PublishersStampsAreCompared) {
 #ifdef COLLIDED_SHIFTED_CLOCK
   start();
   const std::int64_t shift_ns = 300'000'000;
-  const std::string file = folder_.write("shift", std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns));
+  const std::string file =
+      folder_.write("shift", std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns));
   const auto publish = [&](const std::string& name, const std::string& before) {
     const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) +
                              " publish --spheres 3 --round --rate 50 --name " + name + " --as " + name + " --for 60s";
@@ -272,19 +287,23 @@ TEST_F(ServerDoctor, SmallBuffersAreToldWithTheCommandThatRaisesThem) {
   ChildProcess probe({"/bin/bash", "-c", mounted + "'"}, folder_.path(), "probe");
   if (probe.wait(10s) != 0) GTEST_SKIP() << "no mount namespaces here: " << probe.errors();
   start();
-  const std::string line = mounted + " && exec " + COLLIDED_CLI + " --domain " + std::to_string(domain_) + " doctor --fields health,about,text,remedy'";
+  const std::string line = mounted + " && exec " + COLLIDED_CLI + " --domain " + std::to_string(domain_) +
+                           " doctor --fields health,about,text,remedy'";
   ChildProcess process({"/bin/bash", "-c", line}, folder_.path(), "doctor");
   EXPECT_EQ(process.wait(60s), 0) << "a warning is no failure";
-  EXPECT_NE(process.output().find("warn\tbuffer\treceive buffer up to 212992 B; bursts above 1774 poses may drop\tsysctl -w net.core.rmem_max=8388608"),
+  EXPECT_NE(process.output().find("warn\tbuffer\treceive buffer up to 212992 B; bursts above 1774 poses may "
+                                  "drop\tsysctl -w net.core.rmem_max=8388608"),
             std::string::npos)
       << process.output();
 }
 
 TEST_F(ServerDoctor, AConfigurationOfDdsItselfIsTold) {
   start();
-  const Ended ended = doctor("CYCLONEDDS_URI='<Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain_) +
-                             "</ExternalDomainId><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain>'");
-  EXPECT_NE(ended.output.find("warn\tconfiguration\tCYCLONEDDS_URI is set"), std::string::npos) << ended.output << ended.errors;
+  const Ended ended =
+      doctor("CYCLONEDDS_URI='<Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain_) +
+             "</ExternalDomainId><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain>'");
+  EXPECT_NE(ended.output.find("warn\tconfiguration\tCYCLONEDDS_URI is set"), std::string::npos)
+      << ended.output << ended.errors;
 }
 
 }  // namespace

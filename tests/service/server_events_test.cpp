@@ -80,7 +80,8 @@ TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
   EXPECT_EQ(client.ask(down)->verdict, Verdict::hit);
   Result<Answer> stale = client.ask(down);
-  ASSERT_TRUE(test::eventually([&] { return (stale = client.ask(down)) && !stale->hits.empty() && stale->hits[0].stale; }));
+  ASSERT_TRUE(
+      test::eventually([&] { return (stale = client.ask(down)) && !stale->hits.empty() && stale->hits[0].stale; }));
   ASSERT_EQ(stale->hits.size(), 1U);
   EXPECT_EQ(stale->hits[0].object, "ball");
   EXPECT_TRUE(stale->hits[0].stale);
@@ -182,7 +183,8 @@ TEST_F(ServerEvents, WhoComesLateLearnsTenThousandContacts) {
   Client client = connect();
   Publisher publisher = publish(client, "crowd");
   constexpr std::size_t kBalls = 142;
-  for (std::size_t i = 0; i < kBalls; ++i) add_ball(publisher, "ball " + std::to_string(i), at(60, 0.0001 * static_cast<double>(i), 50));
+  for (std::size_t i = 0; i < kBalls; ++i)
+    add_ball(publisher, "ball " + std::to_string(i), at(60, 0.0001 * static_cast<double>(i), 50));
   ASSERT_TRUE(publisher.wait_applied(10s));
   const auto joined = std::chrono::steady_clock::now();
   Result<Watch> watch = client.watch();
@@ -193,7 +195,8 @@ TEST_F(ServerEvents, WhoComesLateLearnsTenThousandContacts) {
     std::this_thread::sleep_for(2ms);
   }
   EXPECT_EQ(watch->open_contacts(), kContacts);
-  std::printf("complete_ms=%.0f\n", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - joined).count());
+  std::printf("complete_ms=%.0f\n",
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - joined).count());
 }
 
 // A subscriber that stands still neither slows the server nor costs its peers an event; awake again it catches up.
@@ -201,7 +204,8 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   start();
   Client client = connect();
   Watch healthy = watch(client);
-  testing_support::ChildProcess frozen({COLLIDED_CLI, "--domain", std::to_string(domain_), "watch", "--json"}, folder_.path(), "frozen");
+  testing_support::ChildProcess frozen({COLLIDED_CLI, "--domain", std::to_string(domain_), "watch", "--json"},
+                                       folder_.path(), "frozen");
   Publisher publisher = publish(client, "thrower");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
@@ -218,9 +222,7 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
     const double took_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count();
     slowest_ms = std::max(slowest_ms, took_ms);
     slow += took_ms > 5 ? 1 : 0;
-    if (i % 100 == 99) {
-      ASSERT_TRUE(publisher.wait_applied(10s));
-    }
+    if (i % 100 == 99) { ASSERT_TRUE(publisher.wait_applied(10s)); }
   }
   for (int i = 0; i < kTouches; ++i) {
     ASSERT_EQ(next(healthy).kind, EventKind::ended) << i;
@@ -240,7 +242,8 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   static_cast<void>(last);
   const double resync_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - awake).count();
   EXPECT_LT(resync_ms, 1'000);
-  std::printf("max_write_ms=%.1f healthy_lost=%llu resync_ms=%.0f\n", slowest_ms, static_cast<unsigned long long>(healthy.lost()), resync_ms);
+  std::printf("max_write_ms=%.1f healthy_lost=%llu resync_ms=%.0f\n", slowest_ms,
+              static_cast<unsigned long long>(healthy.lost()), resync_ms);
 }
 
 // DDS holds on to a killed server's reader for ten seconds, and it acknowledges nothing; the next server gets every pose.
@@ -272,7 +275,8 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNoCrowdUp) {
   Client client = connect();
   Publisher publisher = publish(client, "thrower");
   std::vector<Publisher::Object> balls;
-  for (int i = 0; i < 4'000; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(6 + 3 * i, 0, 1)));
+  for (int i = 0; i < 4'000; ++i)
+    balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(6 + 3 * i, 0, 1)));
   ASSERT_TRUE(publisher.wait_applied(10s));
   first.signal(SIGKILL);
   first.wait(5s);
@@ -280,10 +284,12 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNoCrowdUp) {
   int held_up = 0;
   double slowest_ms = 0;
   for (int round = 0; round < 150; ++round) {
-    for (std::size_t i = 0; i < balls.size(); ++i) static_cast<void>(publisher.move(balls[i], at(6 + 3 * static_cast<double>(i), 0, 1 + 0.01 * round)));
+    for (std::size_t i = 0; i < balls.size(); ++i)
+      static_cast<void>(publisher.move(balls[i], at(6 + 3 * static_cast<double>(i), 0, 1 + 0.01 * round)));
     const auto before = std::chrono::steady_clock::now();
     held_up += publisher.flush() ? 0 : 1;
-    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    slowest_ms = std::max(slowest_ms,
+                          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
     std::this_thread::sleep_for(20ms);
   }
   EXPECT_EQ(held_up, 0) << "flushes; the slowest took " << slowest_ms << " ms";
@@ -303,7 +309,8 @@ TEST_F(ServerEvents, WhatCommandsAddedOutlivesACrash) {
   const auto is_there = [&](double x) {
     Client client = connect();
     const auto until = std::chrono::steady_clock::now() + 15s;
-    while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) std::this_thread::sleep_for(20ms);
+    while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready"))
+      std::this_thread::sleep_for(20ms);
     return client.ask(RayQuestion{.origin = {x, 0.2, 5}, .direction = {0, 0, -1}})->verdict == Verdict::hit;
   };
   testing_support::ChildProcess& first = start({}, "first");

@@ -31,7 +31,8 @@ TEST_F(ServerFigures, CountEveryQuestionAndHowLongItTook) {
   start();
   Client client = connect();
   constexpr std::uint64_t kAlone = 20;
-  for (std::uint64_t i = 0; i < kAlone; ++i) ASSERT_TRUE(client.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}));
+  for (std::uint64_t i = 0; i < kAlone; ++i)
+    ASSERT_TRUE(client.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}));
   const std::vector<RayQuestion> batch(2'500, {.origin = {0, 0, 5}, .direction = {0, 0, -1}});
   ASSERT_TRUE(client.ask(std::span<const RayQuestion>(batch)));
   const json now = figures(client);
@@ -77,7 +78,8 @@ TEST_F(ServerFigures, CountPairsAndWhatFiltersSave) {
   Publisher publisher = publish(client, "balls");
   const json before = figures(client);
   const auto add = [&](const std::string& name, double x, std::uint32_t layer) {
-    return *publisher.add({.name = name, .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(x, 0, 50), .layers = layer, .mask = layer});
+    return *publisher.add(
+        {.name = name, .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(x, 0, 50), .layers = layer, .mask = layer});
   };
   add("a", 0, 1);
   add("b", 0.1, 2);

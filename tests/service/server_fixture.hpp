@@ -34,8 +34,8 @@ class ServerTest : public ServerProcess {
   /// A ball of radius 0.1 m.
   static Publisher::Object add_ball(Publisher& publisher, const std::string& name, const Pose& pose,
                                     LostPolicy lost_policy = LostPolicy::remove) {
-    const Result<Publisher::Object> added =
-        publisher.add({.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = pose, .lost_policy = lost_policy});
+    const Result<Publisher::Object> added = publisher.add(
+        {.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = pose, .lost_policy = lost_policy});
     EXPECT_TRUE(added) << added.error().message;
     return *added;
   }

@@ -50,7 +50,8 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
   say(one, a, 0, began);
   say(other, b, 30, began + 1ms);
   for (int tenth = 1; tenth <= 15; ++tenth) {
-    std::this_thread::sleep_until(std::chrono::system_clock::time_point(std::chrono::duration_cast<std::chrono::system_clock::duration>(began + tenth * 100ms)));
+    std::this_thread::sleep_until(std::chrono::system_clock::time_point(
+        std::chrono::duration_cast<std::chrono::system_clock::duration>(began + tenth * 100ms)));
     if (tenth <= 10) say(one, a, tenth, began + tenth * 100ms);
     else ASSERT_TRUE(one.flush(began + tenth * 100ms));
     if (tenth <= 5) ASSERT_TRUE(other.flush(began + tenth * 100ms));
@@ -73,11 +74,13 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
   EXPECT_NEAR(gap(instant(began + 750ms)), 20 - 0.2, 1e-9);
   EXPECT_NEAR(gap({}), 10 - 0.2, 1e-9) << "latest";
   // Only one has spoken of that instant; the other's went at 10 m/s when it was last heard of.
-  std::this_thread::sleep_until(std::chrono::system_clock::time_point(std::chrono::duration_cast<std::chrono::system_clock::duration>(began + 1800ms)));
+  std::this_thread::sleep_until(std::chrono::system_clock::time_point(
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(began + 1800ms)));
   ASSERT_TRUE(one.flush(began + 1800ms));
   Result<PairAnswer> later = Error{};
-  ASSERT_TRUE(test::eventually([&] { return static_cast<bool>(later = client.pair("post", "b", {.as_of = instant(began + 1800ms)})); }))
-      << later.error().message;
+  ASSERT_TRUE(test::eventually([&] {
+    return static_cast<bool>(later = client.pair("post", "b", {.as_of = instant(began + 1800ms)}));
+  })) << later.error().message;
   EXPECT_EQ(later->verdict, Verdict::undecided);
   EXPECT_EQ(later->reason, UndecidedReason::stale_object);
   AskOptions settled;
@@ -114,7 +117,8 @@ TEST_F(ServerInstants, AllChunksOfARequestAreOfOneInstant) {
 TEST_F(ServerInstants, WhatNobodyRemembersIsRefusedInWords) {
   start({"--memory", "2s"});
   Client client = connect();
-  EXPECT_NE(met(client, 0, instant(now() - 60s)).find("this server remembers poses of the last"), std::string::npos) << met(client, 0, instant(now() - 60s));
+  EXPECT_NE(met(client, 0, instant(now() - 60s)).find("this server remembers poses of the last"), std::string::npos)
+      << met(client, 0, instant(now() - 60s));
   EXPECT_NE(met(client, 0, instant(now() + 60s)).find("ahead of the world's time"), std::string::npos);
   AskOptions options;
   options.as_of = {.kind = Instant::Kind::back, .time = -1ns};
@@ -126,13 +130,15 @@ TEST_F(ServerInstants, WhatNobodyRemembersIsRefusedInWords) {
   EXPECT_EQ(pair.error().message, "pair: the instant is -1 ns; allowed 0 or more");
   const Result<PairAnswer> old = client.pair("a", "b", {.as_of = instant(now() - 60s)});
   ASSERT_FALSE(old);
-  EXPECT_NE(old.error().message.find("this server remembers poses of the last"), std::string::npos) << old.error().message;
+  EXPECT_NE(old.error().message.find("this server remembers poses of the last"), std::string::npos)
+      << old.error().message;
 }
 
 TEST_F(ServerInstants, AServerWithoutMemorySaysSo) {
   start({"--memory", "off"});
   Client client = connect();
-  EXPECT_NE(met(client, 0, {.kind = Instant::Kind::settled}).find("remembers no poses (--memory off)"), std::string::npos);
+  EXPECT_NE(met(client, 0, {.kind = Instant::Kind::settled}).find("remembers no poses (--memory off)"),
+            std::string::npos);
   EXPECT_EQ(met(client, 0, {}), "nothing");
 }
 

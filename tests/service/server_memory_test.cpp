@@ -28,8 +28,8 @@ class ServerMemory : public testing_support::ServerTest {
   void TearDown() override { munmap(name_, 16); }
   std::unique_ptr<testing_support::ChildProcess> start_starvable() {
     auto server = std::make_unique<testing_support::ChildProcess>(
-        std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" COLLIDED_NO_MEMORY, "COLLIDED_NO_MEMORY=" + path_, COLLIDED_SERVER, "--domain",
-                                 std::to_string(domain_), "--state-dir", folder_.path()},
+        std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" COLLIDED_NO_MEMORY, "COLLIDED_NO_MEMORY=" + path_,
+                                 COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", folder_.path()},
         folder_.path(), "starvable");
     EXPECT_TRUE(server->says("ready:", 20s)) << server->errors();
     return server;
@@ -56,7 +56,8 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   const json box{{"name", "box"}, {"pose", {9, 3, 9, 1, 0, 0, 0}}};
   EXPECT_FALSE(client.command("add", box.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}, 1s));
   EXPECT_EQ(server->wait(5s), 71) << server->errors();
-  EXPECT_NE(server->errors().find("error: no memory left for the world's thread; ending"), std::string::npos) << server->errors();
+  EXPECT_NE(server->errors().find("error: no memory left for the world's thread; ending"), std::string::npos)
+      << server->errors();
   starve("");
   start({}, "next");
   Client other = connect();

@@ -25,7 +25,8 @@ class ServerPairs : public testing_support::ServerTest {
 };
 
 MeshShape tetrahedron() {
-  return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+          .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
 }
 
 std::vector<ShapePart> all_kinds() {
@@ -92,13 +93,16 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
   for (int round = 0; round < 6; ++round) {
     for (const Publisher::Object object : objects) {
       const Quat turn = Quat(any(generator), any(generator), any(generator), any(generator)).normalized();
-      ASSERT_TRUE(publisher.move(object, {.position = {0.6 * any(generator), 0.6 * any(generator), 20 + 0.6 * any(generator)}, .rotation = turn}));
+      ASSERT_TRUE(publisher.move(
+          object,
+          {.position = {0.6 * any(generator), 0.6 * any(generator), 20 + 0.6 * any(generator)}, .rotation = turn}));
     }
     ASSERT_TRUE(publisher.flush());
     ASSERT_TRUE(publisher.wait_applied(5s));
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        const PairAnswer answer = pair(client, "kind" + std::to_string(i), "kind" + std::to_string(j), {.certificate = true});
+        const PairAnswer answer =
+            pair(client, "kind" + std::to_string(i), "kind" + std::to_string(j), {.certificate = true});
         ASSERT_NE(answer.verdict, Verdict::undecided);
         ASSERT_TRUE(answer.certificate) << answer.no_certificate << " " << i << " and " << j;
         Certificate certificate = *answer.certificate;
@@ -113,11 +117,13 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
         if (certificate.steps.size() == 1) {
           ++with_one_plane;
           ASSERT_GT(gap_of(certificate), 0);
-          ASSERT_LE(gap_of(certificate), answer.distance_m + answer.error_m + 1e-12) << "no gap is wider than the distance";
+          ASSERT_LE(gap_of(certificate), answer.distance_m + answer.error_m + 1e-12)
+              << "no gap is wider than the distance";
         }
         for (CertifiedPart& part : certificate.b) {
           for (CertifiedPart::Numbers& point : part.points) {
-            for (std::size_t k = 0; k < 3; ++k) point[k] -= (answer.distance_m * 1.01 + 1e-9) * answer.normal[static_cast<Eigen::Index>(k)];
+            for (std::size_t k = 0; k < 3; ++k)
+              point[k] -= (answer.distance_m * 1.01 + 1e-9) * answer.normal[static_cast<Eigen::Index>(k)];
           }
         }
         ASSERT_FALSE(proves(certificate)) << "moved together, the two touch";
@@ -169,7 +175,8 @@ TEST_F(ServerPairs, TrianglesComeAsTheyAreAskedFor) {
   EXPECT_TRUE(two.cut);
   EXPECT_EQ(two.triangle_pairs.size(), 2u);
   EXPECT_EQ(two.triangle_pair_count, all.triangle_pair_count);
-  EXPECT_EQ(client.pair("a", "c").error().message, "server refused: object 'c' is not in the world (33 objects); nearest names: a, b");
+  EXPECT_EQ(client.pair("a", "c").error().message,
+            "server refused: object 'c' is not in the world (33 objects); nearest names: a, b");
   EXPECT_FALSE(client.pair("a", "a"));
   EXPECT_FALSE(client.pair("a", "b", {.most_triangle_pairs = 100'001}));
 }
@@ -178,14 +185,18 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
   start();
   Client client = connect();
   Publisher publisher = publish(client, "cars");
-  const Result<Publisher::Object> car = publisher.add({.name = "car", .shape = {BoxShape{.half_m = {1, 0.5, 0.25}}}, .pose = at(0, 3, 2), .lost_policy = LostPolicy::hold});
+  const Result<Publisher::Object> car = publisher.add({.name = "car",
+                                                       .shape = {BoxShape{.half_m = {1, 0.5, 0.25}}},
+                                                       .pose = at(0, 3, 2),
+                                                       .lost_policy = LostPolicy::hold});
   ASSERT_TRUE(car);
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   for (const double x : {-0.9, 0.9}) {
     ASSERT_TRUE(client.add_probe({.name = x < 0 ? "rear" : "front", .object = "car", .origin = {x, 0, -0.25}}));
   }
-  ASSERT_TRUE(client.add_probe({.name = "lost", .object = "lorry", .reach_m = std::numeric_limits<double>::infinity()}));
+  ASSERT_TRUE(
+      client.add_probe({.name = "lost", .object = "lorry", .reach_m = std::numeric_limits<double>::infinity()}));
   const Result<std::vector<ProbeReading>> now = client.probes();
   ASSERT_TRUE(now) << now.error().message;
   ASSERT_EQ(now->size(), 3u);
@@ -198,7 +209,10 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
     double z;
     Clearance state;
   };
-  for (const Wanted& wanted : {Wanted{0.75, Clearance::gap}, {0.25, Clearance::touching}, {0.125, Clearance::collision}, {-5, Clearance::nothing}}) {
+  for (const Wanted& wanted : {Wanted{0.75, Clearance::gap},
+                               {0.25, Clearance::touching},
+                               {0.125, Clearance::collision},
+                               {-5, Clearance::nothing}}) {
     std::set<std::string> told;
     const auto give_up = std::chrono::steady_clock::now() + 30s;
     while (told.size() < 2) {
@@ -208,9 +222,7 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
       const std::optional<ProbeReading> reading = watch->next(1s);
       if (!reading || reading->state != wanted.state) continue;
       EXPECT_EQ(reading->object, "car");
-      if (wanted.state != Clearance::nothing) {
-        EXPECT_NEAR(reading->clearance_m, wanted.z - 0.25, 1e-12);
-      }
+      if (wanted.state != Clearance::nothing) { EXPECT_NEAR(reading->clearance_m, wanted.z - 0.25, 1e-12); }
       told.insert(reading->probe);
     }
     EXPECT_EQ(told, (std::set<std::string>{"front", "rear"}));

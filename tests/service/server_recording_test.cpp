@@ -24,7 +24,8 @@ class ServerRecording : public testing_support::ServerTest {
   ConnectOptions here() const { return {.domain = domain_, .name_space = "collided", .wait = 10s}; }
 
   /// `collide record`, which a process that is connected already could not do.
-  ChildProcess& record_beside(const std::string& file, const std::vector<std::string>& more = {}, const std::string& before = {}) {
+  ChildProcess& record_beside(const std::string& file, const std::vector<std::string>& more = {},
+                              const std::string& before = {}) {
     std::vector<std::string> words{COLLIDED_CLI, "--domain", domain(), "record", file};
     words.insert(words.end(), more.begin(), more.end());
     if (!before.empty()) {
@@ -32,7 +33,8 @@ class ServerRecording : public testing_support::ServerTest {
       for (const std::string& word : words) line += " '" + word + "'";
       words = {"/bin/bash", "-c", line};
     }
-    children_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), "record" + std::to_string(children_.size())));
+    children_.push_back(
+        std::make_unique<ChildProcess>(words, folder_.path(), "record" + std::to_string(children_.size())));
     return *children_.back();
   }
   /// Until so many samples of the topic are in chunks on the disk.
@@ -42,7 +44,8 @@ class ServerRecording : public testing_support::ServerTest {
     const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
     const mcap::Contents contents = mcap::read(bytes);
     std::size_t found = 0;
-    for (const mcap::Message& message : contents.messages) found += contents.channels.at(message.head.channel).topic == topic ? 1 : 0;
+    for (const mcap::Message& message : contents.messages)
+      found += contents.channels.at(message.head.channel).topic == topic ? 1 : 0;
     return found >= count;
   }
   /// Until the answers to so many questions are.
@@ -57,7 +60,9 @@ class ServerRecording : public testing_support::ServerTest {
     }
     return found >= count;
   }
-  static bool listens(const std::string& file) { return test::eventually([&] { return has(file, "collided/status_v2", 1); }, 20s); }
+  static bool listens(const std::string& file) {
+    return test::eventually([&] { return has(file, "collided/status_v2", 1); }, 20s);
+  }
 
   /// A run with something of everything: balls that move at random, one that was there before and rests, one that is
   /// removed, questions of every kind between, commands.
@@ -65,16 +70,21 @@ class ServerRecording : public testing_support::ServerTest {
     std::mt19937_64 random = oracle::seeded(3);
     std::uniform_real_distribution<double> x(0, 9), turn(-1, 1);
     std::vector<Publisher::Object> balls;
-    for (int i = 0; i < 5; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(x(random), x(random), 1)));
-    EXPECT_TRUE(client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.1, 0.1, 1}}}));
+    for (int i = 0; i < 5; ++i)
+      balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(x(random), x(random), 1)));
+    EXPECT_TRUE(
+        client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.1, 0.1, 1}}}));
     EXPECT_TRUE(publisher.wait_applied(5s));
     for (int round = 0; round < rounds; ++round) {
-      for (const Publisher::Object ball : balls) EXPECT_TRUE(publisher.move(ball, at(x(random), x(random), 1 + turn(random))));
+      for (const Publisher::Object ball : balls)
+        EXPECT_TRUE(publisher.move(ball, at(x(random), x(random), 1 + turn(random))));
       EXPECT_TRUE(publisher.flush());
       EXPECT_TRUE(client.pair("ball 0", round % 2 == 0 ? "ball 1" : "post", {.certificate = true}));
       std::vector<RayQuestion> rays;
-      for (int i = 0; i < 20; ++i) rays.push_back({{x(random), x(random), 1}, {turn(random), turn(random), 0.1 * turn(random)}});
-      EXPECT_TRUE(client.ask(std::span<const RayQuestion>(rays), {.mode = round % 2 == 0 ? HitMode::all : HitMode::closest}));
+      for (int i = 0; i < 20; ++i)
+        rays.push_back({{x(random), x(random), 1}, {turn(random), turn(random), 0.1 * turn(random)}});
+      EXPECT_TRUE(
+          client.ask(std::span<const RayQuestion>(rays), {.mode = round % 2 == 0 ? HitMode::all : HitMode::closest}));
       EXPECT_TRUE(client.ask(NearQuestion{{x(random), x(random), 1}}, {.fresh = true}));
       EXPECT_TRUE(client.ask(SphereQuestion{{x(random), x(random), 1}, 1.5}));
       const std::vector<SweepQuestion> motions{{at(x(random), x(random), 1), at(x(random), x(random), 1)}};
@@ -182,8 +192,9 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
   ASSERT_FALSE(other->differences.empty());
   EXPECT_NE(other->differences.front().find(": then "), std::string::npos);
   // The post that they are about is another.
-  EXPECT_TRUE(std::any_of(other->differences.begin(), other->differences.end(),
-                          [](const std::string& difference) { return difference.find(", pair 0: then ") != std::string::npos; }));
+  EXPECT_TRUE(std::any_of(other->differences.begin(), other->differences.end(), [](const std::string& difference) {
+    return difference.find(", pair 0: then ") != std::string::npos;
+  }));
 }
 
 // What the server itself remembered says the same, from before anybody thought of recording.
@@ -242,7 +253,8 @@ TEST_F(ServerRecording, PosesComeAgainInTime) {
 
 /// What an event says and when, for comparisons of what two heard.
 std::string words_of(const Event& event) {
-  return std::to_string(event.sequence) + (event.kind == EventKind::began ? " began " : " ended ") + event.a + " " + event.b + " " + std::to_string(event.world_time.count());
+  return std::to_string(event.sequence) + (event.kind == EventKind::began ? " began " : " ended ") + event.a + " " +
+         event.b + " " + std::to_string(event.world_time.count());
 }
 
 // One ball lies there before the time asked for, one falls and rises before the watch begins, one while it does and after: who
@@ -279,11 +291,14 @@ TEST_F(ServerRecording, AWatchSinceATimeTellsWhatWasAndWhatComesEachOnce) {
   move(publisher, lying, at(1, 1, 2));
 
   std::vector<std::string> heard, told;
-  for (Event event = down; event.sequence == 1 || event.a != down.a || event.b != down.b; heard.push_back(words_of(event))) event = next(reference);
+  for (Event event = down; event.sequence == 1 || event.a != down.a || event.b != down.b;
+       heard.push_back(words_of(event)))
+    event = next(reference);
   const Event open = next(*joined);
   EXPECT_EQ(open.kind, EventKind::open);
   EXPECT_EQ(open.episode, down.episode);
-  for (Event event = open; event.kind != EventKind::ended || event.episode != down.episode; told.push_back(words_of(event))) {
+  for (Event event = open; event.kind != EventKind::ended || event.episode != down.episode;
+       told.push_back(words_of(event))) {
     event = next(*joined);
     EXPECT_FALSE(event.resync);
   }
@@ -302,11 +317,13 @@ TEST_F(ServerRecording, AWatchSinceATimeBeforeTheRecorderSaysFromWhenOn) {
   move(publisher, ball, at(4, 4, 0.05));
   const Event down = next(reference);
   const std::chrono::nanoseconds since = down.world_time - 1h;
-  ASSERT_TRUE(test::eventually([&] {
-    EXPECT_TRUE(publisher.keep_alive());
-    Result<Watch> early = client.watch({.since = since});
-    return early && early->tells_since() > down.world_time;
-  }, 20s));
+  ASSERT_TRUE(test::eventually(
+      [&] {
+        EXPECT_TRUE(publisher.keep_alive());
+        Result<Watch> early = client.watch({.since = since});
+        return early && early->tells_since() > down.world_time;
+      },
+      20s));
   Result<Watch> joined = client.watch({.since = since});
   ASSERT_TRUE(joined) << joined.error().message;
   const Event open = next(*joined);
@@ -343,13 +360,15 @@ TEST_F(ServerRecording, AFullDiskIsSaidAndWhatWasWrittenStays) {
     for (int i = 0; i < 100; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(20 + i, 0, 0)));
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (recorder.wait(0ms) == -1 && std::chrono::steady_clock::now() < end) {
-      for (std::size_t i = 0; i < balls.size(); ++i) EXPECT_TRUE(publisher.move(balls[i], at(20.0 + static_cast<double>(i), 1, 0)));
+      for (std::size_t i = 0; i < balls.size(); ++i)
+        EXPECT_TRUE(publisher.move(balls[i], at(20.0 + static_cast<double>(i), 1, 0)));
       EXPECT_TRUE(publisher.flush());
       std::this_thread::sleep_for(5ms);
     }
   }
   EXPECT_EQ(recorder.wait(1s), 5);
-  EXPECT_NE(recorder.errors().find("recording stopped: " + file + ": File too large"), std::string::npos) << recorder.errors();
+  EXPECT_NE(recorder.errors().find("recording stopped: " + file + ": File too large"), std::string::npos)
+      << recorder.errors();
   EXPECT_NE(recorder.errors().find("what was written before can be read"), std::string::npos) << recorder.errors();
   const Result<ReplayReport> report = replay(here(), {.path = file, .rate = 100});
   ASSERT_TRUE(report) << report.error().message;
@@ -410,7 +429,8 @@ TEST_F(ServerRecording, PagesOfARecordingAreThoseOfItsFile) {
   EXPECT_GE(told["messages"], 1);
   EXPECT_EQ(told["to_ns"].get<std::int64_t>() - told["from_ns"].get<std::int64_t>(), 30'000'000'000);
   const auto page = [&](const std::string& offset) {
-    const Result<std::string> bytes_from = client.command("recording", R"({"number": )" + number + R"(, "offset": )" + offset + "}");
+    const Result<std::string> bytes_from =
+        client.command("recording", R"({"number": )" + number + R"(, "offset": )" + offset + "}");
     return bytes_from ? *bytes_from : bytes_from.error().message;
   };
   EXPECT_TRUE(page("0") == bytes.substr(0, 1 << 20));
@@ -420,9 +440,11 @@ TEST_F(ServerRecording, PagesOfARecordingAreThoseOfItsFile) {
             "server refused: recording: 'offset' is 1099511627777; allowed: a whole number from 0 to 1099511627776; ");
   EXPECT_EQ(refusal(R"({"last_s": 86401})"), "server refused: recording: last_s is a time from 0 to a day; ");
   EXPECT_EQ(refusal(R"({"last_s": -1})"), "server refused: recording: last_s is a time from 0 to a day; ");
-  EXPECT_EQ(refusal(R"({"number": 77})"), "server refused: recording 77 is not kept; the newest 4 are; ask for a new one");
+  EXPECT_EQ(refusal(R"({"number": 77})"),
+            "server refused: recording 77 is not kept; the newest 4 are; ask for a new one");
   std::filesystem::remove(file);
-  EXPECT_EQ(refusal(R"({"number": )" + number + "}"), "server refused: recording: " + file + " cannot be read any more; ask for a new one");
+  EXPECT_EQ(refusal(R"({"number": )" + number + "}"),
+            "server refused: recording: " + file + " cannot be read any more; ask for a new one");
 }
 
 TEST_F(ServerRecording, WithoutAFlightRecorderTheServerSaysSo) {
@@ -443,7 +465,8 @@ TEST_F(ServerRecording, OtherFilesAreRefused) {
     EXPECT_FALSE(report);
     return report ? std::string() : report.error().message;
   };
-  EXPECT_NE(refused(folder_.write("poses.csv", "t,name,x\n")).find("is no MCAP file. Nothing was replayed"), std::string::npos);
+  EXPECT_NE(refused(folder_.write("poses.csv", "t,name,x\n")).find("is no MCAP file. Nothing was replayed"),
+            std::string::npos);
   EXPECT_NE(refused(path("missing.mcap")).find("No such file"), std::string::npos);
   EXPECT_NE(refused(folder_.path()).find("is no file"), std::string::npos);
 }

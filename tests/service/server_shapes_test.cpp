@@ -62,8 +62,9 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
                              .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.add(
       {.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}, .lost_policy = LostPolicy::hold}));
-  ASSERT_TRUE(publisher.add(
-      {.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}, .lost_policy = LostPolicy::hold}));
+  ASSERT_TRUE(publisher.add({.name = "cloud",
+                             .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}},
+                             .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
 

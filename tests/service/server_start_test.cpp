@@ -69,7 +69,8 @@ TEST_F(ServerStart, TheShippedConfigHoldsTheDefaults) {
 // A T-vertex on the long edge of a second panel: kept and not spoken of, or cut and said.
 TEST_F(ServerStart, StartScenesAreMendedWhereThatIsAskedFor) {
   const std::string panels = folder_.write(
-      "panels.obj", "v 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\nf 2 6 7\nf 2 7 4\n");
+      "panels.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\nf 2 6 7\nf 2 7 4\n");
   const Ended as_it_is = run({"--once", panels});
   EXPECT_EQ(as_it_is.code, 0) << as_it_is.errors;
   EXPECT_EQ(as_it_is.output.find("mended"), std::string::npos) << as_it_is.output;
@@ -84,7 +85,8 @@ TEST_F(ServerStart, StartScenesAreMendedWhereThatIsAskedFor) {
     EXPECT_NE(mended.output.find("panels: 6 triangles"), std::string::npos) << mended.output;
   }
   EXPECT_EQ(run({"--once", panels, "--mend", "0"}).errors,
-            "error: world.mend is '0'; allowed: 'off', 'auto' or the widest crack to close, such as 0.1mm (from flag --mend)\n");
+            "error: world.mend is '0'; allowed: 'off', 'auto' or the widest crack to close, such as 0.1mm (from flag "
+            "--mend)\n");
 }
 
 TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
@@ -104,7 +106,8 @@ TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
 TEST_F(ServerStart, OnceComparesWithBruteForce) {
   const Ended ended = run({"--once"});
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
-  EXPECT_NE(ended.output.find("800 of 800 answers equal to brute force by rationals"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("800 of 800 answers equal to brute force by rationals"), std::string::npos)
+      << ended.output;
 }
 
 TEST_F(ServerStart, StopsWithinASecond) {

@@ -18,8 +18,8 @@ using ServerStopping = testing_support::ServerTest;
 // the meantime are refused, and the one that was first is done.
 TEST_F(ServerStopping, CommandsThatComeTooLateAreRefusedAndNotForgotten) {
   testing_support::ChildProcess server(
-      {"/usr/bin/env", "LD_PRELOAD=" COLLIDED_SLOW_DISK, "COLLIDED_FSYNC_MS=700", COLLIDED_SERVER, "--domain", std::to_string(domain_),
-       "--state-dir", folder_.path()},
+      {"/usr/bin/env", "LD_PRELOAD=" COLLIDED_SLOW_DISK, "COLLIDED_FSYNC_MS=700", COLLIDED_SERVER, "--domain",
+       std::to_string(domain_), "--state-dir", folder_.path()},
       folder_.path(), "slow");
   ASSERT_TRUE(server.says("ready:", 20s)) << server.errors();
   Client first = connect();
@@ -40,9 +40,12 @@ TEST_F(ServerStopping, CommandsThatComeTooLateAreRefusedAndNotForgotten) {
   while (!is_there() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(1ms);
   server.signal(SIGTERM);
   const std::vector<std::pair<std::string, json>> commands{
-      {"add", {{"name", "late"}, {"pose", {9, 0, 5, 1, 0, 0, 0}}}}, {"move", {{"name", "crate"}, {"pose", {6, 0, 6, 1, 0, 0, 0}}}},
-      {"pair", {{"a", "crate"}, {"b", "warehouse/floor"}}},        {"menu", json::object()},
-      {"load", {{"path", "/nowhere/x.obj"}}},                      {"list", json::object()}};
+      {"add", {{"name", "late"}, {"pose", {9, 0, 5, 1, 0, 0, 0}}}},
+      {"move", {{"name", "crate"}, {"pose", {6, 0, 6, 1, 0, 0, 0}}}},
+      {"pair", {{"a", "crate"}, {"b", "warehouse/floor"}}},
+      {"menu", json::object()},
+      {"load", {{"path", "/nowhere/x.obj"}}},
+      {"list", json::object()}};
   // Until the first refusal the signal may still be on its way.
   bool is_stopping = false;
   for (int i = 0; i < 400 && !is_stopping; ++i) {
@@ -55,7 +58,8 @@ TEST_F(ServerStopping, CommandsThatComeTooLateAreRefusedAndNotForgotten) {
     const Result<std::string> answer = second.command(name, arguments.dump(), shape, 1s);
     ASSERT_FALSE(answer) << name;
     EXPECT_EQ(answer.error().code, ErrorCode::refused) << name << ": " << answer.error().message;
-    EXPECT_NE(answer.error().message.find("the server is stopping"), std::string::npos) << name << ": " << answer.error().message;
+    EXPECT_NE(answer.error().message.find("the server is stopping"), std::string::npos)
+        << name << ": " << answer.error().message;
   }
   adding.join();
   EXPECT_TRUE(is_added.load()) << "what was taken before is done, and kept";

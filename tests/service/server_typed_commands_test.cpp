@@ -79,10 +79,10 @@ TEST_F(ServerTypedCommands, WhatIsAddedIsListedMovedAndRemoved) {
 TEST_F(ServerTypedCommands, AFileIsLoadedByPathOrByItsBytes) {
   Client client = connect();
   const std::string path = write_roof();
-  const Loaded loaded = must(client.load(path, {.name = "roof", .unit_m = 2, .covers = {{{-20, -20, -1}, {20, 20, std::numeric_limits<double>::infinity()}}}},
-                                         [&](double now) {
-                                           EXPECT_TRUE(now >= 0 && now <= 1);
-                                         }));
+  const Loaded loaded = must(client.load(
+      path,
+      {.name = "roof", .unit_m = 2, .covers = {{{-20, -20, -1}, {20, 20, std::numeric_limits<double>::infinity()}}}},
+      [&](double now) { EXPECT_TRUE(now >= 0 && now <= 1); }));
   EXPECT_EQ(loaded.scene, "roof");
   EXPECT_EQ(loaded.triangles, 2U);
   EXPECT_EQ(loaded.parts, 1U);
@@ -96,7 +96,8 @@ TEST_F(ServerTypedCommands, AFileIsLoadedByPathOrByItsBytes) {
 
   std::ifstream file(path);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
-  EXPECT_EQ(client.load(std::as_bytes(std::span(text)), "roof.obj").error().code, ErrorCode::refused) << "the name is taken";
+  EXPECT_EQ(client.load(std::as_bytes(std::span(text)), "roof.obj").error().code, ErrorCode::refused)
+      << "the name is taken";
   EXPECT_EQ(must(client.load(std::as_bytes(std::span(text)), "roof.obj", {.replace = true})).triangles, 2U);
   EXPECT_EQ(must(client.clear({.scene = "roof"})).removed, 1U);
 }
@@ -147,7 +148,8 @@ TEST_F(ServerTypedCommands, ANearestQuestionGivesTheNearest) {
     const Result<Answer> answer = client.ask(NearQuestion{.point = {-1, 0, 0}}, options);
     EXPECT_TRUE(answer);
     std::vector<std::string> names;
-    if (answer) for (const Hit& hit : answer->hits) names.push_back(hit.object);
+    if (answer)
+      for (const Hit& hit : answer->hits) names.push_back(hit.object);
     return names;
   };
   EXPECT_EQ(nearest({}), std::vector<std::string>{"ball 0"});

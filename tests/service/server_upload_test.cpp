@@ -30,7 +30,8 @@ class ServerUploads : public ServerTest {
     return text;
   }
   static bool is_there(Client& client, double x) {
-    return client.ask(RayQuestion{.origin = {x, 0.5, 5}, .direction = {0, 0, -1}, .length_m = 10})->verdict == Verdict::hit;
+    return client.ask(RayQuestion{.origin = {x, 0.5, 5}, .direction = {0, 0, -1}, .length_m = 10})->verdict ==
+           Verdict::hit;
   }
   static std::string refusal(Client& client, const std::string& command, const json& arguments) {
     const Result<std::string> answer = client.command(command, arguments.dump());
@@ -84,11 +85,16 @@ TEST_F(ServerUploads, WhatDoesNotFitIsRefusedByName) {
   const Result<std::string> begun = client.command("upload", R"({"file": "a.obj", "bytes": 300000, "checksum": 5})");
   ASSERT_TRUE(begun);
   const json number = json::parse(*begun)["upload"];
-  EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"first", 0}}).find("a piece of 0 bytes at 0"), std::string::npos);
-  EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"frist", 0}}).find("unknown argument 'frist'; did you mean 'first'?"), std::string::npos);
-  EXPECT_NE(refusal(client, "load", {{"upload", number}}).find("2 pieces of 2 are missing. Nothing was loaded"), std::string::npos);
+  EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"first", 0}}).find("a piece of 0 bytes at 0"),
+            std::string::npos);
+  EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"frist", 0}})
+                .find("unknown argument 'frist'; did you mean 'first'?"),
+            std::string::npos);
+  EXPECT_NE(refusal(client, "load", {{"upload", number}}).find("2 pieces of 2 are missing. Nothing was loaded"),
+            std::string::npos);
   Client other = connect();
-  EXPECT_NE(refusal(other, "load", {{"upload", number}}).find("none of that number"), std::string::npos) << "of another client";
+  EXPECT_NE(refusal(other, "load", {{"upload", number}}).find("none of that number"), std::string::npos)
+      << "of another client";
   const Result<std::string> bad = client.upload(bytes_of("v 0 0 0\nf 1 2 3\n"), "bad.obj");
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().message, "server refused: bad.obj: line 2: vertex number 2 of 1. Nothing was loaded.");
@@ -101,7 +107,8 @@ TEST_F(ServerUploads, OnlySoManyAreUnderWay) {
   start();
   Client client = connect();
   int begun = 0;
-  for (int i = 0; i < 12; ++i) begun += client.command("upload", R"({"file": "a.obj", "bytes": 10, "checksum": 5})") ? 1 : 0;
+  for (int i = 0; i < 12; ++i)
+    begun += client.command("upload", R"({"file": "a.obj", "bytes": 10, "checksum": 5})") ? 1 : 0;
   EXPECT_EQ(begun, 8);
 }
 
@@ -121,7 +128,8 @@ TEST_F(ServerUploads, ACrashLosesNone) {
   {
     Client client = connect();
     const auto until = std::chrono::steady_clock::now() + 15s;
-    while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) std::this_thread::sleep_for(20ms);
+    while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready"))
+      std::this_thread::sleep_for(20ms);
     EXPECT_TRUE(is_there(client, 50.5));
     EXPECT_FALSE(is_there(client, 80.2));
   }

@@ -12,19 +12,25 @@ namespace collided::engine::service {
 namespace {
 
 using namespace std::chrono_literals;
-using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::UndecidedReason;
+using wire_contract::Verdict;
 
 /// A client's ears: the newest reply, and whether there is one.
 class Ears {
  public:
-  Ears(const dds::Participant& participant, std::uint64_t client) : topic_(participant, test::own_namespace()), reader_(topic_, {.data = [this](dds::Taker<wire::Reply> taker) {
-    while (taker.take(reply_)) {
-      if (reply_.info().valid_data) heard_.store(reply_->request);
-    }
-  }, .partition = wire_contract::reply_partition(client)}) {}
-  bool hears(std::uint64_t request) { return test::eventually([&] { return heard_.load() == request; }); }
+  Ears(const dds::Participant& participant, std::uint64_t client)
+      : topic_(participant, test::own_namespace()),
+        reader_(topic_, {.data =
+                             [this](dds::Taker<wire::Reply> taker) {
+                               while (taker.take(reply_)) {
+                                 if (reply_.info().valid_data) heard_.store(reply_->request);
+                               }
+                             },
+                         .partition = wire_contract::reply_partition(client)}) {}
+  bool hears(std::uint64_t request) {
+    return test::eventually([&] { return heard_.load() == request; });
+  }
   const wire::Reply& reply() const { return *reply_; }
 
  private:
@@ -158,7 +164,8 @@ class WireAnswering : public testing::Test {
     world.step(clock.now_ns(), 1, {});
     world.move(std::get<ObjectId>(defined), {.position = {0, 0, 50}}, clock.now_ns(), true);
     world.step(clock.now_ns(), 1, {});
-    const Vec3 normal = (mesh->vertices[1] - mesh->vertices[0]).cross(mesh->vertices[2] - mesh->vertices[0]).normalized();
+    const Vec3 normal =
+        (mesh->vertices[1] - mesh->vertices[0]).cross(mesh->vertices[2] - mesh->vertices[0]).normalized();
     const Vec3 along = (mesh->vertices[2] - mesh->vertices[0]).normalized();
     const Vec3 direction = along - 1e-9 * normal;
     const Vec3 origin = (mesh->vertices[0] + mesh->vertices[1] + mesh->vertices[2]) / 3 - 100 * direction;
@@ -171,8 +178,12 @@ class WireAnswering : public testing::Test {
     if (!options.recovering) options.recovering = [] { return false; };
     reader.reset();
     answering.reset();
-    answering = std::make_unique<Answering>(Answering::Collaborators{world, clock, write_barriers, leases, counts, audit}, reply_topic, options, [](CommandAsk) {});
-    reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) { answering->listen(taker); }});
+    answering =
+        std::make_unique<Answering>(Answering::Collaborators{world, clock, write_barriers, leases, counts, audit},
+                                    reply_topic, options, [](CommandAsk) {});
+    reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) {
+                     answering->listen(taker);
+                   }});
     ASSERT_TRUE(test::eventually([&] { return writer.matched_readers() == 1; }));
     hello();
   }
@@ -273,7 +284,8 @@ TEST_F(WireAnswering, WhileRecoveringOnlyAHitWhereAnyWillDoIsCertain) {
   answer_with(options);
   const auto answer_of = [&](const std::vector<double>& ray, wire_contract::RayMode mode) {
     const wire::Reply& reply = ask(ray, 0, 0, mode);
-    return std::pair(static_cast<Verdict>(reply.answers._buffer[0]), static_cast<UndecidedReason>(reply.reasons._buffer[0]));
+    return std::pair(static_cast<Verdict>(reply.answers._buffer[0]),
+                     static_cast<UndecidedReason>(reply.reasons._buffer[0]));
   };
   const std::vector<double> up{0, 0, 60, 0, 0, 1, 20};
   const std::vector<double> nowhere{0, 0, 60, 0, 0, 0, 20};
@@ -330,7 +342,9 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
     EXPECT_EQ(reply.world_time_ns, world.newest()->world_time_ns);
     EXPECT_EQ(reply.oldest_pose_age_ns, -1);
     EXPECT_EQ(reply.compute_ns, 0);
-    EXPECT_EQ(reply.answers._length + reply.objects._length + reply.distances._length + reply.points._length + reply.named_ids._length, 0U);
+    EXPECT_EQ(reply.answers._length + reply.objects._length + reply.distances._length + reply.points._length +
+                  reply.named_ids._length,
+              0U);
   };
   ask(down);
   hello();

@@ -82,7 +82,8 @@ History expected(const std::string& floors_path) {
     }
     const auto note = [&] {
       for (const Event& event : world.events()) {
-        history[named(names[event.of.a], names[event.of.b])].push_back(event.kind == EventKind::began ? "began" : "ended");
+        history[named(names[event.of.a], names[event.of.b])].push_back(event.kind == EventKind::began ? "began"
+                                                                                                      : "ended");
       }
     };
     for (int ball = 0; ball < kBalls; ++ball) {
@@ -97,7 +98,8 @@ History expected(const std::string& floors_path) {
     note();
     for (int frame = 1; frame < kFrames; ++frame) {
       for (int ball = 0; ball < kBalls; ++ball) {
-        world.move(ids[ball], {.position = ball_at(publisher, ball, frame), .rotation = Quat::Identity()}, frame, false);
+        world.move(ids[ball], {.position = ball_at(publisher, ball, frame), .rotation = Quat::Identity()}, frame,
+                   false);
       }
       world.step(frame + 1, 1, {});
       note();

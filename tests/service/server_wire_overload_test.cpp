@@ -65,11 +65,13 @@ TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
   list->kind = static_cast<std::uint8_t>(QueryKind::command);
   ASSERT_TRUE(dds::set_text(list->text, R"({"command": "list"})"));
   EXPECT_TRUE(is(quiet.ask(*list, 20s), ReplyStatus::ok));
-  EXPECT_NE(server.errors().find("overloaded: more questions come than can be dealt with; "), std::string::npos) << server.errors();
+  EXPECT_NE(server.errors().find("overloaded: more questions come than can be dealt with; "), std::string::npos)
+      << server.errors();
   EXPECT_NE(server.errors().find("questions of the low class are refused"), std::string::npos) << server.errors();
   EXPECT_EQ(server.errors().find("more poses come"), std::string::npos) << server.errors();
   const auto until = std::chrono::steady_clock::now() + 60s;
-  while (!is(ask(quiet, Importance::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(50ms);
+  while (!is(ask(quiet, Importance::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
   EXPECT_TRUE(is(ask(quiet, Importance::low), ReplyStatus::ok)) << server.errors();
 }
 
@@ -115,9 +117,10 @@ TEST_F(ServerWireOverload, ARefusedCommandIsAnsweredOnce) {
   };
   const auto status = [](ReplyStatus of) { return static_cast<std::uint8_t>(of); };
   std::vector<std::uint64_t> refused;
-  for (const char* const text : {R"({"command": "menu", "questions": 100001})", R"({"command": "menu", "sed": 1})",
-                                 R"({"command": "recording", "last_s": 86401})", R"({"command": "recording", "number": 9})",
-                                 R"({"command": "pair", "a": "floor"})", R"({"command": "no such"})"}) {
+  for (const char* const text :
+       {R"({"command": "menu", "questions": 100001})", R"({"command": "menu", "sed": 1})",
+        R"({"command": "recording", "last_s": 86401})", R"({"command": "recording", "number": 9})",
+        R"({"command": "pair", "a": "floor"})", R"({"command": "no such"})"}) {
     const auto [request, said] = command(text);
     EXPECT_EQ(said, status(ReplyStatus::refused)) << text;
     refused.push_back(request);

@@ -17,9 +17,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
-using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
+using wire_contract::Verdict;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -12,9 +12,7 @@ using test::FakeServer;
 const double kInf = std::numeric_limits<double>::infinity();
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-ConnectOptions here() {
-  return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
-}
+ConnectOptions here() { return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s}; }
 
 RayQuestion ray_from(double x) { return {{x, 0, 5}, {0, 0, -1}}; }
 
@@ -50,8 +48,7 @@ TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
   options.wait = 500ms;
   const Result<Client> client = Client::connect(options);
   ASSERT_FALSE(client);
-  EXPECT_EQ(client.error().hint,
-            "seen on this domain: 1 participant, none of ours; start a server with 'collided'");
+  EXPECT_EQ(client.error().hint, "seen on this domain: 1 participant, none of ours; start a server with 'collided'");
 }
 
 // Variables are the process's: put back as they were.
@@ -64,7 +61,8 @@ class Variables {
     else ::setenv(name, value, 1);
   }
   ~Variables() {
-    for (const auto& [name, value] : before_) value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
+    for (const auto& [name, value] : before_)
+      value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
   }
 
  private:
@@ -156,8 +154,14 @@ TEST_F(ClientAsk, EveryKindOfQuestionIsAnswered) {
 }
 
 TEST_F(ClientAsk, OptionsTravel) {
-  const AskOptions options{.mode = HitMode::all, .mask = 6, .only = "pallet_*", .skip = "pallet_0?", .max_hits = 17,
-                           .error_m = 1e-6, .deadline = 200us, .importance = Importance::high};
+  const AskOptions options{.mode = HitMode::all,
+                           .mask = 6,
+                           .only = "pallet_*",
+                           .skip = "pallet_0?",
+                           .max_hits = 17,
+                           .error_m = 1e-6,
+                           .deadline = 200us,
+                           .importance = Importance::high};
   ASSERT_TRUE(client_->ask(ray_from(1), options));
   const wire::Query query = server_.last_query();
   EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::RayMode::all));
@@ -175,9 +179,7 @@ TEST_F(ClientAsk, OptionsTravel) {
 
 TEST_F(ClientAsk, HundredThousandRaysKeepTheirOrder) {
   std::vector<RayQuestion> rays;
-  for (int i = 0; i < 100'000; ++i) {
-    rays.push_back(ray_from(i % 3 == 0 ? -1 : i));
-  }
+  for (int i = 0; i < 100'000; ++i) { rays.push_back(ray_from(i % 3 == 0 ? -1 : i)); }
   const Result<Answers> answers = client_->ask(rays, {.timeout = 20s});
   ASSERT_TRUE(answers) << answers.error().message;
   ASSERT_EQ(answers->answers.size(), rays.size());
@@ -187,9 +189,7 @@ TEST_F(ClientAsk, HundredThousandRaysKeepTheirOrder) {
   for (int i = 0; i < 100'000; ++i) {
     const Answer& answer = answers->answers[static_cast<std::size_t>(i)];
     ASSERT_EQ(answer.verdict, i % 3 == 0 ? Verdict::miss : Verdict::hit) << i;
-    if (answer.verdict == Verdict::hit) {
-      ASSERT_EQ(answer.hits.at(0).distance_m, i);
-    }
+    if (answer.verdict == Verdict::hit) { ASSERT_EQ(answer.hits.at(0).distance_m, i); }
   }
   const std::vector<std::uint32_t> chunks = server_.query_chunks();
   EXPECT_EQ(chunks.size(), 100u);
@@ -201,9 +201,7 @@ TEST_F(ClientAsk, AnswersInTheMemoryOfEarlierOnesAreThoseOfAFreshRequest) {
   Answers kept;
   for (const int count : {2'500, 40, 1'000, 1'001}) {
     std::vector<RayQuestion> rays;
-    for (int i = 0; i < count; ++i) {
-      rays.push_back(ray_from((i + count) % 3 == 0 ? -1 : i + 0.5));
-    }
+    for (int i = 0; i < count; ++i) { rays.push_back(ray_from((i + count) % 3 == 0 ? -1 : i + 0.5)); }
     const Result<Answers> fresh = client_->ask(rays);
     Result<Answers> again = client_->ask(rays, AskOptions{}, std::move(kept));
     ASSERT_TRUE(fresh && again);
@@ -329,9 +327,7 @@ TEST_F(ClientAsk, WrongQuestionsAreNamedAndNothingIsSent) {
 }
 
 // Its squares vanish, so a test of the norm would call it zero.
-TEST_F(ClientAsk, TinyDirectionIsADirection) {
-  EXPECT_TRUE(client_->ask(RayQuestion{{0, 0, 0}, {0, 0, 5e-324}}));
-}
+TEST_F(ClientAsk, TinyDirectionIsADirection) { EXPECT_TRUE(client_->ask(RayQuestion{{0, 0, 0}, {0, 0, 5e-324}})); }
 
 TEST_F(ClientAsk, RotationInSinglePrecisionIsTaken) {
   const Eigen::Quaternionf rotation(Eigen::AngleAxisf(0.7f, Eigen::Vector3f(1, 2, 3).normalized()));
@@ -347,9 +343,7 @@ TEST_F(ClientAsk, TooManyOrNoQuestionsAreRefused) {
 
 TEST_F(ClientAsk, AsynchronousAnswersReachTheirFutures) {
   std::vector<std::future<Result<Answers>>> futures;
-  for (int i = 0; i < 50; ++i) {
-    futures.push_back(client_->ask_async(std::vector<RayQuestion>(10, ray_from(i))));
-  }
+  for (int i = 0; i < 50; ++i) { futures.push_back(client_->ask_async(std::vector<RayQuestion>(10, ray_from(i)))); }
   for (int i = 0; i < 50; ++i) {
     const Result<Answers> answers = futures[static_cast<std::size_t>(i)].get();
     ASSERT_TRUE(answers) << answers.error().message;
@@ -368,9 +362,7 @@ TEST_F(ClientAsk, SeveralThreadsAskOverOneClient) {
       }
     });
   }
-  for (std::thread& thread : threads) {
-    thread.join();
-  }
+  for (std::thread& thread : threads) { thread.join(); }
   EXPECT_EQ(wrong, 0);
 }
 
@@ -383,8 +375,7 @@ TEST_F(ClientAsk, CommandAnswersInSeveralChunksArePutTogether) {
 }
 
 TEST_F(ClientAsk, CommandCarriesArgumentsAndShape) {
-  const Result<std::string> answer =
-      client_->command("add", R"({"name":"crate"})", {SphereShape{.radius_m = 1}});
+  const Result<std::string> answer = client_->command("add", R"({"name":"crate"})", {SphereShape{.radius_m = 1}});
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer->find(R"({"command":"add","name":"crate","blob":)"), 0u) << *answer;
   EXPECT_EQ(answer->find("\"blob\":0"), std::string::npos) << *answer;

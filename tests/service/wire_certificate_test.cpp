@@ -16,20 +16,36 @@ using Numbers = CertifiedPart::Numbers;
 
 constexpr std::array<Numbers, 3> kAxes{Numbers{1, 0, 0}, Numbers{0, 1, 0}, Numbers{0, 0, 1}};
 
-CertifiedPart ball(const Numbers& center, double radius_m) { return {.summand = Summand::ball, .points = {center}, .radius_m = radius_m}; }
-CertifiedPart box(const Numbers& center, const Numbers& half_m) { return {.summand = Summand::box, .points = {center}, .axes = kAxes, .half_m = half_m}; }
-CertifiedPart egg(const Numbers& center, const Numbers& half_m) { return {.summand = Summand::ellipsoid, .points = {center}, .axes = kAxes, .half_m = half_m}; }
+CertifiedPart ball(const Numbers& center, double radius_m) {
+  return {.summand = Summand::ball, .points = {center}, .radius_m = radius_m};
+}
+CertifiedPart box(const Numbers& center, const Numbers& half_m) {
+  return {.summand = Summand::box, .points = {center}, .axes = kAxes, .half_m = half_m};
+}
+CertifiedPart egg(const Numbers& center, const Numbers& half_m) {
+  return {.summand = Summand::ellipsoid, .points = {center}, .axes = kAxes, .half_m = half_m};
+}
 CertifiedPart triangle(const Numbers& a, const Numbers& b, const Numbers& c) { return {.points = {a, b, c}}; }
-CertifiedPart disc(const Numbers& a, const Numbers& b, double radius_m, bool tapers) { return {.summand = Summand::disc, .points = {a, b}, .radius_m = radius_m, .tapers = tapers}; }
-CertifiedPart ground(const Numbers& point, const Numbers& normal) { return {.summand = Summand::half_space, .points = {point}, .axes = {normal}}; }
+CertifiedPart disc(const Numbers& a, const Numbers& b, double radius_m, bool tapers) {
+  return {.summand = Summand::disc, .points = {a, b}, .radius_m = radius_m, .tapers = tapers};
+}
+CertifiedPart ground(const Numbers& point, const Numbers& normal) {
+  return {.summand = Summand::half_space, .points = {point}, .axes = {normal}};
+}
 
 Certificate apart(const CertifiedPart& a, const CertifiedPart& b, const Numbers& normal, const Numbers& point) {
   return {.touches = false, .a = {a}, .b = {b}, .steps = {{.kind = Kind::plane, .normal = normal, .point = point}}};
 }
 
-Certificate touching(const CertifiedPart& a, const CertifiedPart& b, const Numbers& point, const Certificate::Mix& mix_a = {{0, {1}}},
-                     const Certificate::Mix& mix_b = {{0, {1}}}) {
-  return {.touches = true, .a = {a}, .b = {b}, .point = {Certificate::Sum{point[0]}, {point[1]}, {point[2]}}, .divisor = {1}, .mix_a = mix_a, .mix_b = mix_b};
+Certificate touching(const CertifiedPart& a, const CertifiedPart& b, const Numbers& point,
+                     const Certificate::Mix& mix_a = {{0, {1}}}, const Certificate::Mix& mix_b = {{0, {1}}}) {
+  return {.touches = true,
+          .a = {a},
+          .b = {b},
+          .point = {Certificate::Sum{point[0]}, {point[1]}, {point[2]}},
+          .divisor = {1},
+          .mix_a = mix_a,
+          .mix_b = mix_b};
 }
 
 constexpr double kUlp = 0x1p-52;
@@ -56,7 +72,8 @@ TEST(Certificate, APlaneIsBelievedToTheLastBit) {
     EXPECT_FALSE(proves(apart(part, beyond, {-1, 0, 0}, {1, 0, 0})));
     EXPECT_FALSE(proves(apart(part, ball({3, 0, 0}, 2), {1, 0, 0}, {1, 0, 0}))) << "touching";
   }
-  EXPECT_FALSE(proves(apart(ground({1, 7, 7}, {4, 0, 0}), ball({3, 0, 0}, 1), {1, 1e-300, 0}, {1, 0, 0}))) << "no end that way";
+  EXPECT_FALSE(proves(apart(ground({1, 7, 7}, {4, 0, 0}), ball({3, 0, 0}, 1), {1, 1e-300, 0}, {1, 0, 0})))
+      << "no end that way";
 }
 
 TEST(Certificate, ACommonPointIsBelievedToTheLastBit) {
@@ -77,7 +94,8 @@ TEST(Certificate, ACommonPointIsBelievedToTheLastBit) {
   EXPECT_TRUE(proves(touching(disc({0, -1, 0}, {0, 1, 0}, 2, true), at_one, {1, 0, 0}, middle)));
   EXPECT_FALSE(proves(touching(disc({0, -1, 0}, {0, 1, 0}, 2 - 2 * kUlp, true), at_one, {1, 0, 0}, middle)));
   // A point of a triangle's inside, as thirds of its corners: 3 is the divisor.
-  Certificate thirds = touching(triangle({1, 0, 0}, {1, 1, 0}, {1, -1, 3}), at_one, {3, 0, 3}, {{0, {1}}, {1, {1}}, {2, {1}}});
+  Certificate thirds =
+      touching(triangle({1, 0, 0}, {1, 1, 0}, {1, -1, 3}), at_one, {3, 0, 3}, {{0, {1}}, {1, {1}}, {2, {1}}});
   thirds.divisor = {3};
   EXPECT_FALSE(proves(thirds)) << "outside the ball";
   thirds.b = {ball({2, 0, 1}, 1)};
@@ -91,9 +109,15 @@ TEST(Certificate, PlantedWrongOnesAreRefused) {
   good.point = {Certificate::Sum{1}, {1}, {0}};
   ASSERT_TRUE(proves(good));
   const std::vector<std::pair<const char*, std::function<void(Certificate&)>>> spoilers{
-      {"another point", [](Certificate& c) { c.point[0] = {1, 0x1p-60}; }},
+      {"another point",
+       [](Certificate& c) {
+         c.point[0] = {1, 0x1p-60};
+       }},
       {"a point off the plane", [](Certificate& c) { c.point[2] = {0x1p-70}; }},
-      {"other weights", [](Certificate& c) { c.mix_a[1].second = {1, 0x1p-60}; }},
+      {"other weights",
+       [](Certificate& c) {
+         c.mix_a[1].second = {1, 0x1p-60};
+       }},
       {"a weight below 0", [](Certificate& c) { c.mix_a[0].second = {-1}; }},
       {"weights that are nothing", [](Certificate& c) { c.mix_a = {}; }},
       {"a corner that is not there", [](Certificate& c) { c.mix_a[0].first = 3; }},

@@ -69,12 +69,13 @@ TEST(WireDds, SampleCrossesTheNetworkStackIntoReusedMemory) {
   std::string only;
   dds::Sample<wire::Query> room;
   const dds::Reader<wire::Query> reader(far_topic, {.data = [&](dds::Taker<wire::Query> taker) {
-    const std::lock_guard lock(mutex);
-    while (taker.take(room)) {
-      received.insert(received.end(), dds::view(room->lengths).begin(), dds::view(room->lengths).end());
-      only = room->only;
-    }
-  }});
+                                          const std::lock_guard lock(mutex);
+                                          while (taker.take(room)) {
+                                            received.insert(received.end(), dds::view(room->lengths).begin(),
+                                                            dds::view(room->lengths).end());
+                                            only = room->only;
+                                          }
+                                        }});
   dds::Writer<wire::Query> writer(near_topic);
   ASSERT_TRUE(eventually([&] { return writer.matched_readers() == 1 && reader.matched_writers() == 1; }));
 
@@ -130,9 +131,7 @@ TEST(WireDds, LateJoinerGetsStateOfEveryKey) {
   std::vector<std::uint64_t> versions;
   EXPECT_TRUE(eventually([&] {
     const dds::Loans<wire::ContactShard> loans = reader.take_loans();
-    for (std::size_t i = 0; i < loans.size(); ++i) {
-      versions.push_back(loans[i].version);
-    }
+    for (std::size_t i = 0; i < loans.size(); ++i) { versions.push_back(loans[i].version); }
     return versions.size() >= 3;
   }));
   EXPECT_EQ(versions, (std::vector<std::uint64_t>{2, 2, 2}));
@@ -148,9 +147,9 @@ TEST(WireDds, SilentWriterIsDeadAfterItsLeaseUntilItWrites) {
   std::atomic<std::uint32_t> alive{0};
   std::atomic<std::uint32_t> dead{0};
   const dds::Reader<wire::PoseBatch> reader(far_topic, {.liveliness = [&](const dds::Liveliness& liveliness) {
-    alive = liveliness.alive;
-    dead = liveliness.not_alive;
-  }});
+                                              alive = liveliness.alive;
+                                              dead = liveliness.not_alive;
+                                            }});
   dds::Writer<wire::PoseBatch> writer(near_topic, {.lease_ns = wire_contract::kPublisherLeaseNs});
   ASSERT_TRUE(eventually([&] { return alive == 1; }));
   const auto asserted = std::chrono::steady_clock::now();

@@ -32,8 +32,10 @@ Vec3 three(double first) { return {first, first + 1, first + 2}; }
 /// The answers to three questions, a miss, one with two hits, one undecided: every field has a number of its own.
 struct ReplyMessage {
   wire::Reply reply{};
-  std::vector<std::uint8_t> answers{0, 1, 2}, reasons{0, 0, 4}, levels{1, 2, 0}, hit_flags{wire_contract::kInside, wire_contract::kStale};
-  std::vector<std::uint32_t> hit_counts{0, 2, 0}, nodes{10, 11, 12}, exact_tests{20, 21, 22}, triangles{30, wire_contract::kNoTriangle};
+  std::vector<std::uint8_t> answers{0, 1, 2}, reasons{0, 0, 4}, levels{1, 2, 0},
+      hit_flags{wire_contract::kInside, wire_contract::kStale};
+  std::vector<std::uint32_t> hit_counts{0, 2, 0}, nodes{10, 11, 12}, exact_tests{20, 21, 22},
+      triangles{30, wire_contract::kNoTriangle};
   std::vector<std::uint64_t> objects{7, 9 + (std::uint64_t{3} << 32)};
   std::vector<double> numbers = counted<double>(2 * wire_contract::kHitNumbers, 100), columns;
   std::vector<std::uint64_t> named_ids{9 + (std::uint64_t{3} << 32), 7};
@@ -137,12 +139,14 @@ TEST(AnswerDecoding, OneRequestAnsweredOnTwoStatesIsRefused) {
     return collector.add(second.message());
   };
   EXPECT_FALSE(second_of([](wire::Reply&) {}));
-  for (const auto& change : std::vector<std::function<void(wire::Reply&)>>{[](wire::Reply& reply) { ++reply.version; }, [](wire::Reply& reply) { --reply.version; },
-                                                                           [](wire::Reply& reply) { ++reply.epoch; }, [](wire::Reply& reply) { --reply.epoch; }}) {
+  for (const auto& change : std::vector<std::function<void(wire::Reply&)>>{
+           [](wire::Reply& reply) { ++reply.version; }, [](wire::Reply& reply) { --reply.version; },
+           [](wire::Reply& reply) { ++reply.epoch; }, [](wire::Reply& reply) { --reply.epoch; }}) {
     const std::optional<Error> error = second_of(change);
     ASSERT_TRUE(error);
     EXPECT_EQ(error->code, ErrorCode::internal);
-    EXPECT_EQ(error->message.find("the server's reply makes no sense: one request answered on versions 41 and "), 0u) << error->message;
+    EXPECT_EQ(error->message.find("the server's reply makes no sense: one request answered on versions 41 and "), 0u)
+        << error->message;
   }
 }
 
@@ -252,15 +256,18 @@ TEST(AnswerDecoding, ARefusalIsItsTextWhateverThatIs) {
   EXPECT_EQ(client::refusal(R"({"error":"no","hint":"do"})").message, "server refused: no");
   EXPECT_EQ(client::refusal(R"({"error":"no","hint":"do"})").hint, "do");
   EXPECT_EQ(client::refusal(R"({"error":"no"})").hint, "");
-  for (const char* odd : {"", "plain words", "[1]", "{", R"({"error":7})"}) EXPECT_EQ(client::refusal(odd).message, std::string("server refused: ") + odd);
+  for (const char* odd : {"", "plain words", "[1]", "{", R"({"error":7})"})
+    EXPECT_EQ(client::refusal(odd).message, std::string("server refused: ") + odd);
 }
 
 struct FrameMessage {
   wire::EventFrame frame{};
   std::vector<std::uint8_t> kinds{0, 1, 2}, reasons{0, 0, 7}, doubts{0, 0, 0}, shards{40, 41, 42};
   std::vector<std::uint64_t> a{1, 2, 3}, b{4, 5, 6}, episodes{50, 51, 52};
-  std::vector<std::uint32_t> a_triangles{60, 61, wire_contract::kNoTriangle}, b_triangles{70, wire_contract::kNoTriangle, 72};
-  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::EventFrame>(wire::kEventColumns), 100), columns;
+  std::vector<std::uint32_t> a_triangles{60, 61, wire_contract::kNoTriangle},
+      b_triangles{70, wire_contract::kNoTriangle, 72};
+  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::EventFrame>(wire::kEventColumns), 100),
+                      columns;
   std::vector<std::uint64_t> named_ids{1, 5};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"one", "five"});
 
@@ -375,7 +382,8 @@ struct ShardMessage {
   std::vector<std::uint64_t> a{1, 2}, b{4, 5}, episodes{50, 51};
   std::vector<std::uint32_t> a_triangles{60, wire_contract::kNoTriangle}, b_triangles{70, 71};
   std::vector<std::int64_t> began_ns{90, 91};
-  std::vector<double> numbers = counted<double>(2 * wire::width_of<wire::ContactShard>(wire::kContactColumns), 100), columns;
+  std::vector<double> numbers = counted<double>(2 * wire::width_of<wire::ContactShard>(wire::kContactColumns), 100),
+                      columns;
   std::vector<std::uint64_t> named_ids{2};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"two"});
 
@@ -485,7 +493,8 @@ struct ProbeMessage {
   std::vector<std::uint8_t> states{2, 0, 99};
   std::vector<std::uint64_t> objects{1, 0, 3}, met{4, 0, 6};
   std::vector<std::uint32_t> triangles{70, wire_contract::kNoTriangle, 72};
-  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::ProbeFrame>(wire::kProbeColumns), 100), columns;
+  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::ProbeFrame>(wire::kProbeColumns), 100),
+                      columns;
   std::vector<std::uint8_t> probe_names = wire_contract::pack_names(std::vector<std::string>{"p", "q", "r"});
   std::vector<std::uint64_t> named_ids{1, 4};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"car", "road"});
@@ -535,9 +544,12 @@ TEST(ProbeDecoding, EveryFieldOfAReadingIsItsOwn) {
     EXPECT_EQ(reading.world_time, nanoseconds(82));
   }
   const std::vector<std::pair<const char*, std::function<void(ProbeMessage&)>>> spoilers{
-      {"states", [](ProbeMessage& f) { f.states.pop_back(); }},       {"objects", [](ProbeMessage& f) { f.objects.pop_back(); }},
-      {"met", [](ProbeMessage& f) { f.met.pop_back(); }},             {"triangles", [](ProbeMessage& f) { f.triangles.pop_back(); }},
-      {"numbers", [](ProbeMessage& f) { f.numbers.pop_back(); }},     {"a name without its end", [](ProbeMessage& f) { f.probe_names.pop_back(); }},
+      {"states", [](ProbeMessage& f) { f.states.pop_back(); }},
+      {"objects", [](ProbeMessage& f) { f.objects.pop_back(); }},
+      {"met", [](ProbeMessage& f) { f.met.pop_back(); }},
+      {"triangles", [](ProbeMessage& f) { f.triangles.pop_back(); }},
+      {"numbers", [](ProbeMessage& f) { f.numbers.pop_back(); }},
+      {"a name without its end", [](ProbeMessage& f) { f.probe_names.pop_back(); }},
   };
   for (const auto& [what, spoil] : spoilers) {
     ProbeMessage bad;
@@ -569,12 +581,14 @@ TEST(WireColumns, AMessageWithOneShortColumnIsRefused) {
   });
   FrameMessage frame;
   frame.message();
-  expect_each_column_counts<wire::EventFrame>(frame.frame, wire::kEventColumns,
-                                              [&](const wire::EventFrame& message) { return client::decode(message, names).has_value(); });
+  expect_each_column_counts<wire::EventFrame>(frame.frame, wire::kEventColumns, [&](const wire::EventFrame& message) {
+    return client::decode(message, names).has_value();
+  });
   ShardMessage shard;
   shard.message();
-  expect_each_column_counts<wire::ContactShard>(shard.shard, wire::kContactColumns,
-                                                [&](const wire::ContactShard& message) { return client::decode(message, names).has_value(); });
+  expect_each_column_counts<wire::ContactShard>(
+      shard.shard, wire::kContactColumns,
+      [&](const wire::ContactShard& message) { return client::decode(message, names).has_value(); });
   ProbeMessage probe;
   probe.message();
   expect_each_column_counts<wire::ProbeFrame>(probe.frame, wire::kProbeColumns, [&](const wire::ProbeFrame& message) {
@@ -598,7 +612,8 @@ TEST(WireColumns, RowsComeBackAsTheyWere) {
     const std::vector<double> none;
     for (const QueryKind other : {QueryKind::ray, QueryKind::box, QueryKind::sphere, QueryKind::sweep}) {
       for (const wire::Column<wire::Query>& column : wire::question_columns(other)) {
-        const bool is_own = std::any_of(columns.begin(), columns.end(), [&](const auto& own) { return own.sequence == column.sequence; });
+        const bool is_own = std::any_of(columns.begin(), columns.end(),
+                                        [&](const auto& own) { return own.sequence == column.sequence; });
         if (is_own) continue;
         const std::vector<double> strange(3 * column.width);
         dds::borrow((*query).*column.sequence, strange);
@@ -667,8 +682,9 @@ TEST(AskedInstant, IsReadAsItIsWrittenAndNothingElseIs) {
   using wire_contract::asked_instant;
   using wire_contract::AskedInstant;
   using Kind = AskedInstant::Kind;
-  for (const AskedInstant& instant : {AskedInstant{}, AskedInstant{Kind::settled, 0}, AskedInstant{Kind::at, 1'795'348'990'500'000'000},
-                                      AskedInstant{Kind::at, 0}, AskedInstant{Kind::back, 0}, AskedInstant{Kind::back, 2'000'000'000}}) {
+  for (const AskedInstant& instant :
+       {AskedInstant{}, AskedInstant{Kind::settled, 0}, AskedInstant{Kind::at, 1'795'348'990'500'000'000},
+        AskedInstant{Kind::at, 0}, AskedInstant{Kind::back, 0}, AskedInstant{Kind::back, 2'000'000'000}}) {
     EXPECT_EQ(asked_instant(wire_contract::text_of(instant)), instant) << wire_contract::text_of(instant);
   }
   EXPECT_EQ(wire_contract::text_of(AskedInstant{Kind::back, 5}), "-5");

@@ -42,7 +42,8 @@ class FakeServer {
         persisted_writer_(persisted_topic_),
         contact_writer_(contact_topic_),
         pose_reader_(pose_topic_, {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_poses(taker); }}),
-        object_reader_(object_topic_, {.data = [this](dds::Taker<wire::Definition> taker) { take_definitions(taker); }}),
+        object_reader_(object_topic_,
+                       {.data = [this](dds::Taker<wire::Definition> taker) { take_definitions(taker); }}),
         query_reader_(query_topic_, {.data = [this](dds::Taker<wire::Query> taker) { take_queries(taker); }}) {
     status->server = server_;
     status->epoch = 100 + server_;
@@ -56,9 +57,7 @@ class FakeServer {
   ~FakeServer() {
     ending_ = true;
     helper_.join();
-    if (slow_.joinable()) {
-      slow_.join();
-    }
+    if (slow_.joinable()) { slow_.join(); }
   }
 
   /// Change under `mutex`; sent twenty times a second while `beating`.
@@ -84,8 +83,8 @@ class FakeServer {
   };
   struct Received {
     std::vector<Batch> batches;
-    std::vector<std::uint64_t> sequences;         // of definitions and batches as they came
-    std::map<std::uint32_t, std::string> names;   // of objects that are not removed
+    std::vector<std::uint64_t> sequences;        // of definitions and batches as they came
+    std::map<std::uint32_t, std::string> names;  // of objects that are not removed
     std::vector<std::size_t> batch_sizes;
     std::vector<std::uint64_t> definitions_through;
     std::map<std::uint32_t, Pose> poses;
@@ -135,17 +134,20 @@ class FakeServer {
   void take_poses(const dds::Taker<wire::PoseBatch>& taker) {
     dds::Sample<wire::PoseBatch> batch;
     while (taker.take(batch)) {
-      if (!batch.info().valid_data) {
-        continue;
-      }
+      if (!batch.info().valid_data) { continue; }
       const std::lock_guard lock(mutex);
       note_sequence(batch->publisher, batch->sequence_number);
       received_.batch_sizes.push_back(batch->object_numbers._length);
       received_.definitions_through.push_back(batch->definitions_through);
       const auto numbers = dds::view(batch->object_numbers);
       const std::vector<double> poses = poses_of(*batch);
-      received_.batches.push_back({batch->sequence_number, batch->definitions_through, batch->source_time_ns, batch->flags,
-                                   {numbers.begin(), numbers.end()}, poses, rows_of<wire::PoseBatch>(*batch, wire::kVelocityColumns)});
+      received_.batches.push_back({batch->sequence_number,
+                                   batch->definitions_through,
+                                   batch->source_time_ns,
+                                   batch->flags,
+                                   {numbers.begin(), numbers.end()},
+                                   poses,
+                                   rows_of<wire::PoseBatch>(*batch, wire::kVelocityColumns)});
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         const auto pose = std::span(poses).subspan(i * 7, 7);
         received_.poses[numbers[i]] = {batch->sequence_number, {pose.begin(), pose.end()}, (batch->flags & 1) != 0};
@@ -156,9 +158,7 @@ class FakeServer {
   void take_definitions(const dds::Taker<wire::Definition>& taker) {
     dds::Sample<wire::Definition> definition;
     while (taker.take(definition)) {
-      if (!definition.info().valid_data) {
-        continue;
-      }
+      if (!definition.info().valid_data) { continue; }
       const std::lock_guard lock(mutex);
       note_sequence(definition->publisher, definition->sequence_number);
       ++received_.definition_count;
@@ -203,9 +203,7 @@ class FakeServer {
 
   void take_queries(const dds::Taker<wire::Query>& taker) {
     while (taker.take(query_)) {
-      if (!query_.info().valid_data || !answering) {
-        continue;
-      }
+      if (!query_.info().valid_data || !answering) { continue; }
       const auto kind = static_cast<wire_contract::QueryKind>(query_->kind);
       const std::string only = query_->only;
       if (kind == wire_contract::QueryKind::hello) {
@@ -220,9 +218,7 @@ class FakeServer {
         forget_questions(last_query_);
         last_query_.blob = {};
       }
-      if (only == "silent") {
-        continue;
-      }
+      if (only == "silent") { continue; }
       most_in_flight_ = std::max<std::size_t>(most_in_flight_.load(), 1 + delayed_count_);
       if (delay_us > 0 || only == "late") {
         dds::Sample<wire::Query> copy;
@@ -238,9 +234,7 @@ class FakeServer {
 
   void answer(const dds::Sample<wire::Query>& query) {
     dds::Writer<wire::Reply>* const writer = reply_writer(query->client);
-    if (writer == nullptr) {
-      return;
-    }
+    if (writer == nullptr) { return; }
     if (static_cast<wire_contract::QueryKind>(query->kind) == wire_contract::QueryKind::command) {
       answer_command(*query, *writer);
     } else {
@@ -264,9 +258,7 @@ class FakeServer {
     const auto points = dds::view(query.points);
     Lists& lists = lists_;
     lists.clear();
-    for (std::size_t i = 0; i < points.size(); i += 3) {
-      lists.add(points[i]);
-    }
+    for (std::size_t i = 0; i < points.size(); i += 3) { lists.add(points[i]); }
     start_reply(reply_, query, server_);
     reply_.oldest_pose_age_ns = -1;
     reply_.compute_ns = 100;
@@ -277,13 +269,9 @@ class FakeServer {
     } else {
       lists.put_in(reply_);
     }
-    if (only == "nonsense") {
-      reply_.hit_counts._length = 0;
-    }
+    if (only == "nonsense") { reply_.hit_counts._length = 0; }
     static_cast<void>(writer.write(reply_));
-    if (only == "twice") {
-      static_cast<void>(writer.write(reply_));
-    }
+    if (only == "twice") { static_cast<void>(writer.write(reply_)); }
   }
 
   // On a thread of its own: the receive thread must not sleep, or nothing lost is sent again meanwhile.
@@ -416,12 +404,8 @@ class FakeServer {
     std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"wall"});
 
     void clear() {
-      for (auto* list : {&answers, &reasons, &levels, &hit_flags}) {
-        list->clear();
-      }
-      for (auto* list : {&hit_counts, &nodes, &exact_tests, &triangles}) {
-        list->clear();
-      }
+      for (auto* list : {&answers, &reasons, &levels, &hit_flags}) { list->clear(); }
+      for (auto* list : {&hit_counts, &nodes, &exact_tests, &triangles}) { list->clear(); }
       objects.clear();
       numbers.clear();
     }

@@ -13,14 +13,16 @@ using namespace std::chrono_literals;
 class ClientPages : public testing::Test {
  protected:
   void SetUp() override {
-    Result<Client> connected = Client::connect({.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s});
+    Result<Client> connected =
+        Client::connect({.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s});
     ASSERT_TRUE(connected) << connected.error().message;
     client_.emplace(std::move(*connected));
   }
   static std::string text_of(const flatbuffers::FlatBufferBuilder& builder) {
     return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
   }
-  static std::string page(std::uint64_t total, std::uint64_t first, const std::string& bytes, std::uint64_t transfer = 9) {
+  static std::string page(std::uint64_t total, std::uint64_t first, const std::string& bytes,
+                          std::uint64_t transfer = 9) {
     flatbuffers::FlatBufferBuilder builder;
     const std::vector<std::uint8_t> vector(bytes.begin(), bytes.end());
     builder.Finish(format::CreatePageDirect(builder, transfer, total, first, &vector));
@@ -51,7 +53,8 @@ class ClientPages : public testing::Test {
 TEST_F(ClientPages, ArePutTogetherAndAskedForFromWhereTheLastOneEnded) {
   const std::string whole = no_objects();
   const std::uint64_t size = whole.size();
-  server_.will_answer({page(size, 0, whole.substr(0, 10)), page(size, 10, whole.substr(10, 1)), page(size, 11, whole.substr(11))});
+  server_.will_answer(
+      {page(size, 0, whole.substr(0, 10)), page(size, 10, whole.substr(10, 1)), page(size, 11, whole.substr(11))});
   const Result<ShownObjects> shown = client_->shapes({});
   ASSERT_TRUE(shown) << shown.error().message;
   EXPECT_EQ(shown->epoch, 3U);

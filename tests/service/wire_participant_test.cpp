@@ -17,9 +17,7 @@ std::string refusal(const ConnectOptions& options, Role role) {
   try {
     static_cast<void>(join_domain(options, role));
     return "joined";
-  } catch (const std::invalid_argument& wrong) {
-    return wrong.what();
-  }
+  } catch (const std::invalid_argument& wrong) { return wrong.what(); }
 }
 
 TEST(SharedParticipant, WhatListensToClientsMustJoinFirst) {
@@ -27,9 +25,11 @@ TEST(SharedParticipant, WhatListensToClientsMustJoinFirst) {
   {
     const auto client = join_domain(here(), Role::client);
     EXPECT_EQ(join_domain(here(), Role::client), client);
-    EXPECT_EQ(refusal(here(), Role::server),
-              domain + ": this process has joined it as a client, which other clients cannot find; what listens to them must be "
-                       "the first to join");
+    EXPECT_EQ(
+        refusal(here(), Role::server),
+        domain +
+            ": this process has joined it as a client, which other clients cannot find; what listens to them must be "
+            "the first to join");
   }
   const auto listener = join_domain(here(), Role::server);
   EXPECT_EQ(join_domain(here(), Role::server), listener);

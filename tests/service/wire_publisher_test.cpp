@@ -58,9 +58,7 @@ TEST_F(ClientPublish, DefinitionsAndPosesArriveUnderOneGaplessCount) {
 
 TEST_F(ClientPublish, TenThousandPosesGoInBatchesOfAtMost4096) {
   std::vector<Publisher::Object> objects;
-  for (int i = 0; i < 10'000; ++i) {
-    objects.push_back(add("object_" + std::to_string(i)));
-  }
+  for (int i = 0; i < 10'000; ++i) { objects.push_back(add("object_" + std::to_string(i))); }
   for (int round = 0; round < 30; ++round) {
     for (std::size_t i = 0; i < objects.size(); ++i) {
       ASSERT_TRUE(publisher_->move(objects[i], {.position = {static_cast<double>(i), 0, static_cast<double>(round)}}));
@@ -106,8 +104,9 @@ TEST_F(ClientPublish, RemovedNumbersAreReusedAndOldHandlesFindNothing) {
   ASSERT_TRUE(publisher_->wait_applied(2s));
   const FakeServer::Received received = server_.received();
   EXPECT_EQ(received.names, (std::map<std::uint32_t, std::string>{{0, "new"}}));
-  EXPECT_TRUE(std::all_of(received.batch_sizes.begin(), received.batch_sizes.end(), [](std::size_t size) { return size == 0; }))
-      << "the removed object's pose was sent to its successor";
+  EXPECT_TRUE(std::all_of(received.batch_sizes.begin(), received.batch_sizes.end(), [](std::size_t size) {
+    return size == 0;
+  })) << "the removed object's pose was sent to its successor";
 }
 
 TEST_F(ClientPublish, WrongObjectsAndPosesAreRefusedByName) {
@@ -125,7 +124,8 @@ TEST_F(ClientPublish, WrongObjectsAndPosesAreRefusedByName) {
             "object 'mesh': part 0: triangle 0 names vertex 3 of 3");
   const MeshShape triangle{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
   const HeightFieldShape field{2, 1, 1, {0, 0, 0, 1}};
-  for (const Shape& two : {Shape{triangle, triangle}, Shape{triangle, field}, Shape{field, triangle}, Shape{field, field}}) {
+  for (const Shape& two :
+       {Shape{triangle, triangle}, Shape{triangle, field}, Shape{field, triangle}, Shape{field, field}}) {
     EXPECT_EQ(publisher_->add({.name = "two", .shape = two}).error().message,
               "object 'two': part 1: a second mesh; a shape holds at most one");
   }
@@ -204,9 +204,7 @@ TEST_F(ClientPublish, ServerThatCallsItLostGetsEverythingOnce) {
   server_.hold_publisher_lost = false;
   std::this_thread::sleep_for(250ms);
   const std::size_t count = server_.received().definition_count;
-  for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(publisher_->keep_alive());
-  }
+  for (int i = 0; i < 5; ++i) { ASSERT_TRUE(publisher_->keep_alive()); }
   ASSERT_TRUE(publisher_->wait_applied(2s));
   EXPECT_EQ(server_.received().definition_count, count);
 }
@@ -275,8 +273,8 @@ TEST_F(ClientPublish, NewServerLearnsTheNewestPoses) {
   ASSERT_TRUE(publisher_->wait_applied(2s));
   server_.beating = false;
   std::this_thread::sleep_for(350ms);
-  const dds::ParticipantOptions elsewhere{.domain = test::own_domain(), .role = dds::Role::server,
-                                          .process_domain = test::own_domain() + 200'000};
+  const dds::ParticipantOptions elsewhere{
+      .domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000};
   FakeServer second(test::own_namespace(), 2, elsewhere);
   EXPECT_TRUE(eventually([&] {
     EXPECT_TRUE(publisher_->keep_alive());

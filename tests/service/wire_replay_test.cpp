@@ -26,7 +26,8 @@ constexpr std::uint64_t kMillisecond_ns = 1'000'000;
 class RecordingFile {
  public:
   RecordingFile()
-      : path_((std::filesystem::temp_directory_path() / ("wire_replay_" + std::to_string(::getpid()) + ".mcap")).string()),
+      : path_((std::filesystem::temp_directory_path() / ("wire_replay_" + std::to_string(::getpid()) + ".mcap"))
+                  .string()),
         output_(path_),
         writer_(output_, recording::library_name(), recording::channels_of("collided")) {}
   ~RecordingFile() { std::filesystem::remove(path_); }
@@ -111,9 +112,12 @@ class ClientReplay : public testing::Test {
     for (auto* column : {&reply->hit_counts, &reply->nodes, &reply->exact_tests}) dds::borrow(*column, none);
     file_.write(Recorded::reply, log_time + 1, *reply);
   }
-  static ConnectOptions here() { return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s}; }
+  static ConnectOptions here() {
+    return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
+  }
 
-  void pose(std::uint64_t log_time, std::uint64_t sequence, double from, std::uint8_t flags, std::int64_t source_time_ns) {
+  void pose(std::uint64_t log_time, std::uint64_t sequence, double from, std::uint8_t flags,
+            std::int64_t source_time_ns) {
     dds::Sample<wire::PoseBatch> batch;
     batch->publisher = kPublisher;
     batch->incarnation = 5;
@@ -163,9 +167,12 @@ class ClientReplay : public testing::Test {
       EXPECT_EQ(batch.object_numbers, (std::vector<std::uint32_t>{8, 9}));
       ASSERT_EQ(batch.poses.size(), 14u);
       ASSERT_EQ(batch.velocities.size(), 12u);
-      for (std::size_t k = 0; k < 14; ++k) EXPECT_EQ(batch.poses[k], froms[i] + static_cast<double>(k)) << "places are what they were";
-      for (std::size_t k = 0; k < 12; ++k) EXPECT_EQ(batch.velocities[k], rate * (froms[i] + 100 + static_cast<double>(k)));
-      EXPECT_EQ(static_cast<double>(batch.source_time_ns - received.batches[0].source_time_ns), static_cast<double>(after_ns[i]) / rate);
+      for (std::size_t k = 0; k < 14; ++k)
+        EXPECT_EQ(batch.poses[k], froms[i] + static_cast<double>(k)) << "places are what they were";
+      for (std::size_t k = 0; k < 12; ++k)
+        EXPECT_EQ(batch.velocities[k], rate * (froms[i] + 100 + static_cast<double>(k)));
+      EXPECT_EQ(static_cast<double>(batch.source_time_ns - received.batches[0].source_time_ns),
+                static_cast<double>(after_ns[i]) / rate);
       EXPECT_EQ(batch.flags, i == 1 ? wire_contract::kTeleported : 0);
       EXPECT_EQ(batch.sequence, 3 + i);
       EXPECT_EQ(batch.definitions_through, 2u);
@@ -185,7 +192,10 @@ TEST_F(ClientReplay, AtAQuarterOfTheRateVelocitiesAreAQuarterAndTimesFourfold) {
 
 // The clock of the machine that replays: stamps of a recording from long ago would be those of the past.
 TEST_F(ClientReplay, SamplesAreStampedAsTheyArePublished) {
-  const auto now_ns = [] { return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count(); };
+  const auto now_ns = [] {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
   const std::int64_t before_ns = now_ns();
   std::chrono::nanoseconds took{};
   const FakeServer::Received received = replayed(4, took);

@@ -47,6 +47,8 @@ std::vector<double> rows_of(const Message& message, wire::Columns<Message> colum
   return rows;
 }
 inline std::vector<double> hits_of(const wire::Reply& reply) { return rows_of(reply, wire::hit_columns(reply)); }
-inline std::vector<double> poses_of(const wire::PoseBatch& batch) { return rows_of<wire::PoseBatch>(batch, wire::kPoseColumns); }
+inline std::vector<double> poses_of(const wire::PoseBatch& batch) {
+  return rows_of<wire::PoseBatch>(batch, wire::kPoseColumns);
+}
 
 }  // namespace collided::test

@@ -41,7 +41,8 @@ TEST(ServerPulse, ASecondServersStatusDoesNotCountWhileTheFirstSpeaks) {
       [&](ServerPulse& pulse) {
         observed.clear();
         pulse.observe([&](const wire::Status& status) { observed.push_back(status.version); });
-        for (const auto& [server, version] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{1, 10}, {2, 99}, {1, 11}, {2, 100}}) {
+        for (const auto& [server, version] :
+             std::vector<std::pair<std::uint64_t, std::uint64_t>>{{1, 10}, {2, 99}, {1, 11}, {2, 100}}) {
           auto status = status_of(server, version);
           pulse.hear(status);
         }

@@ -26,7 +26,9 @@ class ShapeEncoding : public testing::Test {
     return bytes ? "taken" : bytes.error().message;
   }
   static void put(Numbers& numbers, const format::Vec3& v) { numbers.insert(numbers.end(), {v.x(), v.y(), v.z()}); }
-  static void put(Numbers& numbers, const format::Quat& q) { numbers.insert(numbers.end(), {q.w(), q.x(), q.y(), q.z()}); }
+  static void put(Numbers& numbers, const format::Quat& q) {
+    numbers.insert(numbers.end(), {q.w(), q.x(), q.y(), q.z()});
+  }
   static void put(Numbers& numbers, const format::Mat3& m) {
     for (const format::Vec3* column : {&m.column_0(), &m.column_1(), &m.column_2()}) put(numbers, *column);
   }
@@ -47,13 +49,14 @@ class ShapeEncoding : public testing::Test {
 const Quat kThird(0.5, 0.5, 0.5, 0.5);  // a third of a turn: x to y, y to z, z to x
 
 TEST_F(ShapeEncoding, EveryPrimitiveTravelsWithEveryFieldInItsPlace) {
-  const format::Shape& shape = encoded({SphereShape{.radius_m = 1, .center = {2, 3, 4}},
-                                        BoxShape{.half_m = {5, 6, 7}, .center = {8, 9, 10}, .rotation = kThird},
-                                        CapsuleShape{.a = {1, 2, 3}, .b = {4, 5, 6}, .radius_m = 7},
-                                        CylinderShape{.a = {11, 12, 13}, .b = {14, 15, 16}, .radius_m = 17},
-                                        ConeShape{.apex = {21, 22, 23}, .base = {24, 25, 26}, .radius_m = 27},
-                                        EllipsoidShape{.half_m = {31, 32, 33}, .center = {34, 35, 36}, .rotation = kThird},
-                                        SphereShape{.radius_m = 5, .center = {6, 7, 8}}});
+  const format::Shape& shape =
+      encoded({SphereShape{.radius_m = 1, .center = {2, 3, 4}},
+               BoxShape{.half_m = {5, 6, 7}, .center = {8, 9, 10}, .rotation = kThird},
+               CapsuleShape{.a = {1, 2, 3}, .b = {4, 5, 6}, .radius_m = 7},
+               CylinderShape{.a = {11, 12, 13}, .b = {14, 15, 16}, .radius_m = 17},
+               ConeShape{.apex = {21, 22, 23}, .base = {24, 25, 26}, .radius_m = 27},
+               EllipsoidShape{.half_m = {31, 32, 33}, .center = {34, 35, 36}, .rotation = kThird},
+               SphereShape{.radius_m = 5, .center = {6, 7, 8}}});
   ASSERT_EQ(shape.spheres()->size(), 2U);
   const auto& sphere = *shape.spheres()->Get(0);
   const auto& other = *shape.spheres()->Get(1);
@@ -67,7 +70,8 @@ TEST_F(ShapeEncoding, EveryPrimitiveTravelsWithEveryFieldInItsPlace) {
   const auto& cone = *shape.cones()->Get(0);
   EXPECT_EQ(all(cone.apex(), cone.base(), cone.radius()), (Numbers{21, 22, 23, 24, 25, 26, 27}));
   const auto& ellipsoid = *shape.ellipsoids()->Get(0);
-  EXPECT_EQ(all(ellipsoid.center(), ellipsoid.axes(), ellipsoid.half()), (Numbers{34, 35, 36, 0, 1, 0, 0, 0, 1, 1, 0, 0, 31, 32, 33}));
+  EXPECT_EQ(all(ellipsoid.center(), ellipsoid.axes(), ellipsoid.half()),
+            (Numbers{34, 35, 36, 0, 1, 0, 0, 0, 1, 1, 0, 0, 31, 32, 33}));
   EXPECT_EQ(shape.mesh(), nullptr);
   EXPECT_EQ(shape.height_field(), nullptr);
   EXPECT_EQ(shape.half_spaces(), nullptr);
@@ -82,7 +86,8 @@ TEST_F(ShapeEncoding, PointsAndSurfacesTravelInTheirOrder) {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
   const Numbers flat{0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3};
   const format::Shape& shape = encoded({HullShape{.points = points}, CloudShape{.points = points, .radius_m = 5},
-                                        PolylineShape{.points = points, .radius_m = 6}, MeshShape{.vertices = points, .triangles = {{0, 1, 2}, {3, 2, 1}}}},
+                                        PolylineShape{.points = points, .radius_m = 6},
+                                        MeshShape{.vertices = points, .triangles = {{0, 1, 2}, {3, 2, 1}}}},
                                        {2, 3, 4});
   ASSERT_EQ(shape.hulls()->size(), 1U);
   EXPECT_EQ(list(shape.hulls()->Get(0)->vertices()), flat);
@@ -103,7 +108,9 @@ TEST_F(ShapeEncoding, AHalfSpaceAndAHeightFieldTravelWithEveryField) {
   const auto& half_space = *encoded({HalfSpaceShape{.normal = {1, 2, 3}, .point = {4, 5, 6}}}).half_spaces()->Get(0);
   EXPECT_EQ(all(half_space.point(), half_space.normal()), (Numbers{4, 5, 6, 1, 2, 3}));
   const format::HeightField& field =
-      *encoded({HeightFieldShape{.columns = 3, .spacing_x_m = 0.5, .spacing_y_m = 0.25, .heights_m = {1, 2, 3, 4, 5, 6}}}).height_field();
+      *encoded(
+           {HeightFieldShape{.columns = 3, .spacing_x_m = 0.5, .spacing_y_m = 0.25, .heights_m = {1, 2, 3, 4, 5, 6}}})
+           .height_field();
   EXPECT_EQ(field.columns(), 3U);
   EXPECT_EQ(field.spacing_x(), 0.5);
   EXPECT_EQ(field.spacing_y(), 0.25);
@@ -112,7 +119,8 @@ TEST_F(ShapeEncoding, AHalfSpaceAndAHeightFieldTravelWithEveryField) {
 
 TEST_F(ShapeEncoding, AScaleIsFiniteAndAboveZeroInEachDirection) {
   const Shape ball{SphereShape{.radius_m = 1}};
-  for (const double wrong : {0., -1., std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double wrong :
+       {0., -1., std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 scale = Vec3::Ones();
       scale[axis] = wrong;
@@ -134,9 +142,12 @@ TEST_F(ShapeEncoding, WhatIsNoPartIsNamedWithItsNumber) {
   EXPECT_NE(second(HalfSpaceShape{.normal = {0, inf, 0}}).find("normal"), std::string::npos);
   EXPECT_NE(second(HalfSpaceShape{.point = {0, inf, 0}}).find("point"), std::string::npos);
   const std::string sizes = "; whole rows are needed, at least 2 of 2";
-  EXPECT_EQ(second(HeightFieldShape{.columns = 1, .heights_m = {1, 2, 3, 4}}), "a height field of 4 heights in 1 columns" + sizes);
-  EXPECT_EQ(second(HeightFieldShape{.columns = 2, .heights_m = {1, 2}}), "a height field of 2 heights in 2 columns" + sizes);
-  EXPECT_EQ(second(HeightFieldShape{.columns = 2, .heights_m = {1, 2, 3, 4, 5}}), "a height field of 5 heights in 2 columns" + sizes);
+  EXPECT_EQ(second(HeightFieldShape{.columns = 1, .heights_m = {1, 2, 3, 4}}),
+            "a height field of 4 heights in 1 columns" + sizes);
+  EXPECT_EQ(second(HeightFieldShape{.columns = 2, .heights_m = {1, 2}}),
+            "a height field of 2 heights in 2 columns" + sizes);
+  EXPECT_EQ(second(HeightFieldShape{.columns = 2, .heights_m = {1, 2, 3, 4, 5}}),
+            "a height field of 5 heights in 2 columns" + sizes);
   const std::string spacings = "the spacings of a height field must be finite and above 0";
   EXPECT_EQ(second(HeightFieldShape{.columns = 2, .spacing_x_m = 0, .heights_m = {1, 2, 3, 4}}), spacings);
   EXPECT_EQ(second(HeightFieldShape{.columns = 2, .spacing_y_m = -1, .heights_m = {1, 2, 3, 4}}), spacings);
@@ -145,7 +156,8 @@ TEST_F(ShapeEncoding, WhatIsNoPartIsNamedWithItsNumber) {
   EXPECT_EQ(second(CloudShape{.points = {}, .radius_m = 1}), "0 points; at least 1 are needed");
   EXPECT_EQ(second(PolylineShape{.points = {{0, 0, 0}}, .radius_m = 1}), "1 points; at least 2 are needed");
   EXPECT_NE(second(CloudShape{.points = {{0, 0, 0}, {0, inf, 0}}, .radius_m = 1}).find("(point 1)"), std::string::npos);
-  EXPECT_NE(second(PolylineShape{.points = {{0, 0, 0}, {0, 1, 0}}, .radius_m = -1}).find("radius -1"), std::string::npos);
+  EXPECT_NE(second(PolylineShape{.points = {{0, 0, 0}, {0, 1, 0}}, .radius_m = -1}).find("radius -1"),
+            std::string::npos);
   EXPECT_EQ(refusal({CloudShape{.points = {{0, 0, 0}}, .radius_m = 0}}), "taken");
   EXPECT_EQ(refusal({PolylineShape{.points = {{0, 0, 0}, {0, 1, 0}}, .radius_m = 0}}), "taken");
   EXPECT_EQ(refusal({HeightFieldShape{.columns = 2, .heights_m = {1, 2, 3, 4}}}), "taken");

@@ -25,7 +25,8 @@ TEST(UnacknowledgedPoses, CountsWhatIsOut) {
     const std::size_t most = run % 2 == 0 ? 300'000 : 1'000;
     std::uint64_t sequence = 0;
     for (int step = 0; step < 2'000; ++step) {
-      const std::size_t bytes = std::accumulate(out.begin(), out.end(), std::size_t{0}, [](std::size_t sum, const Out& batch) { return sum + batch.bytes; });
+      const std::size_t bytes = std::accumulate(out.begin(), out.end(), std::size_t{0},
+                                                [](std::size_t sum, const Out& batch) { return sum + batch.bytes; });
       const bool full_of_bytes = bytes >= UnacknowledgedPoses::kMostBytes;
       const bool full = out.size() >= UnacknowledgedPoses::kMostBatches || full_of_bytes;
       ASSERT_EQ(poses.is_full(), full) << "seed " << kSeed << ", run " << run << ", step " << step;

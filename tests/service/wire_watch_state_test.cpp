@@ -50,7 +50,8 @@ class WatchStateTest : public testing::Test {
     last_sequence_ = event.sequence;
     events_.push_back(event);
     reported_.push_back(std::string(kWhat[static_cast<int>(event.kind)]) + ' ' + event.a + ' ' + event.b +
-                    (event.resync ? " resync" : "") + (event.reason == EndReason::server_restarted ? " restarted" : ""));
+                        (event.resync ? " resync" : "") +
+                        (event.reason == EndReason::server_restarted ? " restarted" : ""));
   }
   std::set<Pair> open_;
   Clock::time_point now_{milliseconds(1'000)};
@@ -713,7 +714,9 @@ class Simulation {
  public:
   explicit Simulation(std::uint64_t seed) : random_(seed) {}
   bool chance(double probability) { return std::uniform_real_distribution<>(0, 1)(random_) < probability; }
-  std::uint64_t below(std::uint64_t limit) { return std::uniform_int_distribution<std::uint64_t>(0, limit - 1)(random_); }
+  std::uint64_t below(std::uint64_t limit) {
+    return std::uniform_int_distribution<std::uint64_t>(0, limit - 1)(random_);
+  }
 
   Pair any_pair() {
     const std::uint64_t a = below(6);
@@ -748,28 +751,16 @@ TEST_F(WatchStateTest, LossyLineEndsInTheTruth) {
     std::uint64_t epoch = 1;
     std::optional<HeardFrame> delayed;
     for (int i = 0; i < 400; ++i) {
-      if (line.chance(0.005)) {
-        server = Model(++epoch);
-      }
+      if (line.chance(0.005)) { server = Model(++epoch); }
       const HeardFrame frame = line.step(server);
-      if (line.chance(0.9)) {
-        hear(frame);
-      }
+      if (line.chance(0.9)) { hear(frame); }
       if (!server.contacts().empty() && line.chance(0.2)) {
         state_.hear_persisted(server.persisted(server.contacts().begin()->first));
       }
-      if (delayed && line.chance(0.5)) {
-        hear(*std::exchange(delayed, std::nullopt));
-      }
-      if (line.chance(0.05)) {
-        delayed = frame;
-      }
-      if (line.chance(0.3)) {
-        hear(server.shard(line.any_pair()));
-      }
-      if (line.chance(0.1)) {
-        hear(server.bookmark(line.chance(0.9)));
-      }
+      if (delayed && line.chance(0.5)) { hear(*std::exchange(delayed, std::nullopt)); }
+      if (line.chance(0.05)) { delayed = frame; }
+      if (line.chance(0.3)) { hear(server.shard(line.any_pair())); }
+      if (line.chance(0.1)) { hear(server.bookmark(line.chance(0.9))); }
     }
     for (int shard = 0; shard < static_cast<int>(wire_contract::kContactShards); ++shard) {
       hear(server.shard(static_cast<std::uint8_t>(shard)));
@@ -777,9 +768,7 @@ TEST_F(WatchStateTest, LossyLineEndsInTheTruth) {
     hear(server.bookmark());
     hear(server.bookmark());
     std::set<Pair> truth;
-    for (const auto& [pair, episode] : server.contacts()) {
-      truth.insert(pair);
-    }
+    for (const auto& [pair, episode] : server.contacts()) { truth.insert(pair); }
     EXPECT_EQ(open_, truth);
     EXPECT_TRUE(state_.in_step());
   }

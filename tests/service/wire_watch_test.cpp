@@ -38,17 +38,13 @@ class EventTeller {
  private:
   static std::vector<std::uint8_t> names(const std::vector<std::uint64_t>& ids) {
     std::vector<std::string> names;
-    for (const std::uint64_t id : ids) {
-      names.push_back("object_" + std::to_string(id));
-    }
+    for (const std::uint64_t id : ids) { names.push_back("object_" + std::to_string(id)); }
     return wire_contract::pack_names(names);
   }
 
   void tell(Pair pair, std::uint8_t kind, std::uint8_t reason, std::uint64_t episode, bool lost) {
     const std::uint8_t shard = wire_contract::contact_shard(pair.first, pair.second);
-    if (!lost) {
-      write_frame(server_.events(), sequence_, pair, kind, reason, episode, shard);
-    }
+    if (!lost) { write_frame(server_.events(), sequence_, pair, kind, reason, episode, shard); }
     write_shard(shard);
     const std::lock_guard lock(server_.mutex);
     server_.status->last_event_sequence = sequence_;
@@ -275,9 +271,9 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   EXPECT_EQ(next(watch).kind, EventKind::began);
   server_.beating = false;
   ASSERT_TRUE(eventually([&] { return !watch.connected(); }));
-  FakeServer second(test::own_namespace(), 2,
-                    {.domain = test::own_domain(), .role = dds::Role::server,
-                     .process_domain = test::own_domain() + 200'000});
+  FakeServer second(
+      test::own_namespace(), 2,
+      {.domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000});
   EventTeller anew(second);
   anew.began({3, 4});
   const Event ended = next(watch);
@@ -306,9 +302,7 @@ TEST_F(ClientWatch, FiltersChooseByEitherName) {
 TEST_F(ClientWatch, FullQueueDropsTheOldestAndCounts) {
   Watch watch = this->watch({.capacity = 4});
   ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
-  for (std::uint64_t i = 0; i < 10; ++i) {
-    world_.began({i, i + 1});
-  }
+  for (std::uint64_t i = 0; i < 10; ++i) { world_.began({i, i + 1}); }
   ASSERT_TRUE(eventually([&] { return watch.lost() == 6; }));
   EXPECT_EQ(next(watch).a, "object_6");
 }

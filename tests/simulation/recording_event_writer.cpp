@@ -4,7 +4,6 @@
 namespace collided::simulation {
 using namespace engine;
 
-
 void RecordingEventWriter::check(const service::EventColumns& events, std::size_t i) {
   const std::uint64_t sequence = events.first_sequence + i;
   const auto say = [&](const char* what) { violation_("event " + std::to_string(sequence) + ' ' + what); };
@@ -51,7 +50,7 @@ void RecordingEventWriter::write_events(const service::EventColumns& events, con
 }
 
 void RecordingEventWriter::write_contacts(const service::ContactColumns& contacts, const service::Stamp&,
-                                     std::uint64_t as_of_sequence) {
+                                          std::uint64_t as_of_sequence) {
   payload_.put(epoch_);
   payload_.put(as_of_sequence);
   payload_.put(contacts.shard);

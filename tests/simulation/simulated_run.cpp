@@ -11,10 +11,10 @@ using wire_contract::kPublisherLeaseNs;
 
 namespace {
 
-constexpr int kNames = 10;  // of objects; publishers want the same ones now and then
+constexpr int kNames = 10;               // of objects; publishers want the same ones now and then
 constexpr std::size_t kMostObjects = 4;  // a publisher
 constexpr int kTroubledTicks = 150;
-constexpr int kCalmTicks = 100;  // longer than a lease and a recovery
+constexpr int kCalmTicks = 100;   // longer than a lease and a recovery
 constexpr int kStillTicks = 300;  // longer than the longest way, two bookmarks, and what two clocks are apart
 
 }  // namespace
@@ -61,7 +61,8 @@ void SimulatedRun::run() {
 void SimulatedRun::tick(bool is_calm) {
   now_ns_ += kTickNs;
   if (!server_ && now_ns_ >= server_back_ns_) {
-    server_ = std::make_unique<SimulatedServer>(++epoch_, now_ns_, to_, [this](const std::string& what) { violation(what); });
+    server_ =
+        std::make_unique<SimulatedServer>(++epoch_, now_ns_, to_, [this](const std::string& what) { violation(what); });
     for (Host& host : hosts_) host.notices_at_ns = now_ns_ + up_to(150'000'000);
   }
   for (Host& host : hosts_) live(host, is_calm);
@@ -106,8 +107,12 @@ void SimulatedRun::come_back(Host& host) {
   const bool is_known = chance(0.3);
   // What the old one had defined may be told once more, and late.
   std::vector<DefinitionSample> stale = host.publisher.define_all();
-  SimulatedPublisher again(is_known ? host.publisher.id() : next_id_++, static_cast<std::uint64_t>(now_ns_), SimulatedClock(random_, now_ns_));
-  host = {.publisher = again, .period = any_period(), .definitions_at_ns = host.definitions_at_ns, .notices_at_ns = now_ns_};
+  SimulatedPublisher again(is_known ? host.publisher.id() : next_id_++, static_cast<std::uint64_t>(now_ns_),
+                           SimulatedClock(random_, now_ns_));
+  host = {.publisher = again,
+          .period = any_period(),
+          .definitions_at_ns = host.definitions_at_ns,
+          .notices_at_ns = now_ns_};
   // The old one's end is news of its writers; those of the new one with the same number live.
   if (is_known) {
     for (DefinitionSample& sample : stale) under_way_.push_back({now_ns_ + up_to(100'000'000), std::move(sample)});
@@ -140,7 +145,9 @@ void SimulatedRun::act(Host& host, bool is_calm) {
   SimulatedPublisher& publisher = host.publisher;
   if (publisher.objects().size() < kMostObjects && chance(0.1)) add_object(host);
   if (!publisher.objects().empty() && chance(0.02)) {
-    send(host, publisher.remove(std::next(publisher.objects().begin(), static_cast<std::ptrdiff_t>(random_() % publisher.objects().size()))->first));
+    send(host, publisher.remove(std::next(publisher.objects().begin(),
+                                          static_cast<std::ptrdiff_t>(random_() % publisher.objects().size()))
+                                    ->first));
   }
   const bool teleported = chance(0.05);
   for (const auto& [number, object] : publisher.objects()) {
@@ -176,8 +183,10 @@ void SimulatedRun::send(PoseSample sample, bool is_calm) {
 
 void SimulatedRun::deliver() {
   // By time; what was sent first comes first among equals.
-  std::stable_sort(under_way_.begin(), under_way_.end(), [](const Sent& a, const Sent& b) { return a.time_ns < b.time_ns; });
-  const auto later = std::find_if(under_way_.begin(), under_way_.end(), [&](const Sent& sent) { return sent.time_ns > now_ns_; });
+  std::stable_sort(under_way_.begin(), under_way_.end(),
+                   [](const Sent& a, const Sent& b) { return a.time_ns < b.time_ns; });
+  const auto later =
+      std::find_if(under_way_.begin(), under_way_.end(), [&](const Sent& sent) { return sent.time_ns > now_ns_; });
   for (auto sent = under_way_.begin(); sent != later && server_; ++sent) {
     if (auto* definition = std::get_if<DefinitionSample>(&sent->what)) {
       server_->take(*definition, now_ns_);

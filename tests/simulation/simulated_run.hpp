@@ -40,14 +40,16 @@ class SimulatedRun {
     std::int64_t period = 1;  // of its flushes, in ticks
     bool is_dead = false;
     std::int64_t sleeps_until_ns = 0;
-    bool was_away = false;            // longer than its lease
+    bool was_away = false;               // longer than its lease
     std::int64_t definitions_at_ns = 0;  // the last one arrives; those behind it later
-    std::uint64_t server_epoch = 0;   // that it has told everything
-    std::int64_t notices_at_ns = 0;   // the new server
+    std::uint64_t server_epoch = 0;      // that it has told everything
+    std::int64_t notices_at_ns = 0;      // the new server
   };
 
   bool chance(double probability) { return std::uniform_real_distribution<double>()(random_) < probability; }
-  std::int64_t up_to(std::int64_t most_ns) { return static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most_ns + 1)); }
+  std::int64_t up_to(std::int64_t most_ns) {
+    return static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most_ns + 1));
+  }
   Vec3 any_place();
 
   void tick(bool is_calm);

@@ -117,14 +117,16 @@ void SimulatedServer::compare_with_all_pairs() {
   const SnapshotRing::Lease newest = world_.newest();
   const auto is_stale = [&](ObjectId id) { return newest->stale[slot_of(id)] != 0; };
   bool same = true;
-  for (const auto& [pair, episode] : event_writer_->open()) same = same && (touch.erase(pair) > 0 || is_stale(pair.first) || is_stale(pair.second));
+  for (const auto& [pair, episode] : event_writer_->open())
+    same = same && (touch.erase(pair) > 0 || is_stale(pair.first) || is_stale(pair.second));
   if (!same || !touch.empty()) violation_("contacts are not those of all pairs after step " + std::to_string(steps_));
 }
 
 std::set<NamedPair> SimulatedServer::touching() const {
   std::set<NamedPair> pairs;
   for (const OpenContact& open : world_.contacts()) {
-    if (open.doubt == Doubt::publisher_lost) pairs.insert(std::minmax(world_.info(open.a)->name, world_.info(open.b)->name));
+    if (open.doubt == Doubt::publisher_lost)
+      pairs.insert(std::minmax(world_.info(open.a)->name, world_.info(open.b)->name));
   }
   each_touching_pair(world_, [&](const Ball& a, const Ball& b) { pairs.insert(std::minmax(*a.name, *b.name)); });
   return pairs;

@@ -74,7 +74,8 @@ void SimulatedWatcher::calm(std::int64_t now_ns) {
 void SimulatedWatcher::compare(const std::set<NamedPair>& truth) {
   if (!state_.in_step()) violation_(name_ + " is not in step at the end");
   if (open_ == truth) return;
-  violation_(name_ + " holds " + std::to_string(open_.size()) + " contacts at the end, the truth has " + std::to_string(truth.size()));
+  violation_(name_ + " holds " + std::to_string(open_.size()) + " contacts at the end, the truth has " +
+             std::to_string(truth.size()));
 }
 
 }  // namespace collided::simulation

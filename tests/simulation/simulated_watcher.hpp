@@ -45,7 +45,9 @@ class SimulatedWatcher {
 
  private:
   bool chance(double probability) { return std::uniform_real_distribution<double>()(random_) < probability; }
-  std::int64_t up_to(std::int64_t most_ns) { return static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most_ns + 1)); }
+  std::int64_t up_to(std::int64_t most_ns) {
+    return static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most_ns + 1));
+  }
   void hear(const Heard& message, std::int64_t now_ns);
   void hear_due(std::int64_t now_ns);
   void emit(const Event& event);

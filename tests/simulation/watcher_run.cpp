@@ -123,7 +123,8 @@ class Run {
     const auto late_ns = static_cast<std::int64_t>(seed % 1'500) * kMs;
     add("good line", {});
     add("lossy line", {.loss = 0.1, .repeats = 0.05, .longest_delay_ns = 60 * kMs});
-    add("partitions", {.loss = 0.01, .longest_delay_ns = 20 * kMs, .partitions = 0.01, .longest_partition_ns = 900 * kMs});
+    add("partitions",
+        {.loss = 0.01, .longest_delay_ns = 20 * kMs, .partitions = 0.01, .longest_partition_ns = 900 * kMs});
     add("late joiner", {.loss = 0.02, .joins_ns = started_ns + late_ns});
   }
 
@@ -161,8 +162,8 @@ class Run {
     for (std::size_t i = 0; i < told.size() && epoch_ == 1; ++i) is_each_once = is_each_once && told[i] == i + 1;
     if (is_each_once) return;
     ++totals_.violations;
-    std::fprintf(stderr, "violation: seed=%llu: a good line told %zu events of %llu\n", static_cast<unsigned long long>(seed_),
-                 told.size(), static_cast<unsigned long long>(last_sequence_));
+    std::fprintf(stderr, "violation: seed=%llu: a good line told %zu events of %llu\n",
+                 static_cast<unsigned long long>(seed_), told.size(), static_cast<unsigned long long>(last_sequence_));
   }
 
   std::uint64_t seed_;
@@ -188,9 +189,10 @@ int main() {
       const auto seeds = message.get<std::uint64_t>();
       const auto steps = message.get<std::uint64_t>();
       const std::uint64_t violations = totals.violations + message.get<std::uint64_t>();
-      std::printf("seeds=%llu steps=%llu events=%llu resyncs=%llu violations=%llu\n", static_cast<unsigned long long>(seeds),
-                  static_cast<unsigned long long>(steps), static_cast<unsigned long long>(totals.events),
-                  static_cast<unsigned long long>(totals.resyncs), static_cast<unsigned long long>(violations));
+      std::printf("seeds=%llu steps=%llu events=%llu resyncs=%llu violations=%llu\n",
+                  static_cast<unsigned long long>(seeds), static_cast<unsigned long long>(steps),
+                  static_cast<unsigned long long>(totals.events), static_cast<unsigned long long>(totals.resyncs),
+                  static_cast<unsigned long long>(violations));
       return violations == 0 ? 0 : 1;
     } else {
       run->take(message);

@@ -165,9 +165,11 @@ TEST_F(FoxgloveTest, ContactsAreArrowsForASecond) {
 TEST_F(FoxgloveTest, WhatItDoesNotKnowIsAnsweredWithAWarning) {
   foxglove.opened(1);
   sent.clear();
-  for (const char* bad : {"", "7", "{}", R"({"op":7})", R"({"op":"advertise","channels":[]})", R"({"op":"subscribe","subscriptions":[7]})",
-                          R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]})", R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
-                          R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})"}) {
+  for (const char* bad :
+       {"", "7", "{}", R"({"op":7})", R"({"op":"advertise","channels":[]})",
+        R"({"op":"subscribe","subscriptions":[7]})", R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})"}) {
     foxglove.said(1, bad, true);
     EXPECT_EQ(text()["level"], 1) << bad;
   }
@@ -187,10 +189,14 @@ TEST(FoxgloveScene, EveryKindOfPartHasItsPlaceSizeAndColor) {
   surface->vertices = {{0, 0, 0}, {2, 0, 0}, {0, 4, 0}, {0, 0, 6}};
   surface->triangles = {{0, 1, 2}, {0, 1, 3}};
   ShownObject still = object(1, "all", false);
-  still.parts = {SphereShape{.radius_m = 0.25, .center = {1, 2, 3}}, EllipsoidShape{.half_m = {1, 2, 3}, .center = {4, 5, 6}},
-                 BoxShape{.half_m = {0.5, 1, 2}, .center = {7, 8, 9}}, CylinderShape{.a = {0, 0, 1}, .b = {0, 0, 5}, .radius_m = 2},
-                 ConeShape{.apex = {0, 0, 7}, .base = {0, 0, 4}, .radius_m = 1}, CapsuleShape{.a = {1, 1, 1}, .b = {1, 1, 3}, .radius_m = 0.5},
-                 CapsuleShape{.a = {2, 2, 2}, .b = {2, 2, 2}, .radius_m = 3}, HalfSpaceShape{}};
+  still.parts = {SphereShape{.radius_m = 0.25, .center = {1, 2, 3}},
+                 EllipsoidShape{.half_m = {1, 2, 3}, .center = {4, 5, 6}},
+                 BoxShape{.half_m = {0.5, 1, 2}, .center = {7, 8, 9}},
+                 CylinderShape{.a = {0, 0, 1}, .b = {0, 0, 5}, .radius_m = 2},
+                 ConeShape{.apex = {0, 0, 7}, .base = {0, 0, 4}, .radius_m = 1},
+                 CapsuleShape{.a = {1, 1, 1}, .b = {1, 1, 3}, .radius_m = 0.5},
+                 CapsuleShape{.a = {2, 2, 2}, .b = {2, 2, 2}, .radius_m = 3},
+                 HalfSpaceShape{}};
   still.runs = {{.surface = surface, .first_triangle = 1, .triangle_count = 1}};
   const auto point = [](double x, double y, double z) { return json{{"x", x}, {"y", y}, {"z", z}}; };
   const json upright{{"x", 0.}, {"y", 0.}, {"z", 0.}, {"w", 1.}};
@@ -205,15 +211,17 @@ TEST(FoxgloveScene, EveryKindOfPartHasItsPlaceSizeAndColor) {
   };
   for (const bool moving : {false, true}) {
     still.moving = moving;
-    const json color = moving ? json{{"r", 0.36}, {"g", 0.36}, {"b", 0.35}, {"a", 1}} : json{{"r", 0.78}, {"g", 0.77}, {"b", 0.74}, {"a", 1}};
+    const json color = moving ? json{{"r", 0.36}, {"g", 0.36}, {"b", 0.35}, {"a", 1}}
+                              : json{{"r", 0.78}, {"g", 0.77}, {"b", 0.74}, {"a", 1}};
     const json entity = json::parse(scene_update({.objects = {still}}, 5))["entities"][0];
     EXPECT_EQ(entity["id"], "all");
     EXPECT_EQ(entity["frame_id"], moving ? "all" : "world");
     EXPECT_EQ(entity["frame_locked"], true);
     EXPECT_EQ(entity["lifetime"], json({{"sec", 0}, {"nsec", 0}}));
-    EXPECT_EQ(entity["spheres"], json({part(point(1, 2, 3), point(0.5, 0.5, 0.5), color), part(point(4, 5, 6), point(2, 4, 6), color),
-                                       part(point(1, 1, 1), point(1, 1, 1), color), part(point(1, 1, 3), point(1, 1, 1), color),
-                                       part(point(2, 2, 2), point(6, 6, 6), color), part(point(2, 2, 2), point(6, 6, 6), color)}));
+    EXPECT_EQ(entity["spheres"],
+              json({part(point(1, 2, 3), point(0.5, 0.5, 0.5), color), part(point(4, 5, 6), point(2, 4, 6), color),
+                    part(point(1, 1, 1), point(1, 1, 1), color), part(point(1, 1, 3), point(1, 1, 1), color),
+                    part(point(2, 2, 2), point(6, 6, 6), color), part(point(2, 2, 2), point(6, 6, 6), color)}));
     EXPECT_EQ(entity["cubes"], json::array({part(point(7, 8, 9), point(1, 2, 4), color)}));
     ASSERT_EQ(entity["cylinders"].size(), 3u);
     EXPECT_EQ(entity["cylinders"][0], tube(point(0, 0, 3), point(4, 4, 4), 1, color));
@@ -222,7 +230,8 @@ TEST(FoxgloveScene, EveryKindOfPartHasItsPlaceSizeAndColor) {
     ASSERT_EQ(entity["triangles"].size(), 1u);
     EXPECT_EQ(entity["triangles"][0]["points"], json({point(0, 0, 0), point(2, 0, 0), point(0, 0, 6)}));
     EXPECT_EQ(entity["triangles"][0]["color"], color);
-    for (const char* none : {"metadata", "arrows", "lines", "texts", "models"}) EXPECT_EQ(entity[none], json::array()) << none;
+    for (const char* none : {"metadata", "arrows", "lines", "texts", "models"})
+      EXPECT_EQ(entity[none], json::array()) << none;
   }
 }
 

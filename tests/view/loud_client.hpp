@@ -30,7 +30,9 @@ class LoudClient {
   LoudClient& operator=(LoudClient&&) = delete;
 
   bool is_open() const { return is_open_; }
-  bool send(std::string_view bytes) const { return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()); }
+  bool send(std::string_view bytes) const {
+    return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
+  }
 
   /// What comes until `text` was in it, the other side ends, or the time is over.
   std::string read_until(std::string_view text, std::chrono::milliseconds most = std::chrono::seconds(10)) const {
@@ -48,7 +50,10 @@ class LoudClient {
     return "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\n" + headers + "\r\n";
   }
   static std::string upgrade(const std::string& target, const std::string& host, const std::string& headers = {}) {
-    return get(target, host, "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n" + headers);
+    return get(target, host,
+               "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
+               "AAAAAAAAAAAAAAAAAAAAAA==\r\n" +
+                   headers);
   }
   /// A frame as clients send it, masked with zeroes; `first` is its first byte: 0x81 a text, 0x82 bytes, 0x88 the end.
   static std::string frame(std::string_view payload, unsigned char first = 0x81) {

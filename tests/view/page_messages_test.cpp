@@ -65,8 +65,13 @@ TEST(PageMessages, EveryKindOfShapeIsTold) {
   ShownObject object;
   object.id = 4;
   object.name = "all \"kinds\"\xff";
-  object.parts = {SphereShape{.radius_m = 0.1}, BoxShape{.half_m = {1, 2, 3}}, CapsuleShape{.a = {0, 0, 0}, .b = {0, 0, 1}, .radius_m = 0.2},
-                  CylinderShape{.radius_m = 0.3}, ConeShape{.radius_m = 0.4}, EllipsoidShape{.half_m = {1, 2, 3}}, HalfSpaceShape{}};
+  object.parts = {SphereShape{.radius_m = 0.1},
+                  BoxShape{.half_m = {1, 2, 3}},
+                  CapsuleShape{.a = {0, 0, 0}, .b = {0, 0, 1}, .radius_m = 0.2},
+                  CylinderShape{.radius_m = 0.3},
+                  ConeShape{.radius_m = 0.4},
+                  EllipsoidShape{.half_m = {1, 2, 3}},
+                  HalfSpaceShape{}};
   const auto surface = std::make_shared<Surface>();
   surface->number = 0xffffffffffffffff;
   object.runs = {{.surface = surface, .first_triangle = 1, .triangle_count = 2}};
@@ -90,7 +95,8 @@ Event event(const std::string& a, EventKind what) {
 }
 
 TEST(PageMessages, OfTooManyEventsTheNewestAreTold) {
-  const std::vector<Event> events{event("a", EventKind::began), event("b", EventKind::began), event("c", EventKind::ended)};
+  const std::vector<Event> events{event("a", EventKind::began), event("b", EventKind::began),
+                                  event("c", EventKind::ended)};
   const json told = json::parse(events_text(events, 2));
   EXPECT_EQ(told["left_out"], 1);
   EXPECT_EQ(told["events"][0]["a"], "b");
@@ -121,9 +127,22 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   publisher.silent = std::chrono::milliseconds(250);
   publisher.lost = true;
   status.publishers = {publisher};
-  json expected{{"type", "status"}, {"state", "ready"}, {"version_text", "1.2.3"}, {"pid", 4}, {"namespace", "hall"}, {"epoch", 5}, {"world", 6},
-                {"world_time", 1.5}, {"scenes", {"a", "b"}}, {"static_triangles", 9}, {"objects", 10}, {"moving", 11}, {"contacts", 8},
-                {"contacts_truncated", true}, {"questions_answered", 12}, {"undecided_answers", 13},
+  json expected{{"type", "status"},
+                {"state", "ready"},
+                {"version_text", "1.2.3"},
+                {"pid", 4},
+                {"namespace", "hall"},
+                {"epoch", 5},
+                {"world", 6},
+                {"world_time", 1.5},
+                {"scenes", {"a", "b"}},
+                {"static_triangles", 9},
+                {"objects", 10},
+                {"moving", 11},
+                {"contacts", 8},
+                {"contacts_truncated", true},
+                {"questions_answered", 12},
+                {"undecided_answers", 13},
                 {"publishers", {{{"name", "robot"}, {"silent", 0.25}, {"lost", true}}}}};
   EXPECT_EQ(json::parse(status_text(status, std::nullopt)), expected);
   // Two seconds of it; of four steps three took at most 1 ms, of ten answers nine.
@@ -137,14 +156,26 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   recent.poses_applied = 30;
   recent.questions = {{"ray", 10, {{1'000'000, 9}, {4'000'000, 1}}}, {"pair", 0, {}}};
   expected["recent"] = {{"stages", {{{"stage", "pairs"}, {"share", 0.25}}}},
-                        {"asked", {{{"kind", "ray"}, {"rate", 5.0}, {"p50", 0.001}, {"p99", 0.004}},
-                                   {{"kind", "pair"}, {"rate", 0.0}, {"p50", nullptr}, {"p99", nullptr}}}},
-                        {"steps", 2.0}, {"step_p50", 0.001}, {"step_p99", 0.002}, {"poses", 15.0}, {"candidates", 5.0}, {"filtered", 1.5}};
+                        {"asked",
+                         {{{"kind", "ray"}, {"rate", 5.0}, {"p50", 0.001}, {"p99", 0.004}},
+                          {{"kind", "pair"}, {"rate", 0.0}, {"p50", nullptr}, {"p99", nullptr}}}},
+                        {"steps", 2.0},
+                        {"step_p50", 0.001},
+                        {"step_p99", 0.002},
+                        {"poses", 15.0},
+                        {"candidates", 5.0},
+                        {"filtered", 1.5}};
   EXPECT_EQ(json::parse(status_text(status, recent)), expected);
   // Without a step, and without time, nothing is divided by 0.
   const json idle = json::parse(status_text(status, Figures{}))["recent"];
-  EXPECT_EQ(idle, (json{{"stages", json::array()}, {"asked", json::array()}, {"steps", 0.0}, {"step_p50", nullptr}, {"step_p99", nullptr},
-                        {"poses", 0.0}, {"candidates", 0.0}, {"filtered", 0.0}}));
+  EXPECT_EQ(idle, (json{{"stages", json::array()},
+                        {"asked", json::array()},
+                        {"steps", 0.0},
+                        {"step_p50", nullptr},
+                        {"step_p99", nullptr},
+                        {"poses", 0.0},
+                        {"candidates", 0.0},
+                        {"filtered", 0.0}}));
 }
 
 // As `collide ray --json` names them.
@@ -174,10 +205,13 @@ TEST(PageQuestion, IsWhatItSaysOrNothing) {
   const auto pair = parse_page_question(R"({"ask":"pair","id":4,"a":"x","b":"y"})");
   ASSERT_TRUE(pair);
   EXPECT_EQ(std::get<PairOfNames>(pair->what).b, "y");
-  for (const char* bad : {"", "7", "[]", "{", R"({"ask":"ray"})", R"({"ask":"ray","id":3,"origin":[0,0],"direction":[0,0,1]})",
-                          R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,0]})", R"({"ask":"ray","id":3,"origin":[0,0,1e999],"direction":[0,0,1]})",
-                          R"({"ask":"ray","id":3,"origin":["0",0,5],"direction":[0,0,1]})", R"({"ask":"ray","id":"3","origin":[0,0,5],"direction":[0,0,1]})",
-                          R"({"ask":"add","id":3,"name":"x"})", R"({"ask":"pair","id":3,"a":"","b":"y"})", R"({"ask":7,"id":3})"}) {
+  for (const char* bad :
+       {"", "7", "[]", "{", R"({"ask":"ray"})", R"({"ask":"ray","id":3,"origin":[0,0],"direction":[0,0,1]})",
+        R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,0]})",
+        R"({"ask":"ray","id":3,"origin":[0,0,1e999],"direction":[0,0,1]})",
+        R"({"ask":"ray","id":3,"origin":["0",0,5],"direction":[0,0,1]})",
+        R"({"ask":"ray","id":"3","origin":[0,0,5],"direction":[0,0,1]})", R"({"ask":"add","id":3,"name":"x"})",
+        R"({"ask":"pair","id":3,"a":"","b":"y"})", R"({"ask":7,"id":3})"}) {
     EXPECT_FALSE(parse_page_question(bad)) << bad;
   }
   EXPECT_FALSE(parse_page_question(R"({"ask":"pair","id":3,"b":"y","a":")" + std::string(256, 'x') + "\"}"));

@@ -19,9 +19,12 @@ using test::LoudClient;
 class Viewing : public testing::Test {
  protected:
   void start(const std::vector<std::string>& options = {}) {
-    server.emplace(std::vector<std::string>{COLLIDED_SERVER, "--domain", domain, "--state-dir", folder.path()}, folder.path(), "server");
+    server.emplace(std::vector<std::string>{COLLIDED_SERVER, "--domain", domain, "--state-dir", folder.path()},
+                   folder.path(), "server");
     ASSERT_TRUE(server->says("ready:", 20s)) << server->errors();
-    publisher.emplace(std::vector<std::string>{COLLIDED_CLI, "publish", "--spheres", "200", "--side", "6", "--size", "0.03", "--round", "--bounce", "--domain", domain}, folder.path(), "publisher");
+    publisher.emplace(std::vector<std::string>{COLLIDED_CLI, "publish", "--spheres", "200", "--side", "6", "--size",
+                                               "0.03", "--round", "--bounce", "--domain", domain},
+                      folder.path(), "publisher");
     std::vector<std::string> words{COLLIDED_CLI, "view", "--port", "0", "--plain", "--domain", domain};
     words.insert(words.end(), options.begin(), options.end());
     viewer.emplace(words, folder.path(), "viewer");
@@ -68,7 +71,8 @@ TEST_F(Viewing, APageHearsOfEverything) {
   const LoudClient page = open("/live");
   const std::string heard = page.read_until("\"type\":\"status\"");
   EXPECT_LT(heard.find("\"type\":\"hello\""), heard.find("\"type\":\"contacts\""));
-  EXPECT_NE(page.read_until("\"what\":\"began\"", 20s).find("\"what\":\"began\""), std::string::npos) << "200 spheres in a cube meet";
+  EXPECT_NE(page.read_until("\"what\":\"began\"", 20s).find("\"what\":\"began\""), std::string::npos)
+      << "200 spheres in a cube meet";
   EXPECT_NE(eventually_fetched("/objects", "\"warehouse/floor\"").find("200 OK"), std::string::npos);
   page.send(LoudClient::frame(R"({"ask":"ray","id":17,"origin":[0,0,5],"direction":[0,0,-1]})"));
   EXPECT_NE(page.read_until("\"type\":\"answer\"").find("\"id\":17"), std::string::npos);
@@ -84,7 +88,8 @@ TEST_F(Viewing, FoxgloveSeesTheSameWorld) {
   const std::string greeting = foxglove.read_until("FrameTransforms");
   EXPECT_NE(greeting.find("Sec-WebSocket-Protocol: foxglove.sdk.v1"), std::string::npos);
   EXPECT_NE(greeting.find("serverInfo"), std::string::npos);
-  foxglove.send(LoudClient::frame(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})"));
+  foxglove.send(
+      LoudClient::frame(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})"));
   const std::string heard = foxglove.read_until("child_frame_id", 20s);
   EXPECT_NE(heard.find("\"transforms\""), std::string::npos);
   EXPECT_NE(open("/", "Sec-WebSocket-Protocol: mqtt\r\n").read_until("\r\n\r\n").find("404"), std::string::npos);
@@ -116,17 +121,21 @@ TEST_F(Viewing, HostileClientsGrowNothingAndTheServerDoesNotNotice) {
       // Some read nothing of what they asked for, some say things that are none.
       if (i % 5 == 0) crowd.back().send(LoudClient::upgrade("/live", host));
       if (i % 5 == 1) crowd.back().send(LoudClient::get("/objects", host));
-      if (i % 5 == 2) crowd.back().send(LoudClient::upgrade("/live", host) + LoudClient::frame("{\"ask\":\"ray\"}") + std::string(1'000, '\xff'));
+      if (i % 5 == 2)
+        crowd.back().send(LoudClient::upgrade("/live", host) + LoudClient::frame("{\"ask\":\"ray\"}") +
+                          std::string(1'000, '\xff'));
       if (i % 5 == 3) crowd.back().send(std::string(20'000, 'G'));
     }
     std::this_thread::sleep_for(3s);  // of frames that nobody in the crowd reads
     EXPECT_LT(resident_mib(viewer->pid()) - viewer_before, 128);
-    EXPECT_NE(page.read_until("\"type\":\"status\"").find("\"type\":\"status\""), std::string::npos) << "who was there is served";
+    EXPECT_NE(page.read_until("\"type\":\"status\"").find("\"type\":\"status\""), std::string::npos)
+        << "who was there is served";
   }
   over = true;
   asking.join();
-  std::printf("viewer: %.0f MiB before, %.0f after; server: %.0f before, %.0f after; %llu rays asked meanwhile\n", viewer_before, resident_mib(viewer->pid()),
-              server_before, resident_mib(server->pid()), static_cast<unsigned long long>(asked));
+  std::printf("viewer: %.0f MiB before, %.0f after; server: %.0f before, %.0f after; %llu rays asked meanwhile\n",
+              viewer_before, resident_mib(viewer->pid()), server_before, resident_mib(server->pid()),
+              static_cast<unsigned long long>(asked));
   EXPECT_GT(asked, 100U);
   EXPECT_EQ(failed, 0U);
   EXPECT_LT(resident_mib(server->pid()) - server_before, 32);
@@ -144,7 +153,9 @@ TEST_F(Viewing, ARunIsSavedIntoOneFile) {
   start({"--for", "1s"});
   EXPECT_EQ(viewer->wait(10s), 0) << viewer->errors();
   const std::string file = folder.path() + "/run.html";
-  testing_support::ChildProcess saving({COLLIDED_CLI, "view", "--save", file, "--last", "1500ms", "--plain", "--domain", domain}, folder.path(), "saving");
+  testing_support::ChildProcess saving(
+      {COLLIDED_CLI, "view", "--save", file, "--last", "1500ms", "--plain", "--domain", domain}, folder.path(),
+      "saving");
   EXPECT_EQ(saving.wait(20s), 0) << saving.errors();
   std::ifstream in(file, std::ios::binary);
   const std::string page((std::istreambuf_iterator<char>(in)), {});

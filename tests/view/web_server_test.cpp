@@ -26,13 +26,23 @@ class WebServerTest : public testing::Test {
       if (target == "/large") return WebPage{"text/plain", make_bytes(std::string(32 << 20, 'x'))};
       return std::nullopt;
     };
-    handlers.protocol = [](std::string_view target, const std::vector<std::string>& offered) -> std::optional<std::string> {
+    handlers.protocol = [](std::string_view target,
+                           const std::vector<std::string>& offered) -> std::optional<std::string> {
       if (target != "/live") return std::nullopt;
       return offered.empty() ? std::string() : offered.front();
     };
-    handlers.opened = [this](WebServer::Connection connection, const std::string&) { note([&] { open[connection] = ""; }); };
-    handlers.said = [this](WebServer::Connection connection, std::string_view message, bool) { note([&] { open[connection] += message; }); };
-    handlers.closed = [this](WebServer::Connection connection) { note([&] { open.erase(connection); ++closed; }); };
+    handlers.opened = [this](WebServer::Connection connection, const std::string&) {
+      note([&] { open[connection] = ""; });
+    };
+    handlers.said = [this](WebServer::Connection connection, std::string_view message, bool) {
+      note([&] { open[connection] += message; });
+    };
+    handlers.closed = [this](WebServer::Connection connection) {
+      note([&] {
+        open.erase(connection);
+        ++closed;
+      });
+    };
     server.emplace(WebAddress{}, rules, limits, std::move(handlers));
     server->start();
     host = "127.0.0.1:" + std::to_string(server->port());
@@ -214,8 +224,10 @@ TEST_F(WebServerTest, AnAddressInUseIsSaidSo) {
 
 TEST(RequestRules, HostsAreTakenApart) {
   const RequestRules rules{.hosts = {"robot.example"}, .origins = {}};
-  for (const char* good : {"127.0.0.1", "127.0.0.1:8765", "LOCALHOST:1", "robot.EXAMPLE:80"}) EXPECT_TRUE(may_be_called(good, "127.0.0.1", true, rules)) << good;
-  for (const char* bad : {"", ":80", "evil.example", "127.0.0.1.evil.example", "127.0.0.1:80:80", "127.0.0.1:x", "localhost@evil", "[127.0.0.1", "127.0.0.2"}) {
+  for (const char* good : {"127.0.0.1", "127.0.0.1:8765", "LOCALHOST:1", "robot.EXAMPLE:80"})
+    EXPECT_TRUE(may_be_called(good, "127.0.0.1", true, rules)) << good;
+  for (const char* bad : {"", ":80", "evil.example", "127.0.0.1.evil.example", "127.0.0.1:80:80", "127.0.0.1:x",
+                          "localhost@evil", "[127.0.0.1", "127.0.0.2"}) {
     EXPECT_FALSE(may_be_called(bad, "127.0.0.1", true, rules)) << bad;
   }
   EXPECT_TRUE(may_be_called("[::1]:8765", "::1", true, rules));

@@ -10,7 +10,9 @@ namespace {
 TEST(WebVersion, AnAnswerIsOfTheVersionThatItsRequestIsOf) {
   WebServer::Handlers handlers;
   handlers.page = [](std::string_view) -> std::optional<WebPage> { return WebPage{"text/html", make_bytes("a page")}; };
-  handlers.protocol = [](std::string_view, const std::vector<std::string>&) -> std::optional<std::string> { return std::nullopt; };
+  handlers.protocol = [](std::string_view, const std::vector<std::string>&) -> std::optional<std::string> {
+    return std::nullopt;
+  };
   handlers.opened = [](WebServer::Connection, const std::string&) {};
   handlers.said = [](WebServer::Connection, std::string_view, bool) {};
   handlers.closed = [](WebServer::Connection) {};

@@ -78,7 +78,8 @@ bool LineReader::next(std::string& line) {
   return true;
 }
 
-InputFile::InputFile(const std::string& path, int in) : file_(in), owned_(path != "-"), name_(path == "-" ? "stdin" : path) {
+InputFile::InputFile(const std::string& path, int in)
+    : file_(in), owned_(path != "-"), name_(path == "-" ? "stdin" : path) {
   if (!owned_ && in < 0) throw bad_use("'-' has no meaning here: the verbs are read from stdin");
   if (!owned_) return;
   file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -23,14 +23,18 @@ struct Unit {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::array kUnits{
-    Unit{"nm", Measure::length, 1, 1e9},     Unit{"um", Measure::length, 1, 1e6},   Unit{"µm", Measure::length, 1, 1e6},
-    Unit{"mm", Measure::length, 1, 1e3},     Unit{"cm", Measure::length, 1, 100},   Unit{"m", Measure::length, 1, 1},
-    Unit{"km", Measure::length, 1000, 1},    Unit{"in", Measure::length, 254, 1e4}, Unit{"ft", Measure::length, 3048, 1e4},
-    Unit{"rad", Measure::angle, 1, 1},       Unit{"deg", Measure::angle, kPi, 180}, Unit{"°", Measure::angle, kPi, 180},
-    Unit{"ns", Measure::duration, 1, 1e9},   Unit{"us", Measure::duration, 1, 1e6}, Unit{"µs", Measure::duration, 1, 1e6},
-    Unit{"ms", Measure::duration, 1, 1e3},   Unit{"s", Measure::duration, 1, 1},    Unit{"min", Measure::duration, 60, 1},
-    Unit{"h", Measure::duration, 3600, 1},   Unit{"Hz", Measure::rate, 1, 1},       Unit{"kHz", Measure::rate, 1000, 1},
-    Unit{"mm/s", Measure::speed, 1, 1e3},    Unit{"m/s", Measure::speed, 1, 1},     Unit{"km/h", Measure::speed, 1000, 3600},
+    Unit{"nm", Measure::length, 1, 1e9},    Unit{"um", Measure::length, 1, 1e6},
+    Unit{"µm", Measure::length, 1, 1e6},    Unit{"mm", Measure::length, 1, 1e3},
+    Unit{"cm", Measure::length, 1, 100},    Unit{"m", Measure::length, 1, 1},
+    Unit{"km", Measure::length, 1000, 1},   Unit{"in", Measure::length, 254, 1e4},
+    Unit{"ft", Measure::length, 3048, 1e4}, Unit{"rad", Measure::angle, 1, 1},
+    Unit{"deg", Measure::angle, kPi, 180},  Unit{"°", Measure::angle, kPi, 180},
+    Unit{"ns", Measure::duration, 1, 1e9},  Unit{"us", Measure::duration, 1, 1e6},
+    Unit{"µs", Measure::duration, 1, 1e6},  Unit{"ms", Measure::duration, 1, 1e3},
+    Unit{"s", Measure::duration, 1, 1},     Unit{"min", Measure::duration, 60, 1},
+    Unit{"h", Measure::duration, 3600, 1},  Unit{"Hz", Measure::rate, 1, 1},
+    Unit{"kHz", Measure::rate, 1000, 1},    Unit{"mm/s", Measure::speed, 1, 1e3},
+    Unit{"m/s", Measure::speed, 1, 1},      Unit{"km/h", Measure::speed, 1000, 3600},
 };
 
 /// The number at the start of a text and what follows it.
@@ -170,12 +174,11 @@ std::string format_number(double value) {
 
 std::string format_vector(const Eigen::Vector3d& value) {
   // Adding 0 turns -0 into 0: people read the sign as a mistake.
-  return fmt::format("{} {} {}", format_number(value.x() + 0.0), format_number(value.y() + 0.0), format_number(value.z() + 0.0));
+  return fmt::format("{} {} {}", format_number(value.x() + 0.0), format_number(value.y() + 0.0),
+                     format_number(value.z() + 0.0));
 }
 
-std::string format_bound(double value) {
-  return fmt::format("{:.2g}", value);
-}
+std::string format_bound(double value) { return fmt::format("{:.2g}", value); }
 
 std::string format_count(std::uint64_t value) {
   if (value < 1000) return std::to_string(value);

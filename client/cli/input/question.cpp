@@ -12,7 +12,7 @@
 namespace collided::cli {
 namespace {
 
-constexpr std::array kRayColumns{Column{"fx", "ox"}, Column{"fy", "oy"}, Column{"fz", "oz"}, Column{"dx", {}},
+constexpr std::array kRayColumns{Column{"fx", "ox"}, Column{"fy", "oy"}, Column{"fz", "oz"},   Column{"dx", {}},
                                  Column{"dy", {}},   Column{"dz", {}},   Column{"length", {}}, Column{"tx", {}},
                                  Column{"ty", {}},   Column{"tz", {}}};
 constexpr std::array kRayKeys{JsonKey{"from", column::kFrom, 3}, JsonKey{"dir", column::kDirection, 3},
@@ -29,10 +29,9 @@ constexpr std::array kBoxKeys{JsonKey{"low", column::kLow, 3}, JsonKey{"high", c
 constexpr std::array kNearColumns{Column{"x", "px"}, Column{"y", "py"}, Column{"z", "pz"}, Column{"reach", {}}};
 constexpr std::array kNearKeys{JsonKey{"point", column::kPoint, 3}, JsonKey{"reach", column::kReach, 1}};
 
-const std::array kForms{QuestionForm{"rays", kRayColumns, kRayKeys, 6, 7},
-                        QuestionForm{"spheres", kSphereColumns, kSphereKeys, 4, 4},
-                        QuestionForm{"boxes", kBoxColumns, kBoxKeys, 6, 6},
-                        QuestionForm{"points", kNearColumns, kNearKeys, 3, 4}};
+const std::array kForms{
+    QuestionForm{"rays", kRayColumns, kRayKeys, 6, 7}, QuestionForm{"spheres", kSphereColumns, kSphereKeys, 4, 4},
+    QuestionForm{"boxes", kBoxColumns, kBoxKeys, 6, 6}, QuestionForm{"points", kNearColumns, kNearKeys, 3, 4}};
 
 void need_finite(const Vec3& vector, std::string_view what) {
   if (!vector.allFinite()) throw bad_use(fmt::format("{} {} must be finite", what, format_vector(vector)));
@@ -65,7 +64,8 @@ SphereQuestion make_sphere_question(const Numbers& numbers) {
   SphereQuestion sphere{numbers.vector(column::kSphereCenter), numbers.value[column::kRadius]};
   need_finite(sphere.center, "centre");
   const bool radius_fits = sphere.radius_m >= 0 && std::isfinite(sphere.radius_m);
-  if (!radius_fits) throw bad_use(fmt::format("radius {} must be finite and not below 0", format_number(sphere.radius_m)));
+  if (!radius_fits)
+    throw bad_use(fmt::format("radius {} must be finite and not below 0", format_number(sphere.radius_m)));
   return sphere;
 }
 
@@ -80,7 +80,8 @@ BoxQuestion make_box_question(const Numbers& numbers) {
     need_finite(low, "corner");
     need_finite(high, "corner");
     if ((low.array() > high.array()).any()) {
-      throw bad_use(fmt::format("corners {} and {}: the first must be the lower one on every axis", format_vector(low), format_vector(high)));
+      throw bad_use(fmt::format("corners {} and {}: the first must be the lower one on every axis", format_vector(low),
+                                format_vector(high)));
     }
     // Halves before the sum: the middle of two huge corners stays finite.
     box.center = low / 2 + high / 2;
@@ -133,9 +134,7 @@ Result<Answers> ask(Client& client, const Questions& questions, const AskOptions
   return std::visit([&](const auto& list) { return client.ask(std::span(list), options); }, questions);
 }
 
-const QuestionForm& form_of(QuestionKind kind) {
-  return kForms[static_cast<std::size_t>(kind)];
-}
+const QuestionForm& form_of(QuestionKind kind) { return kForms[static_cast<std::size_t>(kind)]; }
 
 void add_question(Questions& questions, const Numbers& numbers) {
   switch (static_cast<QuestionKind>(questions.index())) {
@@ -155,8 +154,9 @@ Quat unit_quaternion(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
   const double norm = rotation.norm();
   if (!(std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) {
-    throw bad_use(fmt::format("quaternion {} {} {} {} (w x y z) has norm {}, allowed 1 +- {}", format_number(w), format_number(x),
-                              format_number(y), format_number(z), format_number(norm), format_number(wire_contract::kUnitQuaternionSlack)));
+    throw bad_use(fmt::format("quaternion {} {} {} {} (w x y z) has norm {}, allowed 1 +- {}", format_number(w),
+                              format_number(x), format_number(y), format_number(z), format_number(norm),
+                              format_number(wire_contract::kUnitQuaternionSlack)));
   }
   return rotation.normalized();
 }

@@ -32,7 +32,8 @@ std::string column_names(const QuestionForm& form) {
 /// A caller's id from a cell: a number stays a number.
 RawJson id_from_text(const std::string& text) {
   RawJson id;
-  if (nlohmann::json::accept(text) && !text.empty() && (text.front() == '-' || (text.front() >= '0' && text.front() <= '9'))) {
+  if (nlohmann::json::accept(text) && !text.empty() &&
+      (text.front() == '-' || (text.front() >= '0' && text.front() <= '9'))) {
     id.text = text;
   } else {
     append_json_string(id.text, text);
@@ -59,7 +60,8 @@ bool QuestionReader::take_header(const std::string& text) {
     if (column < kIdCell) {
       std::vector<std::string> names{"id"};
       for (const Column& known : form_.columns) names.emplace_back(known.name);
-      throw bad_use(fmt::format("line {}: no column '{}' in {}{}", lines_.line_number(), printable(cell), form_.plural, did_you_mean(cell, names)),
+      throw bad_use(fmt::format("line {}: no column '{}' in {}{}", lines_.line_number(), printable(cell), form_.plural,
+                                did_you_mean(cell, names)),
                     "columns: " + column_names(form_));
     }
     if (std::count(column_of_cell_.begin(), column_of_cell_.end(), column) > 0) {
@@ -73,18 +75,17 @@ bool QuestionReader::take_header(const std::string& text) {
 double QuestionReader::read_number(const std::string& text, std::string_view column) const {
   try {
     return parse_number(text);
-  } catch (const Failure&) {
-    throw bad_use(fmt::format("'{}' in column {}", printable(text), column));
-  }
+  } catch (const Failure&) { throw bad_use(fmt::format("'{}' in column {}", printable(text), column)); }
 }
 
 void QuestionReader::read_cells(const std::string& text, Questions& questions, RawJson& id) {
   split_cells(text, separator_, cells_);
   if (!has_header_) {
     if (cells_.size() < form_.fewest_bare || cells_.size() > form_.most_bare) {
-      throw bad_use(form_.fewest_bare == form_.most_bare
-                        ? fmt::format("{} numbers, {} are needed", cells_.size(), form_.fewest_bare)
-                        : fmt::format("{} numbers, {} or {} are needed", cells_.size(), form_.fewest_bare, form_.most_bare));
+      throw bad_use(
+          form_.fewest_bare == form_.most_bare
+              ? fmt::format("{} numbers, {} are needed", cells_.size(), form_.fewest_bare)
+              : fmt::format("{} numbers, {} or {} are needed", cells_.size(), form_.fewest_bare, form_.most_bare));
     }
   } else if (cells_.size() != column_of_cell_.size()) {
     throw bad_use(fmt::format("{} cells under a header of {}", cells_.size(), column_of_cell_.size()));
@@ -106,9 +107,7 @@ void QuestionReader::read_json(const std::string& text, Questions& questions, Ra
   nlohmann::json object;
   try {
     object = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& error) {
-    throw bad_use(fmt::format("column {}: not JSON", error.byte));
-  }
+  } catch (const nlohmann::json::parse_error& error) { throw bad_use(fmt::format("column {}: not JSON", error.byte)); }
   if (!object.is_object()) throw bad_use("not a JSON object");
   if (object.contains("id")) id.text = object["id"].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   Numbers numbers;
@@ -121,7 +120,9 @@ void QuestionReader::read_json(const std::string& text, Questions& questions, Ra
       const nlohmann::json& number = key.count == 1 ? value : value[at];
       if (number.is_string()) numbers.set(key.first + at, read_number(number.get<std::string>(), key.name));
       else if (number.is_number()) numbers.set(key.first + at, number.get<double>());
-      else throw bad_use(fmt::format("{} in '{}'", number.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), key.name));
+      else
+        throw bad_use(
+            fmt::format("{} in '{}'", number.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), key.name));
     }
   }
   add_question(questions, numbers);

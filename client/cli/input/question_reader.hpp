@@ -19,9 +19,9 @@ class QuestionReader {
 
   enum class Found { question, refused, end };
   struct Line {
-    RawJson id;            // the caller's, else the number of the record from 0
+    RawJson id;  // the caller's, else the number of the record from 0
     std::size_t number = 0;
-    std::string refusal;   // "line 4812: 'NaN' in column dz"; empty for a question
+    std::string refusal;  // "line 4812: 'NaN' in column dz"; empty for a question
   };
 
   /// The next record: a question is added to `questions`. Waits.

@@ -79,7 +79,8 @@ ShapePart read_shape(const std::vector<std::string>& words, int in) {
   const bool heights = kind == "heights";
   const std::size_t most = heights ? 4 : 3;
   if (words.size() < 3 || words.size() > most) {
-    throw bad_use(fmt::format("{} takes {}", kind, heights ? "FILE and the spacings DX and DY (DX)" : "FILE and a radius"));
+    throw bad_use(
+        fmt::format("{} takes {}", kind, heights ? "FILE and the spacings DX and DY (DX)" : "FILE and a radius"));
   }
   std::vector<double> numbers;
   for (std::size_t i = 2; i < words.size(); ++i) {

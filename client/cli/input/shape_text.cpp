@@ -12,8 +12,10 @@
 namespace collided::cli {
 namespace {
 
-void need_count(std::string_view kind, const std::vector<double>& numbers, std::size_t count, std::string_view meaning) {
-  if (numbers.size() != count) throw bad_use(fmt::format("a {} takes {}: {}; {} given", kind, count, meaning, numbers.size()));
+void need_count(std::string_view kind, const std::vector<double>& numbers, std::size_t count,
+                std::string_view meaning) {
+  if (numbers.size() != count)
+    throw bad_use(fmt::format("a {} takes {}: {}; {} given", kind, count, meaning, numbers.size()));
 }
 
 }  // namespace
@@ -53,14 +55,15 @@ ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers) 
     return EllipsoidShape{.half_m = Vec3(numbers[0], numbers[1], numbers[2]) / 2};
   }
   throw bad_use(fmt::format("no shape '{}'{}", kind,
-                            did_you_mean(kind, {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "plane", "points",
-                                    "polyline", "heights"})),
+                            did_you_mean(kind, {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "plane",
+                                                "points", "polyline", "heights"})),
                 kShapeForms);
 }
 
 ShapePart parse_shape(std::string_view text) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) throw bad_use(fmt::format("shape '{}' has no ':'", text), "write sphere:0.1, box:0.4,0.4,0.4 or capsule:0.05,0.3");
+  if (colon == std::string_view::npos)
+    throw bad_use(fmt::format("shape '{}' has no ':'", text), "write sphere:0.1, box:0.4,0.4,0.4 or capsule:0.05,0.3");
   return make_shape(text.substr(0, colon), parse_numbers({std::string(text.substr(colon + 1))}, Measure::length));
 }
 

@@ -77,7 +77,8 @@ std::optional<nanoseconds> calendar_time(std::string_view text) {
   } else {
     reader.expect('Z');
   }
-  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)), std::chrono::day(static_cast<unsigned>(day))};
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
   if (!reader.is_at_end() || !date.ok() || year < 1970) return std::nullopt;
   return std::chrono::sys_days(date).time_since_epoch() + time;
 }

@@ -20,10 +20,11 @@ struct VectorOption {
   std::string_view name;
   std::size_t most_numbers;
 };
-constexpr std::array kVectorOptions{VectorOption{"--to", 3},   VectorOption{"--at", 3},     VectorOption{"--rpy", 3}, VectorOption{"--to-rpy", 3},
-                                    VectorOption{"--dir", 3},  VectorOption{"--center", 3}, VectorOption{"--size", 3},
-                                    VectorOption{"--from", 3}, VectorOption{"--quat", 4},   VectorOption{"--origin", 3},
-                                    VectorOption{"--up", 3},   VectorOption{"--light", 3},  VectorOption{"--ray", 6}};
+constexpr std::array kVectorOptions{VectorOption{"--to", 3},     VectorOption{"--at", 3},   VectorOption{"--rpy", 3},
+                                    VectorOption{"--to-rpy", 3}, VectorOption{"--dir", 3},  VectorOption{"--center", 3},
+                                    VectorOption{"--size", 3},   VectorOption{"--from", 3}, VectorOption{"--quat", 4},
+                                    VectorOption{"--origin", 3}, VectorOption{"--up", 3},   VectorOption{"--light", 3},
+                                    VectorOption{"--ray", 6}};
 
 std::size_t numbers_after(std::string_view option) {
   for (const VectorOption& entry : kVectorOptions) {
@@ -38,12 +39,14 @@ std::vector<std::string> words_of_file(const std::string& path) {
   std::string text(kMostFileBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMostFileBytes) throw bad_use(fmt::format("@{}: more than {} bytes of arguments", path, kMostFileBytes));
+  if (text.size() > kMostFileBytes)
+    throw bad_use(fmt::format("@{}: more than {} bytes of arguments", path, kMostFileBytes));
   std::vector<std::string> words;
   std::size_t begin = 0;
   while (begin < text.size()) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    for (std::string& word : split_words(std::string_view(text).substr(begin, end - begin))) words.push_back(std::move(word));
+    for (std::string& word : split_words(std::string_view(text).substr(begin, end - begin)))
+      words.push_back(std::move(word));
     begin = end + 1;
   }
   return words;

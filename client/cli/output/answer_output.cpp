@@ -19,14 +19,10 @@ std::string_view verdict_name(Verdict verdict) {
   return "invalid";
 }
 
-bool measures_depth(QuestionKind kind) {
-  return kind == QuestionKind::sphere || kind == QuestionKind::box;
-}
+bool measures_depth(QuestionKind kind) { return kind == QuestionKind::sphere || kind == QuestionKind::box; }
 
 /// Depth 0 within its bound: the surfaces meet without overlap.
-bool is_touching(const Hit& hit) {
-  return hit.distance_m <= hit.error_m;
-}
+bool is_touching(const Hit& hit) { return hit.distance_m <= hit.error_m; }
 
 Value reason_value(const Answer& answer) {
   if (answer.verdict != Verdict::undecided) return std::monostate{};
@@ -34,7 +30,8 @@ Value reason_value(const Answer& answer) {
 }
 
 /// The record of one hit, or of an answer without hits (`hit` null).
-void fill_record(Record& record, const AnswerView& view, const RawJson& id, const Answer& answer, const Hit* hit, std::size_t order) {
+void fill_record(Record& record, const AnswerView& view, const RawJson& id, const Answer& answer, const Hit* hit,
+                 std::size_t order) {
   record.clear();
   const Value none = std::monostate{};
   if (view.with_id) record.push_back({"id", id});
@@ -59,9 +56,7 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
 }
 
 /// Beside its bound a value keeps every digit.
-std::string metres(double value) {
-  return value == 0 ? "0" : format_number(value) + " m";
-}
+std::string metres(double value) { return value == 0 ? "0" : format_number(value) + " m"; }
 
 std::string distance_text(const Hit& hit) {
   return metres(hit.distance_m) + (hit.error_m == 0 ? " exact" : fmt::format(" ±{}", format_bound(hit.error_m)));
@@ -83,8 +78,8 @@ void contact_row(Printer& printer, const Hit& hit) {
   std::string what = is_touching(hit) ? "touching" : "contact";
   if (hit.inside) what += " inside";
   if (hit.stale) what += " stale";
-  printer.row({"OBJECT", "WHAT", "DEPTH", "±", "CONTACT"},
-              {printable(hit.object), what, metres(hit.distance_m), format_bound(hit.error_m), format_vector(hit.point)});
+  printer.row({"OBJECT", "WHAT", "DEPTH", "±", "CONTACT"}, {printable(hit.object), what, metres(hit.distance_m),
+                                                            format_bound(hit.error_m), format_vector(hit.point)});
 }
 
 std::string nothing_line(const Printer& printer, QuestionKind kind) {
@@ -107,7 +102,8 @@ std::string where_uncovered(const AnswerView& view, const Answer& answer) {
 void print_for_people(Printer& printer, const AnswerView& view, const RawJson& id, const Answer& answer) {
   const std::string prefix = view.with_id ? id.text + "  " : std::string();
   if (answer.verdict == Verdict::undecided) {
-    printer.line(fmt::format("{}{} {}{}", prefix, printer.paint(Paint::doubt, "undecided:"), explain(answer.reason), where_uncovered(view, answer)));
+    printer.line(fmt::format("{}{} {}{}", prefix, printer.paint(Paint::doubt, "undecided:"), explain(answer.reason),
+                             where_uncovered(view, answer)));
   }
   if (answer.verdict == Verdict::invalid) printer.line(prefix + printer.paint(Paint::bad, "invalid"));
   if (answer.verdict == Verdict::miss) printer.line(prefix + nothing_line(printer, view.kind));
@@ -203,8 +199,8 @@ std::string_view explain(UndecidedReason reason) {
 }
 
 std::string cost_line(const Answers& answers, const Answer& answer) {
-  std::string line = fmt::format("     {}: {} nodes, {} exact tests; world {}", format_duration(answers.compute), answer.cost.nodes,
-                                 answer.cost.exact_tests, answers.version);
+  std::string line = fmt::format("     {}: {} nodes, {} exact tests; world {}", format_duration(answers.compute),
+                                 answer.cost.nodes, answer.cost.exact_tests, answers.version);
   if (answers.oldest_pose_age) line += fmt::format(", poses {} old", format_duration(*answers.oldest_pose_age));
   return line;
 }

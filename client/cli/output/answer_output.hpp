@@ -14,9 +14,9 @@ namespace collided::cli {
 /// How the answers of a verb are shown.
 struct AnswerView {
   QuestionKind kind = QuestionKind::ray;
-  bool several = false;    // all hits were asked for: each gets its order
+  bool several = false;  // all hits were asked for: each gets its order
   bool count_only = false;
-  bool with_id = false;    // batches: every record starts with the caller's id
+  bool with_id = false;  // batches: every record starts with the caller's id
 };
 
 /// One answer as records, or as lines for people; hits in the order of the answer.

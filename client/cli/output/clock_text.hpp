@@ -8,8 +8,6 @@ namespace collided::cli {
 /// "12:04:31.201": local time of a world time; seconds where the world's clock does not count from 1970.
 std::string clock_text(std::chrono::nanoseconds world_time);
 
-inline double seconds_of(std::chrono::nanoseconds time) {
-  return static_cast<double>(time.count()) / 1e9;
-}
+inline double seconds_of(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) / 1e9; }
 
 }  // namespace collided::cli

@@ -89,11 +89,15 @@ Record event_record(const Event& event) {
 std::string event_line(const Printer& printer, const Event& event) {
   const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
   const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
-  if (event.kind == EventKind::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
+  if (event.kind == EventKind::open)
+    return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
   const Paint paint = event.kind == EventKind::began ? Paint::bad : Paint::faint;
-  std::string line = fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.kind)), pair);
-  if (event.kind == EventKind::ended) line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
-  else if (event.doubt == Doubt::none) line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
+  std::string line =
+      fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.kind)), pair);
+  if (event.kind == EventKind::ended)
+    line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
+  else if (event.doubt == Doubt::none)
+    line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
   return line;

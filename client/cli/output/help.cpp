@@ -93,8 +93,6 @@ void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {
   if (!verb.examples.empty()) io.out << "\nExamples\n" << lines_after_collide(verb.examples);
 }
 
-std::unique_ptr<Command> make_help() {
-  return std::make_unique<HelpCommand>();
-}
+std::unique_ptr<Command> make_help() { return std::make_unique<HelpCommand>(); }
 
 }  // namespace collided::cli

@@ -123,7 +123,8 @@ std::size_t width(std::string_view text) {
 }  // namespace
 
 void append_json_string(std::string& out, std::string_view text) {
-  const bool simple = std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+  const bool simple =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
   if (simple) {
     out += '"';
     out += text;
@@ -158,7 +159,8 @@ void Printer::select(const Record& record) {
     return;
   }
   for (const std::string& wanted : fields_) {
-    const auto found = std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == wanted; });
+    const auto found =
+        std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == wanted; });
     if (found == record.end()) {
       std::vector<std::string> names;
       std::string listed;
@@ -217,9 +219,7 @@ void Printer::separated(const Record& record, char separator) {
   out_ << buffer_;
 }
 
-void Printer::line(std::string_view text) {
-  out_ << text << '\n';
-}
+void Printer::line(std::string_view text) { out_ << text << '\n'; }
 
 void Printer::row(const std::vector<std::string>& header, std::vector<std::string> cells) {
   if (rows_.empty()) rows_.push_back(header);
@@ -230,7 +230,8 @@ void Printer::finish() {
   std::vector<std::size_t> widths;
   for (const auto& cells : rows_) {
     widths.resize(std::max(widths.size(), cells.size()));
-    for (std::size_t column = 0; column < cells.size(); ++column) widths[column] = std::max(widths[column], width(cells[column]));
+    for (std::size_t column = 0; column < cells.size(); ++column)
+      widths[column] = std::max(widths[column], width(cells[column]));
   }
   for (std::size_t at = 0; at < rows_.size(); ++at) {
     std::string text;

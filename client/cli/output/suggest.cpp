@@ -44,7 +44,8 @@ std::string bare(std::string_view name) {
 
 }  // namespace
 
-std::vector<std::string> nearest_names(std::string_view wrong, const std::vector<std::string>& names, std::size_t most) {
+std::vector<std::string> nearest_names(std::string_view wrong, const std::vector<std::string>& names,
+                                       std::size_t most) {
   const std::size_t limit = std::max<std::size_t>(1, wrong.size() / 3);
   const std::string bare_wrong = bare(wrong);
   std::vector<std::pair<std::size_t, std::string>> found;

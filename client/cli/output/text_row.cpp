@@ -5,9 +5,7 @@
 namespace collided::cli {
 namespace {
 
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 void trim(std::string& text) {
   while (!text.empty() && is_blank(text.back())) text.pop_back();

@@ -16,13 +16,9 @@ using view::Asked;
 using view::Figures;
 using view::quantile_ns;
 
-double seconds(const Figures& figures) {
-  return std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns)));
-}
+double seconds(const Figures& figures) { return std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns))); }
 
-double rate(std::uint64_t count, const Figures& figures) {
-  return static_cast<double>(count) / seconds(figures);
-}
+double rate(std::uint64_t count, const Figures& figures) { return static_cast<double>(count) / seconds(figures); }
 
 double a_step(std::uint64_t count, const Figures& figures) {
   return figures.steps == 0 ? 0 : static_cast<double>(count) / static_cast<double>(figures.steps);
@@ -43,9 +39,7 @@ std::string mean_text(double mean) {
   return mean < 999.5 ? fmt::format("{:.3g}", mean) : format_count(static_cast<std::uint64_t>(std::llround(mean)));
 }
 
-std::string percent_text(double part_of_one) {
-  return fmt::format("{:.2g} %", 100 * part_of_one);
-}
+std::string percent_text(double part_of_one) { return fmt::format("{:.2g} %", 100 * part_of_one); }
 
 std::string quantile_text(const std::vector<view::DurationStep>& durations, double which) {
   const std::optional<std::int64_t> ns = quantile_ns(durations, which);
@@ -82,8 +76,9 @@ void add_questions(const Look& look, std::vector<std::string>& lines) {
   std::string label = "ASK";
   for (const Asked& asked : figures.questions) {
     if (asked.answered == 0) continue;
-    lines.push_back(fmt::format("{:<7}{:<7}{:>10}  p50 {:<8} p99 {:<8}", label, asked.kind, rate_text(rate(asked.answered, figures)),
-                                quantile_text(asked.durations, 0.5), quantile_text(asked.durations, 0.99)));
+    lines.push_back(fmt::format("{:<7}{:<7}{:>10}  p50 {:<8} p99 {:<8}", label, asked.kind,
+                                rate_text(rate(asked.answered, figures)), quantile_text(asked.durations, 0.5),
+                                quantile_text(asked.durations, 0.99)));
     if (label.empty()) continue;
     lines.back() += fmt::format(" |{}|", sparkline(look.past_rates));
     label.clear();
@@ -104,7 +99,8 @@ std::string publishers_text(const ServerStatus& status) {
   for (std::size_t i = 0; i < std::min(oldest.size(), kMostNamed); ++i) {
     const PublisherInfo& publisher = *oldest[i];
     const char* state = publisher.lost ? "lost, " : publisher.silent > kSilent ? "silent, " : "";
-    text += fmt::format("{}{} {}{}", i == 0 ? "" : "   ", printable(publisher.name), state, format_duration(publisher.silent));
+    text += fmt::format("{}{} {}{}", i == 0 ? "" : "   ", printable(publisher.name), state,
+                        format_duration(publisher.silent));
   }
   if (oldest.size() > kMostNamed) text += fmt::format("   and {} more", oldest.size() - kMostNamed);
   return text.empty() ? "nobody publishes" : text;
@@ -131,8 +127,8 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
 /// Only where a publisher's clock does what clocks should not.
 void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
-  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late), format_count(figures.stamps_jumped),
-                              format_count(figures.stamps_missing)));
+  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late),
+                              format_count(figures.stamps_jumped), format_count(figures.stamps_missing)));
 }
 
 std::string stages_text(const Figures& figures) {
@@ -148,9 +144,7 @@ std::string stages_text(const Figures& figures) {
 
 }  // namespace
 
-double asked_rate(const Figures& figures) {
-  return rate(answered(figures), figures);
-}
+double asked_rate(const Figures& figures) { return rate(answered(figures), figures); }
 
 std::vector<std::string> top_lines(const Look& look) {
   const ServerStatus& status = look.status;
@@ -158,19 +152,25 @@ std::vector<std::string> top_lines(const Look& look) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format("collided {} · {} · up {} · world {} · {}", printable(status.version_text),
                               status.scenes.empty() ? "no scene" : "scene " + joined(status.scenes),
-                              format_duration(std::chrono::nanoseconds(look.up_ns)), format_count(status.version), printable(status.state)));
+                              format_duration(std::chrono::nanoseconds(look.up_ns)), format_count(status.version),
+                              printable(status.state)));
   add_questions(look, lines);
-  lines.push_back(fmt::format("POSES  {} objects, {} moving   {}   late {}   lost {}", format_count(status.objects), format_count(status.moving),
-                              rate_text(rate(figures.poses_applied, figures)), format_count(figures.poses_late), format_count(figures.poses_lost)));
+  lines.push_back(fmt::format("POSES  {} objects, {} moving   {}   late {}   lost {}", format_count(status.objects),
+                              format_count(status.moving), rate_text(rate(figures.poses_applied, figures)),
+                              format_count(figures.poses_late), format_count(figures.poses_lost)));
   add_odd_stamps(figures, lines);
   lines.push_back("FROM   " + publishers_text(status));
   lines.push_back("STAGE  " + stages_text(figures));
-  const std::string period = figures.step_period_ns > 0 ? " of " + format_duration(std::chrono::nanoseconds(figures.step_period_ns)) : "";
-  lines.push_back(fmt::format("STEP   {}   p50 {}{}   p99 {}", rate_text(rate(figures.steps, figures)), quantile_text(figures.step_durations, 0.5),
-                              period, quantile_text(figures.step_durations, 0.99)));
-  if (figures.stalled_steps > 0) lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
-  lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}", mean_text(a_step(figures.candidates, figures)),
-                              format_count(status.contacts), mean_text(a_step(figures.filtered, figures))));
+  const std::string period =
+      figures.step_period_ns > 0 ? " of " + format_duration(std::chrono::nanoseconds(figures.step_period_ns)) : "";
+  lines.push_back(fmt::format("STEP   {}   p50 {}{}   p99 {}", rate_text(rate(figures.steps, figures)),
+                              quantile_text(figures.step_durations, 0.5), period,
+                              quantile_text(figures.step_durations, 0.99)));
+  if (figures.stalled_steps > 0)
+    lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
+  lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}",
+                              mean_text(a_step(figures.candidates, figures)), format_count(status.contacts),
+                              mean_text(a_step(figures.filtered, figures))));
   if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
   if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
   add_not_built(figures, lines);
@@ -211,12 +211,14 @@ std::vector<Record> top_records(const Look& look) {
   add("stamps.missing", rate(figures.stamps_missing, figures), "1/s");
   add("step.rate", rate(figures.steps, figures), "1/s");
   quantiles("step", figures.step_durations);
-  for (const view::Stage& stage : figures.stages) add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
+  for (const view::Stage& stage : figures.stages)
+    add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
   add("pairs.candidates", a_step(figures.candidates, figures), "a step");
   add("pairs.filtered", a_step(figures.filtered, figures), "a step");
   add("contacts", std::uint64_t{status.contacts}, "");
   add("in_doubt", figures.in_doubt, "");
-  for (const PublisherInfo& publisher : status.publishers) add("silent." + publisher.name, seconds_of(publisher.silent), "s");
+  for (const PublisherInfo& publisher : status.publishers)
+    add("silent." + publisher.name, seconds_of(publisher.silent), "s");
   for (const std::string& structure : figures.not_built) add("not_built", structure, "");
   return records;
 }

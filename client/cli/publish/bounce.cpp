@@ -42,8 +42,8 @@ constexpr int kMostPlacements = 1'000;
 Bounce::Bounce(const BounceOptions& options) : options_(options) {
   const double largest_radius = options.relative_size * options.side_m * 0.75;
   if (!(largest_radius * 2 < options.side_m)) {
-    throw bad_use(fmt::format("size {}: the largest sphere, {} of the cube's side, would not fit (allowed below 0.66)", format_number(options.relative_size),
-                              format_number(options.relative_size * 1.5)));
+    throw bad_use(fmt::format("size {}: the largest sphere, {} of the cube's side, would not fit (allowed below 0.66)",
+                              format_number(options.relative_size), format_number(options.relative_size * 1.5)));
   }
   std::uint64_t random = options.seed;
   std::vector<Sphere> spheres(options.sphere_count);
@@ -61,18 +61,17 @@ Bounce::Bounce(const BounceOptions& options) : options_(options) {
   response.stiffness_n_m = options.stiffness_n_m;
   try {
     response_ = response::Spheres(response, std::move(spheres));
-  } catch (const std::invalid_argument& wrong) {
-    throw bad_use(wrong.what());
-  }
+  } catch (const std::invalid_argument& wrong) { throw bad_use(wrong.what()); }
 }
 
 void Bounce::place(std::vector<Sphere>& spheres, std::size_t sphere, std::uint64_t& random) {
   Sphere& placed = spheres[sphere];
   for (int trial = 0; trial < kMostPlacements; ++trial) {
     placed.position = uniform_vector(random, options_.side_m / 2 - placed.radius_m);
-    const bool is_free = std::none_of(spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(sphere), [&](const Sphere& other) {
-      return (other.position - placed.position).norm() <= other.radius_m + placed.radius_m;
-    });
+    const bool is_free =
+        std::none_of(spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(sphere), [&](const Sphere& other) {
+          return (other.position - placed.position).norm() <= other.radius_m + placed.radius_m;
+        });
     if (is_free) return;
   }
   ++overlapping_at_start_;

@@ -14,10 +14,10 @@ struct BounceOptions {
   std::size_t sphere_count = 20;
   double relative_size = 0.2;  // mean diameter over the cube's side; drawn from half to one and a half of it
   double side_m = 1;
-  double speed_m_s = 0.5;      // largest velocity component
-  double spin_rad_s = 0;       // largest angular speed
+  double speed_m_s = 0.5;  // largest velocity component
+  double spin_rad_s = 0;   // largest angular speed
   std::uint64_t seed = 7;
-  bool as_asked = false;       // flip on every frame of a contact, as the homework words it
+  bool as_asked = false;  // flip on every frame of a contact, as the homework words it
   response::Answer answer = response::Answer::flip;
   double restitution = 1;      // of impulse and compliant
   double stiffness_n_m = 1e6;  // of compliant

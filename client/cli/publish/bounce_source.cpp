@@ -83,7 +83,8 @@ class BounceSource : public Source {
     return sphere_mesh(sphere.radius_m, bands.latitudes, bands.longitudes);
   }
 
-  Publisher::Object add(Publisher& publisher, const std::string& name, Shape shape, const Pose& pose, bool moving) const {
+  Publisher::Object add(Publisher& publisher, const std::string& name, Shape shape, const Pose& pose,
+                        bool moving) const {
     ObjectOptions object;
     object.name = name;
     object.shape = std::move(shape);
@@ -117,15 +118,21 @@ class BounceSource : public Source {
   void add_lines(const BounceLedger& ledger, std::vector<std::string>& lines) const {
     std::string sizes;
     for (const std::size_t count : bounce_.size_histogram()) sizes += fmt::format(" {}", count);
-    lines.push_back(fmt::format("  {} spheres of {}, seed {}, sizes{} (half to one and a half of the mean)", objects_.size(),
-                                options_.round ? "radius" : fmt::format("{} triangles", triangle_count()), options_.bounce.seed, sizes));
-    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {} flips  cube contacts {}", ledger.contacts, ledger.flips, ledger.sticking,
-                                ledger.longest_flips, ledger.cube_contacts));
-    lines.push_back(fmt::format("  walls: {} faces, {} edges, {} corners", ledger.wall_hits[1], ledger.wall_hits[2], ledger.wall_hits[3]));
-    lines.push_back(fmt::format("  energy {} before, {} after; momentum {} before, {} after", format_number(ledger.energy_before),
-                                format_number(ledger.energy_after), format_vector(ledger.momentum_before), format_vector(ledger.momentum_after)));
-    lines.push_back(fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m", answer_name(), ledger.energy_drift(), ledger.penetration_m));
-    if (bounce_.overlapping_at_start() > 0) lines.push_back(fmt::format("  {} spheres found no free place at the start", bounce_.overlapping_at_start()));
+    lines.push_back(fmt::format(
+        "  {} spheres of {}, seed {}, sizes{} (half to one and a half of the mean)", objects_.size(),
+        options_.round ? "radius" : fmt::format("{} triangles", triangle_count()), options_.bounce.seed, sizes));
+    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {} flips  cube contacts {}",
+                                ledger.contacts, ledger.flips, ledger.sticking, ledger.longest_flips,
+                                ledger.cube_contacts));
+    lines.push_back(fmt::format("  walls: {} faces, {} edges, {} corners", ledger.wall_hits[1], ledger.wall_hits[2],
+                                ledger.wall_hits[3]));
+    lines.push_back(fmt::format("  energy {} before, {} after; momentum {} before, {} after",
+                                format_number(ledger.energy_before), format_number(ledger.energy_after),
+                                format_vector(ledger.momentum_before), format_vector(ledger.momentum_after)));
+    lines.push_back(fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m", answer_name(),
+                                ledger.energy_drift(), ledger.penetration_m));
+    if (bounce_.overlapping_at_start() > 0)
+      lines.push_back(fmt::format("  {} spheres found no free place at the start", bounce_.overlapping_at_start()));
   }
 
   std::string_view answer_name() const {

@@ -12,8 +12,8 @@ struct BounceSourceOptions {
   BounceOptions bounce;
   std::string name = "spheres";  // spheres are called name/0, name/1, ...; the walls name/cube
   std::size_t polygon_count = 256;
-  bool round = false;            // real spheres instead of polygons
-  bool bounces = false;          // without: they only move, reflected by the walls
+  bool round = false;    // real spheres instead of polygons
+  bool bounces = false;  // without: they only move, reflected by the walls
   double rate_hz = 60;
   ObjectTexts objects = {};
 };

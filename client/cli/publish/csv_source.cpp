@@ -40,7 +40,8 @@ class CsvSource : public Source {
   std::size_t move(Publisher& publisher) override {
     for (const PoseRow& row : frame_) {
       auto found = objects_.find(row.name);
-      if (found == objects_.end()) found = objects_.emplace(row.name, take(publisher.add(definition(row.name, row.pose)))).first;
+      if (found == objects_.end())
+        found = objects_.emplace(row.name, take(publisher.add(definition(row.name, row.pose)))).first;
       moved(publisher.move(found->second, row.pose));
     }
     has_own_instants_ = has_own_instants_ || frame_.size() < objects_.size();
@@ -59,7 +60,8 @@ class CsvSource : public Source {
 
   void report(Record& record, std::vector<std::string>& lines) const override {
     record.push_back({"objects", std::uint64_t{objects_.size()}});
-    lines.push_back(fmt::format("  {} objects{}", format_count(objects_.size()), refused_ > 0 ? fmt::format("; {} lines refused", format_count(refused_)) : ""));
+    lines.push_back(fmt::format("  {} objects{}", format_count(objects_.size()),
+                                refused_ > 0 ? fmt::format("; {} lines refused", format_count(refused_)) : ""));
   }
 
  private:
@@ -91,7 +93,8 @@ class CsvSource : public Source {
       if (++refused_ <= kMostRefusalsPrinted) io_.err << "error: " << refusal << "; this pose was not sent\n";
     }
     if (!csv_->has_time() && !options_.paced && options_.path != "-") {
-      throw bad_use(fmt::format("{} has no column t", file_->name()), "give --rate HZ to publish its frames at that rate");
+      throw bad_use(fmt::format("{} has no column t", file_->name()),
+                    "give --rate HZ to publish its frames at that rate");
     }
     read_ahead_ = std::move(row);
   }

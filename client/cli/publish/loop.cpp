@@ -55,11 +55,15 @@ class Loop {
   }
 
   bool wait_until_due(double time_s) {
-    const double seconds = options_.rate_hz > 0 ? static_cast<double>(frames_ - round_first_frame_) / options_.rate_hz : time_s / options_.speed;
-    const auto due = round_start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, kLongestWait_s)));
+    const double seconds = options_.rate_hz > 0 ? static_cast<double>(frames_ - round_first_frame_) / options_.rate_hz
+                                                : time_s / options_.speed;
+    const auto due = round_start_ + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(std::min(seconds, kLongestWait_s)));
     if (frames_ > round_first_frame_) last_step_s_ = std::chrono::duration<double>(due - last_due_).count();
     const bool first_of_all = frames_ == 0;
-    if (!first_of_all && Clock::now() > due + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::max(last_step_s_, 1e-3)))) ++late_;
+    if (!first_of_all && Clock::now() > due + std::chrono::duration_cast<Clock::duration>(
+                                                  std::chrono::duration<double>(std::max(last_step_s_, 1e-3))))
+      ++late_;
     last_due_ = due;
     while (Clock::now() + kKeepAlive < due) {
       if (!sleep_until(std::min(Clock::now() + kKeepAlive, until_.end())) || Clock::now() >= until_.end()) return false;
@@ -79,7 +83,8 @@ class Loop {
   /// The time that the source gives the frame, however late it is sent; of those without times, when it is sent.
   std::chrono::nanoseconds instant() {
     const auto now = since_1970(Clock::now());
-    last_instant_ = last_due_ > last_instant_due_ || frames_ == 0 ? since_1970(last_due_) : std::max(now, last_instant_);
+    last_instant_ =
+        last_due_ > last_instant_due_ || frames_ == 0 ? since_1970(last_due_) : std::max(now, last_instant_);
     last_instant_due_ = last_due_;
     return last_instant_;
   }
@@ -101,7 +106,8 @@ class Loop {
     print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
     while (!stop_requested && Clock::now() < until_.end()) {
       // All rests; who waits for this publisher's word on it has it.
-      if (const Result<std::uint64_t> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent) lose(sent.error());
+      if (const Result<std::uint64_t> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent)
+        lose(sent.error());
       sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));
     }
   }
@@ -109,10 +115,16 @@ class Loop {
   Exit report() {
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const double rate = seconds > 0 ? static_cast<double>(frames_) / seconds : 0;
-    Record record{{"frames", frames_}, {"poses", poses_}, {"seconds", seconds}, {"rate", rate}, {"late", late_}, {"lost", lost_},
+    Record record{{"frames", frames_},
+                  {"poses", poses_},
+                  {"seconds", seconds},
+                  {"rate", rate},
+                  {"late", late_},
+                  {"lost", lost_},
                   {"refused", source_.refused_count()}};
-    std::vector<std::string> lines{fmt::format("published {} frames, {} poses in {:.3g} s: {:.4g} frames/s, {} late, {} lost", format_count(frames_),
-                                               format_count(poses_), seconds, rate, format_count(late_), format_count(lost_))};
+    std::vector<std::string> lines{fmt::format(
+        "published {} frames, {} poses in {:.3g} s: {:.4g} frames/s, {} late, {} lost", format_count(frames_),
+        format_count(poses_), seconds, rate, format_count(late_), format_count(lost_))};
     source_.report(record, lines);
     Printer printer = make_printer(io_, globals_);
     if (printer.human()) {

@@ -13,7 +13,7 @@ struct LoopOptions {
   double rate_hz = 0;  // frames a second instead of the source's own times; 0: those
   double speed = 1;    // of the source's own times
   bool loop = false;
-  bool stay = false;   // after the last frame: keep the objects until interrupted
+  bool stay = false;  // after the last frame: keep the objects until interrupted
   std::uint64_t most_frames = 0;
   std::chrono::nanoseconds most_time = std::chrono::nanoseconds::max();
 };

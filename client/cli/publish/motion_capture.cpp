@@ -38,9 +38,7 @@ class Words {
     const std::string_view word = next(meaning);
     try {
       return parse_finite(word);
-    } catch (const Failure&) {
-      fail(fmt::format("'{}' where {} should stand", shown(word), meaning));
-    }
+    } catch (const Failure&) { fail(fmt::format("'{}' where {} should stand", shown(word), meaning)); }
   }
 
   std::size_t count(std::string_view meaning, std::size_t most) {
@@ -48,9 +46,7 @@ class Words {
     std::uint64_t value = 0;
     try {
       value = parse_count(word);
-    } catch (const Failure&) {
-      fail(fmt::format("'{}' where {} should stand", shown(word), meaning));
-    }
+    } catch (const Failure&) { fail(fmt::format("'{}' where {} should stand", shown(word), meaning)); }
     if (value > most) fail(fmt::format("{} {}, allowed {}", word, meaning, most));
     return static_cast<std::size_t>(value);
   }
@@ -62,7 +58,9 @@ class Words {
 
   std::size_t bytes_left() const { return text_.size() - at_; }
 
-  [[noreturn]] void fail(const std::string& what) const { throw bad_use(fmt::format("{} line {}: {}", name_, line_, what)); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw bad_use(fmt::format("{} line {}: {}", name_, line_, what));
+  }
 
   static std::string shown(std::string_view word) { return printable(word.substr(0, 40)); }
 
@@ -90,12 +88,14 @@ class Words {
 };
 
 BvhChannel channel_by_name(Words& words) {
-  constexpr std::array<std::string_view, 6> kNames{"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
+  constexpr std::array<std::string_view, 6> kNames{"Xposition", "Yposition", "Zposition",
+                                                   "Xrotation", "Yrotation", "Zrotation"};
   const std::string_view word = words.next("a channel");
   for (std::size_t at = 0; at < kNames.size(); ++at) {
     if (kNames[at] == word) return static_cast<BvhChannel>(at);
   }
-  words.fail(fmt::format("'{}' is no channel; channels: Xposition Yposition Zposition Xrotation Yrotation Zrotation", Words::shown(word)));
+  words.fail(fmt::format("'{}' is no channel; channels: Xposition Yposition Zposition Xrotation Yrotation Zrotation",
+                         Words::shown(word)));
 }
 
 void read_channels(Words& words, MotionCapture& bvh, CapturedJoint& joint) {
@@ -129,7 +129,8 @@ void read_hierarchy(Words& words, MotionCapture& bvh) {
     } else if (word == "OFFSET") {
       for (int axis = 0; axis < 3; ++axis) bvh.joints[current].offset[axis] = words.number("a number of OFFSET");
     } else if (word == "CHANNELS") {
-      if (bvh.joints[current].is_end() || !bvh.joints[current].channels.empty()) words.fail("CHANNELS stands twice, or in an End Site");
+      if (bvh.joints[current].is_end() || !bvh.joints[current].channels.empty())
+        words.fail("CHANNELS stands twice, or in an End Site");
       read_channels(words, bvh, bvh.joints[current]);
     } else if (word == "JOINT" || word == "End") {
       if (bvh.joints[current].is_end()) words.fail("an End Site has no joints");
@@ -152,10 +153,13 @@ void read_motion(Words& words, MotionCapture& bvh) {
   words.want("Frame");
   words.want("Time:");
   bvh.frame_seconds = words.number("the time of a frame");
-  if (!(bvh.frame_seconds > 0)) words.fail(fmt::format("frame time {} must be above 0", format_number(bvh.frame_seconds)));
+  if (!(bvh.frame_seconds > 0))
+    words.fail(fmt::format("frame time {} must be above 0", format_number(bvh.frame_seconds)));
   bvh.values.reserve(bvh.frame_count * bvh.channel_count);
-  for (std::size_t at = 0; at < bvh.frame_count * bvh.channel_count; ++at) bvh.values.push_back(words.number("a channel's value"));
-  if (!words.at_end()) words.fail(fmt::format("more values than {} frames of {} channels take", bvh.frame_count, bvh.channel_count));
+  for (std::size_t at = 0; at < bvh.frame_count * bvh.channel_count; ++at)
+    bvh.values.push_back(words.number("a channel's value"));
+  if (!words.at_end())
+    words.fail(fmt::format("more values than {} frames of {} channels take", bvh.frame_count, bvh.channel_count));
 }
 
 Quat rotation_about(BvhChannel channel, double degrees) {
@@ -181,7 +185,8 @@ MotionCapture read_bvh(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) throw bad_use(fmt::format("{}: cannot open that file", path));
   const auto size = static_cast<std::streamoff>(file.tellg());
-  if (size < 0 || static_cast<std::size_t>(size) > kMostBytes) throw bad_use(fmt::format("{}: {} bytes, allowed {}", path, static_cast<long long>(size), kMostBytes));
+  if (size < 0 || static_cast<std::size_t>(size) > kMostBytes)
+    throw bad_use(fmt::format("{}: {} bytes, allowed {}", path, static_cast<long long>(size), kMostBytes));
   std::string text(static_cast<std::size_t>(size), '\0');
   file.seekg(0);
   file.read(text.data(), size);

@@ -12,8 +12,8 @@ namespace collided::cli {
 enum class BvhChannel : std::uint8_t { x_position, y_position, z_position, x_rotation, y_rotation, z_rotation };
 
 struct CapturedJoint {
-  std::string name;      // empty for an end site
-  int parent = -1;       // comes before its children
+  std::string name;  // empty for an end site
+  int parent = -1;   // comes before its children
   Vec3 offset = Vec3::Zero();
   std::vector<BvhChannel> channels;
   std::size_t first_channel = 0;

@@ -28,10 +28,12 @@ std::array<std::size_t, 3> coordinate_cells(const std::vector<std::string>& head
   return cells;
 }
 
-Vec3 read_point(const std::vector<std::string>& cells, const std::array<std::size_t, 3>& of_axis, const std::string& where) {
+Vec3 read_point(const std::vector<std::string>& cells, const std::array<std::size_t, 3>& of_axis,
+                const std::string& where) {
   Vec3 point;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (of_axis[axis] >= cells.size()) throw bad_use(fmt::format("{}: {} cells, no column {}", where, cells.size(), "xyz"[axis]));
+    if (of_axis[axis] >= cells.size())
+      throw bad_use(fmt::format("{}: {} cells, no column {}", where, cells.size(), "xyz"[axis]));
     try {
       point[static_cast<int>(axis)] = parse_finite(cells[of_axis[axis]], Measure::length);
     } catch (const Failure&) {
@@ -74,7 +76,8 @@ class PathSource : public Source {
   }
 
   void report(Record& record, std::vector<std::string>& lines) const override {
-    const double flown = std::min(path_.length_m(), static_cast<double>(frame_) / options_.rate_hz * options_.speed_m_s);
+    const double flown =
+        std::min(path_.length_m(), static_cast<double>(frame_) / options_.rate_hz * options_.speed_m_s);
     record.push_back({"length", path_.length_m()});
     record.push_back({"flown", flown});
     lines.push_back(fmt::format("  {} of {} m", format_number(flown), format_number(path_.length_m())));
@@ -84,7 +87,8 @@ class PathSource : public Source {
   Pose pose_at(double along_m) const {
     Pose pose;
     pose.position = path_.at(along_m);
-    if (options_.face_forward) pose.rotation = Quat::FromTwoVectors(Vec3::UnitX(), path_.direction(along_m)).normalized();
+    if (options_.face_forward)
+      pose.rotation = Quat::FromTwoVectors(Vec3::UnitX(), path_.direction(along_m)).normalized();
     return pose;
   }
 
@@ -100,7 +104,8 @@ class PathSource : public Source {
 Path::Path(std::vector<Vec3> points) : points_(std::move(points)) {
   if (points_.size() < 2) throw bad_use(fmt::format("a path takes 2 points or more; {} given", points_.size()));
   distance_m_.push_back(0);
-  for (std::size_t at = 1; at < points_.size(); ++at) distance_m_.push_back(distance_m_.back() + (points_[at] - points_[at - 1]).norm());
+  for (std::size_t at = 1; at < points_.size(); ++at)
+    distance_m_.push_back(distance_m_.back() + (points_[at] - points_[at - 1]).norm());
   const bool has_length = length_m() > 0 && std::isfinite(length_m());
   if (!has_length) throw bad_use(fmt::format("a path of length {}", format_number(length_m())));
 }

@@ -17,7 +17,8 @@ namespace {
 
 enum PoseColumn : int { kTime, kName, kX, kY, kZ, kQw, kQx, kQy, kQz, kColumnCount };
 constexpr std::array<std::string_view, kColumnCount> kNames{"t", "name", "x", "y", "z", "qw", "qx", "qy", "qz"};
-constexpr std::array<std::string_view, kColumnCount> kOtherNames{"timestamp", "object", "tx", "ty", "tz", "", "", "", ""};
+constexpr std::array<std::string_view, kColumnCount> kOtherNames{"timestamp", "object", "tx", "ty", "tz",
+                                                                 "",          "",       "",   ""};
 constexpr std::size_t kLongestName = 255;
 
 int find_column(std::string_view name) {
@@ -32,7 +33,8 @@ Quat rotation_of(const std::array<double, kColumnCount>& value) {
   const Quat rotation(value[kQw], value[kQx], value[kQy], value[kQz]);
   const double norm = rotation.norm();
   constexpr double kMostOff = 1e-3;  // three digits, the coarsest recordings
-  if (!(std::abs(norm - 1) <= kMostOff)) throw bad_use(fmt::format("quaternion norm {}, allowed 1 +- 1e-3", format_number(norm)));
+  if (!(std::abs(norm - 1) <= kMostOff))
+    throw bad_use(fmt::format("quaternion norm {}, allowed 1 +- 1e-3", format_number(norm)));
   return rotation.normalized();
 }
 
@@ -50,17 +52,21 @@ bool PoseCsv::take_header() {
     const int column = find_column(cell);
     if (column == kColumnCount) {
       const std::vector<std::string> names(kNames.begin(), kNames.end());
-      throw bad_use(fmt::format("{} line {}: no column '{}'{}", file_.name(), lines_.line_number(), printable(cell), did_you_mean(cell, names)),
+      throw bad_use(fmt::format("{} line {}: no column '{}'{}", file_.name(), lines_.line_number(), printable(cell),
+                                did_you_mean(cell, names)),
                     "columns: t,name,x,y,z,qw,qx,qy,qz");
     }
     column_of_cell_.push_back(column);
   }
   const auto given = [&](int column) { return std::count(column_of_cell_.begin(), column_of_cell_.end(), column); };
   for (const int column : {kX, kY, kZ}) {
-    if (given(column) != 1) throw bad_use(fmt::format("{} line {}: column '{}' must stand once", file_.name(), lines_.line_number(), kNames[static_cast<std::size_t>(column)]));
+    if (given(column) != 1)
+      throw bad_use(fmt::format("{} line {}: column '{}' must stand once", file_.name(), lines_.line_number(),
+                                kNames[static_cast<std::size_t>(column)]));
   }
   const auto rotation_count = given(kQw) + given(kQx) + given(kQy) + given(kQz);
-  if (rotation_count != 0 && rotation_count != 4) throw bad_use(fmt::format("{} line {}: a rotation takes qw, qx, qy and qz", file_.name(), lines_.line_number()));
+  if (rotation_count != 0 && rotation_count != 4)
+    throw bad_use(fmt::format("{} line {}: a rotation takes qw, qx, qy and qz", file_.name(), lines_.line_number()));
   has_time_ = given(kTime) > 0;
   return true;
 }
@@ -83,12 +89,11 @@ void PoseCsv::read(PoseRow& row) {
     }
     try {
       value[column] = parse_finite(cells_[at]);
-    } catch (const Failure&) {
-      throw bad_use(fmt::format("'{}' in column {}", printable(cells_[at]), kNames[column]));
-    }
+    } catch (const Failure&) { throw bad_use(fmt::format("'{}' in column {}", printable(cells_[at]), kNames[column])); }
     if (column == kTime) row.time_s = value[column];
   }
-  if (row.name.empty() || row.name.size() > kLongestName) throw bad_use(fmt::format("a name of {} bytes, allowed 1 to {}", row.name.size(), kLongestName));
+  if (row.name.empty() || row.name.size() > kLongestName)
+    throw bad_use(fmt::format("a name of {} bytes, allowed 1 to {}", row.name.size(), kLongestName));
   row.pose.position = Vec3(value[kX], value[kY], value[kZ]);
   row.pose.rotation = rotation_of(value);
 }

@@ -38,7 +38,8 @@ std::uint32_t group_of(const std::string& name) {
 
 class Walker : public Source {
  public:
-  Walker(MotionCapture bvh, const WalkerOptions& options) : bvh_(std::move(bvh)), options_(options), parts_(walker_parts(bvh_, options)) {
+  Walker(MotionCapture bvh, const WalkerOptions& options)
+      : bvh_(std::move(bvh)), options_(options), parts_(walker_parts(bvh_, options)) {
     if (bvh_.frame_count < 2) throw bad_use("the recording has no frame after its first, artificial one");
     std::set<std::string> names;
     for (const WalkerPart& part : parts_) {
@@ -100,12 +101,14 @@ std::vector<WalkerPart> walker_parts(const MotionCapture& bvh, const WalkerOptio
   std::vector<WalkerPart> parts;
   for (std::size_t joint = 0; joint < bvh.joints.size(); ++joint) {
     const CapturedJoint& definition = bvh.joints[joint];
-    if (!definition.is_end()) parts.push_back({options.name + "/" + definition.name, joint, part_shape(bvh, joint, options)});
+    if (!definition.is_end())
+      parts.push_back({options.name + "/" + definition.name, joint, part_shape(bvh, joint, options)});
   }
   return parts;
 }
 
-std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame) {
+std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts,
+                               const WalkerOptions& options, std::size_t frame) {
   const std::vector<Pose> joints = joint_poses(bvh, frame);
   // A quarter turn about x, with exact zeros for positions and the nearest unit quaternion for rotations.
   const double half = std::sqrt(0.5);

@@ -10,12 +10,12 @@
 namespace collided::cli {
 
 struct WalkerOptions {
-  std::string name;              // objects are called name/joint
+  std::string name;  // objects are called name/joint
   double unit_m = 1;
   double foot_radius_m = 0.12;
   double bone_radius_m = 0.05;
-  char up = 'y';                 // 'z': (x, y, z) of the file becomes (x, -z, y)
-  std::uint32_t group = 0;       // 0: one made from the name
+  char up = 'y';            // 'z': (x, y, z) of the file becomes (x, -z, y)
+  std::uint32_t group = 0;  // 0: one made from the name
   ObjectTexts objects = {};
 };
 
@@ -31,7 +31,8 @@ struct WalkerPart {
 std::vector<WalkerPart> walker_parts(const MotionCapture& bvh, const WalkerOptions& options);
 
 /// Where the parts are in a frame, in metres and with the chosen axis up.
-std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame);
+std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts,
+                               const WalkerOptions& options, std::size_t frame);
 
 /// A recording as a publisher, without its frame 0: recordings begin with an artificial pose. All parts share a group.
 std::unique_ptr<Source> make_walker(MotionCapture bvh, const WalkerOptions& options);

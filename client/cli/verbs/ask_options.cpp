@@ -15,7 +15,9 @@ void declare_ask_options(CLI::App& app, AskTexts& texts) {
   app.add_option("--within", texts.within, "Error that is good enough: 1um (0: exact on doubt)");
   app.add_option("--deadline", texts.deadline, "Answers later than this are undecided: 200us");
   app.add_option("--importance", texts.importance, "low: refused first by an overloaded server; high: never (normal)");
-  app.add_option("--as-of", texts.as_of, "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
+  app.add_option("--as-of", texts.as_of,
+                 "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
+                 "newest pose)");
   app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
 }
 

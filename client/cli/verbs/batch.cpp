@@ -139,13 +139,16 @@ class Batch {
   }
 
   void print_summary() {
-    const bool worth_it = session_.io.err_is_terminal || counts_.refused + counts_.invalid > 0 || globals_.verbose || stop_requested;
+    const bool worth_it =
+        session_.io.err_is_terminal || counts_.refused + counts_.invalid > 0 || globals_.verbose || stop_requested;
     if (globals_.quiet || !worth_it) return;
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    std::string line = fmt::format(" {} {}  {:.3g} k/s  hit {}  miss {}  undecided {}", format_count(counts_.answered),
-                                   form_of(options_.view.kind).plural, static_cast<double>(counts_.answered) / seconds / 1000,
-                                   format_count(counts_.hit), format_count(counts_.miss), format_count(counts_.undecided));
-    if (counts_.refused + counts_.invalid > 0) line += fmt::format("  refused {}", format_count(counts_.refused + counts_.invalid));
+    std::string line =
+        fmt::format(" {} {}  {:.3g} k/s  hit {}  miss {}  undecided {}", format_count(counts_.answered),
+                    form_of(options_.view.kind).plural, static_cast<double>(counts_.answered) / seconds / 1000,
+                    format_count(counts_.hit), format_count(counts_.miss), format_count(counts_.undecided));
+    if (counts_.refused + counts_.invalid > 0)
+      line += fmt::format("  refused {}", format_count(counts_.refused + counts_.invalid));
     session_.io.err << line << '\n';
   }
 

@@ -31,8 +31,10 @@ class RepeatedQuestion {
       next = std::max(next + options_.every, Clock::now());
       if (!sleep_until(std::min(next, until.end()))) break;
     }
-    print_hint(io_, globals_, fmt::format("{} change{} in {}, asked {} times", format_count(change_count_), change_count_ == 1 ? "" : "s",
-                                          format_duration(Clock::now() - start_), format_count(asked_count_)));
+    print_hint(
+        io_, globals_,
+        fmt::format("{} change{} in {}, asked {} times", format_count(change_count_), change_count_ == 1 ? "" : "s",
+                    format_duration(Clock::now() - start_), format_count(asked_count_)));
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 
@@ -53,10 +55,12 @@ class RepeatedQuestion {
     std::map<std::string, Held> now;
     for (const Hit& hit : answer.hits) {
       const auto before = held_.find(hit.object);
-      const bool first_of_object = now.emplace(hit.object, Held{hit, before == held_.end() ? Clock::now() : before->second.since}).second;
+      const bool first_of_object =
+          now.emplace(hit.object, Held{hit, before == held_.end() ? Clock::now() : before->second.since}).second;
       if (!first_of_object || until.reached(change_count_)) continue;
       if (before == held_.end()) print(time, "enter", &hit, std::nullopt, UndecidedReason::none);
-      else if (follows_distance() && moved(before->second.hit, hit)) print(time, "moved", &hit, std::nullopt, UndecidedReason::none);
+      else if (follows_distance() && moved(before->second.hit, hit))
+        print(time, "moved", &hit, std::nullopt, UndecidedReason::none);
     }
     // An answer without decision says nothing about what is not in it.
     if (undecided) {
@@ -77,8 +81,8 @@ class RepeatedQuestion {
     return std::abs(before.distance_m - now.distance_m) > before.error_m + now.error_m;
   }
 
-  void print(std::chrono::nanoseconds time, std::string_view change, const Hit* hit, std::optional<std::chrono::nanoseconds> after,
-             UndecidedReason reason) {
+  void print(std::chrono::nanoseconds time, std::string_view change, const Hit* hit,
+             std::optional<std::chrono::nanoseconds> after, UndecidedReason reason) {
     ++change_count_;
     const bool shows_value = hit != nullptr && !after;
     const char* word = follows_distance() ? "distance" : "depth";
@@ -117,7 +121,8 @@ class RepeatedQuestion {
 
 }  // namespace
 
-Exit run_repeated(Session& session, const Globals& globals, const Questions& question, const RepeatedQuestionOptions& options) {
+Exit run_repeated(Session& session, const Globals& globals, const Questions& question,
+                  const RepeatedQuestionOptions& options) {
   Client& client = session.client(globals);
   return RepeatedQuestion(session, globals, options).run(client, question);
 }

@@ -18,6 +18,7 @@ struct RepeatedQuestionOptions {
 /// Asks one question again and again and prints what changes: an object that enters or leaves the answer, a distance that
 /// moves (rays and near), an answer that becomes undecided or decided. Worlds of equal version are not compared.
 /// Ends after `most_changes`, after `most_time`, or on Ctrl-C with a summary.
-Exit run_repeated(Session& session, const Globals& globals, const Questions& question, const RepeatedQuestionOptions& options);
+Exit run_repeated(Session& session, const Globals& globals, const Questions& question,
+                  const RepeatedQuestionOptions& options);
 
 }  // namespace collided::cli

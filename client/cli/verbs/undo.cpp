@@ -40,7 +40,8 @@ std::string shape_words(const nlohmann::json& shape) {
   if (part.contains("capsule")) {
     const std::vector<double> a = numbers_of(part["capsule"], "a");
     const std::vector<double> b = numbers_of(part["capsule"], "b");
-    const bool upright = a.size() == 3 && b.size() == 3 && a[0] == 0 && a[1] == 0 && b[0] == 0 && b[1] == 0 && a[2] == -b[2] && b[2] >= 0;
+    const bool upright = a.size() == 3 && b.size() == 3 && a[0] == 0 && a[1] == 0 && b[0] == 0 && b[1] == 0 &&
+                         a[2] == -b[2] && b[2] >= 0;
     if (!upright) return {};
     return "capsule " + joined({number_of(part["capsule"], "radius_m"), 2 * b[2]});
   }
@@ -51,7 +52,8 @@ std::string add_line(const nlohmann::json& object) {
   const std::string shape = shape_words(object.value("shape", nlohmann::json()));
   const std::vector<double> pose = numbers_of(object, "pose");
   if (shape.empty() || pose.size() != 7) return {};
-  std::string line = fmt::format("collide add {} {} --at {}", shell_word(text_of(object, "name")), shape, joined({pose[0], pose[1], pose[2]}));
+  std::string line = fmt::format("collide add {} {} --at {}", shell_word(text_of(object, "name")), shape,
+                                 joined({pose[0], pose[1], pose[2]}));
   if (pose[3] != 1) line += " --quat " + joined({pose[3], pose[4], pose[5], pose[6]});
   if (count_of(object, "layers") != 1) line += fmt::format(" --layers {:#x}", count_of(object, "layers"));
   if (count_of(object, "mask") != 0xffffffff) line += fmt::format(" --mask {:#x}", count_of(object, "mask"));
@@ -75,7 +77,9 @@ Undo undo_of(Session& session, const Globals& globals, const std::string& glob, 
     // A scene comes back from its file, a publisher's object from its publisher.
     if (!text_of(object, "scene").empty() || !text_of(object, "publisher").empty()) continue;
     const bool shown = undo.lines.size() < most;
-    const std::string line = shown ? add_line(server_command(session, globals, wire::kGet, {{"name", text_of(object, "name")}})) : std::string();
+    const std::string line =
+        shown ? add_line(server_command(session, globals, wire::kGet, {{"name", text_of(object, "name")}}))
+              : std::string();
     if (line.empty()) ++undo.left_out;
     else undo.lines.push_back(line);
   }
@@ -84,12 +88,15 @@ Undo undo_of(Session& session, const Globals& globals, const std::string& glob, 
 
 void print_undo(Session& session, const Globals& globals, const Undo& undo) {
   for (const std::string& line : undo.lines) print_hint(session.io, globals, "     undo: " + line);
-  if (undo.left_out > 0) print_hint(session.io, globals, fmt::format("     {} more that no line here brings back", format_count(undo.left_out)));
+  if (undo.left_out > 0)
+    print_hint(session.io, globals,
+               fmt::format("     {} more that no line here brings back", format_count(undo.left_out)));
 }
 
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '/' || c == '.' || c == ':';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '/' || c == '.' || c == ':';
   });
   if (plain) return word;
   std::string quoted = "'";

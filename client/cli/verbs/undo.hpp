@@ -14,7 +14,8 @@ struct Undo {
   std::vector<std::string> lines;
   std::uint64_t left_out = 0;
 };
-Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only, std::size_t most = 10);
+Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only,
+             std::size_t most = 10);
 
 /// The lines as a hint, once the objects are gone.
 void print_undo(Session& session, const Globals& globals, const Undo& undo);

@@ -29,7 +29,11 @@ class DoctorCommand : public Command {
     Exit code = Exit::yes;
     for (const Finding& finding : diagnose(connect_options(session.io, globals))) {
       if (printer.human()) print_text(printer, finding);
-      else printer.record({{"health", name_of(finding.health)}, {"about", finding.about}, {"text", finding.text}, {"remedy", finding.remedy}});
+      else
+        printer.record({{"health", name_of(finding.health)},
+                        {"about", finding.about},
+                        {"text", finding.text},
+                        {"remedy", finding.remedy}});
       if (finding.health != Health::fail) continue;
       const bool alone = finding.about == "server" && finding.text.starts_with("no ");
       code = alone ? Exit::no_server : code == Exit::no_server ? code : Exit::no;
@@ -41,7 +45,8 @@ class DoctorCommand : public Command {
  private:
   static void print_text(Printer& printer, const Finding& finding) {
     const std::string word(name_of(finding.health));
-    printer.line(printer.paint(paint_of(finding.health), word) + std::string(6 - word.size(), ' ') + printable(finding.text));
+    printer.line(printer.paint(paint_of(finding.health), word) + std::string(6 - word.size(), ' ') +
+                 printable(finding.text));
     std::string_view left = finding.remedy;
     while (!left.empty()) {
       const std::size_t end = std::min(left.find('\n'), left.size());
@@ -53,8 +58,6 @@ class DoctorCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_doctor() {
-  return std::make_unique<DoctorCommand>();
-}
+std::unique_ptr<Command> make_doctor() { return std::make_unique<DoctorCommand>(); }
 
 }  // namespace collided::cli

@@ -78,9 +78,7 @@ class DrawCommand : public Command {
       options.ray_marks = ray_marks(rays, rays_to_draw, shown);
       const draw::Drawing drawing = draw::draw(shown, options, rays);
       write(session, globals, drawing, kind, rays, std::chrono::duration<double>(Clock::now() - start).count());
-    } catch (const Error& error) {
-      throw as_failure(error);
-    }
+    } catch (const Error& error) { throw as_failure(error); }
     return Exit::yes;
   }
 

@@ -19,7 +19,9 @@ class EventsCommand : public Command {
     app.add_option("file", path_, "A recording")->required();
     app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
     app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
-    app.add_option("--from", from_, "Contacts that held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin, -2s before the end");
+    app.add_option("--from", from_,
+                   "Contacts that held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since "
+                   "1970, +2s after the begin, -2s before the end");
     app.add_option("--to", to_, "Up to then, in the same words");
   }
 
@@ -27,7 +29,8 @@ class EventsCommand : public Command {
     if (!from_.empty()) options_.from = parse_time("--from", from_, kTimes);
     if (!to_.empty()) options_.to = parse_time("--to", to_, kTimes);
     const RecordedEvents recorded = take(recorded_events(path_, options_));
-    for (const std::string& warning : recorded.warnings) print_hint(session.io, globals, "warning: " + printable(warning));
+    for (const std::string& warning : recorded.warnings)
+      print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
     for (const Event& event : recorded.events) {
       if (!session.io.out.good()) break;
@@ -36,7 +39,10 @@ class EventsCommand : public Command {
     }
     printer.finish();
     session.io.out.flush();
-    print_hint(session.io, globals, fmt::format("{} event{} in {}, recorded from {} to {}; {} lost", format_count(recorded.events.size()), recorded.events.size() == 1 ? "" : "s", printable(path_), clock_text(recorded.begin), clock_text(recorded.end), format_count(recorded.lost)));
+    print_hint(session.io, globals,
+               fmt::format("{} event{} in {}, recorded from {} to {}; {} lost", format_count(recorded.events.size()),
+                           recorded.events.size() == 1 ? "" : "s", printable(path_), clock_text(recorded.begin),
+                           clock_text(recorded.end), format_count(recorded.lost)));
     return recorded.events.empty() ? Exit::no : Exit::yes;
   }
 
@@ -49,8 +55,6 @@ class EventsCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_events() {
-  return std::make_unique<EventsCommand>();
-}
+std::unique_ptr<Command> make_events() { return std::make_unique<EventsCommand>(); }
 
 }  // namespace collided::cli

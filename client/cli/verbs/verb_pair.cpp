@@ -30,7 +30,8 @@ std::string_view word_of(Containment contained) {
 
 RawJson manifold_json(const PairAnswer& pair) {
   nlohmann::json points = nlohmann::json::array();
-  for (const ManifoldPoint& p : pair.manifold) points.push_back({{"point", numbers(p.point)}, {"depth", p.depth_m}, {"error", p.error_m}});
+  for (const ManifoldPoint& p : pair.manifold)
+    points.push_back({{"point", numbers(p.point)}, {"depth", p.depth_m}, {"error", p.error_m}});
   return {points.dump()};
 }
 
@@ -61,18 +62,23 @@ void print_text(Printer& printer, const PairAnswer& pair) {
   if (pair.verdict == Verdict::undecided) {
     printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"), explain(pair.reason)));
   } else if (pair.verdict == Verdict::miss) {
-    printer.line(fmt::format("{}  {} ±{}  nearest {} | {}", printer.paint(Paint::good, "apart"), format_length(pair.distance_m),
-                             format_bound(pair.error_m), format_vector(pair.on_a), format_vector(pair.on_b)));
-    if (pair.contained != Containment::none) printer.line(fmt::format("  {} lies within the other", word_of(pair.contained)));
+    printer.line(fmt::format("{}  {} ±{}  nearest {} | {}", printer.paint(Paint::good, "apart"),
+                             format_length(pair.distance_m), format_bound(pair.error_m), format_vector(pair.on_a),
+                             format_vector(pair.on_b)));
+    if (pair.contained != Containment::none)
+      printer.line(fmt::format("  {} lies within the other", word_of(pair.contained)));
   } else {
     const Vec3 displacement = pair.depth_m * pair.normal;
-    printer.line(fmt::format("{}  depth {} ±{}  at {}  apart by {}", printer.paint(Paint::bad, "touching"), format_length(pair.depth_m),
-                             format_bound(pair.error_m), format_vector(pair.point), format_vector(displacement)));
+    printer.line(fmt::format("{}  depth {} ±{}  at {}  apart by {}", printer.paint(Paint::bad, "touching"),
+                             format_length(pair.depth_m), format_bound(pair.error_m), format_vector(pair.point),
+                             format_vector(displacement)));
     for (const ManifoldPoint& p : pair.manifold) {
-      printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
+      printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m),
+                               format_bound(p.error_m)));
     }
   }
-  if (pair.stale && pair.verdict != Verdict::undecided) printer.line("  stale: one of them is where it was heard of last, and moved then");
+  if (pair.stale && pair.verdict != Verdict::undecided)
+    printer.line("  stale: one of them is where it was heard of last, and moved then");
 }
 
 class PairCommand : public Command {
@@ -81,29 +87,39 @@ class PairCommand : public Command {
     app.add_option("names", names_, "The two objects");
     app.add_flag("--triangles", triangles_, "Every pair of triangles that meet, with the segment that they share");
     app.add_option("--most", most_, "At most so many pairs of triangles (10000, up to 100000)");
-    app.add_option("--as-of", as_of_, "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
+    app.add_option(
+        "--as-of", as_of_,
+        "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
     app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (names_.size() != 2) throw bad_use(fmt::format("{} names; two objects are needed", names_.size()), "collide pair crate shelf");
-    const PairOptions options{.certificate = certificate_,
-                              .triangles = triangles_,
-                              .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
-                              .as_of = parse_instant(as_of_),
-                              .timeout = timeout_of(globals, std::chrono::seconds(30))};
+    if (names_.size() != 2)
+      throw bad_use(fmt::format("{} names; two objects are needed", names_.size()), "collide pair crate shelf");
+    const PairOptions options{
+        .certificate = certificate_,
+        .triangles = triangles_,
+        .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
+        .as_of = parse_instant(as_of_),
+        .timeout = timeout_of(globals, std::chrono::seconds(30))};
     const PairAnswer pair = take(session.client(globals).pair(names_[0], names_[1], options));
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
     const bool proved = fits && proves(*pair.certificate);
     if (pair.certificate && !proved) {
-      throw Failure(Exit::undecided, "the server's certificate does not prove its answer", "collide pair without --certificate shows the answer");
+      throw Failure(Exit::undecided, "the server's certificate does not prove its answer",
+                    "collide pair without --certificate shows the answer");
     }
     Printer printer = make_printer(session.io, globals);
     if (triangles_) print_triangles(printer, pair);
     else if (printer.human()) print_text(printer, pair);
-    else printer.record(pair_record(pair, certificate_ ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{})));
+    else
+      printer.record(pair_record(
+          pair, certificate_ ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{})));
     printer.finish();
-    if (pair.cut) print_hint(session.io, globals, fmt::format("cut: {} of {} pairs of triangles; --most tells more, up to 100 000", format_count(pair.triangle_pairs.size()), format_count(pair.triangle_pair_count)));
+    if (pair.cut)
+      print_hint(session.io, globals,
+                 fmt::format("cut: {} of {} pairs of triangles; --most tells more, up to 100 000",
+                             format_count(pair.triangle_pairs.size()), format_count(pair.triangle_pair_count)));
     if (certificate_) print_hint(session.io, globals, proof_line(pair));
     if (pair.verdict == Verdict::undecided) return Exit::undecided;
     return pair.verdict == Verdict::hit ? Exit::yes : Exit::no;
@@ -113,7 +129,9 @@ class PairCommand : public Command {
   static void print_triangles(Printer& printer, const PairAnswer& pair) {
     for (const TrianglePair& t : pair.triangle_pairs) {
       if (printer.human()) {
-        printer.row({"A", "B", "FROM", "TO", "±"}, {std::to_string(t.a_triangle), std::to_string(t.b_triangle), format_vector(t.from), format_vector(t.to), format_bound(t.error_m)});
+        printer.row({"A", "B", "FROM", "TO", "±"},
+                    {std::to_string(t.a_triangle), std::to_string(t.b_triangle), format_vector(t.from),
+                     format_vector(t.to), format_bound(t.error_m)});
         continue;
       }
       printer.record({{"a_triangle", std::uint64_t{t.a_triangle}},
@@ -127,13 +145,19 @@ class PairCommand : public Command {
   static std::string proof_line(const PairAnswer& pair) {
     if (!pair.certificate) return "no certificate: " + pair.no_certificate;
     const Certificate& c = *pair.certificate;
-    if (!c.touches) return fmt::format("proved here: {} plane{} between {} and {} parts", plane_count(c), plane_count(c) == 1 ? "" : "s", c.a.size(), c.b.size());
-    const auto part = [](const CertifiedPart& p) { return p.triangle == kNoTriangle ? std::string("a solid part") : fmt::format("triangle {}", p.triangle); };
-    return fmt::format("proved here: a point common to {} of the first and {} of the second", part(c.a[0]), part(c.b[0]));
+    if (!c.touches)
+      return fmt::format("proved here: {} plane{} between {} and {} parts", plane_count(c),
+                         plane_count(c) == 1 ? "" : "s", c.a.size(), c.b.size());
+    const auto part = [](const CertifiedPart& p) {
+      return p.triangle == kNoTriangle ? std::string("a solid part") : fmt::format("triangle {}", p.triangle);
+    };
+    return fmt::format("proved here: a point common to {} of the first and {} of the second", part(c.a[0]),
+                       part(c.b[0]));
   }
 
   static std::ptrdiff_t plane_count(const Certificate& c) {
-    return std::count_if(c.steps.begin(), c.steps.end(), [](const Certificate::Step& step) { return step.kind == Certificate::Step::Kind::plane; });
+    return std::count_if(c.steps.begin(), c.steps.end(),
+                         [](const Certificate::Step& step) { return step.kind == Certificate::Step::Kind::plane; });
   }
 
   std::vector<std::string> names_;
@@ -145,8 +169,6 @@ class PairCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_pair_verb() {
-  return std::make_unique<PairCommand>();
-}
+std::unique_ptr<Command> make_pair_verb() { return std::make_unique<PairCommand>(); }
 
 }  // namespace collided::cli

@@ -44,7 +44,8 @@ Record probe_record(const ProbeReading& reading) {
 std::string clearance_text(const ProbeReading& reading) {
   if (!has_met(reading)) return {};
   const std::string least = reading.state == Clearance::deeper ? "at most " : "";
-  return fmt::format("{}{}{} ±{}", least, reading.clearance_m > 0 ? "+" : "", format_length(reading.clearance_m), format_bound(reading.error_m));
+  return fmt::format("{}{}{} ±{}", least, reading.clearance_m > 0 ? "+" : "", format_length(reading.clearance_m),
+                     format_bound(reading.error_m));
 }
 
 Paint paint_of(Clearance state) {
@@ -75,9 +76,11 @@ class ProbeCommand : public Command {
 
  private:
   Exit set(Session& session, const Globals& globals) {
-    if (object_.empty()) throw bad_use("--on OBJECT says what carries it", "collide probe front_left --on car  1.2 0.7 0  0 0 -1");
+    if (object_.empty())
+      throw bad_use("--on OBJECT says what carries it", "collide probe front_left --on car  1.2 0.7 0  0 0 -1");
     const std::vector<double> numbers = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
-    if (numbers.size() != 6) throw bad_use(fmt::format("{} numbers; an origin X Y Z and a direction DX DY DZ are needed", numbers.size()));
+    if (numbers.size() != 6)
+      throw bad_use(fmt::format("{} numbers; an origin X Y Z and a direction DX DY DZ are needed", numbers.size()));
     const Probe probe{.name = words_[0],
                       .object = object_,
                       .origin = {numbers[0], numbers[1], numbers[2]},
@@ -111,7 +114,8 @@ class ProbeCommand : public Command {
         continue;
       }
       printer.row({"PROBE", "ON", "STATE", "CLEARANCE", "TO"},
-                  {printable(reading.probe), printable(reading.object), std::string(name_of(reading.state)), clearance_text(reading), printable(reading.met)});
+                  {printable(reading.probe), printable(reading.object), std::string(name_of(reading.state)),
+                   clearance_text(reading), printable(reading.met)});
     }
     printer.finish();
     return readings.empty() ? Exit::no : Exit::yes;
@@ -132,14 +136,19 @@ class ProbeCommand : public Command {
       ++count;
     }
     session.io.out.flush();
-    print_hint(session.io, globals, fmt::format("{} reading{}, {} lost", format_count(count), count == 1 ? "" : "s", format_count(watch.lost())));
+    print_hint(
+        session.io, globals,
+        fmt::format("{} reading{}, {} lost", format_count(count), count == 1 ? "" : "s", format_count(watch.lost())));
     if (stop_requested) return Exit::interrupted;
     return count > 0 ? Exit::yes : Exit::no;
   }
 
   static std::string line_of(const Printer& printer, const ProbeReading& reading) {
-    std::string line = fmt::format("{} {}  {}", clock_text(reading.world_time), printable(reading.probe), printer.paint(paint_of(reading.state), name_of(reading.state)));
-    if (has_met(reading)) line += fmt::format("  {}  {} {}", clearance_text(reading), reading.clearance_m > 0 ? "to" : "in", printable(reading.met));
+    std::string line = fmt::format("{} {}  {}", clock_text(reading.world_time), printable(reading.probe),
+                                   printer.paint(paint_of(reading.state), name_of(reading.state)));
+    if (has_met(reading))
+      line += fmt::format("  {}  {} {}", clearance_text(reading), reading.clearance_m > 0 ? "to" : "in",
+                          printable(reading.met));
     return line;
   }
 
@@ -156,8 +165,6 @@ class ProbeCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_probe() {
-  return std::make_unique<ProbeCommand>();
-}
+std::unique_ptr<Command> make_probe() { return std::make_unique<ProbeCommand>(); }
 
 }  // namespace collided::cli

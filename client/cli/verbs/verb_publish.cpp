@@ -32,8 +32,9 @@ class PublishCommand : public Command {
     declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
-    declare_group(app, "Spheres in a cube", {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce", "--as-asked",
-                                              "--response", "--restitution", "--stiffness"});
+    declare_group(app, "Spheres in a cube",
+                  {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce",
+                   "--as-asked", "--response", "--restitution", "--stiffness"});
     declare_group(app, "Path", {"--path", "--waypoints", "--face"});
   }
 
@@ -48,7 +49,8 @@ class PublishCommand : public Command {
 
  private:
   Setting& setting(std::string_view name) {
-    const auto found = std::find_if(settings_.begin(), settings_.end(), [&](const Setting& entry) { return name == entry.name; });
+    const auto found =
+        std::find_if(settings_.begin(), settings_.end(), [&](const Setting& entry) { return name == entry.name; });
     if (found == settings_.end()) throw std::logic_error(fmt::format("no setting {}", name));
     return *found;
   }
@@ -74,8 +76,10 @@ class PublishCommand : public Command {
   }
 
   static void refuse_unless_known(const Setting& setting, Kind kind) {
-    const bool known = setting.kinds.empty() || std::find(setting.kinds.begin(), setting.kinds.end(), kind) != setting.kinds.end();
-    if (setting.given && !known) throw bad_use(fmt::format("{} has no meaning for this kind of publisher", setting.name), "collide help publish");
+    const bool known =
+        setting.kinds.empty() || std::find(setting.kinds.begin(), setting.kinds.end(), kind) != setting.kinds.end();
+    if (setting.given && !known)
+      throw bad_use(fmt::format("{} has no meaning for this kind of publisher", setting.name), "collide help publish");
   }
 
   double positive(std::string_view name, Measure measure, double otherwise) {
@@ -102,7 +106,8 @@ class PublishCommand : public Command {
     const std::string& lost = text("--when-lost");
     if (lost == "freeze") objects.lost_policy = LostPolicy::freeze;
     else if (lost == "hold") objects.lost_policy = LostPolicy::hold;
-    else if (!lost.empty() && lost != "remove") throw bad_use(fmt::format("--when-lost '{}'; allowed: remove, freeze, hold", lost));
+    else if (!lost.empty() && lost != "remove")
+      throw bad_use(fmt::format("--when-lost '{}'; allowed: remove, freeze, hold", lost));
     return objects;
   }
 
@@ -135,7 +140,8 @@ class PublishCommand : public Command {
     options.foot_radius_m = positive("--radius", Measure::length, options.foot_radius_m);
     options.bone_radius_m = positive("--bone-radius", Measure::length, options.bone_radius_m);
     if (given("--group")) options.group = parse_bits(text("--group"));
-    if (given("--up") && text("--up") != "y" && text("--up") != "z") throw bad_use(fmt::format("--up '{}'; allowed: y, z", text("--up")));
+    if (given("--up") && text("--up") != "y" && text("--up") != "z")
+      throw bad_use(fmt::format("--up '{}'; allowed: y, z", text("--up")));
     if (given("--up")) options.up = text("--up").front();
     return make_walker(read_bvh(file_), options);
   }
@@ -146,9 +152,11 @@ class PublishCommand : public Command {
     BounceSourceOptions options;
     options.objects = object_texts();
     options.bounce.sphere_count = parse_count(text("--spheres"), 1);
-    if (options.bounce.sphere_count > kMostSpheres) throw bad_use(fmt::format("--spheres {}, allowed {}", text("--spheres"), kMostSpheres));
+    if (options.bounce.sphere_count > kMostSpheres)
+      throw bad_use(fmt::format("--spheres {}, allowed {}", text("--spheres"), kMostSpheres));
     if (given("--polygons")) options.polygon_count = parse_count(text("--polygons"), 6);
-    if (options.polygon_count > kMostPolygons) throw bad_use(fmt::format("--polygons {}, allowed {}", text("--polygons"), kMostPolygons));
+    if (options.polygon_count > kMostPolygons)
+      throw bad_use(fmt::format("--polygons {}, allowed {}", text("--polygons"), kMostPolygons));
     options.bounce.relative_size = positive("--size", Measure::none, options.bounce.relative_size);
     options.bounce.side_m = positive("--side", Measure::length, options.bounce.side_m);
     options.bounce.speed_m_s = positive("--speed", Measure::speed, options.bounce.speed_m_s);
@@ -169,15 +177,20 @@ class PublishCommand : public Command {
     const std::string& answer = text("--response");
     if (answer == "impulse") bounce.answer = Answer::impulse;
     else if (answer == "compliant") bounce.answer = Answer::compliant;
-    else if (!answer.empty() && answer != "flip") throw bad_use(fmt::format("--response '{}'; allowed: flip, impulse, compliant", answer));
+    else if (!answer.empty() && answer != "flip")
+      throw bad_use(fmt::format("--response '{}'; allowed: flip, impulse, compliant", answer));
     if (given("--response") && !options.bounces) throw bad_use("--response answers contacts: it needs --bounce");
-    if (bounce.as_asked && bounce.answer != Answer::flip) throw bad_use("--as-asked is a way to flip, and --response something else");
-    if (given("--restitution") && bounce.answer == Answer::flip) throw bad_use("--restitution needs --response impulse or compliant");
-    if (given("--stiffness") && bounce.answer != Answer::compliant) throw bad_use("--stiffness needs --response compliant");
+    if (bounce.as_asked && bounce.answer != Answer::flip)
+      throw bad_use("--as-asked is a way to flip, and --response something else");
+    if (given("--restitution") && bounce.answer == Answer::flip)
+      throw bad_use("--restitution needs --response impulse or compliant");
+    if (given("--stiffness") && bounce.answer != Answer::compliant)
+      throw bad_use("--stiffness needs --response compliant");
     bounce.restitution = given("--restitution") ? parse_finite(text("--restitution"), Measure::none) : 1;
     bounce.stiffness_n_m = positive("--stiffness", Measure::none, bounce.stiffness_n_m);
     // What the response library is tested for.
-    if (!(bounce.stiffness_n_m >= 1e2 && bounce.stiffness_n_m <= 1e12)) throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
+    if (!(bounce.stiffness_n_m >= 1e2 && bounce.stiffness_n_m <= 1e12))
+      throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
   }
 
   std::unique_ptr<Source> path(Io& io) {
@@ -188,7 +201,8 @@ class PublishCommand : public Command {
     options.speed_m_s = positive("--speed", Measure::speed, options.speed_m_s);
     options.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
     options.face_forward = setting("--face").flag;
-    std::vector<Vec3> points = given("--path") ? read_waypoints(io, text("--path")) : parse_waypoints(text("--waypoints"));
+    std::vector<Vec3> points =
+        given("--path") ? read_waypoints(io, text("--path")) : parse_waypoints(text("--waypoints"));
     return make_path_source(std::move(points), setting("--loop").flag, options);
   }
 
@@ -233,8 +247,6 @@ class PublishCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_publish() {
-  return std::make_unique<PublishCommand>();
-}
+std::unique_ptr<Command> make_publish() { return std::make_unique<PublishCommand>(); }
 
 }  // namespace collided::cli

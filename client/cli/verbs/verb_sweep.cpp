@@ -73,7 +73,8 @@ class SweepCommand : public Command {
     Printer printer = make_printer(session.io, globals);
     print_sweep(printer, answers.answers.front());
     printer.finish();
-    if (globals.verbose || printer.human()) print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
+    if (globals.verbose || printer.human())
+      print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
     return exit_of(answers.answers.front());
   }
 
@@ -88,8 +89,6 @@ class SweepCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_sweep() {
-  return std::make_unique<SweepCommand>();
-}
+std::unique_ptr<Command> make_sweep() { return std::make_unique<SweepCommand>(); }
 
 }  // namespace collided::cli

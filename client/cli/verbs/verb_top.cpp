@@ -74,7 +74,8 @@ class TopCommand : public Command {
     Printer printer = make_printer(session.io, globals);
     const bool is_live = printer.human() && session.io.out_is_terminal && !once_;
     const bool ends_by_itself = once_ || (!is_live && most == 0 && most_time_.empty());
-    const Until until(ends_by_itself ? 1 : most, most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_));
+    const Until until(ends_by_itself ? 1 : most,
+                      most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_));
     begin(session, globals);
     if (is_live) return live(session, globals, until, period);
     return print(session, globals, printer, until, period);
@@ -89,7 +90,8 @@ class TopCommand : public Command {
 
   /// Nothing while no server answers.
   static std::optional<view::Figures> ask(Session& session, const Globals& globals) {
-    const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {}, timeout_of(globals, std::chrono::seconds(1)));
+    const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {},
+                                                                     timeout_of(globals, std::chrono::seconds(1)));
     return text ? view::parse_figures(*text) : std::nullopt;
   }
 
@@ -97,11 +99,15 @@ class TopCommand : public Command {
   std::optional<Look> look(Session& session, const Globals& globals) {
     const std::optional<view::Figures> now = ask(session, globals);
     if (!now) return std::nullopt;
-    Look look{.status = take(session.client(globals).status()), .figures = between(*before_, *now), .up_ns = now->up_ns, .past_rates = {}};
+    Look look{.status = take(session.client(globals).status()),
+              .figures = between(*before_, *now),
+              .up_ns = now->up_ns,
+              .past_rates = {}};
     if (look.status.age > kSilent) return std::nullopt;
     before_ = now;
     if (look.status.epoch != epoch_) {
-      restart_ = fmt::format("the server was started anew: epoch {} after {}, pid {}", look.status.epoch, epoch_, look.status.pid);
+      restart_ = fmt::format("the server was started anew: epoch {} after {}, pid {}", look.status.epoch, epoch_,
+                             look.status.pid);
       past_rates_.clear();
     }
     epoch_ = look.status.epoch;
@@ -118,7 +124,8 @@ class TopCommand : public Command {
     std::vector<std::string> lines;
     Clock::time_point heard = Clock::now();
     std::uint64_t count = 0;
-    for (std::chrono::nanoseconds wait = std::min<std::chrono::nanoseconds>(kFirst, period); wait_for_key(keys, until, wait); wait = period) {
+    for (std::chrono::nanoseconds wait = std::min<std::chrono::nanoseconds>(kFirst, period);
+         wait_for_key(keys, until, wait); wait = period) {
       if (const std::optional<Look> seen = look(session, globals)) {
         heard = Clock::now();
         lines = top_lines(*seen);
@@ -126,7 +133,8 @@ class TopCommand : public Command {
       } else {
         if (lines.empty()) lines.emplace_back("collided");
         lines.resize(1);
-        lines.push_back(fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
+        lines.push_back(
+            fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
       }
       screen.show(lines);
       if (until.reached(++count)) break;
@@ -146,7 +154,8 @@ class TopCommand : public Command {
     return Clock::now() < until.end();
   }
 
-  Exit print(Session& session, const Globals& globals, Printer& printer, const Until& until, std::chrono::nanoseconds period) {
+  Exit print(Session& session, const Globals& globals, Printer& printer, const Until& until,
+             std::chrono::nanoseconds period) {
     for (std::uint64_t count = 0; !until.reached(count) && session.io.out.good(); ++count) {
       if (!sleep_until(std::min(Clock::now() + period, until.end()))) return Exit::interrupted;
       const std::optional<Look> seen = look(session, globals);
@@ -178,8 +187,6 @@ class TopCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_top() {
-  return std::make_unique<TopCommand>();
-}
+std::unique_ptr<Command> make_top() { return std::make_unique<TopCommand>(); }
 
 }  // namespace collided::cli

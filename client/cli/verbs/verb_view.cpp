@@ -18,8 +18,10 @@ class ViewCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     app.add_option("--port", port_, "0: any that is free (8765)");
-    app.add_option("--bind", options_.address.address, "Address to be reached at; others than 127.0.0.1 open it to the network");
-    app.add_option("--host", options_.rules.hosts, "A name that it may be asked under, beside that address and localhost");
+    app.add_option("--bind", options_.address.address,
+                   "Address to be reached at; others than 127.0.0.1 open it to the network");
+    app.add_option("--host", options_.rules.hosts,
+                   "A name that it may be asked under, beside that address and localhost");
     app.add_option("--origin", options_.rules.origins, "Another page that may connect, https://app.foxglove.dev");
     app.add_option("--up", up_, "Which way is up: y or z (z)");
     app.add_option("--for", most_time_, "End after this time");
@@ -45,14 +47,17 @@ class ViewCommand : public Command {
     const bool is_long = address.find(':') != std::string::npos;
     const std::string host = fmt::format("{}{}{}:{}", is_long ? "[" : "", address, is_long ? "]" : "", viewer->port());
     Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("http://{}  (Foxglove or Lichtblick: ws://{})        Ctrl-C ends", host, host));
+    if (printer.human())
+      printer.line(fmt::format("http://{}  (Foxglove or Lichtblick: ws://{})        Ctrl-C ends", host, host));
     else printer.record({{"url", "http://" + host}, {"foxglove", "ws://" + host}});
     session.io.out.flush();
     static_cast<void>(sleep_until(until.end()));
     const view::WebCounts& counts = viewer->counts();
     print_hint(session.io, globals,
-               fmt::format("{} connections; {} sent away since it was full, {} forbidden, {} dropped since they took too little or said too much", format_count(counts.connections),
-                           format_count(counts.full), format_count(counts.forbidden), format_count(counts.slow + counts.flooding)));
+               fmt::format("{} connections; {} sent away since it was full, {} forbidden, {} dropped since they took "
+                           "too little or said too much",
+                           format_count(counts.connections), format_count(counts.full), format_count(counts.forbidden),
+                           format_count(counts.slow + counts.flooding)));
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 
@@ -60,9 +65,7 @@ class ViewCommand : public Command {
     Client& client = session.client(globals);
     try {
       return take(view::Viewer::start(client, options_));
-    } catch (const Failure&) {
-      throw;
-    } catch (const std::runtime_error& failed) {
+    } catch (const Failure&) { throw; } catch (const std::runtime_error& failed) {
       throw bad_use(failed.what(), "--port 0 takes a free one; --bind names the address");
     }
   }
@@ -70,18 +73,28 @@ class ViewCommand : public Command {
   Exit save(Session& session, const Globals& globals) {
     const std::chrono::nanoseconds length = parse_duration(length_);
     constexpr std::chrono::minutes kLongest{10};
-    if (length <= std::chrono::nanoseconds(0) || length > kLongest) throw bad_use(fmt::format("--last {}; allowed: more than 0, up to 10min", length_));
+    if (length <= std::chrono::nanoseconds(0) || length > kLongest)
+      throw bad_use(fmt::format("--last {}; allowed: more than 0, up to 10min", length_));
     std::ofstream out(file_, std::ios::binary);
     if (!out) throw bad_use(fmt::format("{}: cannot be written", file_));
-    const view::RecordingOptions options{.length = length, .y_is_up = options_.y_is_up, .is_stopped = [] { return stop_requested.load(); }};
+    const view::RecordingOptions options{
+        .length = length, .y_is_up = options_.y_is_up, .is_stopped = [] { return stop_requested.load(); }};
     const view::SavedRun saved = take(view::record_run(session.client(globals), options));
     out << saved.page;
     out.close();
     if (!out) throw Failure(Exit::refused, fmt::format("{}: could not be written whole: is the disk full?", file_));
-    if (saved.is_full) print_hint(session.io, globals, fmt::format("{} MiB were full before the time was over", options.most_bytes >> 20));
+    if (saved.is_full)
+      print_hint(session.io, globals,
+                 fmt::format("{} MiB were full before the time was over", options.most_bytes >> 20));
     Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("{}  {:.1f} s, {} frames, {} kB", file_, saved.seconds, format_count(saved.frames), format_count(saved.page.size() / 1000)));
-    else printer.record({{"file", std::string(file_)}, {"seconds", saved.seconds}, {"frames", std::uint64_t{saved.frames}}, {"bytes", std::uint64_t{saved.page.size()}}});
+    if (printer.human())
+      printer.line(fmt::format("{}  {:.1f} s, {} frames, {} kB", file_, saved.seconds, format_count(saved.frames),
+                               format_count(saved.page.size() / 1000)));
+    else
+      printer.record({{"file", std::string(file_)},
+                      {"seconds", saved.seconds},
+                      {"frames", std::uint64_t{saved.frames}},
+                      {"bytes", std::uint64_t{saved.page.size()}}});
     return Exit::yes;
   }
 
@@ -95,8 +108,6 @@ class ViewCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_view() {
-  return std::make_unique<ViewCommand>();
-}
+std::unique_ptr<Command> make_view() { return std::make_unique<ViewCommand>(); }
 
 }  // namespace collided::cli

@@ -20,7 +20,9 @@ using Clock = std::chrono::steady_clock;
 /// A text with {names} of fields in it; {t} is the clock's time.
 class Template {
  public:
-  explicit Template(std::string text) : text_(std::move(text)) { fill(Event{}, [](std::string_view, const Value&) { return std::string(); }); }
+  explicit Template(std::string text) : text_(std::move(text)) {
+    fill(Event{}, [](std::string_view, const Value&) { return std::string(); });
+  }
 
   /// Every {name} replaced by what `show` makes of its value; throws Failure for unknown names.
   template <class Show>
@@ -76,8 +78,7 @@ void run_shell(const Template& command, const Event& event) {
     ::_exit(127);
   }
   int status = 0;
-  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR && !stop_requested) {
-  }
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR && !stop_requested) {}
 }
 
 constexpr const char* kTimes = "-10s, 2026-11-22T12:03:10.5Z or seconds since 1970";
@@ -89,7 +90,8 @@ class WatchCommand : public Command {
     app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
     app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
     app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
-    app.add_option("--since", since_, "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s");
+    app.add_option("--since", since_,
+                   "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s");
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
     app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
@@ -103,7 +105,9 @@ class WatchCommand : public Command {
     if (!command_.empty()) shell_.emplace(command_);
     if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
     Watch watch = take(session.client(globals).watch(options_));
-    if (options_.since && watch.tells_since() > *options_.since) print_hint(session.io, globals, fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
+    if (options_.since && watch.tells_since() > *options_.since)
+      print_hint(session.io, globals,
+                 fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
     Printer printer = make_printer(session.io, globals);
     const Until until(most, most_time);
     const Clock::time_point start = Clock::now();
@@ -118,14 +122,19 @@ class WatchCommand : public Command {
       ++count;
     }
     session.io.out.flush();
-    print_hint(session.io, globals, fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s", format_duration(Clock::now() - start), format_count(watch.lost())));
+    print_hint(session.io, globals,
+               fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s",
+                           format_duration(Clock::now() - start), format_count(watch.lost())));
     if (stop_requested) return Exit::interrupted;
     return count > 0 ? Exit::yes : Exit::no;
   }
 
  private:
   void print(Printer& printer, const Event& event, Io& io) const {
-    if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
+    if (line_)
+      printer.line(line_->fill(event, [&](std::string_view, const Value& value) {
+        return io.out_is_terminal ? printable(value_text(value)) : value_text(value);
+      }));
     else if (printer.human()) printer.line(event_line(printer, event) + age_of(event));
     else printer.record(event_record(event));
   }
@@ -143,7 +152,8 @@ class WatchCommand : public Command {
     if (!pair) return;
     for (const ManifoldPoint& p : pair->manifold) {
       if (printer.human()) {
-        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
+        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m),
+                                 format_bound(p.error_m)));
         continue;
       }
       Event point = event;
@@ -166,7 +176,8 @@ class WatchCommand : public Command {
     const bool connected = watch.connected();
     if (connected == was_connected_) return;
     was_connected_ = connected;
-    print_hint(session.io, globals, connected ? "the server is back" : "the server is silent; events that it missed come marked resync");
+    print_hint(session.io, globals,
+               connected ? "the server is back" : "the server is silent; events that it missed come marked resync");
   }
 
   WatchOptions options_;
@@ -183,8 +194,6 @@ class WatchCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_watch() {
-  return std::make_unique<WatchCommand>();
-}
+std::unique_ptr<Command> make_watch() { return std::make_unique<WatchCommand>(); }
 
 }  // namespace collided::cli

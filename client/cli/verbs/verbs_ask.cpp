@@ -84,7 +84,8 @@ class AskCommand : public Command {
     return repeated;
   }
 
-  Exit ask_once_or_more(Session& session, const Globals& globals, const Questions& question, const AskOptions& options) {
+  Exit ask_once_or_more(Session& session, const Globals& globals, const Questions& question,
+                        const AskOptions& options) {
     const std::uint64_t count = repeat_.empty() ? 1 : parse_count(repeat_, 1);
     const std::chrono::nanoseconds every = every_.empty() ? std::chrono::nanoseconds(0) : parse_duration(every_);
     Client& client = session.client(globals);
@@ -99,7 +100,8 @@ class AskCommand : public Command {
       print_answer(printer, view_, RawJson{}, answer);
       printer.finish();
       session.io.out.flush();
-      if (globals.verbose || (printer.human() && count == 1)) print_hint(session.io, globals, cost_line(answers, answer));
+      if (globals.verbose || (printer.human() && count == 1))
+        print_hint(session.io, globals, cost_line(answers, answer));
       code = exit_of(answer);
     }
     return code;
@@ -219,17 +221,9 @@ class NearCommand : public AskCommand {
 
 }  // namespace
 
-std::unique_ptr<Command> make_ray() {
-  return std::make_unique<RayCommand>();
-}
-std::unique_ptr<Command> make_sphere() {
-  return std::make_unique<SphereCommand>();
-}
-std::unique_ptr<Command> make_box() {
-  return std::make_unique<BoxCommand>();
-}
-std::unique_ptr<Command> make_near() {
-  return std::make_unique<NearCommand>();
-}
+std::unique_ptr<Command> make_ray() { return std::make_unique<RayCommand>(); }
+std::unique_ptr<Command> make_sphere() { return std::make_unique<SphereCommand>(); }
+std::unique_ptr<Command> make_box() { return std::make_unique<BoxCommand>(); }
+std::unique_ptr<Command> make_near() { return std::make_unique<NearCommand>(); }
 
 }  // namespace collided::cli

@@ -36,13 +36,15 @@ std::vector<std::byte> bytes_of_file(const std::string& path) {
   if (!file || size < 0) throw Failure(Exit::bad_use, fmt::format("{} cannot be read: {}", path, std::strerror(errno)));
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
   file.seekg(0);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) throw Failure(Exit::bad_use, fmt::format("{} cannot be read to its end", path));
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), size))
+    throw Failure(Exit::bad_use, fmt::format("{} cannot be read to its end", path));
   return bytes;
 }
 
 std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
   std::string text;
-  for (std::size_t at = 0; at < std::min(most, names.size()); ++at) text += (at == 0 ? "" : ", ") + printable(names[at]);
+  for (std::size_t at = 0; at < std::min(most, names.size()); ++at)
+    text += (at == 0 ? "" : ", ") + printable(names[at]);
   if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
   return text;
 }
@@ -128,15 +130,16 @@ class MoveCommand : public Command {
     pose.position = Vec3(numbers[0], numbers[1], numbers[2]);
     if (!pose.position.allFinite()) throw bad_use("a position must be finite");
     if (by_ || (rpy_.empty() && quat_.empty())) start_from_present(session, globals, name, pose);
-    const nlohmann::json answer =
-        object_command(session, globals, wire::kMove, name, {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}});
+    const nlohmann::json answer = object_command(session, globals, wire::kMove, name,
+                                                 {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}});
     print(session, globals, name, answer);
     return Exit::yes;
   }
 
  private:
   void start_from_present(Session& session, const Globals& globals, const std::string& name, Pose& pose) const {
-    const std::vector<double> now = numbers_of(object_command(session, globals, wire::kGet, name, {{"name", name}}), "pose");
+    const std::vector<double> now =
+        numbers_of(object_command(session, globals, wire::kGet, name, {{"name", name}}), "pose");
     if (now.size() != 7) throw Failure(Exit::refused, fmt::format("the server gave no pose for '{}'", name));
     if (rpy_.empty() && quat_.empty()) pose.rotation = Quat(now[3], now[4], now[5], now[6]);
     if (by_) pose.position += Vec3(now[0], now[1], now[2]);
@@ -200,31 +203,35 @@ class LoadCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     app.add_option("file", path_, "File that the server can read; with --upload, that this side can read");
-    app.add_flag("--upload", upload_, "Send the file's bytes; the server reads them in a process that may do nothing else");
+    app.add_flag("--upload", upload_,
+                 "Send the file's bytes; the server reads them in a process that may do nothing else");
     app.add_option("--name", name_, "Name of the scene (the file's stem)");
     app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
-    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")->check(CLI::IsMember({"y", "z"}));
+    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")
+        ->check(CLI::IsMember({"y", "z"}));
     app.add_option("--radius", radius_, "Of the balls about the points of an .xyz or .pcd file (0)");
     app.add_flag("--strict", strict_, "Refuse what would be mended");
     app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
     app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
     app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
     app.add_flag("--replace", replace_, "Replace the scene of that name");
-    app.add_option("--covers", covers_, "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
+    app.add_option("--covers", covers_,
+                   "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
         ->allow_extra_args(false);
   }
 
   Exit run(Session& session, const Globals& globals) override {
     if (path_.empty()) throw bad_use("which file?");
-    nlohmann::json arguments{{"name", name_},
-                             {"unit_m", unit_in_metres()},
-                             {"up", up_},
-                             {"radius_m", parse_finite(radius_, Measure::length)},
-                             {"strict", strict_},
-                             {"mend", mend_},
-                             {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
-                             {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
-                             {"replace", replace_}};
+    nlohmann::json arguments{
+        {"name", name_},
+        {"unit_m", unit_in_metres()},
+        {"up", up_},
+        {"radius_m", parse_finite(radius_, Measure::length)},
+        {"strict", strict_},
+        {"mend", mend_},
+        {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
+        {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
+        {"replace", replace_}};
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
@@ -236,7 +243,8 @@ class LoadCommand : public Command {
  private:
   double unit_in_metres() const {
     if (unit_.empty()) return 1;
-    const double metres = is_number_text(unit_) ? parse_finite(unit_, Measure::length) : parse_finite("1" + unit_, Measure::length);
+    const double metres =
+        is_number_text(unit_) ? parse_finite(unit_, Measure::length) : parse_finite("1" + unit_, Measure::length);
     if (!(metres > 0)) throw bad_use(fmt::format("--unit {} must be above 0", unit_));
     return metres;
   }
@@ -244,11 +252,14 @@ class LoadCommand : public Command {
   static nlohmann::json box_json(const std::string& text) {
     const std::size_t colon = text.find(':');
     const std::vector<double> low = parse_numbers({text.substr(0, colon)}, Measure::length);
-    const std::vector<double> high = colon == std::string::npos ? std::vector<double>() : parse_numbers({text.substr(colon + 1)}, Measure::length);
-    if (low.size() != 3 || high.size() != 3) throw bad_use(fmt::format("--covers {}: two corners are needed, X0,Y0,Z0:X1,Y1,Z1", text));
+    const std::vector<double> high =
+        colon == std::string::npos ? std::vector<double>() : parse_numbers({text.substr(colon + 1)}, Measure::length);
+    if (low.size() != 3 || high.size() != 3)
+      throw bad_use(fmt::format("--covers {}: two corners are needed, X0,Y0,Z0:X1,Y1,Z1", text));
     nlohmann::json box;
     for (const std::vector<double>* corner : {&low, &high}) {
-      for (const double x : *corner) box.push_back(std::isinf(x) ? nlohmann::json(x > 0 ? "inf" : "-inf") : nlohmann::json(x));
+      for (const double x : *corner)
+        box.push_back(std::isinf(x) ? nlohmann::json(x > 0 ? "inf" : "-inf") : nlohmann::json(x));
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (low[axis] > high[axis]) throw bad_use(fmt::format("--covers {}: the lower corner comes first", text));
@@ -259,7 +270,8 @@ class LoadCommand : public Command {
   /// The bar is drawn from the library's thread that hears of the progress, while this one waits for the answer.
   static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
     Progress progress(session.io, globals);
-    return server_command(session, globals, wire::kLoad, arguments, {}, [&](double now) { progress.show(0, "loading", now); });
+    return server_command(session, globals, wire::kLoad, arguments, {},
+                          [&](double now) { progress.show(0, "loading", now); });
   }
 
   /// The file's bytes, and its name with what a server may not like in one replaced.
@@ -270,7 +282,8 @@ class LoadCommand : public Command {
       if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
     }
     Progress progress(session.io, globals);
-    return upload_command(session, globals, bytes, name, arguments, [&](double now) { progress.show(0, "sending and loading", now); });
+    return upload_command(session, globals, bytes, name, arguments,
+                          [&](double now) { progress.show(0, "sending and loading", now); });
   }
 
   static Value covers_of(const nlohmann::json& answer) {
@@ -299,11 +312,13 @@ class LoadCommand : public Command {
     }
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
     printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
-                             format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)), count_of(answer, "version")));
+                             format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)),
+                             count_of(answer, "version")));
     printer.line(fmt::format("  {} parts, {} triangles, {} objects", format_count(count_of(answer, "parts")),
                              format_count(count_of(answer, "triangles")), format_count(count_of(answer, "objects"))));
     const auto lines = [&](const char* label, const char* key) {
-      for (const std::string& text : texts_of(answer, key)) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
+      for (const std::string& text : texts_of(answer, key))
+        printer.line(fmt::format("  {:<9}{}", label, printable(text)));
     };
     lines("placed", "placed");
     lines("note", "notes");
@@ -338,17 +353,21 @@ class ClearCommand : public Command {
     const bool objects_too = scene_.empty() || moving_;
     const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
     const std::vector<std::string> scenes = take(session.client(globals).status()).scenes;
-    const nlohmann::json answer = server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
+    const nlohmann::json answer =
+        server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
     const std::uint64_t removed = count_of(answer, "removed");
     const std::uint64_t ended = count_of(answer, "ended");
     const std::uint64_t kept = count_of(answer, "kept");
-    std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed), format_count(ended), count_of(answer, "version"));
+    std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed),
+                                   format_count(ended), count_of(answer, "version"));
     if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
-    print_done(session, globals, {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
+    print_done(session, globals,
+               {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
     print_undo(session, globals, undo);
     for (const std::string& scene : scenes) {
       const bool went = scene == scene_ || (scene_.empty() && !moving_);
-      if (went) print_hint(session.io, globals, fmt::format("     undo: collide load FILE --name {}", shell_word(scene)));
+      if (went)
+        print_hint(session.io, globals, fmt::format("     undo: collide load FILE --name {}", shell_word(scene)));
     }
     return removed > 0 ? Exit::yes : Exit::no;
   }
@@ -360,20 +379,10 @@ class ClearCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_add() {
-  return std::make_unique<AddCommand>();
-}
-std::unique_ptr<Command> make_move() {
-  return std::make_unique<MoveCommand>();
-}
-std::unique_ptr<Command> make_rm() {
-  return std::make_unique<RemoveCommand>();
-}
-std::unique_ptr<Command> make_load() {
-  return std::make_unique<LoadCommand>();
-}
-std::unique_ptr<Command> make_clear() {
-  return std::make_unique<ClearCommand>();
-}
+std::unique_ptr<Command> make_add() { return std::make_unique<AddCommand>(); }
+std::unique_ptr<Command> make_move() { return std::make_unique<MoveCommand>(); }
+std::unique_ptr<Command> make_rm() { return std::make_unique<RemoveCommand>(); }
+std::unique_ptr<Command> make_load() { return std::make_unique<LoadCommand>(); }
+std::unique_ptr<Command> make_clear() { return std::make_unique<ClearCommand>(); }
 
 }  // namespace collided::cli

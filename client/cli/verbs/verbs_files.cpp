@@ -40,10 +40,10 @@ int run_program(const std::string& program, std::vector<std::string> words) {
     ::_exit(127);
   }
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) return static_cast<int>(Exit::interrupted);
-  if (WIFSIGNALED(status)) throw Failure(Exit::refused, fmt::format("{} was ended by signal {}", kProgram, WTERMSIG(status)));
+  if (WIFSIGNALED(status))
+    throw Failure(Exit::refused, fmt::format("{} was ended by signal {}", kProgram, WTERMSIG(status)));
   return WEXITSTATUS(status);
 }
 
@@ -58,7 +58,8 @@ class FilesCommand : public PassOn {
   void take_words(std::vector<std::string> words) override {
     for (std::size_t at = 0; at < words.size(); ++at) {
       // A value that begins with a minus sign stays with its option.
-      const bool value_follows = joins_values_ && words[at].starts_with("--") && at + 1 < words.size() && words[at + 1].starts_with("-") && is_number_text(words[at + 1]);
+      const bool value_follows = joins_values_ && words[at].starts_with("--") && at + 1 < words.size() &&
+                                 words[at + 1].starts_with("-") && is_number_text(words[at + 1]);
       words_.push_back(value_follows ? words[at] + "=" + words[at + 1] : words[at]);
       if (value_follows) ++at;
     }
@@ -70,7 +71,9 @@ class FilesCommand : public PassOn {
     session.io.out.flush();
     session.io.err.flush();
     const int code = run_program(find_program(session.io), std::move(words));
-    if (code == 127) throw Failure(Exit::bad_use, fmt::format("the program {} was not found", kProgram), "it is installed beside collide; COLLIDED_FILES may name it");
+    if (code == 127)
+      throw Failure(Exit::bad_use, fmt::format("the program {} was not found", kProgram),
+                    "it is installed beside collide; COLLIDED_FILES may name it");
     return static_cast<Exit>(code);
   }
 
@@ -82,14 +85,8 @@ class FilesCommand : public PassOn {
 
 }  // namespace
 
-std::unique_ptr<Command> make_check() {
-  return std::make_unique<FilesCommand>("check", true);
-}
-std::unique_ptr<Command> make_convert() {
-  return std::make_unique<FilesCommand>("convert", true);
-}
-std::unique_ptr<Command> make_implicit() {
-  return std::make_unique<FilesCommand>("implicit", false);
-}
+std::unique_ptr<Command> make_check() { return std::make_unique<FilesCommand>("check", true); }
+std::unique_ptr<Command> make_convert() { return std::make_unique<FilesCommand>("convert", true); }
+std::unique_ptr<Command> make_implicit() { return std::make_unique<FilesCommand>("implicit", false); }
 
 }  // namespace collided::cli

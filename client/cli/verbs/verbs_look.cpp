@@ -34,7 +34,8 @@ class StatusCommand : public Command {
     if (printer.human()) {
       print_text(printer, status, options.domain);
       if (in_doubt.is_number_unsigned() && in_doubt != 0u) {
-        printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) + " pairs in doubt: neither known to touch nor to be apart"));
+        printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) +
+                                                     " pairs in doubt: neither known to touch nor to be apart"));
       }
       print_covers(printer, covers);
     } else {
@@ -65,15 +66,20 @@ class StatusCommand : public Command {
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {
     if (covers.is_null()) return;
-    if (covers.empty()) printer.line(printer.paint(Paint::doubt, "nothing is covered: nothing is called free (load --covers)"));
+    if (covers.empty())
+      printer.line(printer.paint(Paint::doubt, "nothing is covered: nothing is called free (load --covers)"));
     for (const nlohmann::json& box : covers) {
-      const auto number = [](const nlohmann::json& x) { return x.is_number() ? format_number(x.get<double>()) : text_of_value(x); };
+      const auto number = [](const nlohmann::json& x) {
+        return x.is_number() ? format_number(x.get<double>()) : text_of_value(x);
+      };
       std::string line = "covers";
       for (std::size_t i = 0; i < box.size(); ++i) line += (i == 3 ? " to " : " ") + number(box[i]);
       printer.line(line);
     }
   }
-  static std::string text_of_value(const nlohmann::json& value) { return value.is_string() ? printable(value.get<std::string>()) : "?"; }
+  static std::string text_of_value(const nlohmann::json& value) {
+    return value.is_string() ? printable(value.get<std::string>()) : "?";
+  }
 
   static void print_text(Printer& printer, const ServerStatus& status, int domain) {
     const Paint paint = status.state == "ready" ? Paint::good : Paint::doubt;
@@ -82,17 +88,21 @@ class StatusCommand : public Command {
     std::string scenes;
     for (const std::string& scene : status.scenes) scenes += (scenes.empty() ? "" : ", ") + printable(scene);
     printer.line(fmt::format("scene {}  {} triangles  ·  {} objects, {} moving  ·  {} open contacts  ·  world {}",
-                             scenes.empty() ? "(none)" : scenes, format_count(status.static_triangles), format_count(status.objects),
-                             format_count(status.moving), format_count(status.contacts), format_count(status.version)));
-    printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided", format_count(status.poses_applied),
-                             format_count(status.poses_dropped), format_count(status.questions_answered), format_count(status.questions_refused),
+                             scenes.empty() ? "(none)" : scenes, format_count(status.static_triangles),
+                             format_count(status.objects), format_count(status.moving), format_count(status.contacts),
+                             format_count(status.version)));
+    printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided",
+                             format_count(status.poses_applied), format_count(status.poses_dropped),
+                             format_count(status.questions_answered), format_count(status.questions_refused),
                              format_count(status.undecided_answers)));
     if (status.contacts_truncated) {
-      printer.line(printer.paint(Paint::bad, "contacts are missing: the last step found more than it may tell (max_contacts)"));
+      printer.line(
+          printer.paint(Paint::bad, "contacts are missing: the last step found more than it may tell (max_contacts)"));
     }
     for (const PublisherInfo& publisher : status.publishers) {
       const std::string state = publisher.lost ? printer.paint(Paint::bad, "lost, ") : std::string();
-      printer.line(fmt::format("publisher {}  {}silent for {}", printable(publisher.name), state, format_duration(publisher.silent)));
+      printer.line(fmt::format("publisher {}  {}silent for {}", printable(publisher.name), state,
+                               format_duration(publisher.silent)));
     }
   }
 
@@ -154,7 +164,9 @@ class ListCommand : public Command {
     }
     for (const nlohmann::json& object : objects) print(printer, object);
     printer.finish();
-    if (objects.size() < count) print_hint(session.io, globals, fmt::format("{} of {} objects; --limit shows more", objects.size(), format_count(count)));
+    if (objects.size() < count)
+      print_hint(session.io, globals,
+                 fmt::format("{} of {} objects; --limit shows more", objects.size(), format_count(count)));
     return objects.empty() ? Exit::no : Exit::yes;
   }
 
@@ -162,7 +174,8 @@ class ListCommand : public Command {
   static void print(Printer& printer, const nlohmann::json& object) {
     if (printer.human()) {
       const MaybeVector position = vector_of(object, "position");
-      const std::string from = text_of(object, "publisher").empty() ? text_of(object, "scene") : text_of(object, "publisher");
+      const std::string from =
+          text_of(object, "publisher").empty() ? text_of(object, "scene") : text_of(object, "publisher");
       printer.row({"OBJECT", "KIND", "MOVES", "AT", "FROM"},
                   {printable(text_of(object, "name")), printable(text_of(object, "kind")),
                    std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
@@ -211,7 +224,8 @@ class GetCommand : public Command {
 
   static void print_text(Printer& printer, const nlohmann::json& object) {
     printer.line(fmt::format("{}  {}  {}{}", printable(text_of(object, "name")), printable(text_of(object, "kind")),
-                             flag_of(object, "moving") ? "moving" : "static", flag_of(object, "stale") ? ", stale" : ""));
+                             flag_of(object, "moving") ? "moving" : "static",
+                             flag_of(object, "stale") ? ", stale" : ""));
     const auto line = [&](const char* label, const std::string& text) {
       if (!text.empty()) printer.line(fmt::format("  {:<10}{}", label, text));
     };
@@ -219,7 +233,8 @@ class GetCommand : public Command {
     line("velocity", joined(numbers_of(object, "velocity")));
     if (object.contains("bounds") && object["bounds"].is_array()) {
       std::string bounds;
-      for (const nlohmann::json& corner : object["bounds"]) bounds += (bounds.empty() ? "" : "  to  ") + joined(numbers_of({{"corner", corner}}, "corner"));
+      for (const nlohmann::json& corner : object["bounds"])
+        bounds += (bounds.empty() ? "" : "  to  ") + joined(numbers_of({{"corner", corner}}, "corner"));
       line("bounds", bounds);
     }
     for (const nlohmann::json& part : object.value("shape", nlohmann::json::array())) line("shape", json_text(part));
@@ -228,13 +243,15 @@ class GetCommand : public Command {
     line("scene", printable(text_of(object, "scene")));
     line("publisher", printable(text_of(object, "publisher")));
     std::string contacts;
-    for (const std::string& contact : texts_of(object, "contacts")) contacts += (contacts.empty() ? "" : ", ") + printable(contact);
+    for (const std::string& contact : texts_of(object, "contacts"))
+      contacts += (contacts.empty() ? "" : ", ") + printable(contact);
     line("contacts", contacts.empty() ? "none" : contacts);
   }
 
   static void print_record(Printer& printer, const nlohmann::json& object) {
-    static constexpr std::array<const char*, 15> kKeys{"name",     "id",       "kind",   "moving", "scene",  "publisher", "position", "pose",
-                                                       "velocity", "bounds",   "shape",  "triangles", "layers", "age_ns",   "contacts"};
+    static constexpr std::array<const char*, 15> kKeys{"name",      "id",        "kind",   "moving",   "scene",
+                                                       "publisher", "position",  "pose",   "velocity", "bounds",
+                                                       "shape",     "triangles", "layers", "age_ns",   "contacts"};
     Record record;
     for (const char* key : kKeys) {
       const bool given = object.contains(key) && !object[key].is_null();
@@ -267,14 +284,16 @@ class PlanCommand : public Command {
   }
 
  private:
-  static void print(Printer& printer, const nlohmann::json& row, const std::vector<const char*>& keys, const std::vector<std::string>& header) {
+  static void print(Printer& printer, const nlohmann::json& row, const std::vector<const char*>& keys,
+                    const std::vector<std::string>& header) {
     Record record;
     std::vector<std::string> cells;
     for (const char* key : keys) {
       const nlohmann::json value = row.value(key, nlohmann::json());
       if (value.is_boolean()) record.push_back({key, value.get<bool>()});
       else record.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value)});
-      cells.push_back(value.is_boolean() ? (value.get<bool>() ? "yes" : "no") : printable(value.is_string() ? value.get<std::string>() : json_text(value)));
+      cells.push_back(value.is_boolean() ? (value.get<bool>() ? "yes" : "no")
+                                         : printable(value.is_string() ? value.get<std::string>() : json_text(value)));
     }
     if (printer.human()) printer.row(header, cells);
     else printer.record(record);
@@ -285,17 +304,9 @@ class PlanCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_status() {
-  return std::make_unique<StatusCommand>();
-}
-std::unique_ptr<Command> make_ls() {
-  return std::make_unique<ListCommand>();
-}
-std::unique_ptr<Command> make_get() {
-  return std::make_unique<GetCommand>();
-}
-std::unique_ptr<Command> make_plan() {
-  return std::make_unique<PlanCommand>();
-}
+std::unique_ptr<Command> make_status() { return std::make_unique<StatusCommand>(); }
+std::unique_ptr<Command> make_ls() { return std::make_unique<ListCommand>(); }
+std::unique_ptr<Command> make_get() { return std::make_unique<GetCommand>(); }
+std::unique_ptr<Command> make_plan() { return std::make_unique<PlanCommand>(); }
 
 }  // namespace collided::cli

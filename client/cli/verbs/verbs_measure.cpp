@@ -54,10 +54,10 @@ class MenuCommand : public Command {
     const double error = number_or_infinity(row, "worst_error");
     const double bound = number_or_infinity(row, "worst_bound");
     if (printer.human()) {
-      printer.row({"ASKED", "METHOD", "WORST ERROR", "BOUND", "P50", "P99", "UNDECIDED", "WRONG"},
-                  {text_of(row, "kind"), text_of(row, "method"), length(error), length(bound), duration(row, "p50_ns"),
-                   duration(row, "p99_ns"), format_count(count_of(row, "undecided")),
-                   format_count(count_of(row, "wrong"))});
+      printer.row(
+          {"ASKED", "METHOD", "WORST ERROR", "BOUND", "P50", "P99", "UNDECIDED", "WRONG"},
+          {text_of(row, "kind"), text_of(row, "method"), length(error), length(bound), duration(row, "p50_ns"),
+           duration(row, "p99_ns"), format_count(count_of(row, "undecided")), format_count(count_of(row, "wrong"))});
       return;
     }
     printer.record({{"kind", text_of(row, "kind")},
@@ -86,7 +86,8 @@ class AuditCommand : public Command {
     else printer.record(record(answer));
     printer.finish();
     if (count_of(answer, "every") == 0) {
-      print_hint(session.io, globals, "this server audits nothing; 'collided --audit 1/1000' works one answer in 1 000 out again");
+      print_hint(session.io, globals,
+                 "this server audits nothing; 'collided --audit 1/1000' works one answer in 1 000 out again");
     }
     return count_of(answer, "differing") == 0 ? Exit::yes : Exit::no;
   }
@@ -106,33 +107,26 @@ class AuditCommand : public Command {
     for (const std::string& difference : texts_of(answer, "differences")) printer.line("  " + printable(difference));
     for (const nlohmann::json& row : rows_of(answer, "questions")) {
       printer.row({"ASKED", "DOUBLE", "EXPANSION", "RATIONAL"},
-                  {text_of(row, "kind"), format_count(count_of(row, "double")), format_count(count_of(row, "expansion")),
-                   format_count(count_of(row, "rational"))});
+                  {text_of(row, "kind"), format_count(count_of(row, "double")),
+                   format_count(count_of(row, "expansion")), format_count(count_of(row, "rational"))});
     }
   }
 
   static Record record(const nlohmann::json& answer) {
     const auto text = [&](const char* key) {
-      return RawJson{answer.value(key, nlohmann::json::array()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+      return RawJson{
+          answer.value(key, nlohmann::json::array()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
     };
-    return {{"every", count_of(answer, "every")},
-            {"chosen", count_of(answer, "chosen")},
-            {"audited", count_of(answer, "audited")},
-            {"differing", count_of(answer, "differing")},
-            {"skipped", count_of(answer, "skipped")},
-            {"float_repairs", count_of(answer, "float_repairs")},
-            {"questions", text("questions")},
-            {"differences", text("differences")}};
+    return {{"every", count_of(answer, "every")},     {"chosen", count_of(answer, "chosen")},
+            {"audited", count_of(answer, "audited")}, {"differing", count_of(answer, "differing")},
+            {"skipped", count_of(answer, "skipped")}, {"float_repairs", count_of(answer, "float_repairs")},
+            {"questions", text("questions")},         {"differences", text("differences")}};
   }
 };
 
 }  // namespace
 
-std::unique_ptr<Command> make_menu() {
-  return std::make_unique<MenuCommand>();
-}
-std::unique_ptr<Command> make_audit() {
-  return std::make_unique<AuditCommand>();
-}
+std::unique_ptr<Command> make_menu() { return std::make_unique<MenuCommand>(); }
+std::unique_ptr<Command> make_audit() { return std::make_unique<AuditCommand>(); }
 
 }  // namespace collided::cli

@@ -31,7 +31,8 @@ class RecordCommand : public Command {
     const auto last = parse_duration(last_);
     const std::uint64_t bytes = take(fetch_recording(connect_options(session.io, globals), last, path_));
     Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("{}: the last {}, {}", path_, format_duration(last), size_text(bytes)));
+    if (printer.human())
+      printer.line(fmt::format("{}: the last {}, {}", path_, format_duration(last), size_text(bytes)));
     else printer.record({{"file", path_}, {"seconds", std::chrono::duration<double>(last).count()}, {"bytes", bytes}});
     return Exit::yes;
   }
@@ -58,20 +59,26 @@ class RecordCommand : public Command {
     for (const RecordedChannel& channel : counts.channels) {
       if (printer.human()) {
         if (channel.samples + channel.lost > 0) {
-          printer.row({"TOPIC", "SAMPLES", "LOST"}, {channel.topic, format_count(channel.samples), format_count(channel.lost)});
+          printer.row({"TOPIC", "SAMPLES", "LOST"},
+                      {channel.topic, format_count(channel.samples), format_count(channel.lost)});
         }
         continue;
       }
       printer.record({{"file", path_}, {"topic", channel.topic}, {"samples", channel.samples}, {"lost", channel.lost}});
     }
     printer.finish();
-    print_hint(session.io, globals, fmt::format("{}: {} samples in {}, {}, {} lost", path_, format_count(counts.samples), format_duration(took), size_text(counts.bytes), format_count(counts.lost)));
-    if (counts.unanswered > 0) print_hint(session.io, globals, fmt::format("{} questions without an answer", format_count(counts.unanswered)));
-    if (!counts.no_opening.empty()) print_hint(session.io, globals, "what was in the world before is not in it: " + counts.no_opening);
+    print_hint(session.io, globals,
+               fmt::format("{}: {} samples in {}, {}, {} lost", path_, format_count(counts.samples),
+                           format_duration(took), size_text(counts.bytes), format_count(counts.lost)));
+    if (counts.unanswered > 0)
+      print_hint(session.io, globals, fmt::format("{} questions without an answer", format_count(counts.unanswered)));
+    if (!counts.no_opening.empty())
+      print_hint(session.io, globals, "what was in the world before is not in it: " + counts.no_opening);
   }
 
   static std::string size_text(std::uint64_t bytes) {
-    return bytes < 1'000'000 ? fmt::format("{:.0f} kB", static_cast<double>(bytes) * 1e-3) : fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+    return bytes < 1'000'000 ? fmt::format("{:.0f} kB", static_cast<double>(bytes) * 1e-3)
+                             : fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
   }
 
   std::string path_;
@@ -86,12 +93,14 @@ class ReplayCommand : public Command {
     app.add_option("--rate", rate_, "Of the recorded time (1)");
     app.add_flag("--loop", loop_, "Over and over");
     app.add_flag("--start-paused", start_paused_, "Begin when a line comes on standard input");
-    app.add_flag("--ask", options_.ask, "Ask every recorded question again, state by state, and compare the answers' bits");
+    app.add_flag("--ask", options_.ask,
+                 "Ask every recorded question again, state by state, and compare the answers' bits");
   }
 
   Exit run(Session& session, const Globals& globals) override {
     options_.rate = rate_.empty() ? 1 : parse_finite(rate_);
-    if (options_.ask && !rate_.empty()) throw bad_use("--ask goes from state to state, whatever their times: no --rate");
+    if (options_.ask && !rate_.empty())
+      throw bad_use("--ask goes from state to state, whatever their times: no --rate");
     options_.go_on = [] { return !stop_requested.load(); };
     if (start_paused_ && !wait_for_line(session, globals)) return Exit::interrupted;
     Exit code = Exit::yes;
@@ -114,7 +123,8 @@ class ReplayCommand : public Command {
   }
 
   Exit print(Session& session, const Globals& globals, const ReplayReport& report) const {
-    for (const std::string& warning : report.warnings) print_hint(session.io, globals, "warning: " + printable(warning));
+    for (const std::string& warning : report.warnings)
+      print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) print_text(printer, report);
     else print_record(printer, report);
@@ -163,11 +173,7 @@ class ReplayCommand : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_record() {
-  return std::make_unique<RecordCommand>();
-}
-std::unique_ptr<Command> make_replay() {
-  return std::make_unique<ReplayCommand>();
-}
+std::unique_ptr<Command> make_record() { return std::make_unique<RecordCommand>(); }
+std::unique_ptr<Command> make_replay() { return std::make_unique<ReplayCommand>(); }
 
 }  // namespace collided::cli

@@ -49,10 +49,10 @@ struct Certificate {
   bool touches = false;
   std::vector<CertifiedPart> a = {};  // apart: all parts of the object; touching: the one that holds the point
   std::vector<CertifiedPart> b = {};
-  std::vector<Step> steps = {};       // apart; each split is followed by the proof of its lower half, then of its upper
-  std::array<Sum, 3> point = {};      // touching: the common point is point / divisor
+  std::vector<Step> steps = {};   // apart; each split is followed by the proof of its lower half, then of its upper
+  std::array<Sum, 3> point = {};  // touching: the common point is point / divisor
   Sum divisor = {};
-  Mix mix_a = {};                     // touching: what of each part's points the common point stands beside
+  Mix mix_a = {};  // touching: what of each part's points the common point stands beside
   Mix mix_b = {};
 };
 

@@ -94,8 +94,9 @@ class Client {
   /// questions  a vector, array or span of them
   /// earlier    answers of a batch before lend their memory, which saves a third of what a batch of rays costs here
   template <std::ranges::contiguous_range Questions>
-    requires Question<std::ranges::range_value_t<Questions>>
-  Result<Answers> ask(const Questions& questions, const AskOptions& options = {}, Answers&& earlier = {}) {
+  requires Question<std::ranges::range_value_t<Questions>> Result<Answers> ask(const Questions& questions,
+                                                                               const AskOptions& options = {},
+                                                                               Answers&& earlier = {}) {
     return ask_all(std::span<const std::ranges::range_value_t<Questions>>(questions), options, std::move(earlier));
   }
   /// The same on a thread of the library; 1,024 may wait.
@@ -144,7 +145,8 @@ class Client {
   Result<Removed> remove(const std::string& name, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// A file that the server can read.
   /// progress  is called with a fraction in [0, 1] from the calling thread; each call starts the timeout anew
-  Result<Loaded> load(const std::string& path, const LoadOptions& options = {}, std::function<void(double)> progress = {});
+  Result<Loaded> load(const std::string& path, const LoadOptions& options = {},
+                      std::function<void(double)> progress = {});
   /// The bytes of a file that it cannot, as upload() sends them.
   Result<Loaded> load(std::span<const std::byte> bytes, std::string_view file_name, const LoadOptions& options = {},
                       std::function<void(double)> progress = {});
@@ -160,8 +162,8 @@ class Client {
   /// The door behind the calls above, and for commands that have none: JSON in, JSON out. Arguments and answers stand in
   /// idl/commands.hpp of the sources.
   /// progress is called with a fraction in [0, 1] from the calling thread; each call starts the timeout anew.
-  Result<std::string> command(std::string_view name, std::string_view json_arguments,
-                              const Shape& shape = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10),
+  Result<std::string> command(std::string_view name, std::string_view json_arguments, const Shape& shape = {},
+                              std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                               std::function<void(double)> progress = {});
 
   /// Sends a file's bytes, for a server that cannot read the file itself, and has them loaded as a scene: the server reads
@@ -169,7 +171,8 @@ class Client {
   /// the format; json_arguments and the answer: those of the command load. A file that names other files comes without them.
   /// progress is called with a fraction in [0, 1]: of what is sent up to a half, then of what is read; the timeout is for each
   /// step of it. Up to 1 GiB.
-  Result<std::string> upload(std::span<const std::byte> bytes, std::string_view file_name, std::string_view json_arguments = {},
+  Result<std::string> upload(std::span<const std::byte> bytes, std::string_view file_name,
+                             std::string_view json_arguments = {},
                              std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                              std::function<void(double)> progress = {});
 

@@ -78,7 +78,7 @@ struct Loaded {
 };
 
 struct ListOptions {
-  std::string name = {};           // or glob; empty: all
+  std::string name = {};            // or glob; empty: all
   std::optional<bool> moving = {};  // only what moves, or only what does not
   std::uint64_t limit = 10'000;
 };
@@ -87,8 +87,8 @@ struct ListedObject {
   std::uint64_t id = 0;
   std::string kind;  // sphere, box, ..., mesh, compound (of several), part (of a scene)
   bool moving = false;
-  std::string scene;      // that it is of; empty: none
-  std::string publisher;  // empty: none
+  std::string scene;             // that it is of; empty: none
+  std::string publisher;         // empty: none
   std::optional<Vec3> position;  // none of a scene's part
   std::uint64_t triangles = 0;
   std::uint32_t layers = 0;
@@ -103,10 +103,10 @@ struct ObjectList {
 struct ObjectDetails : ListedObject {
   std::uint32_t mask = 0;
   std::uint32_t group = 0;
-  std::optional<Pose> pose;           // none of a scene's part
+  std::optional<Pose> pose;                                // none of a scene's part
   std::array<Vec3, 2> bounds{Vec3::Zero(), Vec3::Zero()};  // low and high corner, in the world
-  std::optional<std::chrono::nanoseconds> age;  // of the pose, of what moves
-  std::vector<std::string> contacts;  // names of what it touches
+  std::optional<std::chrono::nanoseconds> age;             // of the pose, of what moves
+  std::vector<std::string> contacts;                       // names of what it touches
 };
 
 struct PlannedStructure {

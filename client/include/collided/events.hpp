@@ -16,7 +16,17 @@
 namespace collided {
 
 enum class EventKind { open, began, persisted, ended };
-enum class EndReason { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
+enum class EndReason {
+  none,
+  separated,
+  removed,
+  publisher_lost,
+  teleported,
+  geometry_changed,
+  server_stopping,
+  server_restarted,
+  decided
+};
 /// Why it is not known whether two objects touch: the test came out undecided; the way between two poses could not be
 /// followed to its end; one of them is where a lost publisher (LostPolicy::freeze) said last.
 enum class Doubt { none, numeric, cost_limit, publisher_lost };
@@ -37,12 +47,12 @@ struct Event {
   std::uint64_t sequence = 0;
   std::uint64_t episode = 0;  // sequence of the pair's `began`
   std::chrono::nanoseconds world_time{0};
-  std::chrono::nanoseconds began{0};     // world time at which the episode began
-  double bracket_low_s = 0;              // the change happened between these, seconds before world_time
+  std::chrono::nanoseconds began{0};  // world time at which the episode began
+  double bracket_low_s = 0;           // the change happened between these, seconds before world_time
   double bracket_high_s = 0;
   Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();            // from a to b
-  double depth_m = 0;                    // moving b so far along the normal parts the two parts; no way is shorter
+  Vec3 normal = Vec3::Zero();  // from a to b
+  double depth_m = 0;          // moving b so far along the normal parts the two parts; no way is shorter
   double depth_error_m = 0;
   /// The same where neighbouring bodies count as one surface, so that a wheel does not feel the inner edges of a tiled
   /// floor: at such an edge the floor's normal and the depth along it, else equal to normal and depth_m.
@@ -65,8 +75,8 @@ inline std::chrono::nanoseconds happened(const Event& event) {
 inline std::chrono::nanoseconds lasted(const Event& ended) { return happened(ended) - ended.began; }
 
 struct WatchOptions {
-  std::string only = {};       // either name must match; empty: everything
-  std::string skip = {};       // neither name may match
+  std::string only = {};  // either name must match; empty: everything
+  std::string skip = {};  // neither name may match
   bool persisted = false;
   std::size_t capacity = 65'536;  // of the poll queue; beyond it the oldest are dropped and counted
   /// Since 1970. What held then comes first as `open`, then what has happened since by the server's flight recorder, then what
@@ -84,7 +94,7 @@ class Watch {
 
   /// The next event; nothing after `wait`.
   std::optional<Event> next(std::chrono::nanoseconds wait);
-  std::uint64_t lost() const;      // events dropped because nobody called next()
+  std::uint64_t lost() const;  // events dropped because nobody called next()
   std::uint64_t resyncs() const;
   /// False while no status has come for 240 ms.
   bool connected() const;

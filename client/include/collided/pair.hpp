@@ -50,19 +50,20 @@ enum class Containment { none, a_in_b, b_in_a };
 /// numbers are the same, and the normal is turned round.
 struct PairAnswer {
   Verdict verdict = Verdict::miss;
-  UndecidedReason reason = UndecidedReason::none;  // numeric: both answers are consistent with the input; stale_object: see stale
+  UndecidedReason reason =
+      UndecidedReason::none;  // numeric: both answers are consistent with the input; stale_object: see stale
   /// One of the two moved when it was last heard of (its publisher is lost, or has not come to the instant asked for): the
   /// numbers are those of where it was then. A miss is said only where it cannot have come to the other since.
   bool stale = false;
   std::uint64_t version = 0;
-  Vec3 normal = Vec3::Zero();     // unit, from a to b
-  double distance_m = 0;          // miss; |truth - distance_m| <= error_m
-  double depth_m = 0;             // hit; |truth - depth_m| <= error_m
+  Vec3 normal = Vec3::Zero();  // unit, from a to b
+  double distance_m = 0;       // miss; |truth - distance_m| <= error_m
+  double depth_m = 0;          // hit; |truth - depth_m| <= error_m
   double error_m = 0;
-  Vec3 on_a = Vec3::Zero();       // miss; within point_error_m of a
+  Vec3 on_a = Vec3::Zero();  // miss; within point_error_m of a
   Vec3 on_b = Vec3::Zero();
   double point_error_m = 0;
-  Vec3 point = Vec3::Zero();      // hit; in the middle of the deepest overlap
+  Vec3 point = Vec3::Zero();  // hit; in the middle of the deepest overlap
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   std::vector<ManifoldPoint> manifold;

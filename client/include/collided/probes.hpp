@@ -17,8 +17,8 @@ namespace collided {
 /// reach_m ahead of it, and its clearance is the signed distance from the origin to the first thing that it meets there,
 /// of what the object itself may meet: above 0 a gap, 0 touching, below 0 a collision.
 struct Probe {
-  std::string name;    // unique in the server
-  std::string object;  // by name; it need not be there yet
+  std::string name;            // unique in the server
+  std::string object;          // by name; it need not be there yet
   Vec3 origin = Vec3::Zero();  // in the object's frame
   Vec3 direction = -Vec3::UnitZ();
   double reach_m = 10;

@@ -40,8 +40,8 @@ struct NearQuestion {
   double within_m = std::numeric_limits<double>::infinity();
 };
 template <class T>
-concept Question = std::is_same_v<T, RayQuestion> || std::is_same_v<T, SphereQuestion> || std::is_same_v<T, BoxQuestion> ||
-                   std::is_same_v<T, NearQuestion>;
+concept Question = std::is_same_v<T, RayQuestion> || std::is_same_v<T, SphereQuestion> ||
+    std::is_same_v<T, BoxQuestion> || std::is_same_v<T, NearQuestion>;
 
 /// The way of a shape while time runs from 0 to 1: its origin goes straight at even speed, and it turns at even speed
 /// about a fixed axis, the short way round.
@@ -65,18 +65,18 @@ struct Instant {
 
 /// What may answer, and how well.
 struct AskOptions {
-  HitMode mode = HitMode::closest;          // rays only
-  std::uint32_t mask = 0xffffffff;    // layers that may answer
-  std::string only = {};              // name glob (* ? [...]), empty: everything
-  std::string skip = {};              // name glob, empty: nothing
+  HitMode mode = HitMode::closest;  // rays only
+  std::uint32_t mask = 0xffffffff;  // layers that may answer
+  std::string only = {};            // name glob (* ? [...]), empty: everything
+  std::string skip = {};            // name glob, empty: nothing
   /// Per question. Of near: so many nearest ones. Of the others: more are cut, and the answer is undecided (truncated).
   /// None: 1 of near, 1,000 of the others.
   std::optional<std::uint32_t> max_hits = {};
-  double error_m = 0;                 // error asked; 0: exact on doubt
+  double error_m = 0;                               // error asked; 0: exact on doubt
   std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
   std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
-  bool fresh = false;                 // answer after this connection's own last write
-  Instant as_of = {};                 // Answers::world_time says which instant it was
+  bool fresh = false;                               // answer after this connection's own last write
+  Instant as_of = {};                               // Answers::world_time says which instant it was
   Importance importance = Importance::normal;
 };
 

@@ -29,9 +29,9 @@ struct RecordingCounts {
   std::uint64_t samples = 0;
   std::uint64_t lost = 0;
   std::uint64_t unanswered = 0;  // questions whose answer did not come: lost, or nobody answered
-  std::uint64_t bytes = 0;   // of the file
-  std::string no_opening;  // why it does not begin with what was in the world before, or empty
-  std::string problem;       // why nothing more is written, or empty
+  std::uint64_t bytes = 0;       // of the file
+  std::string no_opening;        // why it does not begin with what was in the world before, or empty
+  std::string problem;           // why nothing more is written, or empty
 };
 
 /// Writes what comes over the namespace of a connection to a file until it is finished or destroyed. A recording that is
@@ -65,7 +65,8 @@ Result<Recording> record(const ConnectOptions& options, const std::string& path)
 /// The server's flight recorder: what it took and wrote in its last seconds, as a file here.
 /// last     0: only what its publishers and commands have brought into the world up to now
 /// returns  the bytes of the file
-Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last, const std::string& path);
+Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last,
+                                      const std::string& path);
 
 // ---- events of a recording -----------------------------------------------------------------------------------------
 

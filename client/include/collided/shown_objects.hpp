@@ -20,8 +20,9 @@ enum EdgeKind : std::uint8_t {
   kBoundaryEdge = 1,  // of one triangle only
   kManyEdge = 2,      // of three and more
   kCreaseEdge = 4,    // of two that meet at more than the asked angle
-  kMaterialEdge = 8,  // of triangles of different parts of a scene, which are what its file's materials and groups became
-  kTurnedEdge = 16,   // of two that run along it the same way: one counts as turned over
+  kMaterialEdge =
+      8,  // of triangles of different parts of a scene, which are what its file's materials and groups became
+  kTurnedEdge = 16,  // of two that run along it the same way: one counts as turned over
 };
 
 /// ends       vertex numbers; places that vertices share have one number, the first
@@ -79,9 +80,9 @@ struct ShapesOptions {
   std::string only = {};  // name globs, as in AskOptions
   std::string skip = {};
   std::uint32_t mask = 0xffffffff;
-  std::optional<bool> moving = {};   // only what moves, or only what does not
-  bool edges = false;                // of surfaces, with their kinds
-  double crease_cosine = 0.5;        // of the angle between two normals beyond which their edge is a crease
+  std::optional<bool> moving = {};  // only what moves, or only what does not
+  bool edges = false;               // of surfaces, with their kinds
+  double crease_cosine = 0.5;       // of the angle between two normals beyond which their edge is a crease
   std::chrono::nanoseconds timeout{10'000'000'000};  // of each page of 8 MiB
 };
 

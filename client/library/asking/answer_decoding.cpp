@@ -53,7 +53,8 @@ std::optional<Uncovered> uncovered_of(const wire::Reply& reply, std::uint32_t qu
   const auto found = std::lower_bound(questions.begin(), questions.end(), question);
   if (found == questions.end() || *found != question) return std::nullopt;
   const auto row = static_cast<std::size_t>(found - questions.begin());
-  return Uncovered{.point = vector_in(reply.uncovered_points, row), .covered_m = dds::view(reply.uncovered_distances)[row]};
+  return Uncovered{.point = vector_in(reply.uncovered_points, row),
+                   .covered_m = dds::view(reply.uncovered_distances)[row]};
 }
 
 }  // namespace
@@ -112,7 +113,8 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
   const auto answers = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   if (std::any_of(answers.begin(), answers.end(), [](auto a) { return a > static_cast<int>(Verdict::invalid); }) ||
-      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(UndecidedReason::not_covered); })) {
+      std::any_of(reasons.begin(), reasons.end(),
+                  [](auto r) { return r > static_cast<int>(UndecidedReason::not_covered); })) {
     return nonsense("an answer of an unknown kind");
   }
   if (answered_ > 0 && (reply.epoch != result_.epoch || reply.version != result_.version)) {
@@ -152,9 +154,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
   if (reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused)) {
     return refusal(text_of(reply));
   }
-  if (auto error = check(reply)) {
-    return error;
-  }
+  if (auto error = check(reply)) { return error; }
   names_.learn(dds::view(reply.named_ids), dds::view(reply.names));
   const auto verdicts = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);

@@ -40,7 +40,8 @@ void encode_some(const void* questions, std::size_t first, std::size_t count, do
 std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
   const std::string noun = request.noun;
   if (options.only.size() > wire_contract::kMaxNameBytes || options.skip.size() > wire_contract::kMaxNameBytes) {
-    return bad_input(noun + ": a name pattern has more than " + std::to_string(wire_contract::kMaxNameBytes) + " bytes");
+    return bad_input(noun + ": a name pattern has more than " + std::to_string(wire_contract::kMaxNameBytes) +
+                     " bytes");
   }
   if (!(options.error_m >= 0)) {
     return bad_input(noun + ": error asked is " + words(options.error_m) + "; allowed 0 or more");
@@ -49,7 +50,8 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
     return bad_input(noun + ": a time is negative, or the timeout 0");
   }
   if (options.as_of.time.count() < 0) {
-    return bad_input(noun + ": the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
+    return bad_input(noun + ": the instant is " + std::to_string(options.as_of.time.count()) +
+                     " ns; allowed 0 or more");
   }
   return std::nullopt;
 }
@@ -92,22 +94,16 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
 }
 
 Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
-  if (auto error = options_fault(request, options)) {
-    return *error;
-  }
+  if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
-  if (auto error = connection.ready(deadline)) {
-    return *error;
-  }
+  if (auto error = connection.ready(deadline)) { return *error; }
   const std::uint64_t server = connection.pulse().server();
   const std::unique_ptr<Requests::Running> running = connection.requests().begin();
   if (!running) {
     return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
                  kNothingSent};
   }
-  if (request.question_count > kMostAtOnce) {
-    running->sleep_while_waiting();
-  }
+  if (request.question_count > kMostAtOnce) { running->sleep_while_waiting(); }
   wire::Query& query = running->query();
   query.request = running->number();
   fill_header(query, request, options, options.fresh ? connection.last_write() : WriteBarrier{});
@@ -120,25 +116,17 @@ Result<Answers> run(Connection& connection, const Request& request, const AskOpt
     }
     return error;
   };
-  if (auto error = send_to(kChunksInFlight)) {
-    return *error;
-  }
+  if (auto error = send_to(kChunksInFlight)) { return *error; }
   AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(earlier));
   while (!collector.complete()) {
-    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) {
-      return *error;
-    }
+    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) { return *error; }
     const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
-    if (waited.error) {
-      return *waited.error;
-    }
+    if (waited.error) { return *waited.error; }
     for (const auto& reply : *waited.replies) {
       if ((*reply)->server != server) {
         continue;  // a second server on this namespace
       }
-      if (auto error = collector.add(**reply)) {
-        return *error;
-      }
+      if (auto error = collector.add(**reply)) { return *error; }
     }
   }
   return collector.take();
@@ -176,9 +164,7 @@ template <class Question>
 Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
                     Answers&& earlier) {
   using Wire = QuestionWire<Question>;
-  if (auto error = fault_of(questions)) {
-    return *error;
-  }
+  if (auto error = fault_of(questions)) { return *error; }
   return run(connection,
              {Wire::kind, Wire::noun, Wire::number_count, questions.size(), questions.data(), &encode_some<Question>},
              options, std::move(earlier));
@@ -192,19 +178,13 @@ template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const A
 Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
                       const AskOptions& options) {
   using Wire = QuestionWire<SweepQuestion>;
-  if (auto error = fault_of(motions)) {
-    return *error;
-  }
+  if (auto error = fault_of(motions)) { return *error; }
   const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
-  if (!bytes) {
-    return bytes.error();
-  }
-  const Request request{Wire::kind, Wire::noun,  Wire::number_count,          motions.size(),
-                        motions.data(), &encode_some<SweepQuestion>, *bytes};
+  if (!bytes) { return bytes.error(); }
+  const Request request{
+      Wire::kind, Wire::noun, Wire::number_count, motions.size(), motions.data(), &encode_some<SweepQuestion>, *bytes};
   Result<Answers> answers = run(connection, request, options, {});
-  if (!answers) {
-    return answers;
-  }
+  if (!answers) { return answers; }
   for (Answer& answer : answers->answers) {
     for (Hit& hit : answer.hits) {
       hit.time_low = hit.exit_m;

@@ -24,7 +24,8 @@ bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector
       if (s.summand == Kind::box) r = reach.below_zero() ? r - reach : r + reach;
       else q = q + reach * reach;
     }
-    if (s.summand == Kind::ball || (is_disc && (i == 1 || !s.tapers))) q = square(s.radius_m * (is_disc ? cross(n, axis) : n));
+    if (s.summand == Kind::ball || (is_disc && (i == 1 || !s.tapers)))
+      q = square(s.radius_m * (is_disc ? cross(n, axis) : n));
     const ExactSum rest = q - r * r * d;
     if (!(strictly ? r.below_zero() && rest.below_zero() : r.at_most_zero() && rest.at_most_zero())) return false;
   }
@@ -33,7 +34,8 @@ bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector
 
 /// The point x / w is in the part: beside a mix of its points by no more than the part allows.
 bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, const Certificate::Mix& mix) {
-  if (s.summand == Kind::half_space) return w.above_zero() && dot(exact(s.axes[0]), x - w * exact(s.points.at(0))).at_most_zero();
+  if (s.summand == Kind::half_space)
+    return w.above_zero() && dot(exact(s.axes[0]), x - w * exact(s.points.at(0))).at_most_zero();
   ExactSum total, of_discs, squares;
   ExactVector sum;
   for (const auto& [i, terms] : mix) {
@@ -45,9 +47,14 @@ bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, cons
   }
   if (!total.above_zero() || !w.above_zero()) return false;
   const ExactVector v = total * x - w * sum;  // total * w times as long as the way from the mix to the point
-  const auto within = [](const ExactSum& square_of, const ExactSum& root) { return (square_of - root * root).at_most_zero(); };
-  if (s.summand == Kind::nothing || s.summand == Kind::ball) return within(square(v), (s.summand == Kind::ball ? s.radius_m : 0) * total * w);
-  if (s.summand == Kind::disc) return s.points.size() == 2 && dot(v, exact(s.points[1]) - exact(s.points[0])).zero() && within(square(v), s.radius_m * of_discs * w);
+  const auto within = [](const ExactSum& square_of, const ExactSum& root) {
+    return (square_of - root * root).at_most_zero();
+  };
+  if (s.summand == Kind::nothing || s.summand == Kind::ball)
+    return within(square(v), (s.summand == Kind::ball ? s.radius_m : 0) * total * w);
+  if (s.summand == Kind::disc)
+    return s.points.size() == 2 && dot(v, exact(s.points[1]) - exact(s.points[0])).zero() &&
+           within(square(v), s.radius_m * of_discs * w);
   const ExactVector axes[3] = {exact(s.axes[0]), exact(s.axes[1]), exact(s.axes[2])};
   const ExactSum volume = dot(axes[0], cross(axes[1], axes[2])) * total * w;
   for (int k = 0; k < 3; ++k) {
@@ -55,14 +62,17 @@ bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, cons
     if (s.summand == Kind::box && !within(along * along, s.half_m[k] * volume)) return false;
     squares = squares + square(s.half_m[(k + 1) % 3] * ExactVector{s.half_m[(k + 2) % 3] * along});
   }
-  return (volume.above_zero() || volume.below_zero()) && (s.summand == Kind::box || within(squares, s.half_m[0] * volume * s.half_m[1] * s.half_m[2]));
+  return (volume.above_zero() || volume.below_zero()) &&
+         (s.summand == Kind::box || within(squares, s.half_m[0] * volume * s.half_m[1] * s.half_m[2]));
 }
 
 /// The steps from number `at` on prove these ranges apart; `at` is then behind them.
 bool apart(const Certificate& c, std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1, std::size_t& at) {
   const Certificate::Step& step = c.steps.at(at++);
-  if (step.kind == Certificate::Step::Kind::split_a) return a0 < step.at && step.at < a1 && apart(c, a0, step.at, b0, b1, at) && apart(c, step.at, a1, b0, b1, at);
-  if (step.kind == Certificate::Step::Kind::split_b) return b0 < step.at && step.at < b1 && apart(c, a0, a1, b0, step.at, at) && apart(c, a0, a1, step.at, b1, at);
+  if (step.kind == Certificate::Step::Kind::split_a)
+    return a0 < step.at && step.at < a1 && apart(c, a0, step.at, b0, b1, at) && apart(c, step.at, a1, b0, b1, at);
+  if (step.kind == Certificate::Step::Kind::split_b)
+    return b0 < step.at && step.at < b1 && apart(c, a0, a1, b0, step.at, at) && apart(c, a0, a1, step.at, b1, at);
   const ExactVector n = exact(step.normal), p = exact(step.point);
   while (a0 < a1 && lies_behind(c.a[a0], n, p, false)) ++a0;
   while (b0 < b1 && lies_behind(c.b[b0], -n, p, true)) ++b0;

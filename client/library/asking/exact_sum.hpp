@@ -70,9 +70,13 @@ class ExactSum {
 using ExactVector = std::array<ExactSum, 3>;
 
 inline ExactVector exact(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-inline ExactVector operator-(const ExactVector& a, const ExactVector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline ExactVector operator-(const ExactVector& a, const ExactVector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 inline ExactVector operator-(const ExactVector& v) { return {-v[0], -v[1], -v[2]}; }
-inline ExactVector operator+(const ExactVector& a, const ExactVector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline ExactVector operator+(const ExactVector& a, const ExactVector& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
 inline ExactVector operator*(const ExactSum& s, const ExactVector& v) { return {s * v[0], s * v[1], s * v[2]}; }
 inline ExactSum dot(const ExactVector& a, const ExactVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline ExactVector cross(const ExactVector& a, const ExactVector& b) {

@@ -27,9 +27,7 @@ CertifiedPart part_of(const json& value) {
   const std::string summand = value.at("beside");
   const auto* const found = std::find(kBeside.begin(), kBeside.end(), summand);
   // What this library does not know it must not take for less than it is.
-  if (found == kBeside.end()) {
-    throw json::other_error::create(501, "unknown kind of part: " + summand, &value);
-  }
+  if (found == kBeside.end()) { throw json::other_error::create(501, "unknown kind of part: " + summand, &value); }
   part.summand = static_cast<CertifiedPart::Summand>(found - kBeside.begin());
   part.triangle = value.value("triangle", kNoTriangle);
   part.points = value.at("points").get<std::vector<Numbers>>();
@@ -44,24 +42,16 @@ CertifiedPart part_of(const json& value) {
 
 Certificate::Step step_of(const json& value) {
   using Kind = Certificate::Step::Kind;
-  if (value.contains("split_a")) {
-    return {.kind = Kind::split_a, .at = value.at("split_a")};
-  }
-  if (value.contains("split_b")) {
-    return {.kind = Kind::split_b, .at = value.at("split_b")};
-  }
+  if (value.contains("split_a")) { return {.kind = Kind::split_a, .at = value.at("split_a")}; }
+  if (value.contains("split_b")) { return {.kind = Kind::split_b, .at = value.at("split_b")}; }
   return {.kind = Kind::plane, .normal = value.at("normal").get<Numbers>(), .point = value.at("point").get<Numbers>()};
 }
 
 Certificate certificate_of(const json& value) {
   Certificate certificate;
   certificate.touches = value.at("touches");
-  for (const json& part : value.at("a")) {
-    certificate.a.push_back(part_of(part));
-  }
-  for (const json& part : value.at("b")) {
-    certificate.b.push_back(part_of(part));
-  }
+  for (const json& part : value.at("a")) { certificate.a.push_back(part_of(part)); }
+  for (const json& part : value.at("b")) { certificate.b.push_back(part_of(part)); }
   if (certificate.touches) {
     certificate.point = value.at("point").get<std::array<Certificate::Sum, 3>>();
     certificate.divisor = value.at("divisor").get<Certificate::Sum>();
@@ -69,9 +59,7 @@ Certificate certificate_of(const json& value) {
     certificate.mix_b = value.at("mix_b").get<Certificate::Mix>();
     return certificate;
   }
-  for (const json& step : value.at("steps")) {
-    certificate.steps.push_back(step_of(step));
-  }
+  for (const json& step : value.at("steps")) { certificate.steps.push_back(step_of(step)); }
   return certificate;
 }
 
@@ -99,7 +87,8 @@ PairAnswer read(const json& answer) {
   const std::string word = answer.at("answer");
   pair.verdict = word == "hit" ? Verdict::hit : word == "miss" ? Verdict::miss : Verdict::undecided;
   pair.stale = answer.value("stale", false);
-  if (pair.verdict == Verdict::undecided) pair.reason = pair.stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
+  if (pair.verdict == Verdict::undecided)
+    pair.reason = pair.stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
   pair.version = answer.at("version");
   if (pair.verdict != Verdict::undecided) {
     pair.normal = vector_of(answer.at("normal"));
@@ -118,16 +107,15 @@ PairAnswer read(const json& answer) {
                                      Vec3(row.at(5), row.at(6), row.at(7)), row.at(8)});
     }
   }
-  if (answer.contains("certificate")) {
-    pair.certificate = certificate_of(answer.at("certificate"));
-  }
+  if (answer.contains("certificate")) { pair.certificate = certificate_of(answer.at("certificate")); }
   pair.no_certificate = answer.value("no_certificate", "");
   return pair;
 }
 
 }  // namespace
 
-Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b, const PairOptions& options) {
+Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b,
+                        const PairOptions& options) {
   if (options.as_of.time.count() < 0) {
     return bad_input("pair: the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
   }

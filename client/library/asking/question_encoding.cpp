@@ -19,44 +19,32 @@ void put(double*& numbers, const Quat& rotation) {
 
 // Of a reach, which may be endless.
 std::optional<std::string> length_fault(double value, const char* name) {
-  if (value >= 0) {
-    return std::nullopt;
-  }
+  if (value >= 0) { return std::nullopt; }
   return std::string(name) + ' ' + words(value) + ": allowed 0 to inf";
 }
 
 }  // namespace
 
 std::optional<std::string> finite_fault(const Vec3& value, const char* name) {
-  if (value.allFinite()) {
-    return std::nullopt;
-  }
+  if (value.allFinite()) { return std::nullopt; }
   return std::string(name) + ' ' + words(value) + " is not finite";
 }
 
 std::optional<std::string> size_fault(double value, const char* name) {
-  if (value >= 0 && std::isfinite(value)) {
-    return std::nullopt;
-  }
+  if (value >= 0 && std::isfinite(value)) { return std::nullopt; }
   return std::string(name) + ' ' + words(value) + ": allowed 0 or more, and finite";
 }
 
 std::optional<std::string> rotation_fault(const Quat& rotation) {
   const double norm = rotation.norm();
-  if (std::abs(norm - 1) <= kUnitQuaternionSlack) {
-    return std::nullopt;
-  }
+  if (std::abs(norm - 1) <= kUnitQuaternionSlack) { return std::nullopt; }
   return "rotation " + words(rotation.w()) + ' ' + words(Vec3(rotation.vec())) + " has norm " + words(norm) +
          ", allowed 1 +- " + words(kUnitQuaternionSlack);
 }
 
 std::optional<std::string> fault(const RayQuestion& question) {
-  if (auto found = finite_fault(question.origin, "origin")) {
-    return found;
-  }
-  if (auto found = finite_fault(question.direction, "direction")) {
-    return found;
-  }
+  if (auto found = finite_fault(question.origin, "origin")) { return found; }
+  if (auto found = finite_fault(question.direction, "direction")) { return found; }
   // Not by its norm: the squares of a tiny direction vanish.
   if ((question.direction.array() == 0).all()) {
     return "direction " + words(question.direction) + " has no direction";
@@ -70,9 +58,7 @@ std::optional<std::string> fault(const SphereQuestion& question) {
 }
 
 std::optional<std::string> fault(const BoxQuestion& question) {
-  if (auto found = finite_fault(question.center, "center")) {
-    return found;
-  }
+  if (auto found = finite_fault(question.center, "center")) { return found; }
   if (!question.half_m.allFinite() || !(question.half_m.array() >= 0).all()) {
     return "half size " + words(question.half_m) + ": allowed 0 or more, and finite";
   }

@@ -61,7 +61,8 @@ std::optional<std::string> fault(const SweepQuestion& question);
 /// Whether it can be asked; written so that NaN cannot.
 inline bool can_be_asked(const RayQuestion& question) {
   const Vec3& d = question.direction;
-  return question.origin.allFinite() && d.allFinite() && (d[0] != 0 || d[1] != 0 || d[2] != 0) && question.length_m >= 0;
+  return question.origin.allFinite() && d.allFinite() && (d[0] != 0 || d[1] != 0 || d[2] != 0) &&
+         question.length_m >= 0;
 }
 template <class Question>
 bool can_be_asked(const Question& question) {

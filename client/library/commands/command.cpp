@@ -23,9 +23,7 @@ class TextCollector {
   bool complete() const { return chunk_count_ > 0 && chunks_.size() == chunk_count_; }
   std::string text() const {
     std::string all;
-    for (const auto& [index, text] : chunks_) {
-      all += text;
-    }
+    for (const auto& [index, text] : chunks_) { all += text; }
     return all;
   }
 
@@ -38,9 +36,7 @@ Result<std::string> command_text(std::string_view name, std::string_view json_ar
   const std::string where = "command '" + std::string(name) + "': ";
   nlohmann::json arguments =
       json_arguments.empty() ? nlohmann::json::object() : nlohmann::json::parse(json_arguments, nullptr, false);
-  if (!arguments.is_object()) {
-    return bad_input(where + "its arguments are not a JSON object");
-  }
+  if (!arguments.is_object()) { return bad_input(where + "its arguments are not a JSON object"); }
   arguments["command"] = name;
   std::string text = arguments.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   if (text.size() >= sizeof(wire::Query::text)) {
@@ -77,9 +73,7 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
   std::vector<std::uint8_t> blob;
   if (!shape.empty()) {
     Result<std::vector<std::uint8_t>> encoded = encode_shape(shape, Vec3::Ones(), std::string(name));
-    if (!encoded) {
-      return encoded.error();
-    }
+    if (!encoded) { return encoded.error(); }
     blob = std::move(*encoded);
   }
   return command_with_blob(connection, name, json_arguments, blob, timeout, progress);
@@ -100,41 +94,29 @@ Result<std::string> command_with_blob(Connection& connection, std::string_view n
                                       std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
                                       const std::function<void(double)>& progress) {
   const Result<std::string> text = command_text(name, json_arguments);
-  if (!text) {
-    return text.error();
-  }
+  if (!text) { return text.error(); }
   Clock::time_point deadline = Clock::now() + timeout;
-  if (auto error = connection.ready(deadline)) {
-    return *error;
-  }
+  if (auto error = connection.ready(deadline)) { return *error; }
   const std::uint64_t server = connection.pulse().server();
   const std::unique_ptr<Requests::Running> running = connection.requests().begin();
   if (!running) {
     return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
                  kNothingSent};
   }
-  if (auto error = send_command(connection, *running, *text, blob)) {
-    return *error;
-  }
+  if (auto error = send_command(connection, *running, *text, blob)) { return *error; }
   TextCollector collector;
   while (!collector.complete()) {
     const Connection::Waited waited = connection.wait(*running, deadline, server, std::string(name));
-    if (waited.error) {
-      return *waited.error;
-    }
+    if (waited.error) { return *waited.error; }
     for (const auto& reply : *waited.replies) {
       if ((*reply)->server != server) {
         continue;  // a second server on this namespace
       }
       const auto status = static_cast<ReplyStatus>((*reply)->status);
-      if (status == ReplyStatus::refused) {
-        return refusal(text_of(**reply));
-      }
+      if (status == ReplyStatus::refused) { return refusal(text_of(**reply)); }
       if (status == ReplyStatus::progress) {
         deadline = Clock::now() + timeout;
-        if (progress) {
-          progress(fraction(text_of(**reply)));
-        }
+        if (progress) { progress(fraction(text_of(**reply))); }
       } else {
         collector.add(**reply);
       }

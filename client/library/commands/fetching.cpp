@@ -49,7 +49,8 @@ Result<std::vector<std::byte>> fetch_recorded(Connection& connection, std::chron
 
 }  // namespace client
 
-Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last, const std::string& path) {
+Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last,
+                                      const std::string& path) {
   const Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
   if (!connection) return connection.error();
   try {
@@ -59,9 +60,7 @@ Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono
     if (!bytes) return bytes.error();
     if (!output.append(*bytes)) return Error{ErrorCode::bad_input, output.problem(), "nothing was kept"};
     return output.size();
-  } catch (const std::runtime_error& failed) {
-    return client::bad_input(failed.what());
-  }
+  } catch (const std::runtime_error& failed) { return client::bad_input(failed.what()); }
 }
 
 }  // namespace collided

@@ -126,7 +126,8 @@ Result<ShownObjects> shapes(Connection& connection, const ShapesOptions& options
     if (!shown) return shown.error();
     if (*shown) return std::move(**shown);
   }
-  return Error{ErrorCode::timeout, "shapes: the server forgot what it was telling, " + std::to_string(kAttempts) + " times",
+  return Error{ErrorCode::timeout,
+               "shapes: the server forgot what it was telling, " + std::to_string(kAttempts) + " times",
                "ask again, or name fewer objects"};
 }
 

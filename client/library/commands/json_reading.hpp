@@ -19,9 +19,7 @@ inline Vec3 vector_of(const nlohmann::json& numbers) {
 template <class Read>
 auto read_answer(const Result<std::string>& text, const char* command, Read&& read)
     -> Result<decltype(read(std::declval<const nlohmann::json&>()))> {
-  if (!text) {
-    return text.error();
-  }
+  if (!text) { return text.error(); }
   try {
     const nlohmann::json json = nlohmann::json::parse(*text);
     if constexpr (std::is_void_v<decltype(read(json))>) {

@@ -19,11 +19,11 @@ using std::chrono::nanoseconds;
 std::optional<std::string> text_of(const json& arguments) {
   try {
     return arguments.dump();
-  } catch (const json::type_error&) {
-    return std::nullopt;
-  }
+  } catch (const json::type_error&) { return std::nullopt; }
 }
-Error not_utf8(const char* command) { return client::bad_input(std::string(command) + ": a name or path is not UTF-8 text"); }
+Error not_utf8(const char* command) {
+  return client::bad_input(std::string(command) + ": a name or path is not UTF-8 text");
+}
 
 json list_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 json list_of(const Pose& pose) {
@@ -31,7 +31,8 @@ json list_of(const Pose& pose) {
   return {pose.position.x(), pose.position.y(), pose.position.z(), q.w(), q.x(), q.y(), q.z()};
 }
 Pose pose_of(const json& numbers) {
-  return {vector_of(numbers), Quat(numbers.at(3).get<double>(), numbers.at(4).get<double>(), numbers.at(5).get<double>(), numbers.at(6).get<double>())};
+  return {vector_of(numbers), Quat(numbers.at(3).get<double>(), numbers.at(4).get<double>(),
+                                   numbers.at(5).get<double>(), numbers.at(6).get<double>())};
 }
 
 // Infinity is no JSON number.
@@ -58,9 +59,9 @@ CoveredBox box_of(const json& corners) {
 }
 
 json arguments_of(const LoadOptions& options) {
-  json arguments{{"name", options.name},     {"unit_m", options.unit_m},   {"up", options.up},     {"radius_m", options.radius_m},
-                 {"strict", options.strict}, {"mend", options.mend},       {"crack_m", options.crack_m}, {"srdf", options.srdf},
-                 {"replace", options.replace}};
+  json arguments{{"name", options.name},         {"unit_m", options.unit_m}, {"up", options.up},
+                 {"radius_m", options.radius_m}, {"strict", options.strict}, {"mend", options.mend},
+                 {"crack_m", options.crack_m},   {"srdf", options.srdf},     {"replace", options.replace}};
   for (const CoveredBox& box : options.covers) arguments["covers"].push_back(list_of(box));
   return arguments;
 }
@@ -109,8 +110,9 @@ ObjectDetails details_of(const json& answer) {
 }  // namespace
 
 Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
-  const json arguments{{"name", object.name},   {"pose", list_of(object.pose)}, {"layers", object.layers}, {"mask", object.mask},
-                       {"group", object.group}, {"scale", list_of(object.scale)}, {"moving", object.moving}};
+  const json arguments{{"name", object.name},    {"pose", list_of(object.pose)}, {"layers", object.layers},
+                       {"mask", object.mask},    {"group", object.group},        {"scale", list_of(object.scale)},
+                       {"moving", object.moving}};
   const std::optional<std::string> text = text_of(arguments);
   if (!text) return not_utf8("add");
   return read_answer(command(names::kAdd, *text, object.shape, timeout), "add",
@@ -121,7 +123,10 @@ Result<Moved> Client::move(const std::string& name, const Pose& pose, bool telep
   const std::optional<std::string> text = text_of({{"name", name}, {"pose", list_of(pose)}, {"teleport", teleport}});
   if (!text) return not_utf8("move");
   return read_answer(command(names::kMove, *text, {}, timeout), "move", [](const json& answer) {
-    return Moved{.distance_m = answer.at("moved_m"), .began = answer.at("began"), .ended = answer.at("ended"), .version = answer.at("version")};
+    return Moved{.distance_m = answer.at("moved_m"),
+                 .began = answer.at("began"),
+                 .ended = answer.at("ended"),
+                 .version = answer.at("version")};
   });
 }
 
@@ -129,7 +134,8 @@ Result<Removed> Client::remove(const std::string& name, nanoseconds timeout) {
   const std::optional<std::string> text = text_of({{"name", name}});
   if (!text) return not_utf8("remove");
   return read_answer(command(names::kRemove, *text, {}, timeout), "remove", [](const json& answer) {
-    return Removed{.names = answer.at("removed"), .contacts_ended = answer.at("ended"), .version = answer.at("version")};
+    return Removed{
+        .names = answer.at("removed"), .contacts_ended = answer.at("ended"), .version = answer.at("version")};
   });
 }
 
@@ -181,9 +187,13 @@ Result<Plan> Client::plan(nanoseconds timeout) {
   return read_answer(command(names::kPlan, "{}", {}, timeout), "plan", [](const json& answer) {
     Plan plan{.structures = {}, .pairs = {}, .bytes = answer.at("bytes")};
     for (const json& row : answer.at("structures")) {
-      plan.structures.push_back({.structure = row.at("structure"), .built = row.at("built"), .reason = row.at("why"), .saves = row.at("saves")});
+      plan.structures.push_back({.structure = row.at("structure"),
+                                 .built = row.at("built"),
+                                 .reason = row.at("why"),
+                                 .saves = row.at("saves")});
     }
-    for (const json& row : answer.at("pairs")) plan.pairs.push_back({.a = row.at("a"), .b = row.at("b"), .how = row.at("how")});
+    for (const json& row : answer.at("pairs"))
+      plan.pairs.push_back({.a = row.at("a"), .b = row.at("b"), .how = row.at("how")});
     return plan;
   });
 }

@@ -39,7 +39,8 @@ Result<std::uint64_t> begin(Connection& connection, std::span<const std::uint8_t
   const json told = json::parse(*answer, nullptr, false);
   const bool is_usable = told.is_object() && told.contains("upload") && told["upload"].is_number_unsigned() &&
                          told.value("piece_bytes", json()) == names::kUploadPieceBytes;
-  if (!is_usable) return Error{ErrorCode::internal, "upload: the server takes pieces of another size than this client sends", ""};
+  if (!is_usable)
+    return Error{ErrorCode::internal, "upload: the server takes pieces of another size than this client sends", ""};
   return told["upload"].get<std::uint64_t>();
 }
 
@@ -73,7 +74,8 @@ Result<std::string> upload(Connection& connection, std::span<const std::byte> by
   const auto read = [&](double fraction) {
     if (progress) progress(0.5 + 0.5 * fraction);
   };
-  return command_with_blob(connection, names::kLoad, arguments.dump(-1, ' ', false, json::error_handler_t::replace), {}, timeout, read);
+  return command_with_blob(connection, names::kLoad, arguments.dump(-1, ' ', false, json::error_handler_t::replace), {},
+                           timeout, read);
 }
 
 }  // namespace collided::client

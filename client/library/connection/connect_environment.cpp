@@ -24,7 +24,8 @@ Result<ConnectOptions> ConnectOptions::from_environment(const std::function<std:
     const auto [end, error] = std::from_chars(domain.data(), domain.data() + domain.size(), options.domain);
     const bool is_number = error == std::errc{} && end == domain.data() + domain.size();
     if (!is_number || options.domain < 0 || options.domain > wire_contract::kLastDomain) {
-      return client::bad_input("domain '" + domain + "': allowed 0 to " + std::to_string(wire_contract::kLastDomain), "");
+      return client::bad_input("domain '" + domain + "': allowed 0 to " + std::to_string(wire_contract::kLastDomain),
+                               "");
     }
   }
   if (const std::string name_space = of("COLLIDED_NAMESPACE"); !name_space.empty()) options.name_space = name_space;

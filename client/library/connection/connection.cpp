@@ -25,9 +25,7 @@ std::string server_words(const ConnectOptions& options) {
 std::uint64_t random_number() {
   std::random_device device;
   std::uint64_t number = 0;
-  while (number == 0) {
-    number = (std::uint64_t{device()} << 32) | device();
-  }
+  while (number == 0) { number = (std::uint64_t{device()} << 32) | device(); }
   return number;
 }
 
@@ -41,35 +39,28 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       status_topic_(*participant_, options.name_space),
       reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
                                    .partition = wire_contract::reply_partition(client_)}),
-      status_reader_(status_topic_, {.data = [this](dds::Taker<wire::Status> taker) {
-        while (taker.take(incoming_status_)) {
-          if (incoming_status_.info().valid_data) {
-            pulse_.hear(incoming_status_);
-          }
-        }
-      }}),
+      status_reader_(status_topic_, {.data =
+                                         [this](dds::Taker<wire::Status> taker) {
+                                           while (taker.take(incoming_status_)) {
+                                             if (incoming_status_.info().valid_data) { pulse_.hear(incoming_status_); }
+                                           }
+                                         }}),
       query_writer_(query_topic_, {.max_blocking_ns = 1'000'000'000}) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
   try {
     const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
-    if (!connection->greet(deadline)) {
-      return connection->no_server();
-    }
+    if (!connection->greet(deadline)) { return connection->no_server(); }
     return connection;
-  } catch (const std::invalid_argument& wrong) {
-    return bad_input(wrong.what());
-  } catch (const dds::DdsError& failed) {
+  } catch (const std::invalid_argument& wrong) { return bad_input(wrong.what()); } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};
   }
 }
 
 bool Connection::greet(Clock::time_point deadline) {
   const std::unique_ptr<Requests::Running> hello = requests_.begin();
-  if (!hello) {
-    return false;
-  }
+  if (!hello) { return false; }
   wire::Query& query = hello->query();
   query = {};
   query.request = hello->number();
@@ -80,9 +71,7 @@ bool Connection::greet(Clock::time_point deadline) {
   do {
     const std::uint32_t matched_now = query_writer_.matched_readers() + reply_reader_.matched_writers();
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
-      if (send(query)) {
-        return false;
-      }
+      if (send(query)) { return false; }
       next_hello = Clock::now() + kHelloPeriod;
     }
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
@@ -100,44 +89,32 @@ Error Connection::no_server() const {
   const std::size_t seen = participant_->others_seen();
   std::string hint = "seen on this domain: " + std::to_string(seen) + (seen == 1 ? " participant" : " participants") +
                      (seen > 0 ? ", none of ours" : "") + "; start a server with 'collided'";
-  if (participant_->configured_by_environment()) {
-    hint += "; CYCLONEDDS_URI is set and was used as it is";
-  }
+  if (participant_->configured_by_environment()) { hint += "; CYCLONEDDS_URI is set and was used as it is"; }
   return {ErrorCode::no_server, "no collided answered in " + words(options_.wait) + " on " + server_words(options_),
           hint};
 }
 
 Error Connection::disconnected() const {
-  return {ErrorCode::disconnected,
-          "the server on " + server_words(options_) + " has been silent for " +
-              words(Clock::now() - pulse_.last_heard()),
-          "it has stopped, hangs or is cut off; the connection resumes by itself when it is back"};
+  return {
+      ErrorCode::disconnected,
+      "the server on " + server_words(options_) + " has been silent for " + words(Clock::now() - pulse_.last_heard()),
+      "it has stopped, hangs or is cut off; the connection resumes by itself when it is back"};
 }
 
 std::optional<Error> Connection::ready(Clock::time_point deadline) {
   const std::uint64_t server = pulse_.server();
-  if (pulse_.silent()) {
-    return disconnected();
-  }
-  if (server == greeted_server_.load(std::memory_order_acquire)) {
-    return std::nullopt;
-  }
+  if (pulse_.silent()) { return disconnected(); }
+  if (server == greeted_server_.load(std::memory_order_acquire)) { return std::nullopt; }
   const std::lock_guard lock(greeting_mutex_);
-  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline)) {
-    return std::nullopt;
-  }
+  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline)) { return std::nullopt; }
   return disconnected();
 }
 
 std::optional<Error> Connection::send(wire::Query& query) {
   query.client = client_;
   try {
-    if (query_writer_.write(query)) {
-      return std::nullopt;
-    }
-  } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+    if (query_writer_.write(query)) { return std::nullopt; }
+  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
   return Error{ErrorCode::timeout, "the server took no question for 1 s: its queue is full",
                "ask less at a time, or give it more threads"};
 }
@@ -159,9 +136,7 @@ Connection::Waited Connection::wait(Requests::Running& request, Clock::time_poin
       return {.error = Error{ErrorCode::timeout, what + ": no answer in time; the server lives",
                              "a longer timeout, fewer questions or a deadline may help"}};
     }
-    if (pulse_.silent()) {
-      return {.error = disconnected()};
-    }
+    if (pulse_.silent()) { return {.error = disconnected()}; }
   }
 }
 

@@ -45,7 +45,8 @@ class Servers {
     std::int64_t skew_ns = std::numeric_limits<std::int64_t>::max();  // here minus there, of the quickest status
   };
 
-  explicit Servers(const Connection& connection) : topic_(connection.participant(), connection.options().name_space), reader_(topic_) {
+  explicit Servers(const Connection& connection)
+      : topic_(connection.participant(), connection.options().name_space), reader_(topic_) {
     const Clock::time_point deadline = Clock::now() + nanoseconds(8 * wire_contract::kStatusPeriodNs);
     dds::WaitSet waitset(connection.participant());
     waitset.attach(reader_, 1);
@@ -67,7 +68,8 @@ class Servers {
       server.pid = status->pid;
       server.version = status->server_version;
       // The first one may have waited for us.
-      if (++server.heard > 1) server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
+      if (++server.heard > 1)
+        server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
     }
   }
   dds::Topic<wire::Status> topic_;
@@ -75,7 +77,8 @@ class Servers {
   std::map<std::uint64_t, Server> servers_;
 };
 
-Finding server_finding(const std::map<std::uint64_t, Servers::Server>& servers, const ConnectOptions& options, nanoseconds found_in) {
+Finding server_finding(const std::map<std::uint64_t, Servers::Server>& servers, const ConnectOptions& options,
+                       nanoseconds found_in) {
   if (servers.size() <= 1) {
     const std::string pid = servers.empty() ? "" : " (pid " + std::to_string(servers.begin()->second.pid) + ')';
     return {Health::ok, "server", "server found in " + words(rounded(found_in)) + pid, ""};
@@ -83,7 +86,8 @@ Finding server_finding(const std::map<std::uint64_t, Servers::Server>& servers, 
   std::string pids;
   for (const auto& [number, server] : servers) pids += (pids.empty() ? "" : ", ") + std::to_string(server.pid);
   return {Health::fail, "server",
-          std::to_string(servers.size()) + " servers share namespace '" + options.name_space + "' (pid " + pids + "): answers may differ",
+          std::to_string(servers.size()) + " servers share namespace '" + options.name_space + "' (pid " + pids +
+              "): answers may differ",
           "stop all but one, or give each a --namespace of its own"};
 }
 
@@ -94,15 +98,16 @@ Finding no_server_finding(const Error& error) {
 }
 
 std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::Server>& servers) {
-  if (servers.size() != 1 || servers.begin()->second.skew_ns == std::numeric_limits<std::int64_t>::max()) return std::nullopt;
+  if (servers.size() != 1 || servers.begin()->second.skew_ns == std::numeric_limits<std::int64_t>::max())
+    return std::nullopt;
   constexpr nanoseconds kNoticed = milliseconds(20);  // ages and times of events are shown to the millisecond
   const nanoseconds skew(servers.begin()->second.skew_ns);
   if (skew < kNoticed && skew > -kNoticed) {
     return Finding{Health::ok, "clock", "clock skew below " + words(rounded(std::max(skew, -skew))), ""};
   }
   return Finding{Health::warn, "clock",
-                 "the server's clock is " + words(rounded(std::max(skew, -skew))) + (skew < nanoseconds(0) ? " ahead" : " behind") +
-                     "; times and ages that it tells are off by that",
+                 "the server's clock is " + words(rounded(std::max(skew, -skew))) +
+                     (skew < nanoseconds(0) ? " ahead" : " behind") + "; times and ages that it tells are off by that",
                  "let both machines follow one time server (chrony, systemd-timesyncd)"};
 }
 
@@ -115,7 +120,8 @@ std::string tenths_of_ms(std::int64_t ns) {
 /// clocks, or that somebody stamps what happened long ago.
 std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   constexpr std::int64_t kNoticedNs = 5'000'000;
-  const Result<std::string> answer = client::command(connection, wire_contract::command::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
+  const Result<std::string> answer =
+      client::command(connection, wire_contract::command::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
   const nlohmann::json figures = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
   if (!figures.is_object()) return std::nullopt;
   std::vector<std::pair<std::int64_t, std::string>> clocks;
@@ -126,18 +132,23 @@ std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   const auto [ahead, behind] = std::minmax_element(clocks.begin(), clocks.end());
   const std::int64_t apart_ns = behind->first - ahead->first;
   if (apart_ns < kNoticedNs) {
-    return Finding{Health::ok, "publisher_clocks", "the stamps of " + std::to_string(clocks.size()) + " publishers agree within " + tenths_of_ms(apart_ns), ""};
+    return Finding{
+        Health::ok, "publisher_clocks",
+        "the stamps of " + std::to_string(clocks.size()) + " publishers agree within " + tenths_of_ms(apart_ns), ""};
   }
   return Finding{Health::warn, "publisher_clocks",
-                 "the stamps of '" + ahead->second + "' are " + tenths_of_ms(apart_ns) + " ahead of those of '" + behind->second + "'; when their objects met is off by that",
-                 "let both machines follow one time server (PTP, chrony), stamp poses with when they were taken, or start collided with --clock-error " +
+                 "the stamps of '" + ahead->second + "' are " + tenths_of_ms(apart_ns) + " ahead of those of '" +
+                     behind->second + "'; when their objects met is off by that",
+                 "let both machines follow one time server (PTP, chrony), stamp poses with when they were taken, or "
+                 "start collided with --clock-error " +
                      std::to_string(apart_ns / 1'000'000 + 1) + "ms"};
 }
 
 std::optional<Finding> version_finding(const std::map<std::uint64_t, Servers::Server>& servers) {
   for (const auto& [number, server] : servers) {
     if (server.version == library_version()) continue;
-    return Finding{Health::warn, "versions", "the server is version " + server.version + ", this is " + std::string(library_version()),
+    return Finding{Health::warn, "versions",
+                   "the server is version " + server.version + ", this is " + std::string(library_version()),
                    "install the same version on both sides"};
   }
   return std::nullopt;
@@ -164,13 +175,16 @@ Finding round_trip_finding(Connection& connection) {
   std::sort(times.begin(), times.end());
   const auto part = [&](std::size_t percent) { return words(rounded(times[times.size() * percent / 100])); };
   const std::string count = std::to_string(times.size()) + " of " + std::to_string(times.size() + lost) + " back";
-  if (lost == 0 && !times.empty()) return {Health::ok, "round_trip", "reliable round trip " + part(50) + ", p99 " + part(99) + "; " + count, ""};
-  return {Health::fail, "round_trip", "reliable round trip: " + count + " within 1 s each", "is the server overloaded, or the network cut?"};
+  if (lost == 0 && !times.empty())
+    return {Health::ok, "round_trip", "reliable round trip " + part(50) + ", p99 " + part(99) + "; " + count, ""};
+  return {Health::fail, "round_trip", "reliable round trip: " + count + " within 1 s each",
+          "is the server overloaded, or the network cut?"};
 }
 
 Finding losses_finding(std::uint64_t dropped) {
   if (dropped == 0) return {Health::ok, "losses", "no datagram dropped meanwhile", ""};
-  return {Health::warn, "losses", std::to_string(dropped) + " datagrams dropped on this machine meanwhile, for full buffers",
+  return {Health::warn, "losses",
+          std::to_string(dropped) + " datagrams dropped on this machine meanwhile, for full buffers",
           "larger receive buffers, fewer programs, or smaller batches"};
 }
 
@@ -194,7 +208,8 @@ std::vector<Finding> diagnose(const ConnectOptions& options) {
   std::vector<Finding> findings;
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   if (uri != nullptr && *uri != 0) {
-    findings.push_back({Health::warn, "configuration", "CYCLONEDDS_URI is set and used as it is; --interface and --peer are not",
+    findings.push_back({Health::warn, "configuration",
+                        "CYCLONEDDS_URI is set and used as it is; --interface and --peer are not",
                         "unset CYCLONEDDS_URI"});
   } else if (auto finding = client::interface_finding(options.interface)) {
     findings.push_back(*finding);
@@ -210,9 +225,7 @@ std::vector<Finding> diagnose(const ConnectOptions& options) {
   }
   try {
     ask_server(**connection, found_in, findings);
-  } catch (const dds::DdsError& failed) {
-    findings.push_back({Health::fail, "server", failed.what(), ""});
-  }
+  } catch (const dds::DdsError& failed) { findings.push_back({Health::fail, "server", failed.what(), ""}); }
   return findings;
 }
 

@@ -22,9 +22,7 @@ std::string words(std::chrono::nanoseconds time) {
     const double tenths = static_cast<double>(time.count()) / unit_ns * 10;
     return words(static_cast<double>(static_cast<long long>(tenths)) / 10) + unit;
   };
-  if (time >= std::chrono::seconds(1)) {
-    return rounded(1e9, " s");
-  }
+  if (time >= std::chrono::seconds(1)) { return rounded(1e9, " s"); }
   return time >= std::chrono::milliseconds(1) ? rounded(1e6, " ms") : rounded(1e3, " us");
 }
 

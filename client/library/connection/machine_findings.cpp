@@ -58,25 +58,29 @@ std::optional<Finding> interface_finding(const std::string& interface) {
   if (interface == "auto") return std::nullopt;
   const std::map<std::string, bool> known = interfaces();
   const auto found = known.find(interface);
-  if (found != known.end() && found->second) return Finding{Health::ok, "interface", "interface '" + interface + "' is up", ""};
+  if (found != known.end() && found->second)
+    return Finding{Health::ok, "interface", "interface '" + interface + "' is up", ""};
   if (found != known.end()) {
-    return Finding{Health::fail, "interface", "interface '" + interface + "' is down", "ip link set " + interface + " up"};
+    return Finding{Health::fail, "interface", "interface '" + interface + "' is down",
+                   "ip link set " + interface + " up"};
   }
   std::string names;
   for (const auto& [name, up] : known) names += (names.empty() ? "" : ", ") + name + (up ? "" : " (down)");
-  return Finding{Health::fail, "interface", "this machine has no interface '" + interface + "'", "--interface one of: " + names};
+  return Finding{Health::fail, "interface", "this machine has no interface '" + interface + "'",
+                 "--interface one of: " + names};
 }
 
 std::optional<Finding> buffer_finding() {
-  constexpr std::uint64_t kAsked = 8 << 20;     // what dds.cpp asks for
-  constexpr std::uint64_t kPoseBytes = 60;      // in a batch
+  constexpr std::uint64_t kAsked = 8 << 20;  // what dds.cpp asks for
+  constexpr std::uint64_t kPoseBytes = 60;   // in a batch
   const std::optional<std::uint64_t> most = number_in("/proc/sys/net/core/rmem_max");
   if (!most) return std::nullopt;
   const std::string size = "receive buffer up to " + std::to_string(*most) + " B";
-  constexpr std::uint64_t kEnough = 1 << 20;    // a whole sample
+  constexpr std::uint64_t kEnough = 1 << 20;  // a whole sample
   if (*most >= kEnough) return Finding{Health::ok, "buffer", size, ""};
   // The kernel counts its own bookkeeping too, about as much again.
-  return Finding{Health::warn, "buffer", size + "; bursts above " + std::to_string(*most / 2 / kPoseBytes) + " poses may drop",
+  return Finding{Health::warn, "buffer",
+                 size + "; bursts above " + std::to_string(*most / 2 / kPoseBytes) + " poses may drop",
                  "sysctl -w net.core.rmem_max=" + std::to_string(kAsked)};
 }
 
@@ -88,10 +92,12 @@ Finding places_finding(int domain) {
   add_udp_ports("/proc/net/udp", ports);
   add_udp_ports("/proc/net/udp6", ports);
   unsigned taken = 0;
-  for (unsigned i = 0; i < kPlaces; ++i) taken += ports.count(first + 2 * i) > 0 || ports.count(first + 2 * i + 1) > 0 ? 1 : 0;
+  for (unsigned i = 0; i < kPlaces; ++i)
+    taken += ports.count(first + 2 * i) > 0 || ports.count(first + 2 * i + 1) > 0 ? 1 : 0;
   const std::string text = std::to_string(taken) + " of " + std::to_string(kPlaces) + " places for servers of domain " +
                            std::to_string(domain) + " on this machine are taken";
-  if (taken == kPlaces) return {Health::fail, "places", text + ": no server can start", "end some, or use another --domain"};
+  if (taken == kPlaces)
+    return {Health::fail, "places", text + ": no server can start", "end some, or use another --domain"};
   if (taken > kPlaces * 3 / 4) return {Health::warn, "places", text, "use another --domain for some"};
   return {Health::ok, "places", text, ""};
 }

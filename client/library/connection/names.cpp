@@ -8,16 +8,12 @@
 namespace collided::client {
 
 void Names::learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed) {
-  if (ids.empty()) {
-    return;
-  }
+  if (ids.empty()) { return; }
   const std::vector<std::string_view> names = wire_contract::unpack_names(packed);
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < std::min(ids.size(), names.size()); ++i) {
     Entry& entry = by_slot_[static_cast<std::uint32_t>(ids[i])];
-    if (entry.id != ids[i] || entry.name != names[i]) {
-      entry = {ids[i], std::string(names[i])};
-    }
+    if (entry.id != ids[i] || entry.name != names[i]) { entry = {ids[i], std::string(names[i])}; }
   }
 }
 

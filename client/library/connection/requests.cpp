@@ -3,19 +3,13 @@
 namespace collided::client {
 
 Requests::Requests(std::uint64_t client) : client_(client), uses_(kMost, 0) {
-  for (std::size_t slot = kMost; slot > 0; --slot) {
-    free_.push_back(slot - 1);
-  }
-  for (auto& sample : next_) {
-    sample = pool_.get();
-  }
+  for (std::size_t slot = kMost; slot > 0; --slot) { free_.push_back(slot - 1); }
+  for (auto& sample : next_) { sample = pool_.get(); }
 }
 
 std::unique_ptr<Requests::Running> Requests::begin() {
   const std::lock_guard lock(mutex_);
-  if (free_.empty()) {
-    return nullptr;
-  }
+  if (free_.empty()) { return nullptr; }
   const std::size_t index = free_.back();
   free_.pop_back();
   Slot* slot = slots_[index].load(std::memory_order_relaxed);
@@ -41,9 +35,7 @@ void Requests::end(Running& running) {
 }
 
 void Requests::recycle(std::vector<SamplePool<wire::Reply>::Pointer>& replies) {
-  for (auto& reply : replies) {
-    pool_.put(std::move(reply));
-  }
+  for (auto& reply : replies) { pool_.put(std::move(reply)); }
   replies.clear();
 }
 
@@ -63,9 +55,7 @@ void Requests::take_replies(const dds::Taker<wire::Reply>& taker) {
   std::size_t count = 0;
   do {
     std::array<dds::Sample<wire::Reply>*, std::tuple_size_v<decltype(next_)>> room{};
-    for (std::size_t i = 0; i < room.size(); ++i) {
-      room[i] = next_[i].get();
-    }
+    for (std::size_t i = 0; i < room.size(); ++i) { room[i] = next_[i].get(); }
     count = taker.take(room);
     for (std::size_t i = 0; i < count; ++i) {
       if (next_[i]->info().valid_data && (*next_[i])->client == client_) {

@@ -34,8 +34,7 @@ class Requests {
   /// One request under way; replies to it are dropped once this is gone.
   class Running {
    public:
-    Running(Requests& requests, Slot& slot, std::uint64_t number)
-        : requests_(requests), slot_(slot), number_(number) {}
+    Running(Requests& requests, Slot& slot, std::uint64_t number) : requests_(requests), slot_(slot), number_(number) {}
     ~Running() { requests_.end(*this); }
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;

@@ -16,9 +16,7 @@ class SamplePool {
 
   Pointer get() {
     const std::lock_guard lock(mutex_);
-    if (idle_.empty()) {
-      return std::make_unique<dds::Sample<T>>();
-    }
+    if (idle_.empty()) { return std::make_unique<dds::Sample<T>>(); }
     Pointer sample = std::move(idle_.back());
     idle_.pop_back();
     return sample;
@@ -26,9 +24,7 @@ class SamplePool {
 
   void put(Pointer sample) {
     const std::lock_guard lock(mutex_);
-    if (idle_.size() < kMostIdle) {
-      idle_.push_back(std::move(sample));
-    }
+    if (idle_.size() < kMostIdle) { idle_.push_back(std::move(sample)); }
   }
 
  private:

@@ -16,9 +16,7 @@ std::string state_name(std::uint8_t state) {
 std::vector<std::string> lines(const char* text) {
   std::vector<std::string> found;
   std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
-    found.push_back(line);
-  }
+  for (std::string line; std::getline(stream, line);) { found.push_back(line); }
   return found;
 }
 
@@ -66,16 +64,12 @@ ServerStatus decode_status(const wire::Status& status) {
 }  // namespace
 
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {
-  if (server() != status->server && server() != 0 && !silent()) {
-    return;
-  }
+  if (server() != status->server && server() != 0 && !silent()) { return; }
   server_.store(status->server, std::memory_order_release);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
   {
     const std::lock_guard lock(observers_mutex_);
-    for (const auto& [number, observer] : observers_) {
-      observer(*status);
-    }
+    for (const auto& [number, observer] : observers_) { observer(*status); }
   }
   const std::lock_guard lock(mutex_);
   if (count_ > 0 && Clock::now() - newest_came_ > nanoseconds(wire_contract::kForgottenNs)) ++outages_;
@@ -98,9 +92,7 @@ bool ServerPulse::silent() const { return Clock::now() - last_heard() > nanoseco
 
 std::optional<ServerStatus> ServerPulse::status() const {
   const std::lock_guard lock(mutex_);
-  if (count_ == 0) {
-    return std::nullopt;
-  }
+  if (count_ == 0) { return std::nullopt; }
   ServerStatus status = decode_status(*newest_);
   status.age = Clock::now() - newest_came_;
   return status;

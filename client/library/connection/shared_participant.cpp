@@ -48,21 +48,19 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds
                                     "'; one process uses one interface and one list of peers a domain");
       }
       if (role == dds::Role::server && joined.role == dds::Role::client) {
-        throw std::invalid_argument("domain " + std::to_string(options.domain) +
-                                    ": this process has joined it as a client, which other clients cannot find; what listens "
-                                    "to them must be the first to join");
+        throw std::invalid_argument(
+            "domain " + std::to_string(options.domain) +
+            ": this process has joined it as a client, which other clients cannot find; what listens "
+            "to them must be the first to join");
       }
       return participant;
     }
     registry().closed.wait(lock);  // Cyclone refuses a domain that is still being torn down
   }
-  const dds::ParticipantOptions joining{.domain = options.domain,
-                                        .role = role,
-                                        .interface = options.interface,
-                                        .peers = options.peers};
+  const dds::ParticipantOptions joining{
+      .domain = options.domain, .role = role, .interface = options.interface, .peers = options.peers};
   const std::shared_ptr<dds::Participant> participant(
-      new dds::Participant(joining),
-      [domain = options.domain](dds::Participant* last) { leave_domain(domain, last); });
+      new dds::Participant(joining), [domain = options.domain](dds::Participant* last) { leave_domain(domain, last); });
   joined = {true, participant, options.interface, options.peers, role};
   return participant;
 }

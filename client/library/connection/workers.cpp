@@ -17,9 +17,7 @@ Workers::~Workers() {
 
 bool Workers::run(std::function<void()> task) {
   const std::lock_guard lock(mutex_);
-  if (tasks_.size() >= kMostWaiting) {
-    return false;
-  }
+  if (tasks_.size() >= kMostWaiting) { return false; }
   tasks_.push_back(std::move(task));
   if (threads_.size() < kThreads) {
     threads_.emplace_back([this] { work(); });
@@ -32,9 +30,7 @@ void Workers::work() {
   while (true) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return ending_ || !tasks_.empty(); });
-    if (tasks_.empty()) {
-      return;
-    }
+    if (tasks_.empty()) { return; }
     const std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();
     lock.unlock();

@@ -29,9 +29,7 @@ std::optional<Publisher::Object> PublishedObjects::add(ObjectOptions options, st
 void PublishedObjects::remove(Publisher::Object handle) {
   PublishedObject& object = objects_[number(handle)];
   names_.erase(object.options.name);
-  if (object.waiting != Waiting::no) {
-    std::erase(waiting_, number(handle));
-  }
+  if (object.waiting != Waiting::no) { std::erase(waiting_, number(handle)); }
   const std::uint32_t generation = object.generation + 1;
   object = {};
   object.generation = generation;
@@ -39,9 +37,7 @@ void PublishedObjects::remove(Publisher::Object handle) {
 }
 
 PublishedObject* PublishedObjects::find(Publisher::Object handle) {
-  if (number(handle) >= objects_.size()) {
-    return nullptr;
-  }
+  if (number(handle) >= objects_.size()) { return nullptr; }
   PublishedObject& object = objects_[number(handle)];
   return object.used && (object.generation * kMost) == (handle & ~(kMost - 1)) ? &object : nullptr;
 }
@@ -49,9 +45,7 @@ PublishedObject* PublishedObjects::find(Publisher::Object handle) {
 void PublishedObjects::set_pose(Publisher::Object handle, const Pose& pose, bool teleport) {
   PublishedObject& object = objects_[number(handle)];
   object.options.pose = pose;
-  if (object.waiting == Waiting::no) {
-    waiting_.push_back(number(handle));
-  }
+  if (object.waiting == Waiting::no) { waiting_.push_back(number(handle)); }
   object.waiting = teleport || object.waiting == Waiting::teleported ? Waiting::teleported : Waiting::moved;
 }
 

@@ -38,9 +38,7 @@ std::optional<std::string> name_fault(const std::string& name) {
     return "its name has " + std::to_string(name.size()) + " bytes; allowed 1 to " +
            std::to_string(wire_contract::kMaxNameBytes);
   }
-  if (name.find('\0') != std::string::npos) {
-    return "its name holds a zero byte";
-  }
+  if (name.find('\0') != std::string::npos) { return "its name holds a zero byte"; }
   return std::nullopt;
 }
 
@@ -79,9 +77,7 @@ Publisher::State::State(std::shared_ptr<client::Connection> connection, const st
 
 Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_ptr<client::Connection> connection,
                                                                   const std::string& name) {
-  if (auto reason = name_fault(name)) {
-    return bad_input("publisher: " + *reason);
-  }
+  if (auto reason = name_fault(name)) { return bad_input("publisher: " + *reason); }
   try {
     std::unique_ptr<State> state(new State(std::move(connection), name));
     // Batches are volatile: one written before the server's reader was met would be lost.
@@ -93,23 +89,18 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return state;
-  } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
 // Leaving orderly is removal, not loss: the objects go at once and whatever the policy for lost ones says.
 Publisher::State::~State() {
   try {
     for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
-      if (objects_.at(number).used && write_definition(number, objects_.at(number), true)) {
-        break;
-      }
+      if (objects_.at(number).used && write_definition(number, objects_.at(number), true)) { break; }
     }
     // A dead server's reader acknowledges nothing for as long as DDS keeps it; the living server's status will do.
     const Clock::time_point until = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
-    while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {
-    }
+    while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {}
   } catch (const dds::DdsError&) {
     // The lease runs out instead.
   }
@@ -122,15 +113,11 @@ bool Publisher::State::is_applied() const {
 
 std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options) const {
   const std::string where = "object '" + options.name + "': ";
-  if (auto reason = name_fault(options.name)) {
-    return bad_input(where + *reason);
-  }
+  if (auto reason = name_fault(options.name)) { return bad_input(where + *reason); }
   if (objects_.has_name(options.name)) {
     return bad_input(where + "this publisher has an object of that name already");
   }
-  if (auto reason = pose_fault(options.pose)) {
-    return bad_input(where + *reason);
-  }
+  if (auto reason = pose_fault(options.pose)) { return bad_input(where + *reason); }
   const bool is_endless = std::any_of(options.shape.begin(), options.shape.end(), [](const ShapePart& part) {
     return std::holds_alternative<HalfSpaceShape>(part);
   });
@@ -145,17 +132,12 @@ Error Publisher::State::unknown(Object object) const {
 }
 
 Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
-  Result<std::vector<std::uint8_t>> shape = client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'');
+  Result<std::vector<std::uint8_t>> shape =
+      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'');
   const std::lock_guard lock(mutex_);
-  if (auto error = object_fault(options)) {
-    return *error;
-  }
-  if (!shape) {
-    return shape.error();
-  }
-  if (auto error = say_alive()) {
-    return *error;
-  }
+  if (auto error = object_fault(options)) { return *error; }
+  if (!shape) { return shape.error(); }
+  if (auto error = say_alive()) { return *error; }
   const std::optional<Object> object = objects_.add(options, std::move(*shape));
   if (!object) {
     return bad_input("object '" + options.name + "': a publisher holds at most " +
@@ -171,16 +153,10 @@ Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
 
 Result<void> Publisher::State::remove(Object object) {
   const std::lock_guard lock(mutex_);
-  if (objects_.find(object) == nullptr) {
-    return unknown(object);
-  }
-  if (auto error = say_alive()) {
-    return *error;
-  }
+  if (objects_.find(object) == nullptr) { return unknown(object); }
+  if (auto error = say_alive()) { return *error; }
   const std::uint32_t number = PublishedObjects::number(object);
-  if (auto error = write_definition(number, objects_.at(number), true)) {
-    return *error;
-  }
+  if (auto error = write_definition(number, objects_.at(number), true)) { return *error; }
   objects_.remove(object);
   return {};
 }
@@ -188,9 +164,7 @@ Result<void> Publisher::State::remove(Object object) {
 Result<void> Publisher::State::move(Object object, const Pose& pose, bool teleport) {
   const std::lock_guard lock(mutex_);
   const PublishedObject* const moved = objects_.find(object);
-  if (moved == nullptr) {
-    return unknown(object);
-  }
+  if (moved == nullptr) { return unknown(object); }
   if (auto reason = pose_fault(pose)) {
     return bad_input("object '" + moved->options.name + "': " + *reason, "its pose is as before");
   }
@@ -199,22 +173,16 @@ Result<void> Publisher::State::move(Object object, const Pose& pose, bool telepo
   }
   objects_.set_pose(object, pose, teleport);
   if (Clock::now() - last_word_ > kWordPeriod) {
-    if (auto error = say_alive()) {
-      return *error;
-    }
+    if (auto error = say_alive()) { return *error; }
   }
   return {};
 }
 
 Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
   const std::lock_guard lock(mutex_);
-  if (auto error = say_alive()) {
-    return *error;
-  }
+  if (auto error = say_alive()) { return *error; }
   has_own_clock_ = source_time.count() == 0;
-  if (auto error = send_waiting(has_own_clock_ ? since_1970_ns() : source_time.count())) {
-    return *error;
-  }
+  if (auto error = send_waiting(has_own_clock_ ? since_1970_ns() : source_time.count())) { return *error; }
   return sequence_;
 }
 
@@ -232,12 +200,8 @@ std::optional<Error> Publisher::State::say_at_rest() {
 
 Result<void> Publisher::State::keep_alive() {
   const std::lock_guard lock(mutex_);
-  if (auto error = say_alive()) {
-    return *error;
-  }
-  if (auto error = say_at_rest()) {
-    return *error;
-  }
+  if (auto error = say_alive()) { return *error; }
+  if (auto error = say_at_rest()) { return *error; }
   return {};
 }
 
@@ -254,18 +218,14 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     }
     const auto view = connection_->pulse().publisher(publisher_);
     const std::uint64_t applied = view ? view->applied_sequence : 0;
-    if (applied >= wanted) {
-      return {};
-    }
+    if (applied >= wanted) { return {}; }
     if (Clock::now() >= deadline) {
       return Error{ErrorCode::timeout,
                    "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +
                        " messages in " + client::words(timeout),
                    ""};
     }
-    if (connection_->pulse().silent()) {
-      return connection_->disconnected();
-    }
+    if (connection_->pulse().silent()) { return connection_->disconnected(); }
     connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + kWordPeriod));
   }
 }

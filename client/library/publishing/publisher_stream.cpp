@@ -27,8 +27,7 @@ double* put_pose(const Pose& pose, double* numbers) {
 }
 
 Error not_taken() {
-  return {ErrorCode::timeout, "publish: the server takes nothing more",
-          "what was not sent waits for the next flush"};
+  return {ErrorCode::timeout, "publish: the server takes nothing more", "what was not sent waits for the next flush"};
 }
 
 // DDS throws; the public interface does not.
@@ -36,17 +35,13 @@ template <class Write>
 std::optional<Error> guarded(const Write& write) {
   try {
     return write();
-  } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
 }  // namespace
 
 std::optional<Error> Publisher::State::say_alive() {
-  if (is_forgotten() || is_behind()) {
-    return define_all();
-  }
+  if (is_forgotten() || is_behind()) { return define_all(); }
   return guarded([&]() -> std::optional<Error> {
     object_writer_.assert_liveliness();
     pose_writer_.assert_liveliness();
@@ -61,7 +56,9 @@ bool Publisher::State::is_forgotten() const {
     return true;
   }
   // What was written into the outage may be lost; what is written before the readers are found again would be too.
-  if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 && object_writer_.matched_readers() > 0) return true;
+  if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 &&
+      object_writer_.matched_readers() > 0)
+    return true;
   // A status from before everything was defined anew says nothing about now.
   const auto view = connection_->pulse().publisher(publisher_);
   return view && view->lost && view->applied_sequence >= defined_all_at_;
@@ -94,12 +91,8 @@ std::optional<Error> Publisher::State::define_all() {
   outages_ = connection_->pulse().outages();
   defined_all_at_ = sequence_ + 1;
   for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
-    if (!objects_.at(number).used) {
-      continue;
-    }
-    if (auto error = write_definition(number, objects_.at(number), false)) {
-      return error;
-    }
+    if (!objects_.at(number).used) { continue; }
+    if (auto error = write_definition(number, objects_.at(number), false)) { return error; }
   }
   objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
   defined_all_ = Clock::now();
@@ -124,9 +117,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   std::copy_n(pose + 3, 4, definition.orientation);
   dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
   return guarded([&]() -> std::optional<Error> {
-    if (!object_writer_.write(definition)) {
-      return not_taken();
-    }
+    if (!object_writer_.write(definition)) { return not_taken(); }
     definitions_through_ = sequence_ + 1;
     note_written();
     return std::nullopt;
@@ -162,17 +153,13 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
                                                    std::int64_t time_ns) {
   poses_.resize(numbers.size() * kPoseNumbers);
   double* pose = poses_.data();
-  for (const std::uint32_t number : numbers) {
-    pose = put_pose(objects_.at(number).options.pose, pose);
-  }
+  for (const std::uint32_t number : numbers) { pose = put_pose(objects_.at(number).options.pose, pose); }
   batch_->sequence_number = sequence_ + 1;
   fill_batch(flags, time_ns);
   dds::borrow(batch_->object_numbers, numbers);
   wire::lend_columns<wire::PoseBatch>(poses_, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
-    if (!has_room() || !pose_writer_.write(*batch_)) {
-      return not_taken();
-    }
+    if (!has_room() || !pose_writer_.write(*batch_)) { return not_taken(); }
     note_written();
     unacknowledged_.note_written(sequence_, numbers.size_bytes() + poses_.size() * sizeof(double));
     return std::nullopt;
@@ -194,9 +181,7 @@ std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
     const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
     std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
     if (count < objects_.waiting().size()) flags |= wire_contract::kMoreFollows;
-    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) {
-      return error;
-    }
+    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) { return error; }
     objects_.mark_sent(count);
     plain_left -= teleported ? 0 : count;
   }

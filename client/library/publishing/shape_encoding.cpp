@@ -33,23 +33,15 @@ std::optional<std::string> part_fault(const BoxShape& box) {
 }
 
 std::optional<std::string> part_fault(const CapsuleShape& capsule) {
-  if (auto found = finite_fault(capsule.a, "end a")) {
-    return found;
-  }
+  if (auto found = finite_fault(capsule.a, "end a")) { return found; }
   auto found = finite_fault(capsule.b, "end b");
   return found ? found : size_fault(capsule.radius_m, "radius");
 }
 
 std::optional<std::string> axis_fault(const Vec3& a, const Vec3& b, double radius_m) {
-  if (auto found = finite_fault(a, "one end")) {
-    return found;
-  }
-  if (auto found = finite_fault(b, "the other end")) {
-    return found;
-  }
-  if (a == b) {
-    return "both ends of its axis are the same point";
-  }
+  if (auto found = finite_fault(a, "one end")) { return found; }
+  if (auto found = finite_fault(b, "the other end")) { return found; }
+  if (a == b) { return "both ends of its axis are the same point"; }
   return size_fault(radius_m, "radius");
 }
 
@@ -60,9 +52,7 @@ std::optional<std::string> part_fault(const CylinderShape& cylinder) {
 std::optional<std::string> part_fault(const ConeShape& cone) { return axis_fault(cone.apex, cone.base, cone.radius_m); }
 
 std::optional<std::string> part_fault(const EllipsoidShape& ellipsoid) {
-  if (!(ellipsoid.half_m.array() > 0).all()) {
-    return "half sizes must be above 0";
-  }
+  if (!(ellipsoid.half_m.array() > 0).all()) { return "half sizes must be above 0"; }
   return fault(BoxQuestion{ellipsoid.center, ellipsoid.half_m, ellipsoid.rotation});
 }
 
@@ -71,17 +61,13 @@ std::optional<std::string> part_fault(const HullShape& hull) {
     return "a hull of " + std::to_string(hull.points.size()) + " points; at least 4 are needed";
   }
   for (const Vec3& point : hull.points) {
-    if (auto found = finite_fault(point, "point")) {
-      return found;
-    }
+    if (auto found = finite_fault(point, "point")) { return found; }
   }
   return std::nullopt;
 }
 
 std::optional<std::string> part_fault(const MeshShape& mesh) {
-  if (mesh.triangles.empty()) {
-    return "a mesh without triangles";
-  }
+  if (mesh.triangles.empty()) { return "a mesh without triangles"; }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     if (auto found = finite_fault(mesh.vertices[i], "vertex")) {
       return *found + " (vertex " + std::to_string(i) + ')';
@@ -98,27 +84,22 @@ std::optional<std::string> part_fault(const MeshShape& mesh) {
 }
 
 std::optional<std::string> part_fault(const HalfSpaceShape& half_space) {
-  if (auto found = finite_fault(half_space.point, "point")) {
-    return found;
-  }
-  if (auto found = finite_fault(half_space.normal, "normal")) {
-    return found;
-  }
+  if (auto found = finite_fault(half_space.point, "point")) { return found; }
+  if (auto found = finite_fault(half_space.normal, "normal")) { return found; }
   return half_space.normal.isZero(0) ? std::optional<std::string>("its normal is zero") : std::nullopt;
 }
 
 std::optional<std::string> part_fault(const HeightFieldShape& field) {
-  if (field.columns < 2 || field.heights_m.size() < 2 * std::size_t{field.columns} || field.heights_m.size() % field.columns != 0) {
-    return "a height field of " + std::to_string(field.heights_m.size()) + " heights in " + std::to_string(field.columns) +
-           " columns; whole rows are needed, at least 2 of 2";
+  if (field.columns < 2 || field.heights_m.size() < 2 * std::size_t{field.columns} ||
+      field.heights_m.size() % field.columns != 0) {
+    return "a height field of " + std::to_string(field.heights_m.size()) + " heights in " +
+           std::to_string(field.columns) + " columns; whole rows are needed, at least 2 of 2";
   }
   if (!(field.spacing_x_m > 0 && field.spacing_y_m > 0 && std::isfinite(field.spacing_x_m + field.spacing_y_m))) {
     return "the spacings of a height field must be finite and above 0";
   }
   for (std::size_t i = 0; i < field.heights_m.size(); ++i) {
-    if (!std::isfinite(field.heights_m[i])) {
-      return "height " + std::to_string(i) + " is not finite";
-    }
+    if (!std::isfinite(field.heights_m[i])) { return "height " + std::to_string(i) + " is not finite"; }
   }
   return std::nullopt;
 }
@@ -128,9 +109,7 @@ std::optional<std::string> points_fault(const std::vector<Vec3>& points, double 
     return std::to_string(points.size()) + " points; at least " + std::to_string(least) + " are needed";
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (auto found = finite_fault(points[i], "point")) {
-      return *found + " (point " + std::to_string(i) + ')';
-    }
+    if (auto found = finite_fault(points[i], "point")) { return *found + " (point " + std::to_string(i) + ')'; }
   }
   return size_fault(radius_m, "radius");
 }
@@ -154,7 +133,9 @@ struct Parts {
 
   void add(const SphereShape& sphere) { spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
   void add(const BoxShape& box) { boxes.emplace_back(packed(box.center), packed(box.rotation), packed(box.half_m)); }
-  void add(const CapsuleShape& capsule) { capsules.emplace_back(packed(capsule.a), packed(capsule.b), capsule.radius_m); }
+  void add(const CapsuleShape& capsule) {
+    capsules.emplace_back(packed(capsule.a), packed(capsule.b), capsule.radius_m);
+  }
   void add(const CylinderShape& c) { cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
   void add(const ConeShape& c) { cones.emplace_back(packed(c.apex), packed(c.base), c.radius_m); }
   void add(const EllipsoidShape& e) {
@@ -172,9 +153,7 @@ struct Parts {
 std::vector<double> coordinates_of(const std::vector<Vec3>& points) {
   std::vector<double> coordinates;
   coordinates.reserve(points.size() * 3);
-  for (const Vec3& point : points) {
-    coordinates.insert(coordinates.end(), point.data(), point.data() + 3);
-  }
+  for (const Vec3& point : points) { coordinates.insert(coordinates.end(), point.data(), point.data() + 3); }
   return coordinates;
 }
 
@@ -182,9 +161,7 @@ flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& bui
   const std::vector<double> coordinates = coordinates_of(mesh.vertices);
   std::vector<std::uint32_t> corners;
   corners.reserve(mesh.triangles.size() * 3);
-  for (const auto& triangle : mesh.triangles) {
-    corners.insert(corners.end(), triangle.begin(), triangle.end());
-  }
+  for (const auto& triangle : mesh.triangles) { corners.insert(corners.end(), triangle.begin(), triangle.end()); }
   return format::CreateMeshDirect(builder, &coordinates, &corners);
 }
 
@@ -200,11 +177,11 @@ flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Points>>> bu
   return tables.empty() ? 0 : builder.CreateVector(tables);
 }
 
-flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuilder& builder, const HeightFieldShape* field) {
-  if (field == nullptr) {
-    return 0;
-  }
-  return format::CreateHeightFieldDirect(builder, field->columns, field->spacing_x_m, field->spacing_y_m, &field->heights_m);
+flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuilder& builder,
+                                                     const HeightFieldShape* field) {
+  if (field == nullptr) { return 0; }
+  return format::CreateHeightFieldDirect(builder, field->columns, field->spacing_x_m, field->spacing_y_m,
+                                         &field->heights_m);
 }
 
 std::vector<std::uint8_t> build(const Parts& parts, const Vec3& scale) {
@@ -229,26 +206,24 @@ std::vector<std::uint8_t> build(const Parts& parts, const Vec3& scale) {
   const auto polylines = build_points(builder, parts.polylines);
   const format::Vec3 factors = packed(scale);
   builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls,
-                                     half_spaces, field, clouds, polylines, scale == Vec3::Ones() ? nullptr : &factors));
+                                     half_spaces, field, clouds, polylines,
+                                     scale == Vec3::Ones() ? nullptr : &factors));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
 }  // namespace
 
 Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where) {
-  if (shape.empty()) {
-    return bad_input(where + ": its shape has no part");
-  }
+  if (shape.empty()) { return bad_input(where + ": its shape has no part"); }
   if (!((scale.array() > 0).all() && scale.allFinite())) {
     return bad_input(where + ": its scale must be finite and above 0");
   }
   Parts parts;
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const auto reason = std::visit([](const auto& part) { return part_fault(part); }, shape[i]);
-    if (reason) {
-      return bad_input(where + ": part " + std::to_string(i) + ": " + *reason);
-    }
-    const bool is_surface = std::holds_alternative<MeshShape>(shape[i]) || std::holds_alternative<HeightFieldShape>(shape[i]);
+    if (reason) { return bad_input(where + ": part " + std::to_string(i) + ": " + *reason); }
+    const bool is_surface =
+        std::holds_alternative<MeshShape>(shape[i]) || std::holds_alternative<HeightFieldShape>(shape[i]);
     if (is_surface && parts.has_surface()) {
       return bad_input(where + ": part " + std::to_string(i) + ": a second mesh; a shape holds at most one");
     }

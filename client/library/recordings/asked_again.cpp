@@ -13,10 +13,10 @@
 namespace collided::client {
 namespace {
 
-using wire_contract::Verdict;
 using wire_contract::kHitNumbers;
 using wire_contract::ReplyStatus;
 using wire_contract::UndecidedReason;
+using wire_contract::Verdict;
 
 constexpr std::chrono::seconds kTimeout{10};
 
@@ -56,7 +56,8 @@ struct Hits {
 
 std::string words_of(Verdict verdict, std::uint8_t reason, const Hits& hits, std::size_t first, std::size_t count) {
   constexpr const char* kAnswers[] = {"miss", "hit", "undecided", "invalid"};
-  constexpr const char* kReasons[] = {"", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)", " (not covered)"};
+  constexpr const char* kReasons[] = {
+      "", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)", " (not covered)"};
   std::string words = kAnswers[std::min<std::size_t>(static_cast<std::size_t>(verdict), 3)];
   if (reason < std::size(kReasons)) words += kReasons[reason];
   if (count > 0) words += ' ' + hits.name(first) + ' ' + client::words(hits.numbers[first * kHitNumbers]);
@@ -68,7 +69,8 @@ std::string words_of(Verdict verdict, std::uint8_t reason, const Hits& hits, std
 
 bool ComparedAnswers::add(const wire::Reply& reply) {
   // A refusal has a text too, and is no answer.
-  const auto text = reply.status == static_cast<std::uint8_t>(ReplyStatus::ok) ? dds::view(reply.text) : std::span<const std::uint8_t>();
+  const auto text = reply.status == static_cast<std::uint8_t>(ReplyStatus::ok) ? dds::view(reply.text)
+                                                                               : std::span<const std::uint8_t>();
   if (!text.empty()) text_[reply.chunk_index].assign(text.begin(), text.end());
   const auto verdicts = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
@@ -84,7 +86,8 @@ bool ComparedAnswers::add(const wire::Reply& reply) {
     answer.bytes = {static_cast<char>(verdicts[i]), static_cast<char>(reasons[i])};
     for (const std::string& bytes : each) answer.bytes += bytes;
     for (std::uint32_t k = 0; k < reply.uncovered_questions._length; ++k) {
-      if (reply.uncovered_questions._buffer[k] != i || !wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns)) continue;
+      if (reply.uncovered_questions._buffer[k] != i || !wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns))
+        continue;
       for (const double number : dds::view(reply.uncovered_points).subspan(3 * k, 3)) append(answer.bytes, number);
       append(answer.bytes, reply.uncovered_distances._buffer[k]);
     }
@@ -123,9 +126,7 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
   std::size_t sent = 0, wanted = 0, answered = 0;
   std::size_t most_chunks = queries.size();  // a command's answer may have more
   std::set<std::uint32_t> chunks;
-  for (const dds::Sample<wire::Query>& query : queries) {
-    wanted += wire::question_count(*query).value_or(0);
-  }
+  for (const dds::Sample<wire::Query>& query : queries) { wanted += wire::question_count(*query).value_or(0); }
   while (answered < wanted || chunks.size() < most_chunks) {
     for (; sent < queries.size() && sent < chunks.size() + wire_contract::kChunksInFlight; ++sent) {
       queries[sent]->request = running->number();

@@ -15,7 +15,7 @@ namespace collided::client {
 /// name, since numbers of objects belong to a server's life, in an order that does not know them; not what it cost.
 struct ComparedAnswer {
   std::string bytes;
-  std::string words;  // "hit crate 3.8", for people
+  std::string words;      // "hit crate 3.8", for people
   bool by_clock = false;  // the answer came from a deadline, or a server that was still recovering
 };
 

@@ -55,7 +55,8 @@ LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& m
   std::optional<std::uint64_t> first_event, first_bookmark, live_bookmark;
   LifeSpan span;
   for (const TimedMessage& message : messages) {
-    if (const auto* const frame = std::get_if<HeardFrame>(&message.heard); frame != nullptr && frame->from == life && !frame->entries.empty()) {
+    if (const auto* const frame = std::get_if<HeardFrame>(&message.heard);
+        frame != nullptr && frame->from == life && !frame->entries.empty()) {
       if (!first_event) first_event = std::max<std::uint64_t>(frame->first_sequence, 1);
       span.heard += frame->entries.size();
       span.last = std::max<std::uint64_t>(span.last, frame->first_sequence + frame->entries.size() - 1);
@@ -100,7 +101,12 @@ class OpeningContacts {
 
   void tell(WatchState& watch, Clock::time_point now) const {
     std::array<HeardShard, wire_contract::kContactShards> shards;
-    HeardBookmark bookmark{.from = life_, .last_event_sequence = at_, .contact_count = 0, .contact_hash = 0, .world_time = begin_, .settled = true};
+    HeardBookmark bookmark{.from = life_,
+                           .last_event_sequence = at_,
+                           .contact_count = 0,
+                           .contact_hash = 0,
+                           .world_time = begin_,
+                           .settled = true};
     for (const auto& [pair, contact] : held_) {
       shards[wire_contract::contact_shard(pair.first, pair.second)].contacts.push_back(contact);
       bookmark.contact_hash += wire_contract::contact_hash(pair.first, pair.second, contact.episode);
@@ -121,7 +127,8 @@ class OpeningContacts {
   void take_shard(const HeardShard& shard) {
     if (shard.as_of_sequence > at_) {
       later_.push_back(&shard);
-    } else if (const HeardShard*& newest = shards_[shard.shard]; newest == nullptr || newest->as_of_sequence <= shard.as_of_sequence) {
+    } else if (const HeardShard*& newest = shards_[shard.shard];
+               newest == nullptr || newest->as_of_sequence <= shard.as_of_sequence) {
       newest = &shard;
     }
   }
@@ -188,7 +195,8 @@ MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchS
 }
 
 RecordedSpan span_of(const RecordedItems& recorded) {
-  const auto first = std::find_if(recorded.items.begin(), recorded.items.end(), [](const RecordedItem& item) { return !item.opening; });
+  const auto first = std::find_if(recorded.items.begin(), recorded.items.end(),
+                                  [](const RecordedItem& item) { return !item.opening; });
   const RecordedItem& begin = first == recorded.items.end() ? recorded.items.front() : *first;
   return {nanoseconds(begin.log_time), nanoseconds(recorded.items.back().log_time)};
 }
@@ -261,14 +269,19 @@ Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEv
     if (client::is_wanted(event, options.only, options.skip)) events.push_back(event);
   });
   const client::MissingEvents missing = client::hear_recording(recorded, names, watch);
-  RecordedEvents told{.events = client::in_window(std::move(events), from, to), .begin = span.begin, .end = span.end, .lost = missing.lost, .warnings = recorded.warnings};
+  RecordedEvents told{.events = client::in_window(std::move(events), from, to),
+                      .begin = span.begin,
+                      .end = span.end,
+                      .lost = missing.lost,
+                      .warnings = recorded.warnings};
   const auto warn = [&](const std::string& what) { told.warnings.push_back(path + ": " + what); };
-  if (missing.lost > 0) warn(std::to_string(missing.lost) + " events are not in it; what they changed is marked resync as far as it shows");
-  if (missing.undated > 0) warn("of " + std::to_string(missing.undated) + " contacts it tells the end but not since when they held: at least from its begin");
+  if (missing.lost > 0)
+    warn(std::to_string(missing.lost) + " events are not in it; what they changed is marked resync as far as it shows");
+  if (missing.undated > 0)
+    warn("of " + std::to_string(missing.undated) +
+         " contacts it tells the end but not since when they held: at least from its begin");
   if (missing.is_begin_doubtful) warn("it does not tell of every contact that held at its begin");
   return told;
-} catch (const std::runtime_error& failed) {
-  return client::bad_input(failed.what(), "");
-}
+} catch (const std::runtime_error& failed) { return client::bad_input(failed.what(), ""); }
 
 }  // namespace collided

@@ -17,7 +17,8 @@ std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
   std::uint64_t count = 0;
   if (entries == contents.metadata.end()) return std::nullopt;
   const auto found = entries->second.find("opening_messages");
-  if (found != entries->second.end()) std::from_chars(found->second.data(), found->second.data() + found->second.size(), count);
+  if (found != entries->second.end())
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), count);
   return count;
 }
 
@@ -57,7 +58,8 @@ RecordedItems read_items(std::vector<std::byte> bytes, const std::string& name, 
   recorded.has_opening = opening_messages(contents).has_value();
   sort_into(recorded.items, contents);
   if (recorded.items.empty() && is_of_first_wire(contents)) {
-    throw std::runtime_error(name + ": was recorded by an earlier version, whose messages were laid out differently. " + consequence);
+    throw std::runtime_error(name + ": was recorded by an earlier version, whose messages were laid out differently. " +
+                             consequence);
   }
   if (recorded.items.empty()) throw std::runtime_error(name + ": holds nothing of a collision server. " + consequence);
   return recorded;

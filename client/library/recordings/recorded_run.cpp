@@ -34,7 +34,8 @@ class Sorting {
       }
     }
     settle_requests();
-    if (broken_ > 0) run_.warnings.push_back(std::to_string(broken_) + " messages hold no sample of their topic; left out");
+    if (broken_ > 0)
+      run_.warnings.push_back(std::to_string(broken_) + " messages hold no sample of their topic; left out");
   }
 
  private:
@@ -47,7 +48,7 @@ class Sorting {
     std::optional<StateNumber> state;
     std::uint32_t reply_chunks = 0;
     std::map<std::uint32_t, std::string> text;  // of a command's reply, by chunk
-    bool changes = false;  // the world; else it asks
+    bool changes = false;                       // the world; else it asks
     bool refused = false;
     bool opening = false;
   };
@@ -55,18 +56,21 @@ class Sorting {
   void look_at(std::size_t index) {
     const RecordedItem& item = run_.items[index];
     switch (item.topic) {
-      case Recorded::object: return read(item, definition_, [&] {
-        if (item.opening) note_opening(definition_->publisher, definition_->sequence_number);
-      });
-      case Recorded::pose: return read(item, batch_, [&] {
-        if (item.opening) note_opening(batch_->publisher, batch_->sequence_number);
-      });
+      case Recorded::object:
+        return read(item, definition_, [&] {
+          if (item.opening) note_opening(definition_->publisher, definition_->sequence_number);
+        });
+      case Recorded::pose:
+        return read(item, batch_, [&] {
+          if (item.opening) note_opening(batch_->publisher, batch_->sequence_number);
+        });
       case Recorded::query: return read(item, query_, [&] { take_query(index); });
       case Recorded::reply: return read(item, reply_, [&] { take_reply(index); });
-      case Recorded::status: return read(item, status_, [&] {
-        run_.scenes = status_->scenes;
-        take_state();
-      });
+      case Recorded::status:
+        return read(item, status_, [&] {
+          run_.scenes = status_->scenes;
+          take_state();
+        });
       case Recorded::step: return read(item, status_, [&] { take_state(); });
       default: return;
     }
@@ -106,7 +110,8 @@ class Sorting {
     const bool command = query_->kind == static_cast<std::uint8_t>(QueryKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
     if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
-    const bool is_asked_again = what == names::kPair && !run_.items[index].opening && word_of(parsed(query_->text), "as_of").empty();
+    const bool is_asked_again =
+        what == names::kPair && !run_.items[index].opening && word_of(parsed(query_->text), "as_of").empty();
     if (command && !is_asked_again && !is_change(what)) return;
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);

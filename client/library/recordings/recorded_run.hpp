@@ -32,9 +32,9 @@ struct RecordedRun : RecordedItems {
   std::map<StateNumber, std::vector<RecordedRequest>> requests;  // about the world, by the state that was asked
   std::map<StateNumber, std::vector<std::size_t>> commands;      // items that changed the world, by the state they made
   std::map<std::uint64_t, std::uint64_t> opening_through;        // newest sample of each publisher in the opening
-  std::uint64_t unanswered = 0;   // requests without all of their replies
-  std::uint64_t changing_files = 0;  // load and clear, which are not given again
-  std::string scenes;             // one a line, as the newest status had them
+  std::uint64_t unanswered = 0;                                  // requests without all of their replies
+  std::uint64_t changing_files = 0;                              // load and clear, which are not given again
+  std::string scenes;                                            // one a line, as the newest status had them
 };
 
 /// Throws std::runtime_error with the path and what is wrong where nothing can be replayed.

@@ -22,7 +22,10 @@ constexpr std::chrono::seconds kChunkPeriod{1};
 /// As the topic, but nobody waits for this reader.
 constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic.suffix,
                                                       wire_contract::Reliability::best_effort,
-                                                      wire_contract::Durability::volatile_data, 0, 0, false};
+                                                      wire_contract::Durability::volatile_data,
+                                                      0,
+                                                      0,
+                                                      false};
 /// Every client's partition.
 constexpr const char* kAllClients = "client_*";
 
@@ -55,7 +58,9 @@ dds::ReaderOptions<T> Recording::State::into(Recorded topic, std::string partiti
                   const std::lock_guard lock(mutex_);
                   for (std::size_t i = 0; i < loans.size(); ++i) {
                     if (!loans.info(i).valid_data) continue;
-                    if constexpr (requires { { hear(loans[i]) } -> std::same_as<bool>; }) {
+                    if constexpr (requires {
+                                    { hear(loans[i]) } -> std::same_as<bool>;
+                                  }) {
                       if (!hear(loans[i])) continue;
                     } else if constexpr (requires { hear(loans[i]); }) {
                       hear(loans[i]);
@@ -128,9 +133,7 @@ Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_pt
     return state;
   } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), ""};
-  } catch (const std::runtime_error& failed) {
-    return client::bad_input(failed.what());
-  }
+  } catch (const std::runtime_error& failed) { return client::bad_input(failed.what()); }
 }
 
 Recording::State::~State() { static_cast<void>(finish()); }

@@ -69,7 +69,8 @@ class Replaying {
     std::string refusal;
     ask(query, [&](const wire::Reply& reply) {
       const auto text = dds::view(reply.text);
-      if (reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused)) refusal.assign(text.begin(), text.end());
+      if (reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused))
+        refusal.assign(text.begin(), text.end());
     });
     ++report_.commands;
     if (!refusal.empty()) warn(std::string("refused now: ") + query[0]->text + ": " + refusal);
@@ -100,7 +101,8 @@ class Replaying {
 
   void wait_applied() {
     if (!publishers_.wait_applied(std::chrono::seconds(5))) {
-      throw ReplayFailure({ErrorCode::timeout, "replay: the server has not taken all samples within 5 s", "is its namespace also moved by others?"});
+      throw ReplayFailure({ErrorCode::timeout, "replay: the server has not taken all samples within 5 s",
+                           "is its namespace also moved by others?"});
     }
   }
 
@@ -124,7 +126,8 @@ class TimedReplay : public Replaying {
   void run() {
     std::set<std::size_t> commands;
     for (const auto& [state, items] : run_.commands) commands.insert(items.begin(), items.end());
-    const auto first = std::find_if(run_.items.begin(), run_.items.end(), [](const RecordedItem& item) { return !item.opening; });
+    const auto first =
+        std::find_if(run_.items.begin(), run_.items.end(), [](const RecordedItem& item) { return !item.opening; });
     began_at_ = first == run_.items.end() ? 0 : first->log_time;
     for (std::size_t i = 0; i < run_.items.size(); ++i) {
       const RecordedItem& item = run_.items[i];
@@ -152,9 +155,7 @@ class TimedReplay : public Replaying {
     return false;
   }
   /// As long after the replay's beginning as it was after the recording's.
-  std::int64_t source_time(const RecordedItem& item) const {
-    return began_ns_ + after_begin(item.log_time).count();
-  }
+  std::int64_t source_time(const RecordedItem& item) const { return began_ns_ + after_begin(item.log_time).count(); }
   void lose_lost(const RecordedItem& item) {
     if (!wire::read_cdr(item.data, status_)) return;
     const auto found = run_.states.find({status_->epoch, status_->version});
@@ -171,7 +172,8 @@ class TimedReplay : public Replaying {
 /// is asked again, while nothing else changes.
 class AskedReplay : public Replaying {
  public:
-  AskedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options) : Replaying(connection, run, options) {
+  AskedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
+      : Replaying(connection, run, options) {
     sort_samples();
   }
 
@@ -180,7 +182,8 @@ class AskedReplay : public Replaying {
       if (item.opening) publish(item, 0);
     }
     const auto opening_commands = run_.commands.find({0, 0});
-    if (opening_commands != run_.commands.end()) for (const std::size_t index : opening_commands->second) give_command(index);
+    if (opening_commands != run_.commands.end())
+      for (const std::size_t index : opening_commands->second) give_command(index);
     auto next_command = run_.commands.upper_bound({0, 0});
     for (const auto& [number, state] : run_.states) {
       if (!go_on()) return;
@@ -200,7 +203,8 @@ class AskedReplay : public Replaying {
     }
     for (const auto& [number, requests] : run_.requests) {
       if (run_.states.count(number) > 0) continue;
-      for (const RecordedRequest& request : requests) leave_out(request, "asked of a state that the recording does not describe");
+      for (const RecordedRequest& request : requests)
+        leave_out(request, "asked of a state that the recording does not describe");
     }
     for (const auto& [why, count] : left_out_) {
       report_.not_compared += count;
@@ -227,7 +231,8 @@ class AskedReplay : public Replaying {
       const auto found = samples_.find(publisher);
       if (found == samples_.end()) continue;
       const auto end = found->second.upper_bound(applied);
-      for (auto sample = found->second.begin(); sample != end && go_on(); ++sample) publish(run_.items[sample->second], now_since_1970_ns());
+      for (auto sample = found->second.begin(); sample != end && go_on(); ++sample)
+        publish(run_.items[sample->second], now_since_1970_ns());
       found->second.erase(found->second.begin(), end);
     }
   }
@@ -247,7 +252,9 @@ class AskedReplay : public Replaying {
     return answers.take();
   }
 
-  void leave_out(const RecordedRequest& request, const char* why) { left_out_[why] += recorded_answers(request).size(); }
+  void leave_out(const RecordedRequest& request, const char* why) {
+    left_out_[why] += recorded_answers(request).size();
+  }
 
   void compare(const client::StateNumber& number, const RecordedRequest& request) {
     const std::map<std::uint64_t, ComparedAnswer> then = recorded_answers(request);
@@ -256,7 +263,8 @@ class AskedReplay : public Replaying {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
     const auto asked = static_cast<wire_contract::QueryKind>(queries[0]->kind);
-    const char* kind = asked == wire_contract::QueryKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
+    const char* kind =
+        asked == wire_contract::QueryKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
     client::ComparedAnswers answers;
     ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });
     const std::map<std::uint64_t, ComparedAnswer> now = answers.take();
@@ -275,12 +283,13 @@ class AskedReplay : public Replaying {
     }
   }
 
-  void tell(const client::StateNumber& number, const char* kind, std::uint64_t question, const ComparedAnswer& then, const std::string& now) {
+  void tell(const client::StateNumber& number, const char* kind, std::uint64_t question, const ComparedAnswer& then,
+            const std::string& now) {
     constexpr std::size_t kMost = 20;
     if (report_.differences.size() >= kMost) return;
     const std::string unlike = then.words == now ? " (in bits that this does not show)" : "";
-    report_.differences.push_back("version " + std::to_string(number.second) + ", " + kind + ' ' + std::to_string(question) +
-                                  ": then " + then.words + ", now " + now + unlike);
+    report_.differences.push_back("version " + std::to_string(number.second) + ", " + kind + ' ' +
+                                  std::to_string(question) + ": then " + then.words + ", now " + now + unlike);
   }
 
   std::map<std::uint64_t, std::multimap<std::uint64_t, std::size_t>> samples_;  // by publisher and number
@@ -300,10 +309,12 @@ std::vector<std::string> warnings_of(const RecordedRun& run, const Connection& c
     if (!loaded) warnings.push_back("scene '" + scene + "' was loaded then and is not now");
   }
   if (run.changing_files > 0) {
-    warnings.push_back(std::to_string(run.changing_files) + " commands load or clear are not given again; load first what they left");
+    warnings.push_back(std::to_string(run.changing_files) +
+                       " commands load or clear are not given again; load first what they left");
   }
   if (!run.has_opening) warnings.push_back("the recording does not say what was in the world before it");
-  if (ask && run.unanswered > 0) warnings.push_back(std::to_string(run.unanswered) + " requests are not whole in the recording; not asked");
+  if (ask && run.unanswered > 0)
+    warnings.push_back(std::to_string(run.unanswered) + " requests are not whole in the recording; not asked");
   return warnings;
 }
 
@@ -327,16 +338,13 @@ Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& 
     const Clock::time_point patience = Clock::now() + std::chrono::seconds(1);
     (*connection)->pulse().wait_for_status(patience);
     std::vector<std::string> warnings = warnings_of(run, **connection, options.ask);
-    ReplayReport report = options.ask ? replay_by<AskedReplay>(**connection, run, options) : replay_by<TimedReplay>(**connection, run, options);
+    ReplayReport report = options.ask ? replay_by<AskedReplay>(**connection, run, options)
+                                      : replay_by<TimedReplay>(**connection, run, options);
     report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
     return report;
-  } catch (const ReplayFailure& failed) {
-    return failed.error;
-  } catch (const dds::DdsError& failed) {
+  } catch (const ReplayFailure& failed) { return failed.error; } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), ""};
-  } catch (const std::runtime_error& failed) {
-    return client::bad_input(failed.what(), "");
-  }
+  } catch (const std::runtime_error& failed) { return client::bad_input(failed.what(), ""); }
 }
 
 }  // namespace collided

@@ -117,11 +117,13 @@ bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time,
   batch.definitions_through = publisher->definitions_through;
   batch.source_time_ns = source_time_ns;
   if (publisher->unacknowledged.is_full()) {
-    if (!publisher->pose_writer.wait_for_acknowledgements(kPatienceNs)) throw dds::DdsError("replay: the server takes no more poses");
+    if (!publisher->pose_writer.wait_for_acknowledgements(kPatienceNs))
+      throw dds::DdsError("replay: the server takes no more poses");
     publisher->unacknowledged.note_all_known();
   }
   if (!publisher->pose_writer.write(batch)) throw dds::DdsError("replay: the server takes no more poses");
-  publisher->unacknowledged.note_written(publisher->sequence, dds::view(batch.positions).size_bytes() + dds::view(batch.orientations).size_bytes());
+  publisher->unacknowledged.note_written(
+      publisher->sequence, dds::view(batch.positions).size_bytes() + dds::view(batch.orientations).size_bytes());
   return true;
 }
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::chrono::seconds kTimeout{10};
 
-constexpr std::array<const char*, 7> kStates{"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};
+constexpr std::array<const char*, 7> kStates{"absent",    "nothing", "gap",      "touching",
+                                             "collision", "deeper",  "undecided"};
 
 Clearance clearance_of(const std::string& word) {
   const auto found = std::find(kStates.begin(), kStates.end(), word);
@@ -82,9 +83,7 @@ Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std:
 
 bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings) {
   const std::vector<std::string_view> probes = wire_contract::unpack_names(dds::view(frame.probe_names));
-  if (!fits(frame, probes.size())) {
-    return false;
-  }
+  if (!fits(frame, probes.size())) { return false; }
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
   for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -129,34 +128,26 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
     std::unique_ptr<State> state(new State(std::move(connection), options));
     const client::Clock::time_point deadline = client::Clock::now() + state->connection_->options().wait;
     while (state->reader_->matched_writers() == 0) {
-      if (state->connection_->pulse().silent()) {
-        return state->connection_->disconnected();
-      }
+      if (state->connection_->pulse().silent()) { return state->connection_->disconnected(); }
       if (client::Clock::now() > deadline) {
         return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return state;
-  } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
 /// One callback at a time, so that the buffers are its own.
 void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
   while (taker.take(incoming_)) {
     decoded_.clear();
-    if (!incoming_.info().valid_data || !client::decode(*incoming_, connection_->names(), decoded_)) {
-      continue;
-    }
+    if (!incoming_.info().valid_data || !client::decode(*incoming_, connection_->names(), decoded_)) { continue; }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {
       const bool asked = options_.only.empty() || wire_contract::glob_matches(options_.only, reading.probe);
       const bool skipped = !options_.skip.empty() && wire_contract::glob_matches(options_.skip, reading.probe);
-      if (!asked || skipped) {
-        continue;
-      }
+      if (!asked || skipped) { continue; }
       if (readings_.size() >= std::max<std::size_t>(options_.capacity, 1)) {
         readings_.pop_front();
         ++lost_;

@@ -22,7 +22,8 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
 
 /// The reader of the probe topic, and what it heard that nobody has asked for yet.
 struct [[gnu::visibility("hidden")]] ProbeWatch::State {
-  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const WatchOptions& options);
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
+                                              const WatchOptions& options);
 
   std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
   std::uint64_t lost() const { return lost_; }

@@ -55,42 +55,33 @@ Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchO
   }
   event_reader_.emplace(event_topic_,
                         FrameReader{.data = [this](Frames taker) { take<FramePool::Pointer>(taker, frames_); }});
-  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{
-                                              .data = [this](Shards taker) { take<ShardPool::Pointer>(taker, shards_); }});
+  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{.data = [this](Shards taker) {
+                            take<ShardPool::Pointer>(taker, shards_);
+                          }});
 }
 
 Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
                                                           const WatchOptions& options, Callback callback) {
   try {
     std::unique_ptr<State> state(new State(std::move(connection), options, std::move(callback)));
-    if (auto error = state->wait_for_server()) {
-      return *error;
-    }
+    if (auto error = state->wait_for_server()) { return *error; }
     // Bookmarks count only from here on: before the event reader was met, events after a bookmark could be missed.
     state->status_observer_ = state->connection_->pulse().observe(
         [watch = state.get()](const wire::Status& status) { watch->queue(client::decode(status)); });
     // The topics are heard already: what comes meanwhile waits, and what is in both counts once by its sequence.
     if (options.since) {
-      if (auto error = state->hear_recorded(*options.since)) {
-        return *error;
-      }
+      if (auto error = state->hear_recorded(*options.since)) { return *error; }
     }
     state->thread_ = std::thread([watch = state.get()] { watch->work(); });
     return state;
-  } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
 std::optional<Error> Watch::State::wait_for_server() const {
   const Clock::time_point deadline = Clock::now() + connection_->options().wait;
   while (event_reader_->matched_writers() == 0 || contact_reader_->matched_writers() == 0) {
-    if (connection_->pulse().silent()) {
-      return connection_->disconnected();
-    }
-    if (Clock::now() > deadline) {
-      return Error{ErrorCode::no_server, "watch: the server offers no events", ""};
-    }
+    if (connection_->pulse().silent()) { return connection_->disconnected(); }
+    if (Clock::now() > deadline) { return Error{ErrorCode::no_server, "watch: the server offers no events", ""}; }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return std::nullopt;
@@ -98,32 +89,26 @@ std::optional<Error> Watch::State::wait_for_server() const {
 
 std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since) {
   const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
-  const auto last = now - std::clamp<std::chrono::nanoseconds>(since, now - kLongestRecording + kClockMargin, now) + kClockMargin;
+  const auto last =
+      now - std::clamp<std::chrono::nanoseconds>(since, now - kLongestRecording + kClockMargin, now) + kClockMargin;
   Result<std::vector<std::byte>> bytes = client::fetch_recorded(*connection_, last);
-  if (!bytes) {
-    return bytes.error();
-  }
+  if (!bytes) { return bytes.error(); }
   try {
-    const client::RecordedItems recorded = client::read_items(std::move(*bytes), "the server's flight recorder", "Nothing is told");
+    const client::RecordedItems recorded =
+        client::read_items(std::move(*bytes), "the server's flight recorder", "Nothing is told");
     is_hearing_recorded_ = true;
     client::hear_recording(recorded, connection_->names(), watch_);
     is_hearing_recorded_ = false;
     tells_since_ = std::max(since, client::span_of(recorded).begin);
-  } catch (const std::runtime_error& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
-  }
+  } catch (const std::runtime_error& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
   recorded_ = client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max());
   options_.capacity += recorded_.size();  // nobody could have polled them yet
   return std::nullopt;
 }
 
 Watch::State::~State() {
-  if (status_observer_) {
-    connection_->pulse().stop_observing(*status_observer_);
-  }
-  if (!thread_.joinable()) {
-    return;
-  }
+  if (status_observer_) { connection_->pulse().stop_observing(*status_observer_); }
+  if (!thread_.joinable()) { return; }
   persisted_reader_.reset();
   event_reader_.reset();
   contact_reader_.reset();
@@ -139,9 +124,7 @@ template <class As, class T>
 void Watch::State::take(const dds::Taker<T>& taker, client::SamplePool<T>& pool) {
   auto sample = pool.get();
   while (taker.take(*sample)) {
-    if (sample->info().valid_data) {
-      queue(As{std::exchange(sample, pool.get())});
-    }
+    if (sample->info().valid_data) { queue(As{std::exchange(sample, pool.get())}); }
   }
   pool.put(std::move(sample));
 }
@@ -149,24 +132,18 @@ void Watch::State::take(const dds::Taker<T>& taker, client::SamplePool<T>& pool)
 void Watch::State::queue(Message message) {
   {
     const std::lock_guard lock(messages_mutex_);
-    if (messages_.size() >= kMostMessages) {
-      return;
-    }
+    if (messages_.size() >= kMostMessages) { return; }
     messages_.push_back(std::move(message));
   }
   message_came_.notify_one();
 }
 
 void Watch::State::work() {
-  for (const Event& event : std::exchange(recorded_, {})) {
-    emit(event);
-  }
+  for (const Event& event : std::exchange(recorded_, {})) { emit(event); }
   while (true) {
     std::unique_lock lock(messages_mutex_);
     message_came_.wait(lock, [this] { return ending_ || !messages_.empty(); });
-    if (ending_) {
-      return;
-    }
+    if (ending_) { return; }
     Message message = std::move(messages_.front());
     messages_.pop_front();
     lock.unlock();
@@ -179,19 +156,13 @@ void Watch::State::work() {
 void Watch::State::hear(Message& message) {
   const Clock::time_point now = Clock::now();
   if (auto* const frame = std::get_if<FramePool::Pointer>(&message)) {
-    if (const auto heard = client::decode(***frame, connection_->names())) {
-      watch_.hear(*heard, now);
-    }
+    if (const auto heard = client::decode(***frame, connection_->names())) { watch_.hear(*heard, now); }
     frames_.put(std::move(*frame));
   } else if (auto* const persisted = std::get_if<PersistedFrame>(&message)) {
-    if (const auto heard = client::decode(**persisted->sample, connection_->names())) {
-      watch_.hear_persisted(*heard);
-    }
+    if (const auto heard = client::decode(**persisted->sample, connection_->names())) { watch_.hear_persisted(*heard); }
     frames_.put(std::move(persisted->sample));
   } else if (auto* const shard = std::get_if<ShardPool::Pointer>(&message)) {
-    if (const auto heard = client::decode(***shard, connection_->names())) {
-      watch_.hear(*heard, now);
-    }
+    if (const auto heard = client::decode(***shard, connection_->names())) { watch_.hear(*heard, now); }
     shards_.put(std::move(*shard));
   } else {
     watch_.hear(std::get<client::HeardBookmark>(message), now);
@@ -199,9 +170,7 @@ void Watch::State::hear(Message& message) {
 }
 
 void Watch::State::emit(const Event& event) {
-  if (!client::is_wanted(event, options_.only, options_.skip)) {
-    return;
-  }
+  if (!client::is_wanted(event, options_.only, options_.skip)) { return; }
   if (is_hearing_recorded_) {
     recorded_.push_back(event);
     return;
@@ -230,9 +199,7 @@ std::optional<Event> Watch::State::next(std::chrono::nanoseconds wait) {
   std::unique_lock lock(events_mutex_);
   // Not wait_for: an endless wait would overflow the clock.
   const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  if (!event_came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) {
-    return std::nullopt;
-  }
+  if (!event_came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) { return std::nullopt; }
   Event event = std::move(events_.front());
   events_.pop_front();
   return event;

@@ -45,7 +45,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
   void queue(Message message);
   void work();
-  void hear(Message& message);
+  void hear(Message & message);
   void emit(const Event& event);
 
   std::shared_ptr<client::Connection> connection_;

@@ -15,7 +15,9 @@ using wire_contract::ServerState;
 constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
 /// A code that came later than this library is a doubt of some kind.
-Doubt doubt_of(std::uint8_t code) { return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric; }
+Doubt doubt_of(std::uint8_t code) {
+  return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric;
+}
 
 bool fits(const wire::EventFrame& frame) {
   const std::size_t count = frame.kinds._length;
@@ -25,15 +27,16 @@ bool fits(const wire::EventFrame& frame) {
          frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
          frame.episodes._length == count && frame.doubts._length == count &&
          wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
-         std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
+         std::all_of(kinds.begin(), kinds.end(),
+                     [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
          std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::decided); });
 }
 
 bool fits(const wire::ContactShard& shard) {
   const std::size_t count = shard.a._length;
   return shard.b._length == count && shard.a_triangles._length == count && shard.b_triangles._length == count &&
-         shard.episodes._length == count && shard.began_ns._length == count &&
-         shard.doubts._length == count && wire::row_count<wire::ContactShard>(shard, wire::kContactColumns) == count;
+         shard.episodes._length == count && shard.began_ns._length == count && shard.doubts._length == count &&
+         wire::row_count<wire::ContactShard>(shard, wire::kContactColumns) == count;
 }
 
 // What frames and shards have in common.
@@ -62,9 +65,7 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
 }  // namespace
 
 std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
-  if (!fits(frame)) {
-    return std::nullopt;
-  }
+  if (!fits(frame)) { return std::nullopt; }
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}};
   heard.entries.reserve(frame.kinds._length);
@@ -83,9 +84,7 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
 }
 
 std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names) {
-  if (!fits(shard)) {
-    return std::nullopt;
-  }
+  if (!fits(shard)) { return std::nullopt; }
   names.learn(dds::view(shard.named_ids), dds::view(shard.names));
   HeardShard heard{{shard.server, shard.epoch}, shard.shard, shard.as_of_sequence, {}};
   heard.contacts.reserve(shard.a._length);

@@ -11,9 +11,7 @@ constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
 
 std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
 
-std::uint64_t hash_of(const Event& event) {
-  return wire_contract::contact_hash(event.a_id, event.b_id, event.episode);
-}
+std::uint64_t hash_of(const Event& event) { return wire_contract::contact_hash(event.a_id, event.b_id, event.episode); }
 
 /// In one order, whichever id is the lower: ids change when an object is defined anew.
 std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
@@ -45,20 +43,14 @@ Event named_as(const Event& told, Event news) {
 
 bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
   const bool lost = now - last_heard_ > std::chrono::nanoseconds(wire_contract::kStatusLostNs);
-  if (!life_ || (from != *life_ && (from.epoch > life_->epoch || lost))) {
-    start_life(from);
-  }
-  if (from != *life_) {
-    return false;
-  }
+  if (!life_ || (from != *life_ && (from.epoch > life_->epoch || lost))) { start_life(from); }
+  if (from != *life_) { return false; }
   last_heard_ = now;
   return true;
 }
 
 void WatchState::start_life(const ServerLife& life) {
-  for (auto& [pair, contact] : held_) {
-    carried_.insert_or_assign(names_of(contact), std::move(contact));
-  }
+  for (auto& [pair, contact] : held_) { carried_.insert_or_assign(names_of(contact), std::move(contact)); }
   held_.clear();
   held_by_names_.clear();
   life_ = life;
@@ -84,34 +76,22 @@ void WatchState::doubt() {
 // ---- events -----------------------------------------------------------------------------------------------------------
 
 void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
-  if (!is_current(frame.from, now)) {
-    return;
-  }
+  if (!is_current(frame.from, now)) { return; }
   for (std::size_t i = 0; i < frame.entries.size(); ++i) {
     HeardFrame::Entry entry = frame.entries[i];
     entry.event.sequence = frame.first_sequence + i;
     entry.event.epoch = frame.from.epoch;
-    if (run_start_ != 0 && entry.event.sequence <= applied_) {
-      continue;
-    }
-    if (mode_ != Mode::starting && entry.event.sequence != applied_ + 1) {
-      doubt();
-    }
-    if (run_start_ == 0 || entry.event.sequence != applied_ + 1) {
-      run_start_ = entry.event.sequence;
-    }
+    if (run_start_ != 0 && entry.event.sequence <= applied_) { continue; }
+    if (mode_ != Mode::starting && entry.event.sequence != applied_ + 1) { doubt(); }
+    if (run_start_ == 0 || entry.event.sequence != applied_ + 1) { run_start_ = entry.event.sequence; }
     applied_ = entry.event.sequence;
     note(entry);
-    if (mode_ != Mode::starting) {
-      apply(entry.event);
-    }
+    if (mode_ != Mode::starting) { apply(entry.event); }
   }
 }
 
 void WatchState::note(const HeardFrame::Entry& entry) {
-  if (recent_.size() == kMostRecent) {
-    recent_.pop_front();
-  }
+  if (recent_.size() == kMostRecent) { recent_.pop_front(); }
   recent_.push_back(entry);
 }
 
@@ -126,16 +106,12 @@ void WatchState::apply(const Event& event) {
 void WatchState::apply_began(const Event& event) {
   const auto held = held_.find(pair_of(event));
   if (held != held_.end()) {
-    if (held->second.episode == event.episode) {
-      return;
-    }
+    if (held->second.episode == event.episode) { return; }
     doubt();
     emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
-  if (carry_over(event)) {
-    return;
-  }
+  if (carry_over(event)) { return; }
   end_namesake(event);
   Event began = event;
   began.began = start_of(event);
@@ -158,9 +134,7 @@ WatchState::Contacts::iterator WatchState::release(Contacts::iterator held) {
 /// end of what is held under these names was missed.
 void WatchState::end_namesake(const Event& event) {
   const auto named = held_by_names_.find(names_of(event));
-  if (named == held_by_names_.end() || named->second == pair_of(event)) {
-    return;
-  }
+  if (named == held_by_names_.end() || named->second == pair_of(event)) { return; }
   doubt();
   const auto held = held_.find(named->second);
   emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
@@ -168,9 +142,7 @@ void WatchState::end_namesake(const Event& event) {
 }
 
 void WatchState::apply_ended(const Event& event) {
-  if (!held_.contains(pair_of(event))) {
-    carry_over(event);
-  }
+  if (!held_.contains(pair_of(event))) { carry_over(event); }
   auto held = held_.find(pair_of(event));
   if (held == held_.end() || held->second.episode != event.episode) {
     doubt();
@@ -191,12 +163,11 @@ void WatchState::apply_ended(const Event& event) {
 }
 
 void WatchState::hear_persisted(const HeardFrame& frame) {
-  if (life_ != frame.from || mode_ == Mode::starting) {
-    return;
-  }
+  if (life_ != frame.from || mode_ == Mode::starting) { return; }
   for (const HeardFrame::Entry& entry : frame.entries) {
     const auto held = held_.find(pair_of(entry.event));
-    if (entry.event.kind != EventKind::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
+    if (entry.event.kind != EventKind::persisted || held == held_.end() ||
+        held->second.episode != entry.event.episode) {
       continue;
     }
     Event persisted = named_as(held->second, entry.event);
@@ -209,9 +180,7 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
 // The ids of another life mean nothing in this one: names tell which pair it is.
 bool WatchState::carry_over(const Event& event) {
   const auto carried = carried_.find(names_of(event));
-  if (carried == carried_.end()) {
-    return false;
-  }
+  if (carried == carried_.end()) { return false; }
   Event contact = as_open(event);
   contact.began = carried->second.began;
   carried_.erase(carried);
@@ -241,9 +210,7 @@ void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
 }
 
 void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
-  if (!is_current(bookmark.from, now)) {
-    return;
-  }
+  if (!is_current(bookmark.from, now)) { return; }
   bookmark_ = bookmark;
   stuck_ = false;
   if (bookmark.last_event_sequence <= applied_) {
@@ -256,20 +223,14 @@ void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
   }
   if (mode_ == Mode::in_step && bookmark.last_event_sequence == applied_) {
     std::uint64_t hash = 0;
-    for (const auto& [pair, contact] : held_) {
-      hash += hash_of(contact);
-    }
-    if (hash != bookmark.contact_hash || held_.size() != bookmark.contact_count) {
-      doubt();
-    }
+    for (const auto& [pair, contact] : held_) { hash += hash_of(contact); }
+    if (hash != bookmark.contact_hash || held_.size() != bookmark.contact_count) { doubt(); }
   }
   try_adopt();
 }
 
 void WatchState::try_adopt() {
-  if (mode_ == Mode::in_step || !bookmark_ || !may_adopt() || !bookmark_vouches()) {
-    return;
-  }
+  if (mode_ == Mode::in_step || !bookmark_ || !may_adopt() || !bookmark_vouches()) { return; }
   if (mode_ == Mode::starting) {
     adopt_first();
   } else {
@@ -280,8 +241,8 @@ void WatchState::try_adopt() {
 bool WatchState::may_adopt() const {
   const std::uint64_t at = bookmark_->last_event_sequence;
   // What came after the bookmark must be known without a gap, for it is applied on top.
-  const bool tail_known = applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() &&
-                                             recent_.front().event.sequence <= at + 1);
+  const bool tail_known =
+      applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() && recent_.front().event.sequence <= at + 1);
   // Events that are only late will come, and say more than differences do.
   const bool nothing_late = mode_ == Mode::starting || applied_ >= at || stuck_;
   const bool shards_in_time =
@@ -319,9 +280,7 @@ bool WatchState::bookmark_vouches() const {
 WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
   Contacts state;
   for (const Shard& shard : shards_) {
-    for (const Event& contact : shard.contacts) {
-      state.insert_or_assign(pair_of(contact), contact);
-    }
+    for (const Event& contact : shard.contacts) { state.insert_or_assign(pair_of(contact), contact); }
   }
   for (const HeardFrame::Entry& entry : recent_) {
     if (entry.event.sequence > sequence || entry.shard >= shards_.size() ||
@@ -349,9 +308,7 @@ void WatchState::adopt_first() {
   }
   const std::deque<HeardFrame::Entry> recent = recent_;
   for (const HeardFrame::Entry& entry : recent) {
-    if (entry.event.sequence > at) {
-      apply(entry.event);
-    }
+    if (entry.event.sequence > at) { apply(entry.event); }
   }
   if (applied_ < at) {
     applied_ = at;
@@ -384,12 +341,8 @@ void WatchState::adopt_differences() {
     applied_ = at;
     run_start_ = at + 1;
   }
-  if (bookmark_->settled) {
-    end_carried();
-  }
-  if (carried_.empty()) {
-    mode_ = Mode::in_step;
-  }
+  if (bookmark_->settled) { end_carried(); }
+  if (carried_.empty()) { mode_ = Mode::in_step; }
 }
 
 void WatchState::end_carried() {

@@ -20,9 +20,7 @@ std::size_t Grid::size() const { return storage_->levels.entry_count; }
 bool Grid::is_swept() const { return storage_->levels.few.size() > 0; }
 std::size_t Grid::bytes() const { return storage_->levels.bytes(); }
 
-void Grid::pairs(PairFound found, WalkCost& cost) const {
-  grid::find_pairs(storage_->levels, found, cost);
-}
+void Grid::pairs(PairFound found, WalkCost& cost) const { grid::find_pairs(storage_->levels, found, cost); }
 
 void Grid::walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const {
   grid::walk_box(storage_->levels, asked, found, cost);

@@ -33,9 +33,7 @@ struct SizeClass {
 using Histogram = std::array<SizeClass, kMostExponent - kLeastExponent + 1>;
 
 /// The largest absolute coordinate.
-double reach_of(const Aabb& box) {
-  return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff());
-}
+double reach_of(const Aabb& box) { return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff()); }
 
 /// The size that decides on the level, metres; infinite for a box that no cell can hold. reach: of all boxes.
 double effective_size(const Aabb& box, double reach) {
@@ -163,7 +161,8 @@ void Levels::share_out(std::span<const Aabb> boxes) {
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::int16_t exponent = exponent_of_box_[i];
     if (exponent == kEmpty) continue;
-    const std::int16_t level = exponent == kUnbounded ? std::int16_t{-1} : level_of_exponent_[exponent - kLeastExponent];
+    const std::int16_t level =
+        exponent == kUnbounded ? std::int16_t{-1} : level_of_exponent_[exponent - kLeastExponent];
     members_[next[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] = static_cast<std::uint32_t>(i);
   }
 }
@@ -300,8 +299,8 @@ void Levels::rebuild(std::span<const Aabb> boxes) {
 }
 
 std::size_t Levels::bytes() const {
-  std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() + directory.capacity() * sizeof(directory[0]) +
-                      members_.capacity() * sizeof(members_[0]) +
+  std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() +
+                      directory.capacity() * sizeof(directory[0]) + members_.capacity() * sizeof(members_[0]) +
                       exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
                       (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +
                       (keyed_.capacity() + other_keyed_.capacity()) * sizeof(Keyed);

@@ -89,9 +89,7 @@ struct Levels {
   SweepAndPrune few;                       // where there are at most kSweptBoxes, all loose; else empty
   std::vector<std::uint32_t> few_numbers;  // numbers of its boxes, ascending
 
-  Entry entry(std::uint32_t place) const {
-    return {&blocks[place / kBlock], place % kBlock, numbers[place]};
-  }
+  Entry entry(std::uint32_t place) const { return {&blocks[place / kBlock], place % kBlock, numbers[place]}; }
   /// The level's first place with at least this key; its end if there is none.
   std::uint32_t first_place(const Level& level, Key key) const {
     if (key > level.last_key) return level.end;

@@ -73,7 +73,8 @@ struct Search {
       for (std::uint64_t lanes = met.lanes; lanes != 0; lanes &= lanes - 1) {
         const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(lanes));
         const std::uint32_t place = met.block[bit / kBlock] * kBlock + bit % kBlock;
-        const bool of_row = levels.keys[place] - key - rows.to_row[bit / kBlock] <= Rows::span(static_cast<int>(bit / kBlock));
+        const bool of_row =
+            levels.keys[place] - key - rows.to_row[bit / kBlock] <= Rows::span(static_cast<int>(bit / kBlock));
         if (of_row && !report(levels.numbers[met.place], place)) return false;
       }
     }
@@ -89,7 +90,8 @@ struct Search {
       const Key last = key + rows.to_row[w] + Rows::span(w);
       while (last_key(met.block[w]) <= last) {
         ++met.block[w];
-        met.lanes = static_cast<std::uint64_t>(asked.overlapping(levels.blocks[met.block[w]])) << (w * static_cast<int>(kBlock));
+        met.lanes = static_cast<std::uint64_t>(asked.overlapping(levels.blocks[met.block[w]]))
+                    << (w * static_cast<int>(kBlock));
         meetings.add(met);
         if (meetings.count == Meetings::kSize && !tell(rows, meetings)) return false;
       }
@@ -117,7 +119,8 @@ struct Search {
         std::uint32_t block = met.block[w];
         while (last[block * kBlock] < first) ++block;
         met.block[w] = block;
-        met.lanes |= static_cast<std::uint64_t>(asked.overlapping(levels.blocks[block])) << (w * static_cast<int>(kBlock));
+        met.lanes |= static_cast<std::uint64_t>(asked.overlapping(levels.blocks[block]))
+                     << (w * static_cast<int>(kBlock));
         more |= (last[block * kBlock] <= first + 2 ? 1u : 0u) << w;
       }
       meetings.add(met);

@@ -79,7 +79,7 @@ class SlabWalk {
     const CellRange reached = reach(span);
     if (!is_sharp(span) || !is_short(reached)) return in_range(level_.occupied, limit, visit);
     Slice slab{main_, reached.low[main_], reached.high[main_], ray_.direction[main_] >= 0, 1};
-    for (; limit >= 0 && slab.next(); ) {
+    for (; limit >= 0 && slab.next();) {
       Span here{span.entry, std::min(span.exit, limit)};
       if (!clip_to(slab, here)) continue;
       limit = walk_blocks(slab, here, limit, visit);
@@ -198,7 +198,8 @@ double walk_near_level(const Levels& levels, const Level& level, const Vec3& poi
     const CellRange range = cells_reaching(level, point.array() - reached * (1 + kRelative) - kLeast,
                                            point.array() + reached * (1 + kRelative) + kLeast);
     for_each_in(levels, level, range, cost, [&](const Entry& entry) {
-      const Cell cell[3] = {level.cell_of(0, entry.low(0)), level.cell_of(1, entry.low(1)), level.cell_of(2, entry.low(2))};
+      const Cell cell[3] = {level.cell_of(0, entry.low(0)), level.cell_of(1, entry.low(1)),
+                            level.cell_of(2, entry.low(2))};
       if (is_within(entry, point, limit_m2) && !holds(before, cell)) limit_m2 = visit(entry, limit_m2);
       return limit_m2 >= 0;
     });
@@ -221,9 +222,10 @@ CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high) 
     const Cell first = level.occupied.low[axis];
     const Cell last = level.occupied.high[axis];
     // Clamped while still doubles, because queries may be infinite.
-    range.low[axis] = static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m[axis]) * level.inverse[axis]), first, last));
-    range.high[axis] = static_cast<Cell>(
-        std::clamp(std::floor(high[axis] * level.inverse[axis]), static_cast<double>(first) - 1, static_cast<double>(last)));
+    range.low[axis] =
+        static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m[axis]) * level.inverse[axis]), first, last));
+    range.high[axis] = static_cast<Cell>(std::clamp(std::floor(high[axis] * level.inverse[axis]),
+                                                    static_cast<double>(first) - 1, static_cast<double>(last)));
   }
   return range;
 }

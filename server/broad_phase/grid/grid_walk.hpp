@@ -64,8 +64,7 @@ bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cos
 
 /// Calls visit(entry) for each entry of the level whose cell is in the range, once; false ends the visit.
 template <typename Visit>
-bool for_each_in(const Levels& levels, const Level& level, const CellRange& cells, WalkCost& cost,
-                 const Visit& visit) {
+bool for_each_in(const Levels& levels, const Level& level, const CellRange& cells, WalkCost& cost, const Visit& visit) {
   if (cells.empty()) return true;
   const NumberRange range(level, cells);
   if (range.empty()) return true;

@@ -55,7 +55,7 @@ std::vector<std::byte> Bvh::saved(const TriangleMesh& mesh) const {
 }
 
 std::variant<Bvh, BvhRefusal> Bvh::load(const TriangleMesh& mesh, std::span<const std::byte> bytes,
-                                                std::shared_ptr<const void> keeper, unsigned threads) {
+                                        std::shared_ptr<const void> keeper, unsigned threads) {
   const auto start = Clock::now();
   Bvh tree;
   Storage& storage = *tree.storage_;
@@ -78,21 +78,21 @@ void Bvh::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate ca
 }
 
 void Bvh::walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
-                       WalkCost& cost) const {
+                   WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit >= 0)) return;
   bvh::walk_ray(layout, ray, limit, slack_m, mesh, candidate, cost);
 }
 
 void Bvh::walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                               WalkCost& cost) const {
+                           WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit >= 0)) return;
   bvh::walk_ray_nearest(layout, ray, limit, mesh, candidate, cost);
 }
 
 std::uint32_t Bvh::meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                                WalkCost& cost) const {
+                            WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit >= 0)) return kNoTriangle;
   return bvh::meet_ray(layout, ray, limit, mesh, candidate, cost);
@@ -119,8 +119,7 @@ void Bvh::walk_box(const Aabb& asked, BoxCandidate candidate, WalkCost& cost) co
   bvh::walk_box(layout, box, candidate, cost);
 }
 
-void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate,
-                        WalkCost& cost) const {
+void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit_m2 >= 0)) return;
   // Farther out, squares of floats overflow; a point moved nearer along an axis only makes the walk more generous.
@@ -139,7 +138,7 @@ void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCand
 }
 
 void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                         PairCandidate candidate, WalkCost& cost) const {
+                     PairCandidate candidate, WalkCost& cost) const {
   const bvh::Layout& own = storage_->layout;
   const bvh::Layout& others = other.storage_->layout;
   if (own.root == bvh::kNothing || others.root == bvh::kNothing) return;
@@ -166,7 +165,7 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
 
 /// The fallback: pairs every triangle near the other's bounds with all of the other's.
 void Bvh::pair_all(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                       PairCandidate candidate, WalkCost& cost) const {
+                   PairCandidate candidate, WalkCost& cost) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Aabb everything{.low = Vec3::Constant(-kInfinity), .high = Vec3::Constant(kInfinity)};
   const Aabb& placed = other.bounds();

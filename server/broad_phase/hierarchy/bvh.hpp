@@ -43,9 +43,9 @@ struct BvhReport {
 };
 
 struct BvhOptions {
-  unsigned threads = 0;                          // 0: one per core
-  std::function<void(double)> progress;          // fraction done in [0, 1], from a building thread
-  std::function<bool()> cancelled;               // called now and then; true ends the build with an empty tree
+  unsigned threads = 0;                  // 0: one per core
+  std::function<void(double)> progress;  // fraction done in [0, 1], from a building thread
+  std::function<bool()> cancelled;       // called now and then; true ends the build with an empty tree
   BvhForm form = BvhForm::fast;
 };
 
@@ -74,7 +74,7 @@ class Bvh {
   /// The bytes may come from an untrusted source: the result answers like a built tree, and anything else is refused.
   /// cost      a pass over the mesh and the bytes on that many threads (0: one per core); a quarter of a build
   static std::variant<Bvh, BvhRefusal> load(const TriangleMesh& mesh, std::span<const std::byte> bytes,
-                                                std::shared_ptr<const void> keeper, unsigned threads = 0);
+                                            std::shared_ptr<const void> keeper, unsigned threads = 0);
 
   const BvhReport& report() const;
   /// Contains every vertex, exactly.
@@ -140,12 +140,12 @@ class Bvh {
   /// Offers pairs of a triangle of this tree and one of the other that may meet, where the other's point p lies at
   /// rotation * p + position here, off by at most slack_m on each axis. Descends both trees at once. rotation should be
   /// orthonormal up to rounding; with any other nothing is missed, but the walk is slow.
-  void walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                  PairCandidate candidate, WalkCost& cost) const;
+  void walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
+                  WalkCost& cost) const;
 
  private:
-  void pair_all(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                PairCandidate candidate, WalkCost& cost) const;
+  void pair_all(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
+                WalkCost& cost) const;
 
   struct Storage;
   std::unique_ptr<Storage> storage_;

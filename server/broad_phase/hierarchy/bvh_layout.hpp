@@ -28,9 +28,7 @@ using Ref = std::uint32_t;
 inline constexpr Ref kLeafBit = 0x80000000u;
 inline constexpr Ref kIndexMask = 0x0fffffffu;
 inline constexpr Ref kNothing = 0x7fffffffu;
-inline Ref leaf_ref(std::uint32_t index, int count) {
-  return kLeafBit | (static_cast<Ref>(count - 1) << 28) | index;
-}
+inline Ref leaf_ref(std::uint32_t index, int count) { return kLeafBit | (static_cast<Ref>(count - 1) << 28) | index; }
 inline bool is_leaf(Ref ref) { return (ref & kLeafBit) != 0; }
 inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; }
 

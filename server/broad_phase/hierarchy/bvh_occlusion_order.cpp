@@ -50,7 +50,8 @@ float chance_of_meeting(float surface, float box) { return box > 0 ? 1 - std::ex
 
 class OcclusionOrders {
  public:
-  explicit OcclusionOrders(Layout& layout) : layout_(layout), leaves_(layout.leaves.size()), nodes_(layout.nodes.size()) {}
+  explicit OcclusionOrders(Layout& layout)
+      : layout_(layout), leaves_(layout.leaves.size()), nodes_(layout.nodes.size()) {}
 
   void look_at_leaves(unsigned threads) {
     std::vector<std::uint8_t> counts(leaves_.size());

@@ -21,9 +21,7 @@ struct SixBox {
   float high[6];
 
   /// The largest side along a's axes.
-  float size() const {
-    return std::max(std::max(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-  }
+  float size() const { return std::max(std::max(high[0] - low[0], high[1] - low[1]), high[2] - low[2]); }
 };
 
 /// Eight such boxes; a lane whose bit is not in `present` is empty.
@@ -276,8 +274,8 @@ HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points
   // One percent more for the roundings of the bound itself; the last term covers products that underflow.
   const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), planes.get(plane.edge));
   const Lanes distance = hn::Add(margin, motion);
-  const Lanes of_margin = hn::Mul(margin, hn::MulAdd(hn::Set(kFloats, 24.3f), distance,
-                                                     hn::Mul(hn::Set(kFloats, 6.1f), length)));
+  const Lanes of_margin =
+      hn::Mul(margin, hn::MulAdd(hn::Set(kFloats, 24.3f), distance, hn::Mul(hn::Set(kFloats, 6.1f), length)));
   const Lanes of_floats = hn::Mul(hn::Mul(hn::Set(kFloats, 0x1p-18f), length), distance);
   const Lanes error = hn::MulAdd(length, hn::Add(of_margin, of_floats), hn::Set(kFloats, 0x1p-120f));
   const auto above = hn::Gt(least(side[0], side[1], side[2]), error);
@@ -415,8 +413,7 @@ class PairWalk {
         ++cost_.candidates;
         const std::uint32_t triangle_a = leaf_a.triangle[__builtin_ctz(mask)];
         const std::uint32_t triangle_b = leaf_b.triangle[lane_b];
-        const bool go_on = swapped_ ? candidate_(triangle_b, triangle_a)
-                                    : candidate_(triangle_a, triangle_b);
+        const bool go_on = swapped_ ? candidate_(triangle_b, triangle_a) : candidate_(triangle_a, triangle_b);
         if (!go_on) return false;
       }
     }
@@ -433,8 +430,8 @@ class PairWalk {
   FacetCache cache_b_;
 };
 
-void WalkPairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-               Bvh::PairCandidate candidate, WalkCost& cost) {
+void WalkPairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
+               WalkCost& cost) {
   PairWalk(a, b, frame, swapped, candidate, cost).run();
 }
 
@@ -446,8 +443,8 @@ namespace collided::engine::bvh {
 
 HWY_EXPORT(WalkPairs);
 
-void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-                Bvh::PairCandidate candidate, WalkCost& cost) {
+void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
+                WalkCost& cost) {
   HWY_DYNAMIC_DISPATCH(WalkPairs)(a, b, frame, swapped, candidate, cost);
 }
 

@@ -9,15 +9,15 @@ namespace collided::engine::bvh {
 /// axes in a's local unit from b's local origin (so that floats resolve the smaller mesh wherever it is in the larger),
 /// and along b's axes in b's local coordinates. All slack is on a's side: a box of a grown by it overlaps a box of b on
 /// all six axes wherever the exact bodies meet.
-struct PairFrame {  // b's local origin in a's local coordinates: the sum of both
+struct PairFrame {       // b's local origin in a's local coordinates: the sum of both
   float center_high[3];  // b's local origin in a's local coordinates: the sum of the two
   float center_low[3];
   float to_a[3][3];
   float to_b[3][3];
-  float reach;         // a's boxes are cut off here; b lies well within
-  float box_slack_a;   // for boxes
+  float reach;        // a's boxes are cut off here; b lies well within
+  float box_slack_a;  // for boxes
   float box_slack_b;
-  float slack_a;       // for triangles near b; grows by grow_a, grow_b times the distance farther out
+  float slack_a;  // for triangles near b; grows by grow_a, grow_b times the distance farther out
   float slack_b;
   float grow_a;
   float grow_b;
@@ -33,7 +33,7 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
                        PairFrame& out);
 
 /// Calls candidate with (triangle of a, triangle of b), or exchanged where `swapped`.
-void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-                Bvh::PairCandidate candidate, WalkCost& cost);
+void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
+                WalkCost& cost);
 
 }  // namespace collided::engine::bvh

@@ -94,8 +94,8 @@ std::uint32_t cover_part(const Polygon& polygon, const Primitive& box, const Pri
   const Primitive above_box = box_of(above, whole);
   const float below_size = (below_box.high - below_box.low).head<3>().maxCoeff();
   const float above_size = (above_box.high - above_box.low).head<3>().maxCoeff();
-  const auto share = static_cast<std::uint32_t>(
-      std::lround(static_cast<float>(count) * below_size / (below_size + above_size)));
+  const auto share =
+      static_cast<std::uint32_t>(std::lround(static_cast<float>(count) * below_size / (below_size + above_size)));
   const std::uint32_t below_count = std::clamp(share, 1u, count - 1);
   const std::uint32_t written = cover_part(below, below_box, whole, below_count, pieces);
   return written + cover_part(above, above_box, whole, count - below_count, pieces.subspan(written));

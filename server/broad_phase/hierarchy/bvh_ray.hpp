@@ -44,7 +44,6 @@ struct alignas(16) RayFrame {
   double moved[3];
 };
 
-
 namespace ray_detail {
 
 inline constexpr double kUnit = 0x1p-24;
@@ -117,8 +116,8 @@ inline void set_leaf_slack(double start_error, double slack, RayFrame& out) {
     return;
   }
   constexpr double kRaise = 1.01;
-  const auto reach = static_cast<double>(
-      std::max({std::abs(out.origin[0]), std::abs(out.origin[1]), std::abs(out.origin[2])}));
+  const auto reach =
+      static_cast<double>(std::max({std::abs(out.origin[0]), std::abs(out.origin[1]), std::abs(out.origin[2])}));
   const auto d = static_cast<double>(
       std::max({std::abs(out.direction[0]), std::abs(out.direction[1]), std::abs(out.direction[2])}));
   const double c = 1 + reach + start_error + slack;

@@ -51,7 +51,8 @@ std::uint64_t header_checksum(const Header& header) {
 /// The flaws that show before anything but the header is read.
 std::string flaw_of_header(const Header& header, const TriangleMesh& mesh, std::size_t byte_count) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) return "it does not begin as one";
-  if (header.version != kVersion) return "it is of version " + std::to_string(header.version) + ", this program reads " + std::to_string(kVersion);
+  if (header.version != kVersion)
+    return "it is of version " + std::to_string(header.version) + ", this program reads " + std::to_string(kVersion);
   const bool same_machine = header.byte_order == kByteOrder && header.node_bytes == sizeof(Node) &&
                             header.leaf_bytes == sizeof(Leaf) && header.width == kWidth;
   if (!same_machine) return "it is for another kind of machine";
@@ -84,8 +85,7 @@ void place(const Header& header, std::span<const std::byte> payload, std::shared
   const auto nodes = payload.first(header.node_count * sizeof(Node));
   const auto leaves = payload.subspan(nodes.size(), header.leaf_count * sizeof(Leaf));
   const auto splits = payload.subspan(nodes.size() + leaves.size());
-  const bool in_place =
-      keeper != nullptr && reinterpret_cast<std::uintptr_t>(payload.data()) % kSavedAlignment == 0;
+  const bool in_place = keeper != nullptr && reinterpret_cast<std::uintptr_t>(payload.data()) % kSavedAlignment == 0;
   layout.nodes = in_place ? borrowed<Node>(nodes) : copied<Node>(nodes);
   layout.leaves = in_place ? borrowed<Leaf>(leaves) : copied<Leaf>(leaves);
   layout.splits.resize(header.split_count);

@@ -44,8 +44,8 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   const auto three = hn::FirstN(axes, 3);
   // Each load also takes the following member into the spare lane.
   const auto start = hn::LoadU(axes, &ray.origin[0]);
-  const auto local = hn::IfThenElseZero(
-      three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
+  const auto local =
+      hn::IfThenElseZero(three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
   const auto direction = hn::IfThenElseZero(three, hn::LoadU(axes, &ray.direction[0]));
   const auto largest = hn::MaxOfLanes(axes, hn::Abs(direction));
   const int exponent = exponent_of(hn::GetLane(largest));
@@ -60,8 +60,8 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   const auto field = hn::And(hn::BitCast(words, largest), hn::Set(words, std::uint64_t{0x7ff} << 52));
   const auto scale = hn::BitCast(axes, hn::Sub(hn::Set(words, std::uint64_t{2046} << 52), field));
   const auto rounded = hn::DemoteTo(floats, hn::Mul(direction, scale));
-  const auto clamped = hn::CopySign(
-      hn::Max(hn::Abs(rounded), hn::Set(floats, static_cast<float>(kLeastDirection))), rounded);
+  const auto clamped =
+      hn::CopySign(hn::Max(hn::Abs(rounded), hn::Set(floats, static_cast<float>(kLeastDirection))), rounded);
   const auto inverse = hn::Div(hn::Set(floats, 1.0f), clamped);
   // Roundings in u: the start 1 |o|; the inverse 2 (|o| + 1); the offset's sum and product 2 |o|; in the walk the
   // product 1, the difference 1 + |o|. One percent more for their products with each other.
@@ -496,8 +496,8 @@ HWY_INLINE void fetch(const Node* nodes, const Leaf* leaves, Ref ref) {
 }
 
 HWY_INLINE bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
-  const bool is_usual = slack_m == 0 ? prepare_usual_ray<false>(layout, ray, 0, out)
-                                     : prepare_usual_ray<true>(layout, ray, slack_m, out);
+  const bool is_usual =
+      slack_m == 0 ? prepare_usual_ray<false>(layout, ray, 0, out) : prepare_usual_ray<true>(layout, ray, slack_m, out);
   return is_usual || ray_detail::prepare_any_ray(layout, ray, slack_m, out);
 }
 

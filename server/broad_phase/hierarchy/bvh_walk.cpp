@@ -126,9 +126,7 @@ HWY_INLINE Triplet across(const Triplet& a, const Triplet& b) {
   return {hn::NegMulAdd(a.z, b.y, hn::Mul(a.y, b.z)), hn::NegMulAdd(a.x, b.z, hn::Mul(a.z, b.x)),
           hn::NegMulAdd(a.y, b.x, hn::Mul(a.x, b.y))};
 }
-HWY_INLINE Lanes largest_of(const Triplet& a) {
-  return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z)));
-}
+HWY_INLINE Lanes largest_of(const Triplet& a) { return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z))); }
 
 /// The point nearest to the origin on the segment from a along the edge.
 HWY_INLINE Triplet foot_on(const Triplet& a, const Triplet& edge) {

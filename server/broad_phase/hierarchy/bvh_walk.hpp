@@ -21,13 +21,11 @@ std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const
                        Bvh::RayTriangle candidate, WalkCost& cost);
 
 /// Uses whichever of the two functions below suits the first rays; only the cost differs.
-void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
-               Bvh::RayGoal goal);
+void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal);
 void walk_rays_in_turn(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
                        Bvh::RayGoal goal);
 /// Eight rays at a time through each node; for the goals nearest and any.
-void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
-                      Bvh::RayGoal goal);
+void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal);
 
 /// A box in local coordinates, already grown by all roundings.
 struct LocalBox {

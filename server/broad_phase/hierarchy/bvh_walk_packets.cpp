@@ -42,16 +42,15 @@ class Packet {
     descend();
     if constexpr (kGoal == Goal::nearest) {
       for (std::size_t i = 0; i < tasks.size(); ++i) {
-        if (is_under_way_[i] && !reach_[i].is_over()) sure_hits_[i].template settle<kCorners>(call_of(i), ray_[i], reach_[i], *tasks[i].cost);
+        if (is_under_way_[i] && !reach_[i].is_over())
+          sure_hits_[i].template settle<kCorners>(call_of(i), ray_[i], reach_[i], *tasks[i].cost);
       }
     }
     return true;
   }
 
  private:
-  HWY_INLINE TriangleCall call_of(std::size_t i) const {
-    return {tasks_[i].candidate, mesh_, layout_.frame};
-  }
+  HWY_INLINE TriangleCall call_of(std::size_t i) const { return {tasks_[i].candidate, mesh_, layout_.frame}; }
 
   void fill() {
     for (std::size_t i = 0; i < kWidth; ++i) {
@@ -92,8 +91,8 @@ class Packet {
         const int lane = part * kLanes;
         const auto here = hn::Le(hn::Load(kFloats, top.entry + lane), hn::Load(kFloats, limit_ + lane));
         active |= bits_of(here) << lane;
-        hn::Store(hn::Add(hn::Load(kFloats, visited_ + lane), hn::IfThenElseZero(here, hn::Set(kFloats, 1.0f))), kFloats,
-                  visited_ + lane);
+        hn::Store(hn::Add(hn::Load(kFloats, visited_ + lane), hn::IfThenElseZero(here, hn::Set(kFloats, 1.0f))),
+                  kFloats, visited_ + lane);
       }
       if (active == 0) continue;
       if (is_leaf(ref)) {
@@ -268,8 +267,7 @@ bool is_coherent(const Layout& layout, std::span<const Bvh::RayTask> tasks) {
 
 }  // namespace
 
-void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
-               Bvh::RayGoal goal) {
+void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal) {
   if (goal != Bvh::RayGoal::every && is_coherent(layout, tasks)) {
     walk_ray_packets(layout, tasks, mesh, goal);
   } else {

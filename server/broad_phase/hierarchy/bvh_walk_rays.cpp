@@ -21,8 +21,8 @@ struct Traveller {
   Reach reach = {};
   float sure_limit = 0;
   Ref ref = kNothing;
-  unsigned met = 0;       // triangles of the leaf `ref` that wait for their corners
-  int fetched = 0;        // stage of prefetching the corners: 0 nothing, 1 indices, 2 corners
+  unsigned met = 0;        // triangles of the leaf `ref` that wait for their corners
+  int fetched = 0;         // stage of prefetching the corners: 0 nothing, 1 indices, 2 corners
   bool is_ending = false;  // only certain hits are left to offer
   Bvh::RayTask* task = nullptr;
   Frame* top = nullptr;
@@ -65,9 +65,7 @@ class Journey {
   }
 
  private:
-  HWY_INLINE TriangleCall call_of(const Traveller& t) const {
-    return {t.task->candidate, mesh_, layout_.frame};
-  }
+  HWY_INLINE TriangleCall call_of(const Traveller& t) const { return {t.task->candidate, mesh_, layout_.frame}; }
 
   HWY_INLINE bool visit_node(Traveller& t) const {
     constexpr Way kWay = kGoal == Goal::any ? Way::most_occluding_first : Way::near_first;

@@ -51,10 +51,10 @@ class SweepAndPrune {
   void start_anew(std::span<const Aabb> boxes, int axis);
   bool sort_from_last();
 
-  std::vector<Place> order_;        // ascending by low end
-  std::vector<BoxBlock> blocks_;    // in that order; NaN after the last
+  std::vector<Place> order_;      // ascending by low end
+  std::vector<BoxBlock> blocks_;  // in that order; NaN after the last
   std::vector<std::uint32_t> numbers_;
-  std::size_t box_count_ = 0;       // of the last update, including empty ones
+  std::size_t box_count_ = 0;  // of the last update, including empty ones
   Report report_;
 };
 

@@ -69,24 +69,12 @@ Ring evaluate(const ImplicitSurface& surface, const Ring& x, const Ring& y, cons
   std::size_t depth = 0;
   for (const PolynomialStep& step : surface.steps) {
     switch (step.kind) {
-      case Kind::constant:
-        stack[depth++] = ConstantOf<Ring>::make(step.constant);
-        break;
-      case Kind::x:
-        stack[depth++] = x;
-        break;
-      case Kind::y:
-        stack[depth++] = y;
-        break;
-      case Kind::z:
-        stack[depth++] = z;
-        break;
-      case Kind::negate:
-        stack[depth - 1] = -stack[depth - 1];
-        break;
-      case Kind::power:
-        stack[depth - 1] = powered(stack[depth - 1], step.exponent);
-        break;
+      case Kind::constant: stack[depth++] = ConstantOf<Ring>::make(step.constant); break;
+      case Kind::x: stack[depth++] = x; break;
+      case Kind::y: stack[depth++] = y; break;
+      case Kind::z: stack[depth++] = z; break;
+      case Kind::negate: stack[depth - 1] = -stack[depth - 1]; break;
+      case Kind::power: stack[depth - 1] = powered(stack[depth - 1], step.exponent); break;
       case Kind::add:
         --depth;
         stack[depth - 1] = stack[depth - 1] + stack[depth];

@@ -42,7 +42,7 @@ class RealRoot {
   Dyadic high_;
   Sign before_high_ = Sign::zero;
   bool known_ = false;  // both ends are the root
-};  // low_ and high_ are both the root
+};                      // low_ and high_ are both the root
 
 /// Roots found, and whether they are all.
 struct RealRoots {

@@ -33,8 +33,8 @@ SignChanges sign_changes(const AnyPolynomial& polynomial, const Dyadic& low, con
 /// returns  false when out of steps: there may be more roots beyond the last one reported
 /// source   Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 template <class AnyPolynomial, class Middle, class Known, class Alone>
-bool isolate_roots(const AnyPolynomial& polynomial, const Dyadic& low, const Dyadic& high, int most_steps, const Middle& middle,
-                   const Known& known, const Alone& alone) {
+bool isolate_roots(const AnyPolynomial& polynomial, const Dyadic& low, const Dyadic& high, int most_steps,
+                   const Middle& middle, const Known& known, const Alone& alone) {
   // Spans still to search, the next one last; one of no width is a point to test.
   std::vector<std::pair<Dyadic, Dyadic>> spans{{low, high}};
   for (int step = 0; step < most_steps && !spans.empty(); ++step) {

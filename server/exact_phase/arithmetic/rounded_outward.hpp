@@ -19,7 +19,8 @@ inline double rounded_down(const Dyadic& x) {
 /// The smallest double at or above a number >= 0; infinite above the largest.
 inline double rounded_up(const Dyadic& x) {
   const double below = rounded_down(x);
-  return sign(x - Dyadic(below)) == Sign::positive ? std::nextafter(below, std::numeric_limits<double>::infinity()) : below;
+  return sign(x - Dyadic(below)) == Sign::positive ? std::nextafter(below, std::numeric_limits<double>::infinity())
+                                                   : below;
 }
 
 }  // namespace collided::engine::kernel

@@ -61,7 +61,8 @@ inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
     if (c->value.value != 0) power = std::max(power, c->power + own);
   }
   if (power == std::numeric_limits<long>::min()) power = 0;
-  return {shifted(v.x.value, v.x.power - power), shifted(v.y.value, v.y.power - power), shifted(v.z.value, v.z.power - power)};
+  return {shifted(v.x.value, v.x.power - power), shifted(v.y.value, v.y.power - power),
+          shifted(v.z.value, v.z.power - power)};
 }
 
 /// The unit vector along v, or zero if v is zero.

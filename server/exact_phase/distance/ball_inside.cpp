@@ -33,7 +33,9 @@ bool quickly_holds_ball(const Triple* corner, double radius_m) {
     // The origin must be on the corner's side of the plane, and far enough from it. Written so that NaN fails.
     const double inward = of_corner > 0 ? -of_face : of_face;
     const double length = std::sqrt(dot(n, n)) + error;
-    if (!(std::abs(of_corner) > error * largest) || !(inward - error * largest > radius_m * length * (1 + 8 * kRoundoff))) return false;
+    if (!(std::abs(of_corner) > error * largest) ||
+        !(inward - error * largest > radius_m * length * (1 + 8 * kRoundoff)))
+      return false;
   }
   // In this range products of such lengths keep their digits.
   constexpr double kLargest = 0x1p300;  // up to it products of three stay in the range of double
@@ -45,7 +47,8 @@ double ball_inside(const DifferencePoint* corner) {
   double least = std::numeric_limits<double>::infinity();
   for (int skipped = 0; skipped < 4; ++skipped) {
     const Vector<Bounded> p(corner[(skipped + 1) % 4].w);
-    const Vector<Bounded> n = cross(Vector<Bounded>(corner[(skipped + 2) % 4].w) - p, Vector<Bounded>(corner[(skipped + 3) % 4].w) - p);
+    const Vector<Bounded> n =
+        cross(Vector<Bounded>(corner[(skipped + 2) % 4].w) - p, Vector<Bounded>(corner[(skipped + 3) % 4].w) - p);
     const Bounded length = sqrt(square(n));
     const Bounded of_face = dot(n, p);
     const Bounded of_corner = dot(n, Vector<Bounded>(corner[skipped].w)) - of_face;

@@ -49,8 +49,7 @@ Closest closest_by(const Vec3& point, const Box& box) {
 template <class Climb>
 Closest closest_by(const Vec3& point, const Capsule& capsule) {
   const NearestValue nearest = nearest_by<Climb>(point, 0, capsule);
-  const Vec3 normal =
-      nearest.away.isZero(0) ? any_normal(Vec3(capsule.b - capsule.a)) : nearest.away;
+  const Vec3 normal = nearest.away.isZero(0) ? any_normal(Vec3(capsule.b - capsule.a)) : nearest.away;
   if (holds<Climb>(capsule, point)) return inside_at(point, normal);
   return outside_at(nearest, capsule.radius_m);
 }

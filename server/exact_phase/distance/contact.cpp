@@ -252,7 +252,10 @@ namespace {
 
 template <class Shape>
 /// Order of the kinds in the list of contacts.
-constexpr int kRank = std::is_same_v<Shape, Sphere> ? 0 : std::is_same_v<Shape, Box> ? 1 : std::is_same_v<Shape, Capsule> ? 2 : 3;
+constexpr int kRank = std::is_same_v<Shape, Sphere>    ? 0
+                      : std::is_same_v<Shape, Box>     ? 1
+                      : std::is_same_v<Shape, Capsule> ? 2
+                                                       : 3;
 
 }  // namespace
 
@@ -261,7 +264,8 @@ Contact contact(const Primitive& a, const Primitive& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (kRank<First> <= kRank<Second> || General<First> || std::is_same_v<Second, HalfSpace>) return contact(first, second);
+        if constexpr (kRank<First> <= kRank<Second> || General<First> || std::is_same_v<Second, HalfSpace>)
+          return contact(first, second);
         else return flipped(contact(second, first));
       },
       a, b);

@@ -43,24 +43,35 @@ Convex::Convex(const Box& b) : carrier{b.center}, plus(Plus::box), axes(b.axes),
   reach_m = (axes * half_m.asDiagonal()).cwiseAbs().sum();
 }
 
-Convex::Convex(const Capsule& c) : carrier{c.a, c.b}, carrier_count(2), ball_m(c.radius_m), reach_m((c.b - c.a).stableNorm()) {}
+Convex::Convex(const Capsule& c)
+    : carrier{c.a, c.b}, carrier_count(2), ball_m(c.radius_m), reach_m((c.b - c.a).stableNorm()) {}
 
 Convex::Convex(const Triangle& t)
     : carrier{t.a, t.b, t.c}, carrier_count(3), reach_m(std::max((t.b - t.a).stableNorm(), (t.c - t.a).stableNorm())) {}
 
 Convex::Convex(const Cylinder& c)
-    : carrier{c.a, c.b}, carrier_count(2), disc_m(c.radius_m), disc_axis{c.b, c.a}, disc_unit((c.b - c.a).stableNormalized()),
+    : carrier{c.a, c.b},
+      carrier_count(2),
+      disc_m(c.radius_m),
+      disc_axis{c.b, c.a},
+      disc_unit((c.b - c.a).stableNormalized()),
       reach_m((c.b - c.a).stableNorm() + c.radius_m) {}
 
 Convex::Convex(const Cone& c)
-    : carrier{c.apex, c.base}, carrier_count(2), disc_m(c.radius_m), first_disc(1), disc_axis{c.base, c.apex},
-      disc_unit((c.base - c.apex).stableNormalized()), reach_m((c.base - c.apex).stableNorm() + c.radius_m) {}
+    : carrier{c.apex, c.base},
+      carrier_count(2),
+      disc_m(c.radius_m),
+      first_disc(1),
+      disc_axis{c.base, c.apex},
+      disc_unit((c.base - c.apex).stableNormalized()),
+      reach_m((c.base - c.apex).stableNorm() + c.radius_m) {}
 
 Convex::Convex(const Ellipsoid& e) : carrier{e.center}, plus(Plus::ellipsoid), axes(e.axes), half_m(e.half_m) {
   reach_m = (axes * half_m.asDiagonal()).cwiseAbs().sum();
 }
 
-Convex::Convex(const Hull& h) : carrier{vertex_of(h, 0)}, hull(&h), hull_count(static_cast<int>(h.mesh->vertices.size())) {
+Convex::Convex(const Hull& h)
+    : carrier{vertex_of(h, 0)}, hull(&h), hull_count(static_cast<int>(h.mesh->vertices.size())) {
   // Measured in the hull's own frame: rotation and rounding change only the last digits.
   const std::vector<Vec3>& vertices = h.mesh->vertices;
   double reach = 0;

@@ -22,7 +22,7 @@ struct Convex {
   int first_disc = 0;
   EdgeDirection disc_axis;
   Vec3 disc_unit = Vec3::UnitZ();  // the axis as a unit vector, rounded
-  double reach_m = 0;  // upper bound on the distance of any point, without the ball, from carrier[0]
+  double reach_m = 0;              // upper bound on the distance of any point, without the ball, from carrier[0]
 
   /// A point well inside the set, relative to carrier[0], to start a search from.
   Vec3 middle() const;

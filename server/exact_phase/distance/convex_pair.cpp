@@ -165,10 +165,13 @@ Separation separation_of(const ConvexPair& pair) {
   const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
   Separation result;
   result.normal = unit(Vec3(-proposal.nearest));
-  result.point_error_m = support_error_m(pair) + 8 * kRoundoff * (pair.a.carrier[0].cwiseAbs().maxCoeff() + pair.b.carrier[0].cwiseAbs().maxCoeff() + balls_m(pair));
+  result.point_error_m = support_error_m(pair) + 8 * kRoundoff *
+                                                     (pair.a.carrier[0].cwiseAbs().maxCoeff() +
+                                                      pair.b.carrier[0].cwiseAbs().maxCoeff() + balls_m(pair));
   result.on_a = pair.a.carrier[0] + proposal.on_a() + pair.a.ball_m * result.normal;
   result.on_b = pair.b.carrier[0] + proposal.on_b() - pair.b.ball_m * result.normal;
-  const double high = proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + support_error_m(pair) - balls_m(pair) * (1 - 2 * kRoundoff);
+  const double high =
+      proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + support_error_m(pair) - balls_m(pair) * (1 - 2 * kRoundoff);
   const double low = result.normal.isZero(0) ? 0 : std::max(-push_along(result.normal, pair.a, pair.b).high(), 0.0);
   result.distance_m = low + std::max(high - low, 0.0) / 2;
   result.error_m = std::max(high - low, 0.0) / 2 + 2 * kRoundoff * std::abs(high);

@@ -83,7 +83,8 @@ HalfSpaces half_spaces_of(const Core& core, double size_m) {
   const double slack = kClipSlack * size_m;
   if (core.is_box) {
     for (int i = 0; i < 3; ++i) {
-      const Vec3 normal = unit(Vec3(unit(Vec3(core.axes.col((i + 1) % 3))).cross(unit(Vec3(core.axes.col((i + 2) % 3))))));
+      const Vec3 normal =
+          unit(Vec3(unit(Vec3(core.axes.col((i + 1) % 3))).cross(unit(Vec3(core.axes.col((i + 2) % 3))))));
       const double reach = core.half_m[i] * std::abs(normal.dot(core.axes.col(i))) + slack;
       const double middle = normal.dot(core.point[0]);
       spaces.push_back({normal, middle + reach});
@@ -175,9 +176,11 @@ FacetAxes facet_axes(const Core& a, const Core& b) {
   EdgeDirection edge_b[3];
   const int count_a = edge_directions(a, edge_a);
   const int count_b = edge_directions(b, edge_b);
-  if (a.is_box) for (int i = 0; i < 3; ++i) append(axes, edge_a[(i + 1) % 3], edge_a[(i + 2) % 3]);
+  if (a.is_box)
+    for (int i = 0; i < 3; ++i) append(axes, edge_a[(i + 1) % 3], edge_a[(i + 2) % 3]);
   else if (count_a == 3) append(axes, edge_a[0], edge_a[1]);
-  if (b.is_box) for (int i = 0; i < 3; ++i) append(axes, edge_b[(i + 1) % 3], edge_b[(i + 2) % 3]);
+  if (b.is_box)
+    for (int i = 0; i < 3; ++i) append(axes, edge_b[(i + 1) % 3], edge_b[(i + 2) % 3]);
   else if (count_b == 3) append(axes, edge_b[0], edge_b[1]);
   for (int i = 0; i < count_a; ++i) {
     for (int j = 0; j < count_b; ++j) append(axes, edge_a[i], edge_b[j]);

@@ -208,7 +208,8 @@ int side_of(const Vec3& d, const Vec3& p, const Vec3& q) {
 /// Decides by how often a ray from the origin crosses the faces, even or odd; skips directions for which a face is
 /// uncertain.
 bool Polytope::encloses_origin() const {
-  for (const Vec3& d : {Vec3(0.53, 0.61, 0.59), Vec3(-0.71, 0.37, 0.6), Vec3(0.23, -0.81, 0.54), Vec3(-0.3, -0.44, -0.85)}) {
+  for (const Vec3& d :
+       {Vec3(0.53, 0.61, 0.59), Vec3(-0.71, 0.37, 0.6), Vec3(0.23, -0.81, 0.54), Vec3(-0.3, -0.44, -0.85)}) {
     int crossed = 0;
     bool sure = true;
     for (int i = 0; i < face_count_ && sure; ++i) {

@@ -13,11 +13,11 @@ namespace collided::engine {
 /// Shapes without a closed form for pairs: they use one search with certificates (convex_pair.hpp).
 template <class Shape>
 concept General = std::same_as<Shape, Cylinder> || std::same_as<Shape, Cone> || std::same_as<Shape, Ellipsoid> ||
-                  std::same_as<Shape, Hull>;
+    std::same_as<Shape, Hull>;
 
 /// A pointer to any convex shape; the shape must outlive the call.
-using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*, const Ellipsoid*,
-                               const Hull*, const Triangle*>;
+using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*,
+                               const Ellipsoid*, const Hull*, const Triangle*>;
 
 /// Shapes that a ShapeView can point to.
 template <class Shape>
@@ -32,14 +32,12 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape);
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
 
 template <class A, class B>
-  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
-ExactResult overlaps(const A& a, const B& b) {
+requires(Viewable<A>&& Viewable<B> && (General<A> || General<B>)) ExactResult overlaps(const A& a, const B& b) {
   return overlaps_in_general(&a, &b);
 }
 
 template <class A, class B>
-  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
-Contact contact(const A& a, const B& b) {
+requires(Viewable<A>&& Viewable<B> && (General<A> || General<B>)) Contact contact(const A& a, const B& b) {
   return contact_in_general(&a, &b);
 }
 

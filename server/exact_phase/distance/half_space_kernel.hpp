@@ -85,14 +85,15 @@ Closest closest_half_space(const Vec3& point, const HalfSpace& h) {
   const Vec3 normal = unit(h.normal);
   const ExactResult held = Climb::climb([&]<class N>() { return at_most(ahead_of<N>(h, point), N(0.0)); });
   if (held.yes()) return inside_at(point, normal);
-  const Bounded ahead = Climb::sharpened([&]<class N>() {
-    return plain(scaled(ahead_of<N>(h, point)) / sqrt(scaled(square(Vector<N>(h.normal)))));
-  });
+  const Bounded ahead = Climb::sharpened(
+      [&]<class N>() { return plain(scaled(ahead_of<N>(h, point)) / sqrt(scaled(square(Vector<N>(h.normal))))); });
   const double distance_m = std::max(ahead.value, 0.0);
   Closest result{distance_m, ahead.bound() + (distance_m - ahead.value), point - distance_m * normal, normal};
   // The error of the distance, of the unit vector (4 u) and of their product, and of the difference in each coordinate.
-  result.point_error_m = (result.distance_error_m + 8 * kRoundoff * distance_m +
-                          kPointSum * result.point.cwiseAbs().maxCoeff()) * (1 + kBoundSlack) + kUnderflow;
+  result.point_error_m =
+      (result.distance_error_m + 8 * kRoundoff * distance_m + kPointSum * result.point.cwiseAbs().maxCoeff()) *
+          (1 + kBoundSlack) +
+      kUnderflow;
   return result;
 }
 

@@ -47,8 +47,8 @@ std::vector<Dyadic> weights_of(const std::vector<Difference>& corners) {
   const Dyadic volume = dot(n, w[3] - w[0]);
   const Dyadic turn(volume.sign() < 0 ? -1.0 : 1.0);
   // Volumes of the tetrahedron with the origin in place of each corner.
-  return {turn * dot(w[1], cross(w[2], w[3])), -turn * dot(w[0], cross(w[2], w[3])), turn * dot(w[0], cross(w[1], w[3])),
-          -turn * dot(w[0], cross(w[1], w[2]))};
+  return {turn * dot(w[1], cross(w[2], w[3])), -turn * dot(w[0], cross(w[2], w[3])),
+          turn * dot(w[0], cross(w[1], w[3])), -turn * dot(w[0], cross(w[1], w[2]))};
 }
 
 /// The point of the simplex nearest to the origin lies inside exactly one of its faces: the one for which no other
@@ -130,7 +130,8 @@ std::vector<Point> corners_swept(const Convex& set, const Point& displacement) {
 
 Decision polytopes_meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion) {
   Foot foot;
-  return search(corners_swept(a, motion.displacement<Dyadic>()), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m), foot);
+  return search(corners_swept(a, motion.displacement<Dyadic>()), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m),
+                foot);
 }
 
 Decision polytopes_meet(const Convex& a, const Convex& b) {

@@ -94,9 +94,10 @@ void keep(Proposal& proposal, const Nearest& nearest) {
 /// If a support point lies farther from the origin than this, the plane through it has the whole difference set behind
 /// it, balls and roundings included.
 double clearance_m(const Convex& a, const Convex& b) {
-  const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).norm() + a.carrier[0].cwiseAbs().maxCoeff() +
-                      b.carrier[0].cwiseAbs().maxCoeff();
-  return (a.ball_m + b.ball_m + kSupportValueError * size + kDiscSeenFlat * (a.disc_m + b.disc_m)) * (1 + 16 * kRoundoff);
+  const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).norm() +
+                      a.carrier[0].cwiseAbs().maxCoeff() + b.carrier[0].cwiseAbs().maxCoeff();
+  return (a.ball_m + b.ball_m + kSupportValueError * size + kDiscSeenFlat * (a.disc_m + b.disc_m)) *
+         (1 + 16 * kRoundoff);
 }
 
 /// A point of the difference set nearer to the origin than this is covered by the balls, with more than any rounding to

@@ -46,7 +46,7 @@ struct DepthProposal {
   Vec3 normal = Vec3::UnitX();  // unit, outward: from a to b
   // the push in every direction is at least this: the true difference set contains that ball
   double least_m = 0;
-  Vec3 on_a = Vec3::Zero();     // from a.carrier[0]
+  Vec3 on_a = Vec3::Zero();  // from a.carrier[0]
   Vec3 on_b = Vec3::Zero();
 };
 

@@ -37,14 +37,8 @@ Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corne
   const Sign before_b = sign(dd - along);
   if (before_b == Sign::zero || before_b == Sign::negative) return at_corner(p - s.b, s.b, corner_b);
   const bool sure = after_a == Sign::positive && before_b == Sign::positive;
-  return {sure ? Decision::yes : Decision::undecided,
-          square(cross(w, d)),
-          dd,
-          dd * w - along * d,
-          s.a,
-          along * d,
-          dd,
-          -1};
+  return {
+      sure ? Decision::yes : Decision::undecided, square(cross(w, d)), dd, dd * w - along * d, s.a, along * d, dd, -1};
 }
 
 /// Where p is not above the facet, the nearest point lies on an edge that p is outside of.
@@ -127,14 +121,12 @@ Nearest<N> nearest_on_box_edge(const Vector<N>& w, const Solid<N>& box, int k, c
   // The remainder of v must point outward on both sides that meet in the edge.
   valid.add(on_side(at[i], dot(v, box.axis[i]) * dd - dot(d, box.axis[i]) * along));
   valid.add(on_side(at[j], dot(v, box.axis[j]) * dd - dot(d, box.axis[j]) * along));
-  return {valid.result(), square(cross(v, d)), dd,          dd * v - along * d, box.center,
-          dd * middle + along * d, dd,        -1};
+  return {valid.result(), square(cross(v, d)), dd, dd * v - along * d, box.center, dd * middle + along * d, dd, -1};
 }
 
 template <class N>
 Nearest<N> nearest_at_box_corner(const Vector<N>& w, const Solid<N>& box, const Pattern& at) {
-  const Vector<N> corner =
-      (signed_reach(box, 0, at[0]) + signed_reach(box, 1, at[1])) + signed_reach(box, 2, at[2]);
+  const Vector<N> corner = (signed_reach(box, 0, at[0]) + signed_reach(box, 1, at[1])) + signed_reach(box, 2, at[2]);
   const Vector<N> v = w - corner;
   AllOf valid;
   for (int i = 0; i < 3; ++i) valid.add(on_side(at[i], dot(v, box.axis[i])));

@@ -198,7 +198,8 @@ using Sides = std::array<Sign, 3>;
 
 template <class N>
 Sides plane_sides(const Facet<N>& points, const Facet<N>& plane) {
-  return {plane_side(points.corner[0], plane), plane_side(points.corner[1], plane), plane_side(points.corner[2], plane)};
+  return {plane_side(points.corner[0], plane), plane_side(points.corner[1], plane),
+          plane_side(points.corner[2], plane)};
 }
 
 inline bool all_on_one_side(const Sides& s) {

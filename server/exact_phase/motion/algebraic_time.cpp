@@ -119,7 +119,9 @@ std::vector<AlgebraicTime> roots_between(TimePolynomial polynomial, const Dyadic
   if (sign(polynomial.at(low)) == Sign::zero) roots.emplace_back(low);
   isolate_roots(
       polynomial, low, high, kMostHalvings, middle, [&](const Dyadic& at) { roots.emplace_back(at); },
-      [&](const Dyadic& from, const Dyadic& to, Sign before_to) { roots.emplace_back(polynomial, from, to, before_to); });
+      [&](const Dyadic& from, const Dyadic& to, Sign before_to) {
+        roots.emplace_back(polynomial, from, to, before_to);
+      });
   if (sign(polynomial.at(high)) == Sign::zero) roots.emplace_back(high);
   return roots;
 }

@@ -6,7 +6,8 @@
 
 namespace collided::engine {
 
-BodyMotion::BodyMotion(const Frame& first, const Frame& last) : from(first), to(last), travel(last.position - first.position) {
+BodyMotion::BodyMotion(const Frame& first, const Frame& last)
+    : from(first), to(last), travel(last.position - first.position) {
   if (first.rotation == last.rotation) return;
   const Eigen::AngleAxisd about(Mat3(last.rotation * first.rotation.transpose()));
   axis = about.axis();

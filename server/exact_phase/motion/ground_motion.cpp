@@ -14,8 +14,13 @@ namespace {
 class Landing {
  public:
   Landing(const PartMotion& part, const HalfSpace& ground, double width, TimeBracket& bracket)
-      : part_(part), ground_(ground), plane_(Sphere{ground.point, 0}), width_(width), bracket_(bracket),
-        motion_m_(part.motion->length_m(part.reach_m)), error_m_(2 * part.motion->error_m(part.reach_m)) {}
+      : part_(part),
+        ground_(ground),
+        plane_(Sphere{ground.point, 0}),
+        width_(width),
+        bracket_(bracket),
+        motion_m_(part.motion->length_m(part.reach_m)),
+        error_m_(2 * part.motion->error_m(part.reach_m)) {}
 
   /// Searches a span; `yes` fills the bracket.
   Decision look(const TimeSpan& span) {
@@ -36,7 +41,8 @@ class Landing {
     return -kernel::push_along(ground_.normal, plane_, set).high();
   }
   Decision at_the_end(const TimeSpan& span) const {
-    const ExactResult there = std::visit([&](const auto& shape) { return overlaps(ground_, shape); }, part_.at(span.high));
+    const ExactResult there =
+        std::visit([&](const auto& shape) { return overlaps(ground_, shape); }, part_.at(span.high));
     if (!there.yes()) return Decision::undecided;
     bracket_ = {span.low, span.high};
     return Decision::yes;
@@ -52,21 +58,25 @@ class Landing {
 };
 
 /// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded.
-ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
+ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
+                               TimeBracket& bracket) {
   const ConvexPart first = part.at(0);
   const kernel::Convex start = std::visit([](const auto& shape) { return kernel::Convex(shape); }, first);
-  const kernel::StraightMotion motion{.from_a = part.motion->from.position, .to_a = part.motion->to.position, .until = span.high};
+  const kernel::StraightMotion motion{
+      .from_a = part.motion->from.position, .to_a = part.motion->to.position, .until = span.high};
   const double gap_m = -kernel::reach_value(start, ground.normal, -1, ground.point).value;
   const double down_m = -ground.normal.dot(part.motion->travel);
   TimeBracket exact;
-  const ExactResult verdict = kernel::first_contact_on_motion(start, ground, motion, down_m > 0 ? gap_m / down_m : 0, width, exact);
+  const ExactResult verdict =
+      kernel::first_contact_on_motion(start, ground, motion, down_m > 0 ? gap_m / down_m : 0, width, exact);
   if (verdict.yes()) bracket = {std::max(exact.low, span.low), std::max(exact.high, span.low)};
   return verdict;
 }
 
 }  // namespace
 
-ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
+ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
+                          TimeBracket& bracket) {
   const ExactResult at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
   if (at_once.yes()) {
     bracket = {span.low, span.low};
@@ -79,7 +89,8 @@ ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeS
 bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpace& ground) {
   const double length = ground.normal.stableNorm();
   const double height_m = ground.normal.dot(motion.at(0.5).position - ground.point) / length;
-  const double size_m = motion.to.position.lpNorm<1>() + motion.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
+  const double size_m =
+      motion.to.position.lpNorm<1>() + motion.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
   return height_m > reach_m + motion.length_m(reach_m) / 2 + motion.error_m(reach_m) + size_m * kBoundSlack;
 }
 

@@ -64,8 +64,8 @@ Crossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, S
   }
   before_high = s[last];
   if (same && s[0] != Sign::unsure) return s[0] == Sign::zero ? Crossing::always : Crossing::none;
-  const bool strict_ends = (s[0] == Sign::negative && s[last] == Sign::positive) ||
-                           (s[0] == Sign::positive && s[last] == Sign::negative);
+  const bool strict_ends =
+      (s[0] == Sign::negative && s[last] == Sign::positive) || (s[0] == Sign::positive && s[last] == Sign::negative);
   if (!strict_ends) return Crossing::unsure;
   // One change of sign, whatever the unsure signs between are, unless they could change back and forth.
   return last < 3 || s[1] == s[0] || s[2] == s[3] ? Crossing::once : Crossing::unsure;

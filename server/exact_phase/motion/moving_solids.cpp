@@ -60,7 +60,8 @@ Decision touched(const Translated<Box>& mover, double t, const Triangle& other) 
   }
   if (parted(f.normal)) return Decision::no;
   for (int i = 0; i < 3; ++i) {
-    if (parted_across(swept.displacement, f.edge[i]) || parted_across(swept.displacement, swept.box.axis[i])) return Decision::no;
+    if (parted_across(swept.displacement, f.edge[i]) || parted_across(swept.displacement, swept.box.axis[i]))
+      return Decision::no;
     for (int j = 0; j < 3; ++j) {
       if (parted_across(swept.box.axis[i], f.edge[j])) return Decision::no;
     }
@@ -80,7 +81,8 @@ Decision touched(const Translated<Capsule>& mover, double t, const Triangle& oth
   const N R2 = N(capsule.radius_m) * N(capsule.radius_m);
   const Facet<N> f(other);
   AnyOf any;
-  const Segment<N> sides[4] = {{a, b}, {a_end, b_end, b - a}, Segment<N>::along(a, displacement), Segment<N>::along(b, displacement)};
+  const Segment<N> sides[4] = {
+      {a, b}, {a_end, b_end, b - a}, Segment<N>::along(a, displacement), Segment<N>::along(b, displacement)};
   for (const Segment<N>& side : sides) {
     if (any.add(segment_near_facet(side, f, R2))) return Decision::yes;
   }
@@ -129,10 +131,9 @@ double guessed_time(const Translated<Capsule>& mover, const Triangle& other) {
 
 template <class Shape>
 ExactResult bracket_first_contact(const Translated<Shape>& mover, const Triangle& other, double width,
-                              TimeBracket& bracket) {
-  return bracket_monotone(
-      [&](double t) { return climb([&]<class N>() { return touched<N>(mover, t, other); }); },
-      [&] { return guessed_time(mover, other); }, width, bracket);
+                                  TimeBracket& bracket) {
+  return bracket_monotone([&](double t) { return climb([&]<class N>() { return touched<N>(mover, t, other); }); },
+                          [&] { return guessed_time(mover, other); }, width, bracket);
 }
 
 }  // namespace

@@ -90,7 +90,8 @@ ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, doub
     earliest.add(first_contact(corner_b[i], a, width, own), own);
     for (int j = 0; j < 3; ++j) {
       earliest.add(first_contact(MovingSegment{corner_a[i], corner_a[(i + 1) % 3]},
-                                 MovingSegment{corner_b[j], corner_b[(j + 1) % 3]}, width, own), own);
+                                 MovingSegment{corner_b[j], corner_b[(j + 1) % 3]}, width, own),
+                   own);
     }
   }
   if (earliest.verdict.yes()) {

@@ -127,7 +127,7 @@ class Advance {
 /// Where planes fail and the two do not overlap yet: looks for an overlap at growing distances in time, then halves the
 /// time between the last test without and the first with one.
 ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double low, double end, double width,
-                         TimeBracket& bracket) {
+                             TimeBracket& bracket) {
   ExactResult verdict{Decision::no, Level::filter};
   bracket = {low, low};
   double before = low;
@@ -197,13 +197,17 @@ std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& 
 
 /// The exact answer over the whole motion of two parts that do not rotate; nothing where there is none. `low`: no
 /// contact before it.
-std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width, TimeBracket& bracket) {
-  if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational) return std::nullopt;
+std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width,
+                                   TimeBracket& bracket) {
+  if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational)
+    return std::nullopt;
   if (const std::optional<ExactResult> verdict = past_triangle(a, b, width, bracket)) return verdict;
   const ConvexPart start_a = a.at(0);
   const ConvexPart start_b = b.at(0);
-  const kernel::StraightMotion motion{a.motion->from.position, a.motion->to.position, b.motion->from.position, b.motion->to.position};
-  const ExactResult verdict = kernel::first_contact_on_motion(convex_of(start_a), convex_of(start_b), motion, low, width, bracket);
+  const kernel::StraightMotion motion{a.motion->from.position, a.motion->to.position, b.motion->from.position,
+                                      b.motion->to.position};
+  const ExactResult verdict =
+      kernel::first_contact_on_motion(convex_of(start_a), convex_of(start_b), motion, low, width, bracket);
   if (verdict.decision == Decision::undecided) return std::nullopt;
   return verdict;
 }
@@ -211,7 +215,7 @@ std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, dou
 /// Decides where the separating planes found so far prove nothing more: the parts touch, or are closer than planes can
 /// show.
 ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, double end, double width,
-                     TimeBracket& bracket) {
+                         TimeBracket& bracket) {
   const auto at_once = [&] {
     bracket = {low, low};
     return overlap_at(a, b, low);
@@ -258,7 +262,7 @@ ConvexPart PartMotion::at(double t) const {
 }
 
 ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
-                      std::uint32_t* looks) {
+                          std::uint32_t* looks) {
   const Advance advance(a, b);
   const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own);
   double low = span.low;

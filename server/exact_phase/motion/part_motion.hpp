@@ -10,8 +10,7 @@
 namespace collided::engine {
 
 /// A convex part of a body, in the body's frame: a primitive or a triangle.
-using ConvexPart =
-    std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
+using ConvexPart = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
 
 /// The primitive as a part; not for a half-space, which has no bounds (ground_motion.hpp).
 ConvexPart part_of(const Primitive& primitive);
@@ -51,7 +50,7 @@ struct TimeSpan {
 /// looks     grows by the number of times at which the two were tested, more where that took exact arithmetic: the cost
 /// of the answer, a few microseconds each; may be null
 ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
-                      std::uint32_t* looks = nullptr);
+                          std::uint32_t* looks = nullptr);
 
 /// The contact of the two placed at a time at which they overlap; the normal points from a to b.
 Contact contact_at(const PartMotion& a, const PartMotion& b, double t);

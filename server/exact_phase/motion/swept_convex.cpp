@@ -31,30 +31,33 @@ Decision stays_ahead(const HalfSpace& ground, const Convex& set, const StraightM
 
 ExactResult meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion) {
   if (a.is_polytope() && b.is_polytope()) return {polytopes_meet_on_motion(a, b, motion), Level::rational};
-  if (!is_flat(b)) return is_flat(a) ? meet_on_motion(b, a, motion.turned()) : ExactResult{Decision::undecided, Level::rational};
+  if (!is_flat(b))
+    return is_flat(a) ? meet_on_motion(b, a, motion.turned()) : ExactResult{Decision::undecided, Level::rational};
   if (a.plus == Convex::Plus::ellipsoid) return {ellipsoid_meets_flat(a, b, &motion), Level::rational};
   return axial_meets_flat(a, b, &motion);
 }
 
-ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess, double width,
-                                TimeBracket& bracket) {
+ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess,
+                                    double width, TimeBracket& bracket) {
   StraightMotion part = motion;
   const auto touched_by = [&](double t) {
     part.until = std::min(t, motion.until);
     return meet_on_motion(a, b, part);
   };
-  return bracket_monotone(touched_by, [&] { return guess; }, width, bracket);
+  return bracket_monotone(
+      touched_by, [&] { return guess; }, width, bracket);
 }
 
-ExactResult first_contact_on_motion(const Convex& a, const HalfSpace& ground, const StraightMotion& motion, double guess,
-                                double width, TimeBracket& bracket) {
+ExactResult first_contact_on_motion(const Convex& a, const HalfSpace& ground, const StraightMotion& motion,
+                                    double guess, double width, TimeBracket& bracket) {
   StraightMotion part = motion;
   const auto touched_by = [&](double t) {
     part.until = std::min(t, motion.until);
     const ExactResult ahead = climb([&]<class N>() { return stays_ahead<N>(ground, a, part); });
     return ExactResult{opposite(ahead.decision), ahead.level};
   };
-  return bracket_monotone(touched_by, [&] { return guess; }, width, bracket);
+  return bracket_monotone(
+      touched_by, [&] { return guess; }, width, bracket);
 }
 
 }  // namespace collided::engine::kernel

@@ -18,11 +18,11 @@ ExactResult meet_on_motion(const Convex& a, const Convex& b, const StraightMotio
 
 /// The same up to motion.until, with a bracket of the first contact, no wider than `width`. `guess` is an approximate
 /// time and decides nothing. The bracket is unchanged unless the answer is yes.
-ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess, double width,
-                                TimeBracket& bracket);
+ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess,
+                                    double width, TimeBracket& bracket);
 
 /// Whether the set reaches the half-space during its motion.
-ExactResult first_contact_on_motion(const Convex& a, const HalfSpace& ground, const StraightMotion& motion, double guess,
-                                double width, TimeBracket& bracket);
+ExactResult first_contact_on_motion(const Convex& a, const HalfSpace& ground, const StraightMotion& motion,
+                                    double guess, double width, TimeBracket& bracket);
 
 }  // namespace collided::engine::kernel

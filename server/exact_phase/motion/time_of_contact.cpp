@@ -29,7 +29,8 @@ N squared(double a, double b) {
 
 template <class N>
 Decision touched(const MovingSphere& mover, double t, const Sphere& other) {
-  return point_near_segment(Vector<N>(other.center), path_until<N>(mover, t), squared<N>(mover.radius_m, other.radius_m));
+  return point_near_segment(Vector<N>(other.center), path_until<N>(mover, t),
+                            squared<N>(mover.radius_m, other.radius_m));
 }
 
 template <class N>

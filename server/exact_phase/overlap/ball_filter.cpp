@@ -23,7 +23,7 @@ Decision quickly_overlaps(const Sphere& ball, const Box& box) {
   // How far the sphere's centre is beyond the box along the gap, times the gap's length.
   const double beyond_m2 = gap.dot(displacement) - box.half_m.dot((box.axes.transpose() * gap).cwiseAbs()) - slack_m2;
   return beyond_m2 > 0 && beyond_m2 * beyond_m2 > radius_m2 * gap_m2 * (1 + kBallsApartSlack) ? Decision::no
-                                                                                            : Decision::undecided;
+                                                                                              : Decision::undecided;
 }
 
 Decision quickly_overlaps(const Sphere& ball, const Capsule& capsule) {

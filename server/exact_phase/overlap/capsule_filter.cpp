@@ -25,7 +25,7 @@ Decision decide(const Vec3& gap, double beyond_m2, double reach_m, double larges
   if (gap_m2 < reach_m2 - slack_m2) return Decision::yes;
   const double surely_m2 = beyond_m2 - slack_m2;
   return surely_m2 > 0 && surely_m2 * surely_m2 > reach_m2 * gap_m2 * (1 + kBallsApartSlack) ? Decision::no
-                                                                                          : Decision::undecided;
+                                                                                             : Decision::undecided;
 }
 
 }  // namespace
@@ -67,8 +67,8 @@ Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
     const Vec3 local = (box.axes.transpose() * on_core).cwiseMax(-box.half_m).cwiseMin(box.half_m);
     on_box = box.axes * local;
     const Vec3 gap = on_core - on_box;
-    const double beyond_m2 = gap.dot(start) + std::min(0.0, gap.dot(displacement)) -
-                             box.half_m.dot((box.axes.transpose() * gap).cwiseAbs());
+    const double beyond_m2 =
+        gap.dot(start) + std::min(0.0, gap.dot(displacement)) - box.half_m.dot((box.axes.transpose() * gap).cwiseAbs());
     const Decision decision = decide(gap, beyond_m2, capsule.radius_m, largest_m2);
     if (decision != Decision::undecided) return decision;
   }

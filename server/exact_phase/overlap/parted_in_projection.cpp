@@ -21,7 +21,8 @@ struct Seen {
 /// Along the axis on which the normal is largest, so that a triangle with area keeps area in the projection.
 Seen seen_widest(const Triangle& t) {
   const Triple n = cross(kernel::triple(t.b) - kernel::triple(t.a), kernel::triple(t.c) - kernel::triple(t.a));
-  const int axis = std::abs(n.x) > std::abs(n.y) ? (std::abs(n.x) > std::abs(n.z) ? 0 : 2) : (std::abs(n.y) > std::abs(n.z) ? 1 : 2);
+  const int axis =
+      std::abs(n.x) > std::abs(n.y) ? (std::abs(n.x) > std::abs(n.z) ? 0 : 2) : (std::abs(n.y) > std::abs(n.z) ? 1 : 2);
   return {(axis + 1) % 3, (axis + 2) % 3};
 }
 
@@ -77,7 +78,8 @@ bool points_away(const Vec3& o, const Vec3& p, const Vec3& q, Seen seen) {
 /// Whether the line o p separates a triangle on its side `inside` from the other triangle's far corners, whose sides of
 /// the line are `turns`. One of these may lie on the line if it is beyond o: then neither triangle shares more of the
 /// line than o.
-bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, std::array<const Vec3*, 2> far, Seen seen) {
+bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, std::array<const Vec3*, 2> far,
+           Seen seen) {
   if (inside == 0 || inside == kTurnUnsure) return false;
   int on_line = 0;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -95,7 +97,8 @@ bool parted_by_a_side(const Triangle& t, const Triangle& other, Seen seen) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3& from = *corner[i];
     const Vec3& to = *corner[(i + 1) % 3];
-    if (sure_turn(from, to, other.a, seen.u, seen.v) == -inside && sure_turn(from, to, other.b, seen.u, seen.v) == -inside &&
+    if (sure_turn(from, to, other.a, seen.u, seen.v) == -inside &&
+        sure_turn(from, to, other.b, seen.u, seen.v) == -inside &&
         sure_turn(from, to, other.c, seen.u, seen.v) == -inside) {
       return true;
     }
@@ -109,7 +112,8 @@ int sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) {
   const double left = (p[u] - o[u]) * (q[v] - o[v]);
   const double right = (p[v] - o[v]) * (q[u] - o[u]);
   const double turn = left - right;
-  if (std::abs(turn) > kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min()) return turn > 0 ? 1 : -1;
+  if (std::abs(turn) > kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min())
+    return turn > 0 ? 1 : -1;
   return rarely_sure_turn(o, p, q, u, v);
 }
 

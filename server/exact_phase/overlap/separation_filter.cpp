@@ -77,7 +77,7 @@ Decision quickly_overlaps(const Box& a, const Box& b) {
       b_over_a[i][j] = std::abs(dot(frame_b.axis[i], frame_a.normal[j]));
     }
   }
-  const auto reach_over = [](const Vec3& half, const double (&over)[3][3], int j) {
+  const auto reach_over = [](const Vec3& half, const double(&over)[3][3], int j) {
     return half[0] * over[0][j] + half[1] * over[1][j] + half[2] * over[2][j];
   };
   Gaps gaps;
@@ -110,8 +110,8 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   const Triples corner{triple(b.a) - center, triple(b.b) - center, triple(b.c) - center};
   const Triples edge{triple(b.b) - triple(b.a), triple(b.c) - triple(b.b), triple(b.a) - triple(b.c)};
   const double side = std::max({edge[0].largest(), edge[1].largest(), edge[2].largest()});
-  const double reach = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest()}) +
-                       frame.largest * frame.half_sum;
+  const double reach =
+      std::max({corner[0].largest(), corner[1].largest(), corner[2].largest()}) + frame.largest * frame.half_sum;
   if (!in_range(frame.largest) || !in_range(side) || !in_range(reach)) return Decision::undecided;
   const double singular = kSeparationError * frame.largest * frame.largest * frame.largest;
   if (!(frame.volume > singular)) return Decision::undecided;
@@ -120,7 +120,8 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   const double face_error = kSeparationError * frame.largest * frame.largest * reach;
   bool inside[3] = {true, true, true};
   for (int i = 0; i < 3; ++i) {
-    const double p[3] = {dot(corner[0], frame.normal[i]), dot(corner[1], frame.normal[i]), dot(corner[2], frame.normal[i])};
+    const double p[3] = {dot(corner[0], frame.normal[i]), dot(corner[1], frame.normal[i]),
+                         dot(corner[2], frame.normal[i])};
     const double apart = std::max(std::min({p[0], p[1], p[2]}), -std::max({p[0], p[1], p[2]}));
     if (gaps.add(apart - a.half_m[i] * frame.volume, face_error)) return Decision::no;
     for (int k = 0; k < 3; ++k) inside[k] = inside[k] && std::abs(p[k]) - a.half_m[i] * frame.volume < -face_error;
@@ -130,7 +131,8 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   const Triple normal = cross(edge[0], edge[1]);
   double reach_over = 0;
   for (int i = 0; i < 3; ++i) reach_over += a.half_m[i] * std::abs(dot(normal, frame.axis[i]));
-  if (gaps.add(std::abs(dot(normal, corner[0])) - reach_over, kSeparationError * side * side * reach)) return Decision::no;
+  if (gaps.add(std::abs(dot(normal, corner[0])) - reach_over, kSeparationError * side * side * reach))
+    return Decision::no;
 
   const double edge_error = kSeparationError * frame.largest * side * reach;
   for (int j = 0; j < 3; ++j) {
@@ -167,7 +169,8 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
     const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
     const double length2 = dot(axis, axis);
     // Far above underflow; the error of the products is at most kSeparationError of A |axis| (D + A H).
-    if (length2 >= 1 / kernel::kLargestPlain2) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
+    if (length2 >= 1 / kernel::kLargestPlain2)
+      least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
   };
   for (const Triple& normal : frame.normal) try_axis(normal);
   try_axis(cross(triple(b.b) - triple(b.a), triple(b.c) - triple(b.a)));

@@ -115,7 +115,8 @@ class FaceSearch {
       const Vec3& d = face_[(k + 1) % 3];
       const N at_p = turn_value<N>(c, d, p, axis_);
       const N at_q = turn_value<N>(c, d, q, axis_);
-      const std::array<Sign, 4> signs{sign(at_p), sign(at_q), sign(turn_value<N>(p, q, c, axis_)), sign(turn_value<N>(p, q, d, axis_))};
+      const std::array<Sign, 4> signs{sign(at_p), sign(at_q), sign(turn_value<N>(p, q, c, axis_)),
+                                      sign(turn_value<N>(p, q, d, axis_))};
       for (const Sign s : signs) {
         if (s == Sign::unsure) return false;
       }

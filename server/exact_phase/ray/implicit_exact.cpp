@@ -134,7 +134,8 @@ void find_normal(const Ray& ray, const ImplicitSurface& surface, RealRoot& root,
 
 }  // namespace
 
-Decision first_meeting_exactly(const Ray& ray, const ImplicitSurface& surface, double relative_width, ImplicitHit& hit) {
+Decision first_meeting_exactly(const Ray& ray, const ImplicitSurface& surface, double relative_width,
+                               ImplicitHit& hit) {
   ExactRayPolynomial f = along(surface, Vector<Dyadic>(ray.origin), Vector<Dyadic>(ray.direction));
   f.trim();
   const std::vector<ExactRayPolynomial> limits = limits_of(ray, surface);

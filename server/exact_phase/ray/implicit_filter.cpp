@@ -42,7 +42,8 @@ struct Range {
 
 Range range_of(const Ray& ray, const ImplicitSurface& surface) {
   Range range;
-  if (std::isfinite(ray.length_m)) range.end_before(Bounded(ray.length_m) / sqrt(square(Vector<Bounded>(ray.direction))));
+  if (std::isfinite(ray.length_m))
+    range.end_before(Bounded(ray.length_m) / sqrt(square(Vector<Bounded>(ray.direction))));
   for (int axis = 0; axis < 3; ++axis) {
     const double o = ray.origin[axis];
     const double d = ray.direction[axis];
@@ -79,8 +80,8 @@ Bounded moved(double origin, double t, double direction) {
 
 Shifted shifted(const Ray& ray, const ImplicitSurface& surface) {
   constexpr double kWorthIt = 8;
-  const Vec3 middle =
-      surface.low.allFinite() && surface.high.allFinite() ? Vec3(surface.low / 2 + surface.high / 2) : Vec3(Vec3::Zero());
+  const Vec3 middle = surface.low.allFinite() && surface.high.allFinite() ? Vec3(surface.low / 2 + surface.high / 2)
+                                                                          : Vec3(Vec3::Zero());
   const Shifted as_it_is{0, Vector<Bounded>(ray.origin), Vector<Bounded>(ray.direction)};
   const Vec3 away = middle - ray.origin;
   const double t = away.dot(ray.direction) / ray.direction.squaredNorm();
@@ -125,7 +126,7 @@ double root_bound(const Along& p) {
 /// The largest number of sign changes that the coefficients may have, whatever the unsure ones are.
 int most_sign_changes(const Along::Coefficients& coefficient, int count) {
   constexpr int kNever = -100;
-  int up = kNever;  // the most changes if the last sign other than zero is positive
+  int up = kNever;    // the most changes if the last sign other than zero is positive
   int down = kNever;  // the same if it is negative
   for (int j = 0; j < count; ++j) {
     const Sign s = sign(coefficient[j]);
@@ -268,11 +269,11 @@ FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
     if (low > range.exit_high) return {.meets = Decision::no, .low = 0, .high = 0, .point = {}};
     if (!(low >= range.entry_high && high <= range.exit_low)) return result;
     const Bounded s = between(close.low, close.high);
-    return {
-        Decision::yes,
-        low,
-        high,
-        {from.origin.x + s * from.direction.x, from.origin.y + s * from.direction.y, from.origin.z + s * from.direction.z}};
+    return {Decision::yes,
+            low,
+            high,
+            {from.origin.x + s * from.direction.x, from.origin.y + s * from.direction.y,
+             from.origin.z + s * from.direction.z}};
   }
   return result;
 }

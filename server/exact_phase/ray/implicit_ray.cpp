@@ -38,7 +38,8 @@ ExactResult cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit
   return cast_ray_by_rationals(ray, surface, hit, relative_width);
 }
 
-ExactResult cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width) {
+ExactResult cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
+                                  double relative_width) {
   return {first_meeting_exactly(ray, surface, relative_width, hit), Level::rational};
 }
 

@@ -40,7 +40,8 @@ struct ImplicitHit {
 /// threads  pure; allocates only on Level::rational
 /// source   isolation by Descartes' rule in Bernstein form (Collins, Akritas, 1976; Lane, Riesenfeld, 1981), narrowing
 /// by sign changes about a Newton guess
-ExactResult cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width = kBracketAsked);
+ExactResult cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
+                     double relative_width = kBracketAsked);
 
 enum class Side : signed char { inside = -1, on = 0, outside = 1 };
 
@@ -52,6 +53,6 @@ ExactResult side_of(const Vec3& point, const ImplicitSurface& surface, Side& sid
 
 /// The same by rationals alone, without any filter; for audits.
 ExactResult cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
-                              double relative_width = kBracketAsked);
+                                  double relative_width = kBracketAsked);
 
 }  // namespace collided::engine

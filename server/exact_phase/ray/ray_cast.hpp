@@ -27,7 +27,8 @@ struct RayHit {
 inline double point_error_m(const RayHit& hit) {
   if (hit.distance_m == 0 && hit.distance_error_m == 0) return 0;  // the ray's origin
   return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * hit.point.cwiseAbs().maxCoeff()) *
-             (1 + kBoundSlack) + kUnderflow;
+             (1 + kBoundSlack) +
+         kUnderflow;
 }
 
 /// Whether the ray meets the shape, exact for the given doubles; touching counts, and so do both ends of the ray and

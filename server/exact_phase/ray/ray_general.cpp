@@ -6,8 +6,12 @@ namespace collided::engine {
 using kernel::cast_quadric;
 using kernel::WholeLadder;
 
-ExactResult cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cylinder, hit); }
-ExactResult cast_ray(const Ray& ray, const Cone& cone, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cone, hit); }
+ExactResult cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit) {
+  return cast_quadric<WholeLadder>(ray, cylinder, hit);
+}
+ExactResult cast_ray(const Ray& ray, const Cone& cone, RayHit& hit) {
+  return cast_quadric<WholeLadder>(ray, cone, hit);
+}
 ExactResult cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit) {
   return cast_quadric<WholeLadder>(ray, ellipsoid, hit);
 }

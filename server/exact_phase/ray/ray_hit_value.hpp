@@ -14,9 +14,7 @@ Scaled length_of(const Ray& ray) {
   return sqrt(scaled(square(Vector<N>(ray.direction))));
 }
 
-inline Vec3 at_distance(const Ray& ray, double distance_m) {
-  return ray.origin + distance_m * unit(ray.direction);
-}
+inline Vec3 at_distance(const Ray& ray, double distance_m) { return ray.origin + distance_m * unit(ray.direction); }
 
 /// Fills distances and the point; a start inside has distance 0. The normal is set separately.
 inline void set_interval(const Ray& ray, bool inside, const Bounded& first, const Bounded& exit, RayHit& hit) {

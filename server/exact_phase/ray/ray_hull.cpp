@@ -23,7 +23,8 @@ ExactResult behind_all_faces(const Hull& hull, const Vec3& point) {
     const Triangle face = face_of(hull, corner);
     const ExactResult behind = climb([&]<class N>() {
       const Vector<N> a = Vector<N>(face.a) - Vector<N>(point);
-      return at_most(N(0.0), dot(a, cross(Vector<N>(face.b) - Vector<N>(face.a), Vector<N>(face.c) - Vector<N>(face.a))));
+      return at_most(N(0.0),
+                     dot(a, cross(Vector<N>(face.b) - Vector<N>(face.a), Vector<N>(face.c) - Vector<N>(face.a))));
     });
     all = {both(all.decision, behind.decision), std::max(all.level, behind.level)};
     if (all.decision == Decision::no) break;
@@ -59,7 +60,9 @@ ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
   if (!verdict.yes()) return verdict;
   const Bounded leave(last.distance_m, last.distance_error_m);
   set_interval(ray, inside.yes(), Bounded(first.distance_m, first.distance_error_m), leave, hit);
-  hit.normal = inside.yes() && last.normal.dot(ray.direction) < 0 ? Vec3(-last.normal) : inside.yes() ? last.normal : first.normal;
+  hit.normal = inside.yes() && last.normal.dot(ray.direction) < 0 ? Vec3(-last.normal)
+               : inside.yes()                                     ? last.normal
+                                                                  : first.normal;
   return verdict;
 }
 

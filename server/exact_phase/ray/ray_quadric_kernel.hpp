@@ -82,7 +82,8 @@ Decision two_roots_not_negative(const N& p, const N& q, const N& r, const N& s, 
   // Compares the square of p sqrt(q) with that of the rest, which still contains a root.
   const N squares = (p * p * q - r * r * s) - t * t;
   const N mixed = N(2.0) * (r * t);
-  return left_up == Decision::yes ? root_sum_not_negative(squares, -mixed, s) : root_sum_not_negative(-squares, mixed, s);
+  return left_up == Decision::yes ? root_sum_not_negative(squares, -mixed, s)
+                                  : root_sum_not_negative(-squares, mixed, s);
 }
 
 /// Where the ray's line crosses the wall, inward (side +1) or outward (-1): (-b - side sqrt(D)) / a, or -c / 2 b where
@@ -209,7 +210,8 @@ ExactResult cast_quadric(const Ray& ray, const Shape& shape, RayHit& hit) {
   int entered = 2;
   int left = 2;
   const auto distance = [&](int surface, int side) {
-    return Climb::sharpened([&]<class N>() { return passing_distance(quadric_along<N>(ray, shape), surface, side, ray); });
+    return Climb::sharpened(
+        [&]<class N>() { return passing_distance(quadric_along<N>(ray, shape), surface, side, ray); });
   };
   for (int surface = 0; surface < 3 && inside.decision == Decision::no; ++surface) {
     const ExactResult part = passes<Climb>(ray, shape, surface, +1);

@@ -83,16 +83,14 @@ Scaled exit(const Quadratic<N>& q) {
 
 template <class Climb>
 Bounded entry_distance(const Ray& ray, const Vec3& center, double radius_m) {
-  return Climb::sharpened([&]<class N>() {
-    return plain(entry(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray));
-  });
+  return Climb::sharpened(
+      [&]<class N>() { return plain(entry(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray)); });
 }
 
 template <class Climb>
 Bounded exit_distance(const Ray& ray, const Vec3& center, double radius_m) {
-  return Climb::sharpened([&]<class N>() {
-    return plain(exit(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray));
-  });
+  return Climb::sharpened(
+      [&]<class N>() { return plain(exit(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray)); });
 }
 
 template <class Climb, class Shape>
@@ -105,7 +103,9 @@ ExactResult cast_solid(const Ray& ray, const Sphere& sphere, RayHit& hit) {
   const ExactResult inside = starts_inside_by<Climb>(ray, sphere);
   ExactResult verdict = inside;
   if (inside.decision != Decision::yes) {
-    verdict = joined(inside, Climb::climb([&]<class N>() { return enters(ball_along<N>(ray, sphere.center, sphere.radius_m), ray); }));
+    verdict = joined(inside, Climb::climb([&]<class N>() {
+                       return enters(ball_along<N>(ray, sphere.center, sphere.radius_m), ray);
+                     }));
   }
   if (!verdict.yes()) return verdict;
   const bool starts_inside = inside.yes();
@@ -210,7 +210,8 @@ ExactResult cast_solid(const Ray& ray, const Capsule& capsule, RayHit& hit) {
                [&] { return entry_distance<Climb>(ray, end, capsule.radius_m); });
     }
     consider(Climb::climb([&]<class N>() { return enters_wall<N>(ray, capsule); }), [&] {
-      return Climb::sharpened([&]<class N>() { return plain(entry(cylinder_along<N>(ray, capsule)) * length_of<N>(ray)); });
+      return Climb::sharpened(
+          [&]<class N>() { return plain(entry(cylinder_along<N>(ray, capsule)) * length_of<N>(ray)); });
     });
   }
   if (!verdict.yes()) return verdict;

@@ -7,7 +7,9 @@ namespace collided::engine {
 using kernel::cast_solid;
 using kernel::WholeLadder;
 
-ExactResult cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit) { return cast_solid<WholeLadder>(ray, sphere, hit); }
+ExactResult cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit) {
+  return cast_solid<WholeLadder>(ray, sphere, hit);
+}
 ExactResult cast_ray(const Ray& ray, const Box& box, RayHit& hit) { return cast_solid<WholeLadder>(ray, box, hit); }
 ExactResult cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   return cast_solid<WholeLadder>(ray, capsule, hit);

@@ -79,8 +79,9 @@ ExactResult finish(const Ray& ray, const Triangle& triangle, const RaySides& s, 
   // A quotient whose terms have relative errors n and d errs by (n + d) / (1 - d); then come quotient, norm and
   // product.
   const double denominator_part = denominator_error / size;
-  const double relative = (numerator_error / std::abs(numerator) + denominator_part) / (1 - denominator_part) *
-                              (1 + kBoundSlack) + 8 * kRoundoff;
+  const double relative =
+      (numerator_error / std::abs(numerator) + denominator_part) / (1 - denominator_part) * (1 + kBoundSlack) +
+      8 * kRoundoff;
   const double error = distance * relative;
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);

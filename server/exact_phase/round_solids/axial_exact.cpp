@@ -29,7 +29,11 @@ struct SeenBall {
   Dyadic ball;
 
   SeenBall(const Convex& axial, const Vec3& center, double radius_m)
-      : solid(axial), to(solid.seen(center)), along(dot(to, solid.axis)), across2(square(cross(to, solid.axis))), ball(radius_m) {}
+      : solid(axial),
+        to(solid.seen(center)),
+        along(dot(to, solid.axis)),
+        across2(square(cross(to, solid.axis))),
+        ball(radius_m) {}
 
   /// Whether the ball reaches the rim of the disc that lies `beyond` / l away along the axis: (distance across - R)^2 +
   /// (beyond / l)^2 <= r^2.
@@ -81,10 +85,13 @@ struct Side {
   Segment<Dyadic> axis;
   Dyadic radius;
   explicit Side(const Convex& set)
-      : axis(Vector<Dyadic>(set.carrier[0]), Vector<Dyadic>(set.carrier[1])), radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {}
+      : axis(Vector<Dyadic>(set.carrier[0]), Vector<Dyadic>(set.carrier[1])),
+        radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {}
 };
 
-bool has_side(const Convex& set) { return set.hull == nullptr && set.count() == 2 && set.first_disc == 0 && set.plus == Convex::Plus::nothing; }
+bool has_side(const Convex& set) {
+  return set.hull == nullptr && set.count() == 2 && set.first_disc == 0 && set.plus == Convex::Plus::nothing;
+}
 
 /// Tests feature by feature, each with the ladder from double upward, until one says yes.
 class AxialAgainstFeatures {
@@ -106,7 +113,8 @@ class AxialAgainstFeatures {
       if (ask_edge({At{i, nullptr}, At{i, &motion}})) return all_;
     }
     for (const FlatFeatures::Edge& edge : features_.edges()) {
-      if (ask_face({At{edge[0], nullptr}, At{edge[1], nullptr}, At{edge[1], &motion}, At{edge[0], &motion}}, 4)) return all_;
+      if (ask_face({At{edge[0], nullptr}, At{edge[1], nullptr}, At{edge[1], &motion}, At{edge[0], &motion}}, 4))
+        return all_;
     }
     const StraightMotion turned = motion.turned();
     add({polytopes_meet_on_motion(Convex(Sphere{axial_.carrier[0], 0}), flat_, turned), Level::rational});
@@ -130,7 +138,8 @@ class AxialAgainstFeatures {
     return all_.yes();
   }
   bool ask_edge(const std::array<At, 2>& end) {
-    return add(climb([&]<class N>() { return meets_edge(AxialSolid<N>(axial_), place_of<N>(end[0]), place_of<N>(end[1])); }));
+    return add(
+        climb([&]<class N>() { return meets_edge(AxialSolid<N>(axial_), place_of<N>(end[0]), place_of<N>(end[1])); }));
   }
   bool ask_face(const std::array<At, 4>& corner, std::size_t count) {
     return add(climb([&]<class N>() {

@@ -20,7 +20,10 @@ struct AxialSolid {
   bool tapers;
 
   explicit AxialSolid(const Convex& set)
-      : from(set.carrier[0]), axis(Vector<N>(set.carrier[1]) - Vector<N>(from)), length2(square(axis)), radius(set.disc_m),
+      : from(set.carrier[0]),
+        axis(Vector<N>(set.carrier[1]) - Vector<N>(from)),
+        length2(square(axis)),
+        radius(set.disc_m),
         tapers(set.first_disc > 0) {}
 
   Vector<N> seen(const Vec3& point) const { return Vector<N>(point) - Vector<N>(from); }
@@ -33,7 +36,8 @@ struct AboutAxis {
   N along;
   Vector<N> across;
 
-  AboutAxis(const AxialSolid<N>& solid, const Vector<N>& point) : along(dot(point, solid.axis)), across(cross(point, solid.axis)) {}
+  AboutAxis(const AxialSolid<N>& solid, const Vector<N>& point)
+      : along(dot(point, solid.axis)), across(cross(point, solid.axis)) {}
 };
 
 /// A bilinear form of two points that, for one point twice, is >= 0 within the side: (R l)^2 - |across|^2 for a

@@ -39,7 +39,8 @@ using Quadric = std::array<std::array<Dyadic, 4>, 4>;
 Quadric quadric_of(const StretchedBall& ball, const Point& center) {
   const Point own = ball.seen(center);
   // Columns of the linear map that takes (x, 1) to the ball's coordinates.
-  const std::array<Point, 4> column{Point{ball.row[0].x, ball.row[1].x, ball.row[2].x}, Point{ball.row[0].y, ball.row[1].y, ball.row[2].y},
+  const std::array<Point, 4> column{Point{ball.row[0].x, ball.row[1].x, ball.row[2].x},
+                                    Point{ball.row[0].y, ball.row[1].y, ball.row[2].y},
                                     Point{ball.row[0].z, ball.row[1].z, ball.row[2].z}, -own};
   Quadric q;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -56,7 +57,8 @@ ExactRayPolynomial characteristic(const Quadric& a, const Quadric& b) {
     return entry(row, i) * entry(row + 1, j) - entry(row, j) * entry(row + 1, i);
   };
   // Pairs of columns, the remaining pairs, and the sign of the permutation.
-  constexpr std::size_t kPairs[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
+  constexpr std::size_t kPairs[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2},
+                                        {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
   constexpr bool kIsEven[6] = {true, false, true, true, false, true};
   ExactRayPolynomial sum;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -101,7 +103,8 @@ Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, i
 Decision ellipsoid_meets_endless(const Convex& ellipsoid, const Convex& cylinder) {
   const AcrossAxis plane(cylinder, 0);
   const Point center = Point(ellipsoid.carrier[0]) - plane.from;
-  if (!StretchedBall(ellipsoid).has_extent() || !plane.is_usable() || !square(center).finite()) return Decision::undecided;
+  if (!StretchedBall(ellipsoid).has_extent() || !plane.is_usable() || !square(center).finite())
+    return Decision::undecided;
   Dyadic uu, uv, vv;
   for (int i = 0; i < 3; ++i) {
     const Point half = Dyadic(ellipsoid.half_m[i]) * Point(Vec3(ellipsoid.axes.col(i)));
@@ -131,7 +134,8 @@ Decision ellipsoid_meets_flat(const Convex& ellipsoid, const Convex& flat, const
   if (!ball.has_extent()) return Decision::undecided;
   const Point center(ellipsoid.carrier[0]);
   std::vector<Point> seen;
-  const std::vector<Point> corners = motion == nullptr ? corners_of(flat) : corners_swept(flat, motion->turned().displacement<Dyadic>());
+  const std::vector<Point> corners =
+      motion == nullptr ? corners_of(flat) : corners_swept(flat, motion->turned().displacement<Dyadic>());
   for (const Point& corner : corners) seen.push_back(ball.seen(corner - center));
   return hull_meets_ball(seen, ball.size);
 }

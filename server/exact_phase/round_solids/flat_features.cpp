@@ -36,7 +36,8 @@ bool is_still_convex(const std::vector<Vec3>& corners, const std::vector<Triangl
       sides.push_back({low, high, face, corner[(i + 2) % 3]});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
+  std::sort(sides.begin(), sides.end(),
+            [](const Side& a, const Side& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
   if (sides.size() % 2 != 0) return false;
   for (std::size_t i = 0; i < sides.size(); i += 2) {
     if (sides[i].low != sides[i + 1].low || sides[i].high != sides[i + 1].high) return false;

@@ -6,7 +6,9 @@ namespace collided::engine::kernel {
 
 Decision ellipses_meet(const Conic& a, const Conic& b) {
   const auto entry = [&](std::size_t i, std::size_t j) { return ExactRayPolynomial(b[i][j], a[i][j]); };
-  const auto minor = [&](std::size_t i, std::size_t j) { return entry(1, i) * entry(2, j) - entry(1, j) * entry(2, i); };
+  const auto minor = [&](std::size_t i, std::size_t j) {
+    return entry(1, i) * entry(2, j) - entry(1, j) * entry(2, i);
+  };
   ExactRayPolynomial sum = entry(0, 0) * minor(1, 2) - entry(0, 1) * minor(0, 2) + entry(0, 2) * minor(0, 1);
   sum.trim();
   const RealRoots positive = roots_from_zero(sum);
@@ -15,7 +17,8 @@ Decision ellipses_meet(const Conic& a, const Conic& b) {
 }
 
 AcrossAxis::AcrossAxis(const Convex& set, int end)
-    : from(set.carrier[end]), axis(Vector<Dyadic>(set.carrier[1]) - Vector<Dyadic>(set.carrier[0])),
+    : from(set.carrier[end]),
+      axis(Vector<Dyadic>(set.carrier[1]) - Vector<Dyadic>(set.carrier[0])),
       radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {
   int least = 0;
   (set.carrier[1] - set.carrier[0]).cwiseAbs().minCoeff(&least);

@@ -30,7 +30,8 @@ Convex ball_at(const Vec3& center, double radius_m) { return Convex(Sphere{cente
 bool leads_away(const Convex& a, const Vec3& end, const Vec3& other_end) {
   const Separation apart = separation_of({a, Convex(Sphere{end, 0})});
   // As in closest_in_general.
-  const double within_m = 2 * std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m;
+  const double within_m =
+      2 * std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m;
   const Vec3 displacement = other_end - end;
   const Vec3 to_nearest = apart.on_a - end;
   return displacement.dot(to_nearest) + displacement.norm() * (2 * within_m + kBoundSlack * to_nearest.norm()) < 0;
@@ -43,7 +44,9 @@ Decision is_beside(const Convex& set, const Convex& side) {
   const double length = axis.norm();
   const double along = axis.dot(apart.on_b - side.carrier[0]) / length;
   // As in closest_in_general.
-  const double within_m = 4 * (std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m) + kBoundSlack * length;
+  const double within_m =
+      4 * (std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m) +
+      kBoundSlack * length;
   if (along > within_m && along < length - within_m) return Decision::yes;
   return Decision::undecided;
 }

@@ -247,7 +247,8 @@ std::vector<std::string> mend_objects(Scene& scene, double crack_m) {
     object.cut = entry->second.cut;
     object.index = {};
   }
-  if (untouched_count > 0) lines.push_back(fmt::format("nothing of the meshes of {} objects: no T-vertex and no crack", untouched_count));
+  if (untouched_count > 0)
+    lines.push_back(fmt::format("nothing of the meshes of {} objects: no T-vertex and no crack", untouched_count));
   return lines;
 }
 

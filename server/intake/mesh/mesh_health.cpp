@@ -50,9 +50,7 @@ std::uint64_t count_components(const TriangleMesh& mesh, const std::vector<std::
     }
   }
   std::uint64_t count = 0;
-  for (std::uint32_t i = 0; i < is_used.size(); ++i) {
-    count += is_used[i] && pieces.find(i) == i ? 1 : 0;
-  }
+  for (std::uint32_t i = 0; i < is_used.size(); ++i) { count += is_used[i] && pieces.find(i) == i ? 1 : 0; }
   return count;
 }
 
@@ -78,9 +76,7 @@ MeshHealth examine(const TriangleMesh& mesh, double crack_m) {
   health.vertex_count = mesh.vertices.size();
   health.triangle_count = mesh.triangles.size();
   const std::vector<std::uint32_t> point_of = first_equal_vertices(mesh.vertices);
-  for (std::uint32_t i = 0; i < point_of.size(); ++i) {
-    health.equal_vertex_count += point_of[i] == i ? 0 : 1;
-  }
+  for (std::uint32_t i = 0; i < point_of.size(); ++i) { health.equal_vertex_count += point_of[i] == i ? 0 : 1; }
   std::vector<bool> is_flat;
   look_at_triangles(mesh, health, is_flat);
   health.duplicates = duplicate_triangles(mesh, point_of);
@@ -109,7 +105,8 @@ std::string unit_suspicion(const Aabb& bounds) {
   constexpr double kLarge_m = 1000;
   constexpr double kSmall_m = 0.001;
   if (size_m >= kLarge_m && !is_survey) {
-    return fmt::format("{:.4g} m across: if the file is in millimetres, it is {:.4g} m (--unit mm)", size_m, size_m / 1000);
+    return fmt::format("{:.4g} m across: if the file is in millimetres, it is {:.4g} m (--unit mm)", size_m,
+                       size_m / 1000);
   }
   if (size_m > 0 && size_m <= kSmall_m) {
     return fmt::format("{:.4g} m across: if a unit of the file is a kilometre, it is {:.4g} m (--unit km)", size_m,

@@ -28,16 +28,16 @@ struct MeshHealth {
   bool is_consistently_oriented = false;      // no edge is run along twice the same way
   Aabb bounds;                                // of the vertices that triangles use
 
-  std::vector<std::uint32_t> zero_area;        // triangles
-  std::vector<std::uint32_t> duplicates;       // triangles
-  std::vector<std::uint32_t> flipped;          // triangles: the fewer of a piece's, where its triangles disagree
-  std::vector<HalfEdge> boundary_edges;        // their only side
-  std::vector<HalfEdge> nonmanifold_edges;     // their first side
-  std::vector<std::uint32_t> pinched_points;   // vertices where fans of triangles meet that share no edge there
-  std::vector<Seam> seams;                     // T-vertices and cracks
-  std::uint64_t seam_unseen_count = 0;         // points not looked at for those: 0 but in soups of long triangles
-  SeamReach seam_reach;                        // how far was looked for them
-  EdgeTable edges;                             // of the triangles with area, equal points joined
+  std::vector<std::uint32_t> zero_area;       // triangles
+  std::vector<std::uint32_t> duplicates;      // triangles
+  std::vector<std::uint32_t> flipped;         // triangles: the fewer of a piece's, where its triangles disagree
+  std::vector<HalfEdge> boundary_edges;       // their only side
+  std::vector<HalfEdge> nonmanifold_edges;    // their first side
+  std::vector<std::uint32_t> pinched_points;  // vertices where fans of triangles meet that share no edge there
+  std::vector<Seam> seams;                    // T-vertices and cracks
+  std::uint64_t seam_unseen_count = 0;        // points not looked at for those: 0 but in soups of long triangles
+  SeamReach seam_reach;                       // how far was looked for them
+  EdgeTable edges;                            // of the triangles with area, equal points joined
 
   std::uint64_t t_vertex_count() const;
   std::uint64_t crack_count() const { return seams.size() - t_vertex_count(); }

@@ -39,7 +39,8 @@ class Scaling {
     b = {point(b.center), b.axes, halves(b.axes, b.half_m)};
   }
   void apply(Ellipsoid& e) {
-    need(even_ || lies_along_axes(e.axes), "a turned ellipsoid would get other axes; one factor for all axes is allowed");
+    need(even_ || lies_along_axes(e.axes),
+         "a turned ellipsoid would get other axes; one factor for all axes is allowed");
     e = {point(e.center), e.axes, halves(e.axes, e.half_m)};
     need((e.half_m.array() > 0).all(), "an ellipsoid would have no thickness");
   }
@@ -62,9 +63,7 @@ class Scaling {
   std::string refusal() { return std::move(refusal_); }
 
  private:
-  static bool lies_along_axes(const Mat3& axes) {
-    return ((axes.array() == 0) || (axes.array().abs() == 1)).all();
-  }
+  static bool lies_along_axes(const Mat3& axes) { return ((axes.array() == 0) || (axes.array().abs() == 1)).all(); }
   void need(bool good, std::string_view otherwise) {
     if (!good && refusal_.empty()) {
       refusal_ = fmt::format("scale ({}, {}, {}): {}", factor_[0], factor_[1], factor_[2], otherwise);
@@ -99,8 +98,8 @@ class Scaling {
 
 std::string scale(Shape& shape, const Vec3& factor) {
   if (!((factor.array() > 0).all() && factor.allFinite())) {
-    return fmt::format("scale ({}, {}, {}): factors must be finite and above 0; mirror images are not offered", factor[0],
-                       factor[1], factor[2]);
+    return fmt::format("scale ({}, {}, {}): factors must be finite and above 0; mirror images are not offered",
+                       factor[0], factor[1], factor[2]);
   }
   Scaling scaling(factor);
   for (Primitive& primitive : shape.primitives) {

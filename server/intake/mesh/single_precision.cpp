@@ -46,9 +46,7 @@ std::string single_precision_warning(const TriangleMesh& mesh, double unit_m) {
   Aabb box;
   for (const Vec3& vertex : mesh.vertices) {
     box.extend(vertex);
-    for (int axis = 0; axis < 3; ++axis) {
-      evidence.weigh(vertex[axis], unit_m);
-    }
+    for (int axis = 0; axis < 3; ++axis) { evidence.weigh(vertex[axis], unit_m); }
   }
   if (evidence.far_count < kLeastCoordinates || evidence.telling_count == 0 ||
       evidence.float_count * 100 < evidence.far_count * 99) {

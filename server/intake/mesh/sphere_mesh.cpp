@@ -24,22 +24,14 @@ Direction direction(unsigned step, unsigned steps) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
   switch (octant % 8) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {s, c};
-    case 2:
-      return {-s, c};
-    case 3:
-      return {-c, s};
-    case 4:
-      return {-c, -s};
-    case 5:
-      return {-s, -c};
-    case 6:
-      return {s, -c};
-    default:
-      return {c, -s};
+    case 0: return {c, s};
+    case 1: return {s, c};
+    case 2: return {-s, c};
+    case 3: return {-c, s};
+    case 4: return {-c, -s};
+    case 5: return {-s, -c};
+    case 6: return {s, -c};
+    default: return {c, -s};
   }
 }
 
@@ -83,9 +75,7 @@ TriangleMesh box_mesh(const Vec3& low, const Vec3& high, Normals normals) {
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   if (normals == Normals::inward) {
-    for (TriangleCorners& corners : mesh.triangles) {
-      std::swap(corners[1], corners[2]);
-    }
+    for (TriangleCorners& corners : mesh.triangles) { std::swap(corners[1], corners[2]); }
   }
   return mesh;
 }

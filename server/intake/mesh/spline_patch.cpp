@@ -79,7 +79,8 @@ double second_derivative(const Grid& grid, std::size_t degree) {
 
 Vec3 SplinePatch::at(double first, double second) const {
   std::vector<Vec3> across;
-  for (unsigned row = 0; row < rows(); ++row) across.push_back(curve_point(points.data() + row * columns, first_degree, columns, first));
+  for (unsigned row = 0; row < rows(); ++row)
+    across.push_back(curve_point(points.data() + row * columns, first_degree, columns, first));
   return curve_point(across.data(), second_degree, rows(), second);
 }
 

@@ -31,14 +31,16 @@ struct Counts {
 template <class Bound>
 Counts counts_for(const Fineness& fineness, Counts least, const Bound& bound) {
   if (fineness.error_m == 0) {
-    require(fineness.first >= least.first && fineness.second >= least.second, "tessellation: too few pieces to make the surface");
+    require(fineness.first >= least.first && fineness.second >= least.second,
+            "tessellation: too few pieces to make the surface");
     return {static_cast<double>(fineness.first), static_cast<double>(fineness.second)};
   }
   require(is_size(fineness.error_m), "tessellation: the error must be finite and above 0");
   const auto grown = [](double count) { return std::floor(count * 1.02) + 1; };
   Counts counts = least;
   while (bound(counts.first, counts.second) > fineness.error_m) {
-    require(2 * counts.first * counts.second <= static_cast<double>(fineness.triangles_at_most), "tessellation: the error asked for takes too many triangles");
+    require(2 * counts.first * counts.second <= static_cast<double>(fineness.triangles_at_most),
+            "tessellation: the error asked for takes too many triangles");
     const bool first_helps = bound(grown(counts.first), counts.second) <= bound(counts.first, grown(counts.second));
     double& count = first_helps ? counts.first : counts.second;
     count = grown(count);
@@ -52,7 +54,9 @@ void check_count(double triangle_count, const Fineness& fineness) {
   }
 }
 
-double with_roundings(double bound_m, double reach_m) { return bound_m * (1 + kBoundSlack) + kVertexRounding * reach_m; }
+double with_roundings(double bound_m, double reach_m) {
+  return bound_m * (1 + kBoundSlack) + kVertexRounding * reach_m;
+}
 
 /// 1 - cos, without losing the digits of small angles.
 double versine(double angle_rad) {
@@ -66,7 +70,8 @@ double unit_sphere_error(double slices, double bands) {
 }
 
 Counts sphere_counts(const Fineness& fineness, double longest_m) {
-  const Counts counts = counts_for(fineness, {3, 2}, [&](double slices, double bands) { return longest_m * unit_sphere_error(slices, bands); });
+  const Counts counts = counts_for(
+      fineness, {3, 2}, [&](double slices, double bands) { return longest_m * unit_sphere_error(slices, bands); });
   check_count(2 * counts.first * (counts.second - 1), fineness);
   return counts;
 }
@@ -90,7 +95,8 @@ void add_cap(std::uint32_t first, unsigned slices, std::uint32_t tip, bool is_up
 
 unsigned slices_for(double radius_m, Fineness fineness) {
   fineness.second = 1;
-  const Counts counts = counts_for(fineness, {3, 1}, [&](double slices, double) { return radius_m * versine(pi / slices); });
+  const Counts counts =
+      counts_for(fineness, {3, 1}, [&](double slices, double) { return radius_m * versine(pi / slices); });
   check_count(4 * counts.first, fineness);
   return static_cast<unsigned>(counts.first);
 }
@@ -98,7 +104,9 @@ unsigned slices_for(double radius_m, Fineness fineness) {
 }  // namespace
 
 double SecondDerivatives::chord_error(double first_step, double second_step) const {
-  return (first_step * first_step * first_first + 2 * first_step * second_step * first_second + second_step * second_step * second_second) / 8;
+  return (first_step * first_step * first_first + 2 * first_step * second_step * first_second +
+          second_step * second_step * second_second) /
+         8;
 }
 
 Tessellation tessellate_sphere(double radius_m, const Fineness& fineness) {
@@ -106,11 +114,14 @@ Tessellation tessellate_sphere(double radius_m, const Fineness& fineness) {
 }
 
 Tessellation tessellate_ellipsoid(const Vec3& half_m, const Fineness& fineness) {
-  require(is_size(half_m.minCoeff()) && is_size(half_m.maxCoeff()), "sphere or ellipsoid: radii must be finite and above 0");
+  require(is_size(half_m.minCoeff()) && is_size(half_m.maxCoeff()),
+          "sphere or ellipsoid: radii must be finite and above 0");
   const Counts counts = sphere_counts(fineness, half_m.maxCoeff());
-  Tessellation surface{latitude_longitude_sphere(1, static_cast<unsigned>(counts.first), static_cast<unsigned>(counts.second))};
+  Tessellation surface{
+      latitude_longitude_sphere(1, static_cast<unsigned>(counts.first), static_cast<unsigned>(counts.second))};
   for (Vec3& vertex : surface.mesh.vertices) vertex = vertex.cwiseProduct(half_m);
-  surface.off_by_m = with_roundings(half_m.maxCoeff() * unit_sphere_error(counts.first, counts.second), half_m.maxCoeff());
+  surface.off_by_m =
+      with_roundings(half_m.maxCoeff() * unit_sphere_error(counts.first, counts.second), half_m.maxCoeff());
   return surface;
 }
 
@@ -149,7 +160,8 @@ Tessellation tessellate_cone(double radius_m, double height_m, const Fineness& f
 }
 
 Tessellation tessellate_torus(double ring_m, double tube_m, const Fineness& fineness) {
-  require(is_size(ring_m) && is_size(tube_m) && tube_m < ring_m, "torus: ring and tube must be finite and above 0, the tube thinner than the ring");
+  require(is_size(ring_m) && is_size(tube_m) && tube_m < ring_m,
+          "torus: ring and tube must be finite and above 0, the tube thinner than the ring");
   const SecondDerivatives bounds{ring_m + tube_m, tube_m, tube_m};
   const auto error = [&](double slices, double around) { return bounds.chord_error(2 * pi / slices, 2 * pi / around); };
   const Counts counts = counts_for(fineness, {3, 3}, error);
@@ -175,8 +187,11 @@ Tessellation tessellate_torus(double ring_m, double tube_m, const Fineness& fine
 
 Tessellation tessellate_heights(const HeightFunction& function, const Fineness& fineness) {
   const Eigen::Vector2d size = function.high - function.low;
-  require(is_size(size.minCoeff()) && is_size(size.maxCoeff()), "height function: the rectangle must be finite and have an area");
-  const auto error = [&](double columns, double rows) { return function.bounds.chord_error(size[0] / columns, size[1] / rows); };
+  require(is_size(size.minCoeff()) && is_size(size.maxCoeff()),
+          "height function: the rectangle must be finite and have an area");
+  const auto error = [&](double columns, double rows) {
+    return function.bounds.chord_error(size[0] / columns, size[1] / rows);
+  };
   const Counts counts = counts_for(fineness, {1, 1}, error);
   check_count(2 * counts.first * counts.second, fineness);
   Tessellation surface;
@@ -204,7 +219,8 @@ Tessellation tessellate_heights(const HeightFunction& function, const Fineness& 
 Tessellation tessellate_patch(const SplinePatch& patch, const Fineness& fineness) {
   const unsigned rows = patch.rows();
   const auto fits = [](unsigned degree, unsigned count) { return degree >= 1 && degree <= 8 && count > degree; };
-  require(patch.columns != 0 && patch.points.size() % patch.columns == 0 && fits(patch.first_degree, patch.columns) && fits(patch.second_degree, rows),
+  require(patch.columns != 0 && patch.points.size() % patch.columns == 0 && fits(patch.first_degree, patch.columns) &&
+              fits(patch.second_degree, rows),
           "spline patch: degrees from 1 to 8, and more points than the degree along each parameter");
   double reach_m = 0;
   for (const Vec3& point : patch.points) reach_m = std::max(reach_m, point.cwiseAbs().maxCoeff());
@@ -216,7 +232,8 @@ Tessellation tessellate_patch(const SplinePatch& patch, const Fineness& fineness
   const double along = counts.second * (rows - patch.second_degree);
   check_count(2 * across * along, fineness);
   HeightFunction grid{[](double, double) { return 0.0; }, Eigen::Vector2d::Zero(), {across, along}, {}};
-  Tessellation surface = tessellate_heights(grid, {static_cast<unsigned>(across), static_cast<unsigned>(along), 0, fineness.triangles_at_most});
+  Tessellation surface = tessellate_heights(
+      grid, {static_cast<unsigned>(across), static_cast<unsigned>(along), 0, fineness.triangles_at_most});
   for (Vec3& vertex : surface.mesh.vertices) vertex = patch.at(vertex[0] / counts.first, vertex[1] / counts.second);
   surface.off_by_m = with_roundings(error(counts.first, counts.second), reach_m);
   return surface;
@@ -231,7 +248,8 @@ SphereParameters sphere_parameters(const Vec3& point) {
   const double out = std::hypot(point[0], point[1]);
   if (out == 0) return {0, point[2] < 0 ? pi : 0};
   const double longitude = std::atan2(point[1], point[0]);
-  return {longitude < 0 ? std::min(longitude + 2 * pi, std::nextafter(2 * pi, 0)) : longitude, std::atan2(out, point[2])};
+  return {longitude < 0 ? std::min(longitude + 2 * pi, std::nextafter(2 * pi, 0)) : longitude,
+          std::atan2(out, point[2])};
 }
 
 }  // namespace collided::engine

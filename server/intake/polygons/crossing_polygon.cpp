@@ -35,7 +35,8 @@ double share_along(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c
 }
 
 /// The middle of the two edges where they cross; nothing where they pass by each other in space, as in a bent polygon.
-std::optional<Corner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap, std::vector<Vec3>& vertices) {
+std::optional<Corner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap,
+                                     std::vector<Vec3>& vertices) {
   const Corner& a = loop[i];
   const Corner& b = loop[i + 1];
   const Corner& c = loop[k];

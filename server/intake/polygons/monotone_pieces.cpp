@@ -9,7 +9,8 @@ namespace {
 
 /// The point between a and b on their line, or one of them.
 bool lies_between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& p) {
-  return std::min(a[0], b[0]) <= p[0] && p[0] <= std::max(a[0], b[0]) && std::min(a[1], b[1]) <= p[1] && p[1] <= std::max(a[1], b[1]);
+  return std::min(a[0], b[0]) <= p[0] && p[0] <= std::max(a[0], b[0]) && std::min(a[1], b[1]) <= p[1] &&
+         p[1] <= std::max(a[1], b[1]);
 }
 
 }  // namespace
@@ -39,7 +40,8 @@ std::optional<PolygonFlaw> join_rings(std::span<const PlanePoint> points, std::s
       rings.previous[after] = number[i];
       leftmost = std::min(leftmost, number[i]);
     }
-    const int side = turn(rings.points[rings.previous[leftmost]], rings.points[leftmost], rings.points[rings.next[leftmost]]);
+    const int side =
+        turn(rings.points[rings.previous[leftmost]], rings.points[leftmost], rings.points[rings.next[leftmost]]);
     if (side == 0) return PolygonFlaw{rings.previous[leftmost], leftmost};
     const bool is_hole = first > 0;
     if ((side < 0) != is_hole) {
@@ -51,7 +53,11 @@ std::optional<PolygonFlaw> join_rings(std::span<const PlanePoint> points, std::s
 }
 
 MonotonePieces::MonotonePieces(const PolygonRings& rings)
-    : rings_(rings), edges_(IsBelow{this}), place_(rings.points.size()), helper_(rings.points.size()), is_merge_(rings.points.size(), false) {}
+    : rings_(rings),
+      edges_(IsBelow{this}),
+      place_(rings.points.size()),
+      helper_(rings.points.size()),
+      is_merge_(rings.points.size(), false) {}
 
 std::optional<PolygonFlaw> MonotonePieces::find() {
   for (std::uint32_t point = 0; point < rings_.points.size(); ++point) {

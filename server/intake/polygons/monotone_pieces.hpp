@@ -44,7 +44,9 @@ class MonotonePieces {
   static bool comes_first(std::uint32_t a, std::uint32_t b) { return a < b; }
   std::uint32_t left_of(std::uint32_t edge) const;
   std::uint32_t right_of(std::uint32_t edge) const;
-  int turn_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return turn(rings_.points[a], rings_.points[b], rings_.points[c]); }
+  int turn_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    return turn(rings_.points[a], rings_.points[b], rings_.points[c]);
+  }
   bool is_below(std::uint32_t a, std::uint32_t b);
   bool meet(std::uint32_t edge, std::uint32_t other) const;
   void check(Edges::iterator lower, Edges::iterator upper);
@@ -59,9 +61,9 @@ class MonotonePieces {
 
   const PolygonRings& rings_;
   Edges edges_;
-  std::vector<Edges::iterator> place_;   // by edge
-  std::vector<std::uint32_t> helper_;    // by edge: the last point that sees it from above
-  std::vector<bool> is_merge_;           // by point: the sweep ends two edges there, and the inside goes on
+  std::vector<Edges::iterator> place_;  // by edge
+  std::vector<std::uint32_t> helper_;   // by edge: the last point that sees it from above
+  std::vector<bool> is_merge_;          // by point: the sweep ends two edges there, and the inside goes on
   std::vector<PolygonFlaw> diagonals_;
   std::optional<PolygonFlaw> flaw_;
 };

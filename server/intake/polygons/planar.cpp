@@ -31,9 +31,7 @@ struct ExactSum {
   }
   int sign() const {
     for (std::size_t i = part_count; i-- > 0;) {
-      if (parts[i] != 0) {
-        return parts[i] > 0 ? 1 : (parts[i] < 0 ? -1 : 0);
-      }
+      if (parts[i] != 0) { return parts[i] > 0 ? 1 : (parts[i] < 0 ? -1 : 0); }
     }
     return 0;
   }
@@ -61,7 +59,9 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
 
 bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    if (std::max(a[axis], b[axis]) < std::min(c[axis], d[axis]) || std::max(c[axis], d[axis]) < std::min(a[axis], b[axis])) return false;
+    if (std::max(a[axis], b[axis]) < std::min(c[axis], d[axis]) ||
+        std::max(c[axis], d[axis]) < std::min(a[axis], b[axis]))
+      return false;
   }
   return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 }

@@ -16,7 +16,8 @@ void PolygonCounts::measure(std::span<const std::uint32_t> corners, const std::v
   most_bent_m = std::max(most_bent_m, found.off_plane_m);
 }
 
-void PolygonCounts::split(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices, std::span<TriangleCorners> triangles) {
+void PolygonCounts::split(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices,
+                          std::span<TriangleCorners> triangles) {
   const std::size_t vertex_count = vertices.size();
   const std::vector<TriangleCorners> lobes = split_at_crossings(corners, vertices);
   if (lobes.size() != triangles.size()) {
@@ -39,17 +40,21 @@ void PolygonCounts::add(const PolygonCounts& more) {
 
 void PolygonCounts::report(LoadReport& report) const {
   if (split_count > 0) {
-    report.mended.push_back(fmt::format(
-        "{} polygons that cross themselves split at {} crossings; a guess at what was meant: each lobe is kept, its edges run as in "
-        "the file, so lobes at a crossing face opposite ways",
-        split_count, new_vertex_count));
+    report.mended.push_back(
+        fmt::format("{} polygons that cross themselves split at {} crossings; a guess at what was meant: each lobe is "
+                    "kept, its edges run as in "
+                    "the file, so lobes at a crossing face opposite ways",
+                    split_count, new_vertex_count));
   }
   if (guessed_count > 0) {
-    report.mended.push_back(fmt::format("{} polygons that cross or touch themselves cut into triangles by a guess", guessed_count));
+    report.mended.push_back(
+        fmt::format("{} polygons that cross or touch themselves cut into triangles by a guess", guessed_count));
   }
   if (bent_count > 0) {
-    report.warnings.push_back(fmt::format(
-        "{} polygons are not flat, the worst by {:.3g} of the file's units; where they bend is decided by how they are cut", bent_count, most_bent_m));
+    report.warnings.push_back(
+        fmt::format("{} polygons are not flat, the worst by {:.3g} of the file's units; where they bend is decided by "
+                    "how they are cut",
+                    bent_count, most_bent_m));
   }
 }
 

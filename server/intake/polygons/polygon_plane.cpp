@@ -44,9 +44,7 @@ std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, std::s
   std::vector<PlanePoint> points;
   points.reserve(corners.size());
   const double mirror = normals.sum[drop] < 0 ? -1 : 1;
-  for (const std::uint32_t corner : corners) {
-    points.push_back({mirror * vertices[corner][u], vertices[corner][v]});
-  }
+  for (const std::uint32_t corner : corners) { points.push_back({mirror * vertices[corner][u], vertices[corner][v]}); }
   return points;
 }
 

@@ -95,7 +95,8 @@ class Pieces {
 /// A piece that every upright line meets in one stretch, into triangles.
 class MonotoneCut {
  public:
-  MonotoneCut(const PolygonRings& rings, std::vector<TriangleCorners>& triangles) : rings_(rings), triangles_(triangles) {}
+  MonotoneCut(const PolygonRings& rings, std::vector<TriangleCorners>& triangles)
+      : rings_(rings), triangles_(triangles) {}
 
   void cut(const std::vector<std::uint32_t>& piece) {
     if (piece.size() == 3) {
@@ -143,7 +144,8 @@ class MonotoneCut {
 
   /// The corner sees the whole other chain.
   void take_all(const Corner& corner) {
-    for (std::size_t k = 1; k < stack_.size(); ++k) add(stack_[k - 1].point, stack_[k].point, corner.point, stack_.back().is_lower);
+    for (std::size_t k = 1; k < stack_.size(); ++k)
+      add(stack_[k - 1].point, stack_[k].point, corner.point, stack_.back().is_lower);
     stack_ = {stack_.back(), corner};
   }
 
@@ -170,10 +172,13 @@ class MonotoneCut {
 
 }  // namespace
 
-std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
+std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points,
+                                                std::span<const std::uint32_t> ring_ends,
                                                 std::vector<TriangleCorners>& triangles) {
   PolygonRings rings;
-  const auto original = [&](const PolygonFlaw& flaw) { return PolygonFlaw{rings.original[flaw.first], rings.original[flaw.second]}; };
+  const auto original = [&](const PolygonFlaw& flaw) {
+    return PolygonFlaw{rings.original[flaw.first], rings.original[flaw.second]};
+  };
   if (const auto flaw = join_rings(points, ring_ends, rings)) return original(*flaw);
   MonotonePieces pieces(rings);
   if (const auto flaw = pieces.find()) return original(*flaw);

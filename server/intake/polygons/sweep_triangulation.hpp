@@ -25,7 +25,8 @@ using PolygonFlaw = std::pair<std::uint32_t, std::uint32_t>;
 /// source     monotone pieces by a sweep: Lee, Preparata, "Location of a point in a planar subdivision", 1977; Garey,
 ///            Johnson, Preparata, Tarjan, "Triangulating a simple polygon", 1978; crossings: Shamos, Hoey, "Geometric
 ///            intersection problems", 1976. Every sign is exact (planar.hpp).
-std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
+std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points,
+                                                std::span<const std::uint32_t> ring_ends,
                                                 std::vector<TriangleCorners>& triangles);
 
 }  // namespace collided::engine

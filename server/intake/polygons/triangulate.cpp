@@ -19,9 +19,7 @@ bool is_convex(const std::vector<PlanePoint>& points) {
   for (std::size_t i = 0; i < 2 * count; ++i) {
     const PlanePoint& here = points[i % count];
     const PlanePoint& next = points[(i + 1) % count];
-    if (i < count && turn(here, next, points[(i + 2) % count]) < 0) {
-      return false;
-    }
+    if (i < count && turn(here, next, points[(i + 2) % count]) < 0) { return false; }
     const double rise = next[1] != here[1] ? next[1] - here[1] : 0;
     if (rise != 0) {
       const int sign = rise > 0 ? 1 : -1;
@@ -43,9 +41,7 @@ class EarClipper {
       next_[i] = (i + 1) % count;
     }
     for (std::size_t i = 0; i < count; ++i) {
-      if (turn_at(i) <= 0) {
-        reflex_.push_back(i);
-      }
+      if (turn_at(i) <= 0) { reflex_.push_back(i); }
     }
   }
 
@@ -79,9 +75,7 @@ class EarClipper {
   int turn_at(std::size_t i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
   void drop_if_convex(std::size_t i) {
-    if (turn_at(i) > 0) {
-      std::erase(reflex_, i);
-    }
+    if (turn_at(i) > 0) { std::erase(reflex_, i); }
   }
 
   /// A corner that turns left and whose triangle holds no other corner; one on a line with its neighbours between
@@ -91,20 +85,12 @@ class EarClipper {
     const PlanePoint& b = points_[i];
     const PlanePoint& c = points_[next_[i]];
     const int side = turn(a, b, c);
-    if (side == 0) {
-      return lies_between(a, b, c);
-    }
-    if (side < 0) {
-      return false;
-    }
+    if (side == 0) { return lies_between(a, b, c); }
+    if (side < 0) { return false; }
     for (const std::size_t other : reflex_) {
       const PlanePoint& p = points_[other];
-      if (other == previous_[i] || other == next_[i] || p == a || p == c) {
-        continue;
-      }
-      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) {
-        return false;
-      }
+      if (other == previous_[i] || other == next_[i] || p == a || p == c) { continue; }
+      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) { return false; }
     }
     return true;
   }
@@ -155,9 +141,7 @@ PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vecto
   }
   std::vector<PlanePoint> points = flattened(corners, vertices);
   if (is_convex(points)) {
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-      triangles.push_back({corners[0], corners[i - 1], corners[i]});
-    }
+    for (std::size_t i = 2; i < corners.size(); ++i) { triangles.push_back({corners[0], corners[i - 1], corners[i]}); }
     return PolygonKind::convex;
   }
   const bool is_long = corners.size() > kEarCorners;

@@ -13,9 +13,7 @@ template <class Number>
 Number number_at(const char* bytes, std::endian order) {
   std::array<char, sizeof(Number)> copy;
   std::memcpy(copy.data(), bytes, sizeof(Number));
-  if (order != std::endian::native) {
-    std::reverse(copy.begin(), copy.end());
-  }
+  if (order != std::endian::native) { std::reverse(copy.begin(), copy.end()); }
   return std::bit_cast<Number>(copy);
 }
 

@@ -82,10 +82,8 @@ class CityReader {
     for (std::size_t i = 0; i < count; ++i) finest = std::max(finest, detail_of(object.element("geometry", i)));
     for (std::size_t i = 0; i < count; ++i) {
       const JsonView geometry = object.element("geometry", i);
-      if (detail_of(geometry) < finest)
-        ++coarser_count_;
-      else
-        add_geometry(geometry);
+      if (detail_of(geometry) < finest) ++coarser_count_;
+      else add_geometry(geometry);
     }
     part.triangle_count = static_cast<std::uint32_t>(scene_.mesh.triangles.size()) - part.first_triangle;
     if (part.triangle_count > 0) scene_.parts.push_back(std::move(part));
@@ -115,10 +113,8 @@ class CityReader {
   void add_surfaces(const JsonView& geometry, const json& list, int nesting) {
     if (!list.is_array()) geometry.complain("has boundaries that are no lists");
     for (const json& inner : list) {
-      if (nesting > 1)
-        add_surfaces(geometry, inner, nesting - 1);
-      else
-        add_surface(geometry, inner);
+      if (nesting > 1) add_surfaces(geometry, inner, nesting - 1);
+      else add_surface(geometry, inner);
     }
   }
 
@@ -165,7 +161,8 @@ class CityReader {
       ring_ends.push_back(static_cast<std::uint32_t>(corners.size()));
     }
     check_triangle_count(reading_, scene_.mesh.triangles.size() + corners.size() + 2 * rings.size());
-    return triangulate_with_holes(corners, ring_ends, scene_.mesh.vertices, scene_.mesh.triangles) != PolygonKind::crossing;
+    return triangulate_with_holes(corners, ring_ends, scene_.mesh.vertices, scene_.mesh.triangles) !=
+           PolygonKind::crossing;
   }
 
   void cut(const JsonView& geometry, const std::vector<std::uint32_t>& corners) {

@@ -242,16 +242,12 @@ class GltfReader {
   static std::size_t component_bytes(const JsonView& where, std::uint64_t type) {
     switch (type) {
       case kByte:
-      case kUnsignedByte:
-        return 1;
+      case kUnsignedByte: return 1;
       case kShort:
-      case kUnsignedShort:
-        return 2;
+      case kUnsignedShort: return 2;
       case kUnsignedInt:
-      case kFloat:
-        return 4;
-      default:
-        where.complain(fmt::format("has component type {}, which glTF does not know", type));
+      case kFloat: return 4;
+      default: where.complain(fmt::format("has component type {}, which glTF does not know", type));
     }
   }
 
@@ -262,18 +258,12 @@ class GltfReader {
       return is_unit ? std::max(value / std::numeric_limits<Number>::max(), -1.0) : value;
     };
     switch (type) {
-      case kByte:
-        return whole(std::int8_t{});
-      case kUnsignedByte:
-        return whole(std::uint8_t{});
-      case kShort:
-        return whole(std::int16_t{});
-      case kUnsignedShort:
-        return whole(std::uint16_t{});
-      case kUnsignedInt:
-        return number_at<std::uint32_t>(bytes, std::endian::little);
-      default:
-        return number_at<float>(bytes, std::endian::little);
+      case kByte: return whole(std::int8_t{});
+      case kUnsignedByte: return whole(std::uint8_t{});
+      case kShort: return whole(std::int16_t{});
+      case kUnsignedShort: return whole(std::uint16_t{});
+      case kUnsignedInt: return number_at<std::uint32_t>(bytes, std::endian::little);
+      default: return number_at<float>(bytes, std::endian::little);
     }
   }
 

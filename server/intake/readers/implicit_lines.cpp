@@ -13,9 +13,7 @@ ImplicitSurface rest_as_implicit_surface(TextCursor& cursor) {
   for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) end = word.data() + word.size();
   try {
     return read_implicit_surface({begin, static_cast<std::size_t>(end - begin)});
-  } catch (const std::invalid_argument& wrong) {
-    cursor.complain(fmt::format("polynomial, {}", wrong.what()));
-  }
+  } catch (const std::invalid_argument& wrong) { cursor.complain(fmt::format("polynomial, {}", wrong.what())); }
 }
 
 std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std::string_view name) {

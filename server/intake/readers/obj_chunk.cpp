@@ -40,13 +40,9 @@ class ChunkParser {
  private:
   void parse_vertex() {
     Vec3 vertex;
-    for (int axis = 0; axis < 3; ++axis) {
-      vertex[axis] = cursor_.finite_number("vertex coordinate");
-    }
+    for (int axis = 0; axis < 3; ++axis) { vertex[axis] = cursor_.finite_number("vertex coordinate"); }
     chunk_.vertices.push_back(vertex);
-    if (!cursor_.at_line_end()) {
-      parse_vertex_extras();
-    }
+    if (!cursor_.at_line_end()) { parse_vertex_extras(); }
   }
 
   // After x y z: a weight, a colour, or both.
@@ -60,17 +56,13 @@ class ChunkParser {
     if (extra_count != 1 && extra_count != 3 && extra_count != 4) {
       refuse_line(reading_, line_, fmt::format("vertex of {} numbers, allowed 3, 4, 6 or 7", 3 + extra_count));
     }
-    if (extra_count != 3 && first != 1) {
-      ++chunk_.weighted_vertices;
-    }
+    if (extra_count != 3 && first != 1) { ++chunk_.weighted_vertices; }
   }
 
   void parse_face() {
     const std::size_t first_corner = chunk_.corners.size();
     const std::uint32_t first_line = cursor_.lines_passed();
-    while (!cursor_.at_line_end()) {
-      parse_corner();
-    }
+    while (!cursor_.at_line_end()) { parse_corner(); }
     const std::size_t corner_count = chunk_.corners.size() - first_corner;
     if (corner_count < 3) {
       chunk_.corners.resize(first_corner);
@@ -92,17 +84,11 @@ class ChunkParser {
   // v, v/t, v//n or v/t/n. Texture and normal numbers are read as numbers and not used.
   void parse_corner() {
     const std::int64_t number = cursor_.integer_prefix("vertex number");
-    if (number == 0) {
-      refuse_line(reading_, line_, "vertex number 0, they begin at 1");
-    }
+    if (number == 0) { refuse_line(reading_, line_, "vertex number 0, they begin at 1"); }
     for (int i = 0; i < 2 && cursor_.skip('/'); ++i) {
-      if (!cursor_.at_blank_or_end() && !is_slash_next()) {
-        cursor_.integer_prefix("texture or normal number");
-      }
+      if (!cursor_.at_blank_or_end() && !is_slash_next()) { cursor_.integer_prefix("texture or normal number"); }
     }
-    if (!cursor_.at_blank_or_end()) {
-      cursor_.complain("corner is not of the form v, v/t, v//n or v/t/n");
-    }
+    if (!cursor_.at_blank_or_end()) { cursor_.complain("corner is not of the form v, v/t, v//n or v/t/n"); }
     if (number > 0) {
       add_absolute(number - 1);
     } else {
@@ -122,7 +108,8 @@ class ChunkParser {
   void add_relative(std::int64_t number) {
     const auto here = static_cast<std::int64_t>(chunk_.vertices.size());
     if (number < -std::int64_t{std::numeric_limits<std::int32_t>::max()}) {
-      refuse_line(reading_, line_, fmt::format("vertex number {}, limit {}", number, -std::numeric_limits<std::int32_t>::max()));
+      refuse_line(reading_, line_,
+                  fmt::format("vertex number {}, limit {}", number, -std::numeric_limits<std::int32_t>::max()));
     }
     chunk_.is_relative.resize(chunk_.corners.size(), false);
     chunk_.is_relative.push_back(true);
@@ -200,7 +187,10 @@ ObjChunk ObjSplitter::next() {
 }
 
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk) {
-  const Reading piece{.file = reading.file, .bytes = chunk.text, .options = reading.options, .report = reading.report,
+  const Reading piece{.file = reading.file,
+                      .bytes = chunk.text,
+                      .options = reading.options,
+                      .report = reading.report,
                       .lines_before = chunk.lines_before};
   // A typical line has 25 bytes; half are vertices in clouds, a third in closed meshes.
   chunk.vertices.reserve(chunk.text.size() / 75);

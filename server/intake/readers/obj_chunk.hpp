@@ -23,10 +23,10 @@ struct ObjChunk {
   std::string_view text;
   std::int64_t lines_before = 0;
   std::vector<Vec3> vertices{};
-  std::vector<std::uint32_t> corners{};            // as is_relative says
-  std::vector<bool> is_relative{};                 // of each corner; empty: none is
+  std::vector<std::uint32_t> corners{};  // as is_relative says
+  std::vector<bool> is_relative{};       // of each corner; empty: none is
   std::vector<std::uint32_t> face_corner_counts{};
-  std::vector<std::uint32_t> face_lines{};         // where a face is in the chunk, for complaints
+  std::vector<std::uint32_t> face_lines{};  // where a face is in the chunk, for complaints
   std::vector<ObjMark> marks{};
   std::uint64_t triangle_count = 0;
   std::uint64_t point_lines = 0;

@@ -116,12 +116,8 @@ class ObjReader {
             // A group or material stays in force by the format, but an object line begins afresh in every file met.
             now_ = {.object_number = object_names_.size(), .group = {}, .material = now_.material};
             break;
-          case ObjMark::Kind::group:
-            now_.group = mark.name;
-            break;
-          case ObjMark::Kind::material:
-            now_.material = mark.name;
-            break;
+          case ObjMark::Kind::group: now_.group = mark.name; break;
+          case ObjMark::Kind::material: now_.material = mark.name; break;
         }
       }
       add_run(i, first_face, chunk.face_corner_counts.size());
@@ -130,13 +126,9 @@ class ObjReader {
   }
 
   void add_run(std::size_t chunk_index, std::size_t first_face, std::size_t end_face) {
-    if (first_face == end_face) {
-      return;
-    }
+    if (first_face == end_face) { return; }
     const auto [entry, is_new] = part_numbers_.try_emplace(now_, belongings_.size());
-    if (is_new) {
-      belongings_.push_back(now_);
-    }
+    if (is_new) { belongings_.push_back(now_); }
     runs_.push_back({chunk_index, first_face, end_face, entry->second});
   }
 
@@ -151,14 +143,10 @@ class ObjReader {
           belonging.object_number == 0 ? std::string_view{} : object_names_[belonging.object_number - 1];
       std::string name(object);
       const auto append = [&name](std::string_view piece) {
-        if (!piece.empty() && piece != name) {
-          name.append(name.empty() ? "" : "/").append(piece);
-        }
+        if (!piece.empty() && piece != name) { name.append(name.empty() ? "" : "/").append(piece); }
       };
       append(belonging.group);
-      if (material_counts[{belonging.object_number, belonging.group, {}}] > 1) {
-        append(belonging.material);
-      }
+      if (material_counts[{belonging.object_number, belonging.group, {}}] > 1) { append(belonging.material); }
       scene_.parts.push_back({.name = std::move(name)});
     }
   }
@@ -184,9 +172,7 @@ class ObjReader {
       first_corner += corner_count;
       cut_face(chunk_index, face, corners);
     }
-    if (!chunk.face_corner_counts.empty()) {
-      run->end_triangle = cut.triangles.size();
-    }
+    if (!chunk.face_corner_counts.empty()) { run->end_triangle = cut.triangles.size(); }
     chunk.corners = {};
     chunk.is_relative = {};
     chunk.face_corner_counts = {};
@@ -199,17 +185,15 @@ class ObjReader {
     const std::size_t first_new = cut.triangles.size();
     switch (triangulate(corners, scene_.mesh.vertices, cut.triangles)) {
       case PolygonKind::convex:
-      case PolygonKind::concave:
-        return;
+      case PolygonKind::concave: return;
       case PolygonKind::crossing:
-        if (reading_.options.strict) {
-          refuse_face(chunk_index, face, "polygon crosses or touches itself");
-        }
+        if (reading_.options.strict) { refuse_face(chunk_index, face, "polygon crosses or touches itself"); }
         cut.crossing.push_back({{corners.begin(), corners.end()}, first_new});
         return;
       case PolygonKind::too_long:
         refuse_face(chunk_index, face,
-                    fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(), kMaxConcaveCorners));
+                    fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(),
+                                kMaxConcaveCorners));
     }
   }
 
@@ -244,9 +228,7 @@ class ObjReader {
   // Parts become runs without gaps: triangles are gathered part by part, in file order within each.
   void gather_triangles() {
     std::vector<std::size_t> part_ends(scene_.parts.size(), 0);
-    for (const FaceRun& run : runs_) {
-      part_ends[run.part_index] += run.end_triangle - run.first_triangle;
-    }
+    for (const FaceRun& run : runs_) { part_ends[run.part_index] += run.end_triangle - run.first_triangle; }
     std::size_t first = 0;
     for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
       scene_.parts[i].first_triangle = static_cast<std::uint32_t>(first);
@@ -277,9 +259,7 @@ class ObjReader {
       if (sum.first_unknown_line == 0) sum.first_unknown_line = chunks_[i].first_unknown_line;
     }
     const auto tell = [](std::vector<std::string>& lines, std::uint64_t count, std::string_view sentence) {
-      if (count > 0) {
-        lines.push_back(fmt::format("{} {}", count, sentence));
-      }
+      if (count > 0) { lines.push_back(fmt::format("{} {}", count, sentence)); }
     };
     LoadReport& lines = reading_.report;
     tell(lines.refused, sum.point_lines, "point and line elements left out; only surfaces are loaded");

@@ -33,9 +33,7 @@ class OffReader {
  private:
   // [ST][C][N]OFF: texture, colour and normal follow a vertex on its line and are not used.
   void read_header() {
-    if (!cursor_.find_word()) {
-      refuse(reading_, "no text of OFF in it");
-    }
+    if (!cursor_.find_word()) { refuse(reading_, "no text of OFF in it"); }
     TextCursor ahead = cursor_;
     std::string_view word = ahead.word();
     if (word[0] >= '0' && word[0] <= '9' && !word.ends_with("OFF")) {
@@ -43,9 +41,7 @@ class OffReader {
     }
     const std::string_view whole = word;
     for (const std::string_view prefix : {"ST", "C", "N"}) {
-      if (word.starts_with(prefix)) {
-        word.remove_prefix(prefix.size());
-      }
+      if (word.starts_with(prefix)) { word.remove_prefix(prefix.size()); }
     }
     if (word != "OFF") {
       cursor_.complain(fmt::format("{} is not OFF, COFF, NOFF, CNOFF or one of these after ST", quoted(whole)));
@@ -53,17 +49,13 @@ class OffReader {
     cursor_ = ahead;
     if (!cursor_.at_line_end()) {
       TextCursor next = cursor_;
-      if (next.word() == "BINARY") {
-        cursor_.complain("binary OFF is not read; write it as text");
-      }
+      if (next.word() == "BINARY") { cursor_.complain("binary OFF is not read; write it as text"); }
     }
     has_plain_vertices_ = whole == "OFF";
   }
 
   std::uint64_t read_count(std::string_view what, std::uint64_t least_bytes) {
-    if (!cursor_.find_word()) {
-      refuse(reading_, fmt::format("{} is missing", what));
-    }
+    if (!cursor_.find_word()) { refuse(reading_, fmt::format("{} is missing", what)); }
     const std::int64_t count = cursor_.integer(what);
     const auto room = reading_.bytes.size() / least_bytes + 1;
     if (count < 0 || static_cast<std::uint64_t>(count) > room) {
@@ -81,9 +73,7 @@ class OffReader {
         cursor_.complain(fmt::format("the file ends after {} of {} vertices", i, vertex_count));
       }
       Vec3 vertex;
-      for (int axis = 0; axis < 3; ++axis) {
-        vertex[axis] = cursor_.finite_number("vertex coordinate");
-      }
+      for (int axis = 0; axis < 3; ++axis) { vertex[axis] = cursor_.finite_number("vertex coordinate"); }
       vertices.push_back(vertex);
       surplus_lines += has_plain_vertices_ && !cursor_.at_line_end() ? 1 : 0;
       cursor_.next_line();
@@ -100,14 +90,10 @@ class OffReader {
   void read_faces(std::uint64_t face_count) {
     std::vector<std::uint32_t> corners;
     for (std::uint64_t i = 0; i < face_count; ++i) {
-      if (!cursor_.find_word()) {
-        cursor_.complain(fmt::format("the file ends after {} of {} faces", i, face_count));
-      }
+      if (!cursor_.find_word()) { cursor_.complain(fmt::format("the file ends after {} of {} faces", i, face_count)); }
       const char* line = cursor_.place();
       const std::int64_t corner_count = cursor_.integer("corner count");
-      if (corner_count < 0) {
-        cursor_.complain(fmt::format("face of {} corners", corner_count));
-      }
+      if (corner_count < 0) { cursor_.complain(fmt::format("face of {} corners", corner_count)); }
       corners.clear();
       for (std::int64_t k = 0; k < corner_count; ++k) {  // ends with the line at the latest
         corners.push_back(polygons_.vertex_number(cursor_.integer("vertex number"), line));

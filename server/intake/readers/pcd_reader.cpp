@@ -137,13 +137,12 @@ double value_at(const char* bytes, const Field& field) {
     return field.bytes == 8 ? number_at<double>(bytes, kOrder) : static_cast<double>(number_at<float>(bytes, kOrder));
   const bool is_signed = field.type == 'I';
   switch (field.bytes) {
-    case 1:
-      return is_signed ? number_at<std::int8_t>(bytes, kOrder) : number_at<std::uint8_t>(bytes, kOrder);
-    case 2:
-      return is_signed ? number_at<std::int16_t>(bytes, kOrder) : number_at<std::uint16_t>(bytes, kOrder);
+    case 1: return is_signed ? number_at<std::int8_t>(bytes, kOrder) : number_at<std::uint8_t>(bytes, kOrder);
+    case 2: return is_signed ? number_at<std::int16_t>(bytes, kOrder) : number_at<std::uint16_t>(bytes, kOrder);
     default:
       // Without the conversion the two have the unsigned type in common.
-      return is_signed ? static_cast<double>(number_at<std::int32_t>(bytes, kOrder)) : number_at<std::uint32_t>(bytes, kOrder);
+      return is_signed ? static_cast<double>(number_at<std::int32_t>(bytes, kOrder))
+                       : number_at<std::uint32_t>(bytes, kOrder);
   }
 }
 
@@ -187,12 +186,9 @@ class PcdReader {
     header_ = PcdHeaderReader(reading_, cursor_).read();
     cursor_.next_line();
     const std::string& data = header_.data;
-    if (data == "ascii")
-      read_text();
-    else if (data == "binary")
-      read_binary();
-    else if (data == "binary_compressed")
-      read_compressed();
+    if (data == "ascii") read_text();
+    else if (data == "binary") read_binary();
+    else if (data == "binary_compressed") read_compressed();
     else
       refuse(reading_,
              fmt::format("DATA {}, allowed are ascii, binary and binary_compressed", quoted(std::string_view(data))));

@@ -20,9 +20,7 @@ std::optional<PlyType> type_named(std::string_view name) {
       {"float", "float32", PlyType::float32}, {"double", "float64", PlyType::float64},
   };
   for (const Name& entry : kNames) {
-    if (name == entry.old_name || name == entry.new_name) {
-      return entry.type;
-    }
+    if (name == entry.old_name || name == entry.new_name) { return entry.type; }
   }
   return std::nullopt;
 }
@@ -36,9 +34,7 @@ class HeaderParser {
         cursor_(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline, false) {}
 
   PlyHeader parse() {
-    if (cursor_.word() != "ply") {
-      refuse_line(reading_, reading_.begin(), "the first line is not 'ply'");
-    }
+    if (cursor_.word() != "ply") { refuse_line(reading_, reading_.begin(), "the first line is not 'ply'"); }
     bool has_format = false;
     for (cursor_.next_line(); cursor_.find_word(); cursor_.next_line()) {
       const std::string_view keyword = cursor_.word();
@@ -52,9 +48,7 @@ class HeaderParser {
       } else if (keyword == "end_header") {
         cursor_.rest_of_line();
         header_.body_byte = static_cast<std::size_t>(cursor_.place() - reading_.begin()) + (cursor_.skip('\n') ? 1 : 0);
-        if (!has_format) {
-          cursor_.complain("the header has no 'format' line");
-        }
+        if (!has_format) { cursor_.complain("the header has no 'format' line"); }
         check_room();
         return std::move(header_);
       } else if (keyword != "comment" && keyword != "obj_info") {
@@ -90,9 +84,7 @@ class HeaderParser {
   void parse_element() {
     PlyElement element{.name = cursor_.word(), .properties = {}};
     const std::int64_t count = cursor_.integer("element count");
-    if (count < 0) {
-      cursor_.complain(fmt::format("element {} has {} rows", quoted(element.name), count));
-    }
+    if (count < 0) { cursor_.complain(fmt::format("element {} has {} rows", quoted(element.name), count)); }
     for (const PlyElement& other : header_.elements) {
       if (other.name == element.name) {
         cursor_.complain(fmt::format("element {} stands there twice", quoted(element.name)));
@@ -103,31 +95,23 @@ class HeaderParser {
   }
 
   void parse_property() {
-    if (header_.elements.empty()) {
-      cursor_.complain("property before any element");
-    }
+    if (header_.elements.empty()) { cursor_.complain("property before any element"); }
     PlyProperty property{};
     std::string_view type_name = cursor_.word();
     if (type_name == "list") {
       property.count_type = parse_type(cursor_.word());
-      if (!is_whole_number(*property.count_type)) {
-        cursor_.complain("a list is counted in a type of whole numbers");
-      }
+      if (!is_whole_number(*property.count_type)) { cursor_.complain("a list is counted in a type of whole numbers"); }
       type_name = cursor_.word();
     }
     property.type = parse_type(type_name);
     property.name = cursor_.word();
-    if (property.name.empty()) {
-      cursor_.complain("property without a name");
-    }
+    if (property.name.empty()) { cursor_.complain("property without a name"); }
     header_.elements.back().properties.push_back(property);
   }
 
   PlyType parse_type(std::string_view name) {
     const std::optional<PlyType> type = type_named(name);
-    if (!type) {
-      cursor_.complain(fmt::format("{} is no type of PLY", quoted(name)));
-    }
+    if (!type) { cursor_.complain(fmt::format("{} is no type of PLY", quoted(name))); }
     return *type;
   }
 
@@ -156,26 +140,20 @@ class HeaderParser {
 std::size_t byte_count(PlyType type) {
   switch (type) {
     case PlyType::int8:
-    case PlyType::uint8:
-      return 1;
+    case PlyType::uint8: return 1;
     case PlyType::int16:
-    case PlyType::uint16:
-      return 2;
+    case PlyType::uint16: return 2;
     case PlyType::int32:
     case PlyType::uint32:
-    case PlyType::float32:
-      return 4;
-    case PlyType::float64:
-      break;
+    case PlyType::float32: return 4;
+    case PlyType::float64: break;
   }
   return 8;
 }
 
 int PlyElement::find(std::string_view property_name) const {
   for (std::size_t i = 0; i < properties.size(); ++i) {
-    if (properties[i].name == property_name) {
-      return static_cast<int>(i);
-    }
+    if (properties[i].name == property_name) { return static_cast<int>(i); }
   }
   return -1;
 }

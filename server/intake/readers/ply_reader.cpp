@@ -33,9 +33,7 @@ class TextRows {
   }
   void skip(PlyType, std::int64_t count) {
     for (std::int64_t i = 0; i < count; ++i) {
-      if (!cursor_.find_word()) {
-        complain("the file ends inside a row");
-      }
+      if (!cursor_.find_word()) { complain("the file ends inside a row"); }
       cursor_.word();
     }
   }
@@ -56,32 +54,21 @@ class ByteRows {
   const char* place() const { return at_; }
   const char* begin_row() const { return at_; }
   double coordinate(PlyType type) {
-    if (type != PlyType::float32 && type != PlyType::float64) {
-      return static_cast<double>(whole_number(type));
-    }
+    if (type != PlyType::float32 && type != PlyType::float64) { return static_cast<double>(whole_number(type)); }
     const double value = type == PlyType::float32 ? static_cast<double>(take<float>()) : take<double>();
-    if (!std::isfinite(value)) {
-      complain(fmt::format("vertex coordinate {} is not finite", value));
-    }
+    if (!std::isfinite(value)) { complain(fmt::format("vertex coordinate {} is not finite", value)); }
     return value;
   }
   std::int64_t whole_number(PlyType type) {
     switch (type) {
-      case PlyType::int8:
-        return take<std::int8_t>();
-      case PlyType::uint8:
-        return take<std::uint8_t>();
-      case PlyType::int16:
-        return take<std::int16_t>();
-      case PlyType::uint16:
-        return take<std::uint16_t>();
-      case PlyType::int32:
-        return take<std::int32_t>();
-      case PlyType::uint32:
-        return take<std::uint32_t>();
+      case PlyType::int8: return take<std::int8_t>();
+      case PlyType::uint8: return take<std::uint8_t>();
+      case PlyType::int16: return take<std::int16_t>();
+      case PlyType::uint16: return take<std::uint16_t>();
+      case PlyType::int32: return take<std::int32_t>();
+      case PlyType::uint32: return take<std::uint32_t>();
       case PlyType::float32:
-      case PlyType::float64:
-        break;
+      case PlyType::float64: break;
     }
     complain("a number that is not whole counts or numbers nothing");
   }
@@ -99,9 +86,7 @@ class ByteRows {
  private:
   template <class Number>
   Number take() {
-    if (static_cast<std::size_t>(reading_.end() - at_) < sizeof(Number)) {
-      complain("the file ends inside a row");
-    }
+    if (static_cast<std::size_t>(reading_.end() - at_) < sizeof(Number)) { complain("the file ends inside a row"); }
     const auto value = number_at<Number>(at_, order_);
     at_ += sizeof(Number);
     return value;
@@ -123,9 +108,7 @@ class PlyBodyReader {
 
   Scene read() {
     for (const PlyElement& element : header_.elements) {
-      if (element.properties.empty()) {
-        continue;
-      }
+      if (element.properties.empty()) { continue; }
       if (element.name == "vertex") {
         read_vertices(element);
       } else if (element.name == "face") {
@@ -136,12 +119,8 @@ class PlyBodyReader {
         skip_rows(element);
       }
     }
-    if (!has_vertices_) {
-      refuse(reading_, "the header has no element 'vertex'");
-    }
-    for (const Waiting& face : waiting_) {
-      add(face.numbers, face.is_strip, face.place);
-    }
+    if (!has_vertices_) { refuse(reading_, "the header has no element 'vertex'"); }
+    for (const Waiting& face : waiting_) { add(face.numbers, face.is_strip, face.place); }
     polygons_.report();
     return polygons_.take_scene();
   }
@@ -185,9 +164,7 @@ class PlyBodyReader {
     if (list < 0 || !element.properties[static_cast<std::size_t>(list)].count_type) {
       refuse(reading_, fmt::format("element {} has no list 'vertex_indices'", quoted(element.name)));
     }
-    if (!is_strip) {
-      check_triangle_count(reading_, element.row_count);
-    }
+    if (!is_strip) { check_triangle_count(reading_, element.row_count); }
     std::vector<std::int64_t> numbers;
     for (std::uint64_t i = 0; i < element.row_count; ++i) {
       const char* place = rows_.begin_row();
@@ -210,9 +187,7 @@ class PlyBodyReader {
 
   void read_numbers(const PlyProperty& property, std::vector<std::int64_t>& numbers) {
     const std::int64_t count = rows_.whole_number(*property.count_type);
-    if (count < 0) {
-      rows_.complain(fmt::format("list of {} numbers", count));
-    }
+    if (count < 0) { rows_.complain(fmt::format("list of {} numbers", count)); }
     numbers.clear();
     for (std::int64_t i = 0; i < count; ++i) {  // ends with the file at the latest
       numbers.push_back(rows_.whole_number(property.type));
@@ -242,9 +217,7 @@ class PlyBodyReader {
 
   void skip_rows(const PlyElement& element) {
     for (std::uint64_t i = 0; i < element.row_count; ++i) {
-      for (const PlyProperty& property : element.properties) {
-        skip_property(property);
-      }
+      for (const PlyProperty& property : element.properties) { skip_property(property); }
       tell_row(i);
     }
     if (element.row_count > 0) {

@@ -8,9 +8,7 @@
 namespace collided::engine {
 
 void Polygons::complain(const char* place, const std::string& what) const {
-  if (places_ == Places::lines) {
-    refuse_line(reading_, place, what);
-  }
+  if (places_ == Places::lines) { refuse_line(reading_, place, what); }
   refuse_byte(reading_, static_cast<std::size_t>(place - reading_.begin()), what);
 }
 
@@ -31,24 +29,20 @@ void Polygons::add(std::span<const std::uint32_t> corners, const char* place) {
     return;
   }
   const std::uint64_t triangle_count = mesh_.triangles.size() + corners.size() - 2;
-  if (triangle_count > reading_.options.max_triangles) {
-    check_triangle_count(reading_, triangle_count);
-  }
+  if (triangle_count > reading_.options.max_triangles) { check_triangle_count(reading_, triangle_count); }
   if (corners.size() > 3) counts_.measure(corners, mesh_.vertices);
   const std::size_t first_new = mesh_.triangles.size();
   switch (triangulate(corners, mesh_.vertices, mesh_.triangles)) {
     case PolygonKind::convex:
-    case PolygonKind::concave:
-      return;
+    case PolygonKind::concave: return;
     case PolygonKind::crossing:
-      if (reading_.options.strict) {
-        complain(place, "polygon crosses or touches itself");
-      }
+      if (reading_.options.strict) { complain(place, "polygon crosses or touches itself"); }
       counts_.split(corners, mesh_.vertices, std::span(mesh_.triangles).subspan(first_new));
       check_vertex_count(reading_, mesh_.vertices.size());
       return;
     case PolygonKind::too_long:
-      complain(place, fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(), kMaxConcaveCorners));
+      complain(place, fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(),
+                                  kMaxConcaveCorners));
   }
 }
 

@@ -129,15 +129,16 @@ class PolynomialReader {
         const bool negative = skip_one_of("+-") == '-';
         skip_blanks();
         const bool digit = !at_end() && (text_[at_] == '.' || (text_[at_] >= '0' && text_[at_] <= '9'));
-        if (!digit) complain(fmt::format("{}; a box takes six finite numbers, its lowest and its highest corner", found()));
+        if (!digit)
+          complain(fmt::format("{}; a box takes six finite numbers, its lowest and its highest corner", found()));
         coordinate = negative ? -number() : number();
         skip_one_of(",");
       }
     }
     for (int axis = 0; axis < 3; ++axis) {
       if (!(surface_.low[axis] <= surface_.high[axis])) {
-        complain(
-            fmt::format("the box is empty: along {} from {} to {}", "xyz"[axis], surface_.low[axis], surface_.high[axis]));
+        complain(fmt::format("the box is empty: along {} from {} to {}", "xyz"[axis], surface_.low[axis],
+                             surface_.high[axis]));
       }
     }
   }
@@ -152,8 +153,9 @@ class PolynomialReader {
   void emit(const PolynomialStep& step, int grows_by) {
     stack_ += grows_by;
     if (stack_ > ImplicitSurface::kMostStack) {
-      complain(fmt::format("more than {} values wait for their operator: fewer parentheses to the right of + - * are needed",
-                           ImplicitSurface::kMostStack));
+      complain(
+          fmt::format("more than {} values wait for their operator: fewer parentheses to the right of + - * are needed",
+                      ImplicitSurface::kMostStack));
     }
     if (surface_.steps.size() == ImplicitSurface::kMostSteps) {
       complain(fmt::format("more than {} numbers, variables and operators", ImplicitSurface::kMostSteps));
@@ -163,7 +165,8 @@ class PolynomialReader {
 
   void skip_blanks() {
     // A backslash at a line's end joins two lines of a file.
-    while (!at_end() && (std::string_view(" \t\r\n\v\f").find(text_[at_]) != std::string_view::npos || joins_lines())) ++at_;
+    while (!at_end() && (std::string_view(" \t\r\n\v\f").find(text_[at_]) != std::string_view::npos || joins_lines()))
+      ++at_;
   }
   bool joins_lines() const {
     const std::string_view rest = text_.substr(at_);

@@ -13,7 +13,8 @@ void refuse(const Reading& reading, const std::string& what) {
 }
 
 void refuse_line(const Reading& reading, const char* place, const std::string& what) {
-  const auto line = 1 + reading.lines_before + std::count(reading.begin(), std::clamp(place, reading.begin(), reading.end()), '\n');
+  const auto line =
+      1 + reading.lines_before + std::count(reading.begin(), std::clamp(place, reading.begin(), reading.end()), '\n');
   refuse(reading, fmt::format("line {}: {}", line, what));
 }
 
@@ -24,9 +25,7 @@ void refuse_byte(const Reading& reading, std::size_t byte, const std::string& wh
 std::string quoted(std::string_view piece) {
   constexpr std::size_t kShown = 40;
   std::string text = "'";
-  for (const char c : piece.substr(0, kShown)) {
-    text += c >= ' ' && c <= '~' ? c : '?';
-  }
+  for (const char c : piece.substr(0, kShown)) { text += c >= ' ' && c <= '~' ? c : '?'; }
   return text + (piece.size() > kShown ? "...'" : "'");
 }
 
@@ -34,16 +33,12 @@ void tell_progress(const Reading& reading, double fraction) {
   if (reading.options.cancelled && reading.options.cancelled()) {
     refuse(reading, fmt::format("cancelled after {:.0f} %", 100 * fraction));
   }
-  if (reading.options.progress) {
-    reading.options.progress(fraction);
-  }
+  if (reading.options.progress) { reading.options.progress(fraction); }
 }
 
 void check_triangle_count(const Reading& reading, std::uint64_t triangle_count) {
   const std::uint64_t limit = std::min(reading.options.max_triangles, kMaxVertices);
-  if (triangle_count > limit) {
-    refuse(reading, fmt::format("{} triangles, limit {}", triangle_count, limit));
-  }
+  if (triangle_count > limit) { refuse(reading, fmt::format("{} triangles, limit {}", triangle_count, limit)); }
 }
 
 void check_vertex_count(const Reading& reading, std::uint64_t vertex_count) {

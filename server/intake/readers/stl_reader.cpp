@@ -15,8 +15,8 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
-constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of anything
+constexpr std::size_t kHeaderBytes = 84;     // 80 of anything, then the triangle count
+constexpr std::size_t kTriangleBytes = 50;   // normal, three corners, two bytes of anything
 constexpr std::size_t kGivenBack = 0x10000;  // triangles after which their bytes are given back
 
 std::uint64_t claimed_triangles(const Reading& reading) {
@@ -39,14 +39,10 @@ bool is_text(const Reading& reading) {
   constexpr std::size_t kLookBytes = 4096;
   TextCursor cursor(reading, {reading.begin(), std::min(kLookBytes, reading.bytes.size())},
                     TextCursor::LineEnd::newline, false);
-  if (!cursor.find_word() || !is_word(cursor.word(), "solid")) {
-    return false;
-  }
+  if (!cursor.find_word() || !is_word(cursor.word(), "solid")) { return false; }
   while (cursor.find_word()) {
     const std::string_view word = cursor.word();
-    if (is_word(word, "facet") || is_word(word, "endsolid")) {
-      return true;
-    }
+    if (is_word(word, "facet") || is_word(word, "endsolid")) { return true; }
   }
   return reading.bytes.size() < kHeaderBytes;
 }
@@ -92,7 +88,8 @@ Scene read_binary(const Reading& reading) {
     welder.number(std::span(corners).first(3 * (end - first)), scene.mesh.triangles[first].data());
     if (first % kGivenBack == 0) {
       if (first > 0 && reading.give_back) {
-        reading.give_back(reading.bytes.subspan(kHeaderBytes + kTriangleBytes * (first - kGivenBack), kTriangleBytes * kGivenBack));
+        reading.give_back(
+            reading.bytes.subspan(kHeaderBytes + kTriangleBytes * (first - kGivenBack), kTriangleBytes * kGivenBack));
       }
       tell_progress(reading, 0.5 * static_cast<double>(first) / static_cast<double>(count));
     }
@@ -125,9 +122,7 @@ class StlTextReader {
         cursor_.complain(fmt::format("{} is no word of STL", quoted(word)));
       }
     }
-    if (!loop_.empty()) {
-      cursor_.complain("the file ends inside a facet");
-    }
+    if (!loop_.empty()) { cursor_.complain("the file ends inside a facet"); }
     return std::move(scene_);
   }
 
@@ -139,20 +134,14 @@ class StlTextReader {
 
   // The normal is not read: it often is nonsense, and the corners' order says the same.
   void begin_facet() {
-    if (!loop_.empty()) {
-      cursor_.complain("facet begins before 'endloop' of the one before");
-    }
-    if (scene_.parts.empty()) {
-      cursor_.complain("facet before 'solid'");
-    }
+    if (!loop_.empty()) { cursor_.complain("facet begins before 'endloop' of the one before"); }
+    if (scene_.parts.empty()) { cursor_.complain("facet before 'solid'"); }
     cursor_.next_line();
   }
 
   void read_vertex() {
     Vec3 vertex;
-    for (int axis = 0; axis < 3; ++axis) {
-      vertex[axis] = cursor_.finite_number("vertex coordinate");
-    }
+    for (int axis = 0; axis < 3; ++axis) { vertex[axis] = cursor_.finite_number("vertex coordinate"); }
     loop_.push_back(welder_.number_of(vertex));
     check_vertex_count(reading_, scene_.mesh.vertices.size());
   }

@@ -14,7 +14,8 @@ class FreeTriangles {
   explicit FreeTriangles(const TriangleMesh& mesh) : mesh_(mesh), is_taken_(mesh.triangles.size(), false) {
     edges_.reserve(3 * mesh.triangles.size());
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      for (std::uint32_t k = 0; k < 3; ++k) edges_.push_back({key(mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3]), i});
+      for (std::uint32_t k = 0; k < 3; ++k)
+        edges_.push_back({key(mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3]), i});
     }
     std::sort(edges_.begin(), edges_.end());
   }
@@ -26,7 +27,8 @@ class FreeTriangles {
   /// A free triangle that runs from a to b.
   std::optional<std::uint32_t> along(std::uint32_t a, std::uint32_t b) const {
     const std::uint64_t wanted = key(a, b);
-    for (auto at = std::lower_bound(edges_.begin(), edges_.end(), std::pair(wanted, 0u)); at != edges_.end() && at->first == wanted; ++at) {
+    for (auto at = std::lower_bound(edges_.begin(), edges_.end(), std::pair(wanted, 0u));
+         at != edges_.end() && at->first == wanted; ++at) {
       if (!is_taken_[at->second]) return at->second;
     }
     return std::nullopt;
@@ -50,7 +52,8 @@ class FreeTriangles {
 };
 
 /// From a triangle with that corner first, as far round the corner as free triangles go.
-std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, std::uint32_t second, std::uint32_t triangle) {
+std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, std::uint32_t second,
+                                    std::uint32_t triangle) {
   std::vector<std::uint32_t> fan{center, second};
   std::optional<std::uint32_t> next = triangle;
   while (next) {
@@ -62,8 +65,8 @@ std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, s
 }
 
 /// The strip that begins with the triangle's corners from that one on.
-std::vector<std::uint32_t> strip_from(const TriangleMesh& mesh, FreeTriangles& free, std::uint32_t triangle, std::size_t first,
-                                      std::vector<std::uint32_t>& taken) {
+std::vector<std::uint32_t> strip_from(const TriangleMesh& mesh, FreeTriangles& free, std::uint32_t triangle,
+                                      std::size_t first, std::vector<std::uint32_t>& taken) {
   const TriangleCorners& c = mesh.triangles[triangle];
   std::vector<std::uint32_t> strip{c[first], c[(first + 1) % 3], c[(first + 2) % 3]};
   taken.assign(1, triangle);
@@ -82,7 +85,8 @@ std::vector<std::uint32_t> strip_from(const TriangleMesh& mesh, FreeTriangles& f
 }
 
 std::size_t vertex_count(const Runs& runs) {
-  return std::accumulate(runs.begin(), runs.end(), std::size_t{0}, [](std::size_t sum, const auto& run) { return sum + run.size(); });
+  return std::accumulate(runs.begin(), runs.end(), std::size_t{0},
+                         [](std::size_t sum, const auto& run) { return sum + run.size(); });
 }
 
 }  // namespace
@@ -130,10 +134,11 @@ Runs strips_of(const TriangleMesh& mesh) {
 std::vector<EncodingSize> encoding_sizes(const TriangleMesh& mesh) {
   constexpr std::size_t kVertexBytes = 24;
   const auto with_runs = [](const Runs& runs) { return vertex_count(runs) * kVertexBytes + runs.size() * 4; };
-  std::vector<EncodingSize> sizes{{"list", 3 * mesh.triangles.size() * kVertexBytes},
-                                  {"fans", with_runs(fans_of(mesh))},
-                                  {"strips", with_runs(strips_of(mesh))},
-                                  {"mesh", mesh.vertices.size() * kVertexBytes + mesh.triangles.size() * sizeof(TriangleCorners)}};
+  std::vector<EncodingSize> sizes{
+      {"list", 3 * mesh.triangles.size() * kVertexBytes},
+      {"fans", with_runs(fans_of(mesh))},
+      {"strips", with_runs(strips_of(mesh))},
+      {"mesh", mesh.vertices.size() * kVertexBytes + mesh.triangles.size() * sizeof(TriangleCorners)}};
   const double count = static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
   for (EncodingSize& size : sizes) size.bytes_a_triangle = static_cast<double>(size.bytes) / count;
   return sizes;

@@ -15,9 +15,10 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::string_view kKinds = "sphere R, ellipsoid A B C, cylinder R LENGTH, cone R HEIGHT, torus RING TUBE, "
-                                    "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS, "
-                                    "implicit POLYNOMIAL";
+constexpr std::string_view kKinds =
+    "sphere R, ellipsoid A B C, cylinder R LENGTH, cone R HEIGHT, torus RING TUBE, "
+    "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS, "
+    "implicit POLYNOMIAL";
 
 /// So that three digits, rounded to nearest, are no less than the number.
 constexpr double kRoundedUp = 1.0051;
@@ -26,12 +27,14 @@ constexpr double kRoundedUp = 1.0051;
 class SurfaceReader {
  public:
   explicit SurfaceReader(const Reading& reading)
-      : reading_(reading), cursor_(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline_or_comment, true) {}
+      : reading_(reading),
+        cursor_(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline_or_comment, true) {}
 
   Scene read() {
     while (cursor_.find_word()) {
       read_line();
-      tell_progress(reading_, 0.8 * static_cast<double>(cursor_.place() - reading_.begin()) / static_cast<double>(reading_.bytes.size()));
+      tell_progress(reading_, 0.8 * static_cast<double>(cursor_.place() - reading_.begin()) /
+                                  static_cast<double>(reading_.bytes.size()));
       cursor_.next_line();
     }
     return std::move(scene_);
@@ -51,7 +54,8 @@ class SurfaceReader {
     if (kind == "implicit") return skip_implicit(name);
     numbers_.clear();
     std::string word;
-    for (word = cursor_.word(); !word.empty() && word != "at" && word != "count" && word != "error"; word = cursor_.word()) {
+    for (word = cursor_.word(); !word.empty() && word != "at" && word != "count" && word != "error";
+         word = cursor_.word()) {
       numbers_.push_back(parse(word));
     }
     Vec3 place = Vec3::Zero();
@@ -62,16 +66,15 @@ class SurfaceReader {
     const Fineness fineness = read_fineness(word);
     try {
       add(name, kind, tessellated(kind, fineness), place);
-    } catch (const std::invalid_argument& wrong) {
-      cursor_.complain(wrong.what());
-    }
+    } catch (const std::invalid_argument& wrong) { cursor_.complain(wrong.what()); }
   }
 
   /// No triangles come of it, but what it says is looked at all the same.
   void skip_implicit(const std::string& name) {
     rest_as_implicit_surface(cursor_);
     reading_.report.refused.push_back(
-        fmt::format("{}: an implicit surface is not cut into triangles and left out here; 'collide implicit' asks it", quoted(std::string_view(name))));
+        fmt::format("{}: an implicit surface is not cut into triangles and left out here; 'collide implicit' asks it",
+                    quoted(std::string_view(name))));
   }
 
   double parse(const std::string& word) {
@@ -105,7 +108,8 @@ class SurfaceReader {
   }
 
   void need(std::size_t count) const {
-    if (numbers_.size() != count) throw std::invalid_argument(fmt::format("{} numbers, this kind takes {}", numbers_.size(), count));
+    if (numbers_.size() != count)
+      throw std::invalid_argument(fmt::format("{} numbers, this kind takes {}", numbers_.size(), count));
   }
 
   Tessellation tessellated(const std::string& kind, const Fineness& fineness) const {
@@ -127,7 +131,9 @@ class SurfaceReader {
     const double ky = numbers_[4];
     const Eigen::Vector2d half(numbers_[0] / 2, numbers_[1] / 2);
     const double steepest = std::abs(amplitude);
-    return {[=](double x, double y) { return amplitude * std::sin(kx * x) * std::sin(ky * y); }, -half, half,
+    return {[=](double x, double y) { return amplitude * std::sin(kx * x) * std::sin(ky * y); },
+            -half,
+            half,
             {steepest * kx * kx, steepest * std::abs(kx * ky), steepest * ky * ky}};
   }
 
@@ -138,9 +144,11 @@ class SurfaceReader {
         throw std::invalid_argument("degrees, columns and rows of a patch are whole numbers from 1 to 10 000");
       }
     }
-    SplinePatch patch{static_cast<unsigned>(numbers_[0]), static_cast<unsigned>(numbers_[1]), static_cast<unsigned>(numbers_[2]), {}};
+    SplinePatch patch{
+        static_cast<unsigned>(numbers_[0]), static_cast<unsigned>(numbers_[1]), static_cast<unsigned>(numbers_[2]), {}};
     need(4 + 3 * static_cast<std::size_t>(numbers_[2] * numbers_[3]));
-    for (std::size_t i = 4; i < numbers_.size(); i += 3) patch.points.emplace_back(numbers_[i], numbers_[i + 1], numbers_[i + 2]);
+    for (std::size_t i = 4; i < numbers_.size(); i += 3)
+      patch.points.emplace_back(numbers_[i], numbers_[i + 1], numbers_[i + 2]);
     return patch;
   }
 
@@ -159,10 +167,13 @@ class SurfaceReader {
     for (const TriangleCorners& c : surface.mesh.triangles) {
       all.triangles.push_back({c[0] + first_vertex, c[1] + first_vertex, c[2] + first_vertex});
     }
-    scene_.parts.push_back({.name = name, .first_triangle = first_triangle, .triangle_count = static_cast<std::uint32_t>(surface.mesh.triangles.size())});
+    scene_.parts.push_back({.name = name,
+                            .first_triangle = first_triangle,
+                            .triangle_count = static_cast<std::uint32_t>(surface.mesh.triangles.size())});
     // Moving it rounds each coordinate once more.
-    reading_.report.notes.push_back(fmt::format("{}: {} as {} triangles, off by at most {:.3g} of the file's units", quoted(std::string_view(name)), kind,
-                                                surface.mesh.triangles.size(), kRoundedUp * (surface.off_by_m + 4 * kRoundoff * reach)));
+    reading_.report.notes.push_back(fmt::format("{}: {} as {} triangles, off by at most {:.3g} of the file's units",
+                                                quoted(std::string_view(name)), kind, surface.mesh.triangles.size(),
+                                                kRoundedUp * (surface.off_by_m + 4 * kRoundoff * reach)));
   }
 
   const Reading& reading_;

@@ -31,13 +31,9 @@ bool is_tiny(std::string_view digits) {
 }  // namespace
 
 bool TextCursor::is_continuation() const {
-  if (!continued_ || *at_ != '\\') {
-    return false;
-  }
+  if (!continued_ || *at_ != '\\') { return false; }
   const char* next = at_ + 1;
-  if (next != end_ && *next == '\r') {
-    ++next;
-  }
+  if (next != end_ && *next == '\r') { ++next; }
   return next != end_ && *next == '\n';
 }
 
@@ -60,34 +56,22 @@ void TextCursor::next_line() {
     const char* line_begin = at_;
     at_ = newline == nullptr ? end_ : static_cast<const char*>(newline) + 1;
     ++lines_passed_;
-    if (!continued_ || newline == nullptr) {
-      return;
-    }
+    if (!continued_ || newline == nullptr) { return; }
     const char* last = at_ - 1;
-    if (last != line_begin && last[-1] == '\r') {
-      --last;
-    }
-    if (last == line_begin || last[-1] != '\\') {
-      return;
-    }
+    if (last != line_begin && last[-1] == '\r') { --last; }
+    if (last == line_begin || last[-1] != '\\') { return; }
   }
 }
 
 bool TextCursor::find_word() {
-  while (at_ != end_ && at_line_end()) {
-    next_line();
-  }
+  while (at_ != end_ && at_line_end()) { next_line(); }
   return at_ != end_;
 }
 
 std::string_view TextCursor::word() {
-  if (at_line_end()) {
-    return {};
-  }
+  if (at_line_end()) { return {}; }
   const char* begin = at_;
-  while (!at_blank_or_end()) {
-    ++at_;
-  }
+  while (!at_blank_or_end()) { ++at_; }
   return {begin, static_cast<std::size_t>(at_ - begin)};
 }
 
@@ -97,23 +81,17 @@ std::string_view TextCursor::rest_of_line() {
   const void* newline = std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_));
   at_ = newline == nullptr ? end_ : static_cast<const char*>(newline);
   const char* last = at_;
-  while (last != begin && is_blank(last[-1])) {
-    --last;
-  }
+  while (last != begin && is_blank(last[-1])) { --last; }
   return {begin, static_cast<std::size_t>(last - begin)};
 }
 
 double TextCursor::finite_number(std::string_view what) {
-  if (at_line_end()) {
-    complain(fmt::format("{} is missing", what));
-  }
+  if (at_line_end()) { complain(fmt::format("{} is missing", what)); }
   const char* begin = at_;
   const char* digits = *begin == '+' && end_ - begin > 1 && begin[1] != '-' ? begin + 1 : begin;
   double value = 0;
   const auto [stop, error] = std::from_chars(digits, end_, value);
-  if (error == std::errc::invalid_argument) {
-    complain(fmt::format("{} {} is not a number", what, quoted(word())));
-  }
+  if (error == std::errc::invalid_argument) { complain(fmt::format("{} {} is not a number", what, quoted(word()))); }
   at_ = stop;
   if (!at_blank_or_end()) {
     at_ = begin;
@@ -132,9 +110,7 @@ double TextCursor::finite_number(std::string_view what) {
 }
 
 std::int64_t TextCursor::integer(std::string_view what) {
-  if (at_line_end()) {
-    complain(fmt::format("{} is missing", what));
-  }
+  if (at_line_end()) { complain(fmt::format("{} is missing", what)); }
   const char* begin = at_;
   const std::int64_t value = integer_prefix(what);
   if (!at_blank_or_end()) {
@@ -146,9 +122,7 @@ std::int64_t TextCursor::integer(std::string_view what) {
 
 std::int64_t TextCursor::integer_prefix(std::string_view what) {
   const char* begin = at_;
-  if (at_ != end_ && *at_ == '+' && end_ - at_ > 1 && at_[1] != '-') {
-    ++at_;
-  }
+  if (at_ != end_ && *at_ == '+' && end_ - at_ > 1 && at_[1] != '-') { ++at_; }
   std::int64_t value = 0;
   const auto [stop, error] = std::from_chars(at_, end_, value);
   if (error != std::errc{}) {
@@ -160,9 +134,7 @@ std::int64_t TextCursor::integer_prefix(std::string_view what) {
 }
 
 bool TextCursor::skip(char c) {
-  if (at_ == end_ || *at_ != c) {
-    return false;
-  }
+  if (at_ == end_ || *at_ != c) { return false; }
   ++at_;
   return true;
 }

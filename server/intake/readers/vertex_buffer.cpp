@@ -34,17 +34,12 @@ struct Piece {
 
 Piece piece_of(BufferKind kind) {
   switch (kind) {
-    case BufferKind::points:
-      return {"point", 1, 1};
-    case BufferKind::segments:
-      return {"segment", 2, 2};
-    case BufferKind::polyline:
-      return {"segment", 1, 2};
-    case BufferKind::triangles:
-      return {"triangle", 3, 3};
+    case BufferKind::points: return {"point", 1, 1};
+    case BufferKind::segments: return {"segment", 2, 2};
+    case BufferKind::polyline: return {"segment", 1, 2};
+    case BufferKind::triangles: return {"triangle", 3, 3};
     case BufferKind::fan:
-    case BufferKind::strip:
-      return {"triangle", 1, 3};
+    case BufferKind::strip: return {"triangle", 1, 3};
   }
   throw Flaw{fmt::format("kind {}, allowed are 0 to 5", static_cast<int>(kind))};
 }
@@ -59,12 +54,13 @@ std::size_t piece_with(BufferKind kind, std::size_t i) {
 void check_layout(const VertexBuffer& buffer) {
   const std::size_t position_bytes = buffer.is_double ? 24 : 12;
   if (buffer.stride_bytes < position_bytes || buffer.offset_bytes > buffer.stride_bytes - position_bytes) {
-    throw Flaw{fmt::format("stride {} and offset {} bytes, a position of {} bytes does not fit into a vertex", buffer.stride_bytes,
-                           buffer.offset_bytes, position_bytes)};
+    throw Flaw{fmt::format("stride {} and offset {} bytes, a position of {} bytes does not fit into a vertex",
+                           buffer.stride_bytes, buffer.offset_bytes, position_bytes)};
   }
   const std::size_t rest = buffer.vertices.size() % buffer.stride_bytes;
   if (rest != 0 && rest < buffer.offset_bytes + position_bytes) {
-    throw Flaw{fmt::format("{} bytes of vertices, the last one breaks off after {} of {}", buffer.vertices.size(), rest, buffer.stride_bytes)};
+    throw Flaw{fmt::format("{} bytes of vertices, the last one breaks off after {} of {}", buffer.vertices.size(), rest,
+                           buffer.stride_bytes)};
   }
   if (buffer.index_bytes != 0 && buffer.index_bytes != 2 && buffer.index_bytes != 4) {
     throw Flaw{fmt::format("indices of {} bytes, allowed are 2 and 4, and 0 for none", buffer.index_bytes)};
@@ -81,8 +77,9 @@ std::vector<Vec3> read_vertices(const VertexBuffer& buffer) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i * buffer.stride_bytes + buffer.offset_bytes;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      vertices[i][static_cast<int>(axis)] = buffer.is_double ? read_at<double>(buffer.vertices, at + 8 * axis)
-                                                             : static_cast<double>(read_at<float>(buffer.vertices, at + 4 * axis));
+      vertices[i][static_cast<int>(axis)] = buffer.is_double
+                                                ? read_at<double>(buffer.vertices, at + 8 * axis)
+                                                : static_cast<double>(read_at<float>(buffer.vertices, at + 4 * axis));
     }
     const Vec3& v = vertices[i];
     if (!v.allFinite()) throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])};
@@ -104,7 +101,8 @@ std::vector<std::uint32_t> read_sequence(const VertexBuffer& buffer, std::size_t
                   : buffer.index_bytes == 2 ? read_at<std::uint16_t>(buffer.indices, 2 * i)
                                             : read_at<std::uint32_t>(buffer.indices, 4 * i);
     if (sequence[i] >= vertex_count) {
-      throw Flaw{fmt::format("{} {}: index {} is vertex {} of {}", piece.name, piece_with(buffer.kind, i), i, sequence[i], vertex_count)};
+      throw Flaw{fmt::format("{} {}: index {} is vertex {} of {}", piece.name, piece_with(buffer.kind, i), i,
+                             sequence[i], vertex_count)};
     }
   }
   return sequence;
@@ -114,9 +112,7 @@ void join(BufferKind kind, const std::vector<std::uint32_t>& sequence, DecodedBu
   const std::size_t count = sequence.size();
   std::vector<TriangleCorners>& triangles = decoded.mesh.triangles;
   switch (kind) {
-    case BufferKind::points:
-      decoded.points = sequence;
-      return;
+    case BufferKind::points: decoded.points = sequence; return;
     case BufferKind::segments:
       for (std::size_t i = 0; i < count; i += 2) decoded.segments.push_back({sequence[i], sequence[i + 1]});
       return;
@@ -131,7 +127,8 @@ void join(BufferKind kind, const std::vector<std::uint32_t>& sequence, DecodedBu
       return;
     case BufferKind::strip:
       for (std::size_t i = 0; i + 2 < count; ++i) {
-        if (const TriangleCorners corners = strip_triangle(sequence, i); !is_collapsed(corners)) triangles.push_back(corners);
+        if (const TriangleCorners corners = strip_triangle(sequence, i); !is_collapsed(corners))
+          triangles.push_back(corners);
       }
       return;
   }
@@ -147,13 +144,12 @@ std::variant<DecodedBuffer, std::string> decode_buffer(const VertexBuffer& buffe
     decoded.mesh.vertices = read_vertices(buffer);
     join(buffer.kind, read_sequence(buffer, decoded.mesh.vertices.size()), decoded);
     return decoded;
-  } catch (const Flaw& flaw) {
-    return flaw.what;
-  }
+  } catch (const Flaw& flaw) { return flaw.what; }
 }
 
 std::variant<Shape, std::string> shape_of_buffer(const VertexBuffer& buffer, double radius_m) {
-  if (!(radius_m >= 0 && std::isfinite(radius_m))) return fmt::format("radius {} m, allowed are finite sizes of 0 and more", radius_m);
+  if (!(radius_m >= 0 && std::isfinite(radius_m)))
+    return fmt::format("radius {} m, allowed are finite sizes of 0 and more", radius_m);
   std::variant<DecodedBuffer, std::string> decoded = decode_buffer(buffer);
   if (const auto* flaw = std::get_if<std::string>(&decoded)) return *flaw;
   auto& parts = std::get<DecodedBuffer>(decoded);

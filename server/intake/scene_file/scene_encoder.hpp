@@ -30,9 +30,7 @@ class SceneEncoder {
   flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
     double* numbers = nullptr;
     const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
-    if (!from.vertices.empty()) {
-      std::memcpy(numbers, from.vertices.data(), from.vertices.size() * sizeof(Vec3));
-    }
+    if (!from.vertices.empty()) { std::memcpy(numbers, from.vertices.data(), from.vertices.size() * sizeof(Vec3)); }
     std::uint32_t* indices = nullptr;
     const auto corners = builder_.CreateUninitializedVector(3 * from.triangles.size(), &indices);
     if (!from.triangles.empty()) {
@@ -56,8 +54,9 @@ class SceneEncoder {
     const auto mesh_table = from.mesh ? shared_mesh(from.mesh.get()) : flatbuffers::Offset<format::Mesh>{};
     const auto axes = parts.rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
                                               : builder_.CreateVectorOfStructs(parts.axes);
-    const auto hulls = parts.hulls.empty() ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
-                                           : builder_.CreateVector(parts.hulls);
+    const auto hulls = parts.hulls.empty()
+                           ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
+                           : builder_.CreateVector(parts.hulls);
     return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
                                mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
                                optional(parts.ellipsoids), hulls, optional(parts.half_spaces));
@@ -69,8 +68,7 @@ class SceneEncoder {
       const format::Filter filter = packed(part.filter);
       const auto name = builder_.CreateString(part.name);
       const auto pieces = piece_numbers(part.cut);
-      parts.push_back(
-          format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces));
+      parts.push_back(format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces));
     }
     std::vector<flatbuffers::Offset<format::Object>> objects;
     for (const SceneObject& object : from.objects) {
@@ -100,7 +98,9 @@ class SceneEncoder {
   std::span<const std::byte> bytes() const {
     return std::as_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
   }
-  std::span<std::byte> bytes() { return std::as_writable_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize())); }
+  std::span<std::byte> bytes() {
+    return std::as_writable_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
+  }
 
  private:
   flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> piece_numbers(const CutTriangles& cut) {
@@ -162,16 +162,15 @@ inline std::uint64_t encoded_bytes(const TriangleMesh& mesh) {
 inline std::uint64_t encoded_bytes(const Shape& shape) {
   std::uint64_t bytes = 192 * shape.primitives.size() + (shape.mesh ? encoded_bytes(*shape.mesh) : 0) + 192;
   for (const Primitive& primitive : shape.primitives) {
-    if (const auto* hull = std::get_if<Hull>(&primitive)) {
-      bytes += encoded_bytes(*hull->mesh);
-    }
+    if (const auto* hull = std::get_if<Hull>(&primitive)) { bytes += encoded_bytes(*hull->mesh); }
   }
   return bytes;
 }
 
 /// Never less than the buffer will have.
 inline std::uint64_t encoded_bytes(const Scene& scene) {
-  std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(Collapse);
+  std::uint64_t bytes =
+      1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(Collapse);
   for (const Part& part : scene.parts) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }

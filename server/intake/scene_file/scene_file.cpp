@@ -47,9 +47,7 @@ struct Flaw {
 template <class Struct>
 std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
   std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
-  if (!copies.empty()) {
-    std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct));
-  }
+  if (!copies.empty()) { std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct)); }
   return copies;
 }
 
@@ -103,20 +101,14 @@ class Decoder {
     add_half_spaces(from, shape);
     add_surface(from, shape);
     add_buffers(from, shape);
-    if (shape.empty()) {
-      throw Flaw{"shape of nothing"};
-    }
-    if (from.scale() != nullptr) {
-      apply_scale(point(*from.scale(), "scale"), shape);
-    }
+    if (shape.empty()) { throw Flaw{"shape of nothing"}; }
+    if (from.scale() != nullptr) { apply_scale(point(*from.scale(), "scale"), shape); }
     return shape;
   }
 
   Vec3 point(const format::Vec3& from, std::string_view what) const {
     const Vec3 point(from.x(), from.y(), from.z());
-    if (!point.allFinite()) {
-      throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])};
-    }
+    if (!point.allFinite()) { throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])}; }
     return point;
   }
 
@@ -126,9 +118,7 @@ class Decoder {
     if (!(std::abs(norm - 1) <= kUnitNormSlack)) {
       throw Flaw{fmt::format("{} has quaternion norm {}, allowed 1 +- {}", what, norm, kUnitNormSlack)};
     }
-    if (std::abs(rotation.squaredNorm() - 1) > kNormalizedSlack) {
-      rotation.coeffs() /= norm;
-    }
+    if (std::abs(rotation.squaredNorm() - 1) > kNormalizedSlack) { rotation.coeffs() /= norm; }
     return rotation;
   }
 
@@ -140,9 +130,7 @@ class Decoder {
     triangle_budget_ -= count;
   }
   void spend_bytes(std::uint64_t count) {
-    if (count > byte_budget_) {
-      throw Flaw{"tables share their numbers, so that it would grow beyond its own size"};
-    }
+    if (count > byte_budget_) { throw Flaw{"tables share their numbers, so that it would grow beyond its own size"}; }
     byte_budget_ -= count;
   }
   void spend_primitives(std::uint64_t count) {
@@ -162,9 +150,7 @@ class Decoder {
   void check(const TriangleMesh& mesh) const {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       const Vec3& v = mesh.vertices[i];
-      if (!v.allFinite()) {
-        throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])};
-      }
+      if (!v.allFinite()) { throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])}; }
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -204,9 +190,7 @@ class Decoder {
               .axes = axes.empty() ? rotation(boxes[i].rotation(), name + "rotation").toRotationMatrix()
                                    : unit_axes(axes[i], name + "axes"),
               .half_m = point(boxes[i].half(), name + "half size")};
-      for (int axis = 0; axis < 3; ++axis) {
-        size(box.half_m[axis], name + "half size");
-      }
+      for (int axis = 0; axis < 3; ++axis) { size(box.half_m[axis], name + "half size"); }
       shape.primitives.push_back(box);
     }
   }
@@ -232,9 +216,7 @@ class Decoder {
   /// Both ends of an axis, which has a direction.
   std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to, const std::string& name) const {
     std::pair<Vec3, Vec3> ends{point(from, name + "one end"), point(to, name + "the other end")};
-    if (ends.first == ends.second) {
-      throw Flaw{name + "both ends of the axis are the same point"};
-    }
+    if (ends.first == ends.second) { throw Flaw{name + "both ends of the axis are the same point"}; }
     return ends;
   }
 
@@ -260,7 +242,8 @@ class Decoder {
     const auto ellipsoids = take(from.ellipsoids());
     for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
       const std::string name = fmt::format("ellipsoid {}: ", i);
-      const Ellipsoid ellipsoid{point(ellipsoids[i].center(), name + "center"), unit_axes(ellipsoids[i].axes(), name + "axes"),
+      const Ellipsoid ellipsoid{point(ellipsoids[i].center(), name + "center"),
+                                unit_axes(ellipsoids[i].axes(), name + "axes"),
                                 point(ellipsoids[i].half(), name + "half size")};
       for (int k = 0; k < 3; ++k) {
         if (!(ellipsoid.half_m[k] > 0)) {
@@ -284,9 +267,7 @@ class Decoder {
     std::memcpy(points.data()->data(), numbers.Data(), points.size() * sizeof(Vec3));
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3& p = points[i];
-      if (!p.allFinite()) {
-        throw Flaw{fmt::format("{}point {} is ({}, {}, {})", name, i, p[0], p[1], p[2])};
-      }
+      if (!p.allFinite()) { throw Flaw{fmt::format("{}point {} is ({}, {}, {})", name, i, p[0], p[1], p[2])}; }
     }
     return points;
   }
@@ -304,9 +285,7 @@ class Decoder {
     for (std::uint32_t i = 0; from.polylines() != nullptr && i < from.polylines()->size(); ++i) {
       const format::Points& line = *from.polylines()->Get(i);
       const std::vector<Vec3> along = points(line, fmt::format("polyline {}: ", i));
-      if (along.size() < 2) {
-        throw Flaw{fmt::format("polyline {}: one point, at least 2 are needed", i)};
-      }
+      if (along.size() < 2) { throw Flaw{fmt::format("polyline {}: one point, at least 2 are needed", i)}; }
       for (std::size_t k = 1; k < along.size(); ++k) {
         shape.primitives.push_back(Capsule{along[k - 1], along[k], line.radius()});
       }
@@ -317,9 +296,11 @@ class Decoder {
     const auto half_spaces = take(from.half_spaces());
     for (std::size_t i = 0; i < half_spaces.size(); ++i) {
       const std::string name = fmt::format("half-space {}: ", i);
-      const HalfSpace one{point(half_spaces[i].point(), name + "point"), point(half_spaces[i].normal(), name + "normal")};
+      const HalfSpace one{point(half_spaces[i].point(), name + "point"),
+                          point(half_spaces[i].normal(), name + "normal")};
       if (const double length = one.normal.stableNorm(); !(length >= kLeastNormal && length <= 1 / kLeastNormal)) {
-        throw Flaw{fmt::format("{}normal of length {}, allowed {} to {}", name, length, kLeastNormal, 1 / kLeastNormal)};
+        throw Flaw{
+            fmt::format("{}normal of length {}, allowed {} to {}", name, length, kLeastNormal, 1 / kLeastNormal)};
       }
       shape.primitives.push_back(one);
     }
@@ -334,8 +315,8 @@ class Decoder {
     const std::uint64_t columns = from.columns();
     const std::uint64_t rows = columns == 0 ? 0 : heights.size() / columns;
     if (columns < 2 || rows < 2 || heights.size() != columns * rows) {
-      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least", heights.size(),
-                             columns)};
+      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least",
+                             heights.size(), columns)};
     }
     for (const double spacing : {from.spacing_x(), from.spacing_y()}) {
       if (!(spacing > 0 && std::isfinite(spacing * static_cast<double>(heights.size())))) {
@@ -351,9 +332,7 @@ class Decoder {
       const double height = number_at(heights, i);
       mesh.vertices.emplace_back(static_cast<double>(i % columns) * from.spacing_x(),
                                  static_cast<double>(i / columns) * from.spacing_y(), height);
-      if (!std::isfinite(height)) {
-        throw Flaw{fmt::format("height field: height {} is {}", i, height)};
-      }
+      if (!std::isfinite(height)) { throw Flaw{fmt::format("height field: height {} is {}", i, height)}; }
       if (i % columns == columns - 1 || i / columns == rows - 1) continue;
       const std::uint32_t above = i + static_cast<std::uint32_t>(columns);
       mesh.triangles.push_back({i, i + 1, above + 1});
@@ -373,9 +352,7 @@ class Decoder {
     // Objects that name one mesh share it.
     std::shared_ptr<const TriangleMesh>& known = meshes_[from.mesh()];
     if (!known) known = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
-    if (known->triangles.empty()) {
-      throw Flaw{"mesh without triangles"};
-    }
+    if (known->triangles.empty()) { throw Flaw{"mesh without triangles"}; }
     shape.mesh = known;
   }
 
@@ -386,10 +363,16 @@ class Decoder {
       const auto bytes_of = [](const flatbuffers::Vector<std::uint8_t>* bytes) {
         return bytes == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(bytes->data(), bytes->size()));
       };
-      const VertexBuffer read{static_cast<BufferKind>(buffer.kind()), buffer.is_double(), buffer.stride(), buffer.offset(),
-                              bytes_of(buffer.vertices()), buffer.index_bytes(), bytes_of(buffer.indices())};
+      const VertexBuffer read{static_cast<BufferKind>(buffer.kind()),
+                              buffer.is_double(),
+                              buffer.stride(),
+                              buffer.offset(),
+                              bytes_of(buffer.vertices()),
+                              buffer.index_bytes(),
+                              bytes_of(buffer.indices())};
       // A corner makes at most one piece of a kind; a vertex in doubles takes twice the bytes of one in floats.
-      const std::uint64_t corners = read.index_bytes == 0 ? read.vertices.size() / 12 : read.indices.size() / read.index_bytes;
+      const std::uint64_t corners =
+          read.index_bytes == 0 ? read.vertices.size() / 12 : read.indices.size() / read.index_bytes;
       spend_bytes(std::max(read.vertices.size(), read.indices.size()));
       read.kind >= BufferKind::triangles ? spend_triangles(corners) : spend_primitives(corners);
       std::variant<Shape, std::string> taken = shape_of_buffer(read, buffer.radius());
@@ -408,9 +391,7 @@ class Decoder {
       spend_triangles(shape.mesh->triangles.size());
       spend_bytes(8 * 3 * shape.mesh->vertices.size());
     }
-    if (const std::string reason = scale(shape, factor); !reason.empty()) {
-      throw Flaw{reason};
-    }
+    if (const std::string reason = scale(shape, factor); !reason.empty()) { throw Flaw{reason}; }
   }
 
   void add_hulls(const format::Shape& from, Shape& shape) {
@@ -446,9 +427,7 @@ class NameCheck {
     if (const std::string flaw = flaw_of_name(text); !flaw.empty()) {
       throw Flaw{fmt::format("name {} {}", quoted(text), flaw)};
     }
-    if (!taken_.insert(text).second) {
-      throw Flaw{fmt::format("two parts or objects have the name {}", quoted(text))};
-    }
+    if (!taken_.insert(text).second) { throw Flaw{fmt::format("two parts or objects have the name {}", quoted(text))}; }
     return std::string(text);
   }
 
@@ -459,9 +438,7 @@ class NameCheck {
 /// from  a part or an object, of triangle_count triangles
 template <class Table>
 CutTriangles decode_pieces(const Table& from, const char* kind, std::uint64_t triangle_count) {
-  if (from.piece_of() == nullptr || from.piece_of()->size() == 0) {
-    return {};
-  }
+  if (from.piece_of() == nullptr || from.piece_of()->size() == 0) { return {}; }
   std::vector<std::uint32_t> pieces(from.piece_of()->begin(), from.piece_of()->end());
   const std::uint64_t whole_count = triangle_count - std::min<std::uint64_t>(pieces.size(), triangle_count);
   for (const std::uint32_t whole : pieces) {
@@ -487,16 +464,15 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
     scene.parts.push_back({names.take(*part.name()), part.first_triangle(), part.triangle_count(),
                            filter_of(part.filter()), decode_pieces(part, "part", part.triangle_count())});
   }
-  if (covered != triangle_count) {
-    throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)};
-  }
+  if (covered != triangle_count) { throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)}; }
 }
 
 CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_count) {
   const auto* numbers = from.collapses();
   if (numbers == nullptr) return {};
   if (numbers->size() % 2 != 0 || numbers->size() / 2 > vertex_count) {
-    throw Flaw{fmt::format("{} numbers of collapses, allowed are twos, at most one for each of {} vertices", numbers->size(), vertex_count)};
+    throw Flaw{fmt::format("{} numbers of collapses, allowed are twos, at most one for each of {} vertices",
+                           numbers->size(), vertex_count)};
   }
   CollapseOrder order(numbers->size() / 2);
   if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(Collapse));
@@ -511,9 +487,7 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   if (const std::string flaw = flaw_of_name(scene.name); !flaw.empty()) {
     throw Flaw{fmt::format("scene name {} {}", quoted(scene.name), flaw)};
   }
-  if (from.mesh() != nullptr) {
-    scene.mesh = decoder.mesh(*from.mesh());
-  }
+  if (from.mesh() != nullptr) { scene.mesh = decoder.mesh(*from.mesh()); }
   scene.collapses = decode_collapses(from, scene.mesh.vertices.size());
   NameCheck names;
   decode_parts(from, names, scene);
@@ -522,19 +496,17 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
     std::string name = names.take(*object.name());
     try {
       Pose pose;
-      if (object.position() != nullptr) {
-        pose.position = decoder.point(*object.position(), "position");
-      }
-      if (object.rotation() != nullptr) {
-        pose.rotation = decoder.rotation(*object.rotation(), "rotation");
-      }
+      if (object.position() != nullptr) { pose.position = decoder.point(*object.position(), "position"); }
+      if (object.rotation() != nullptr) { pose.rotation = decoder.rotation(*object.rotation(), "rotation"); }
       Shape shape = decoder.shape(*object.shape());
       const std::size_t triangle_count = shape.mesh ? shape.mesh->triangles.size() : 0;
-      scene.objects.push_back({name, std::move(shape), pose, filter_of(object.filter()), {},
+      scene.objects.push_back({name,
+                               std::move(shape),
+                               pose,
+                               filter_of(object.filter()),
+                               {},
                                decode_pieces(object, "object", triangle_count)});
-    } catch (const Flaw& flaw) {
-      throw Flaw{fmt::format("object {}: {}", quoted(name), flaw.what)};
-    }
+    } catch (const Flaw& flaw) { throw Flaw{fmt::format("object {}: {}", quoted(name), flaw.what)}; }
   }
   return scene;
 }
@@ -559,9 +531,7 @@ class AlignedBytes {
 /// The root table of a buffer whose structure is sound, or null.
 template <class Table>
 const Table* verified(const std::uint8_t* data, std::size_t byte_count, const char* identifier) {
-  if (byte_count > kMaxSceneFileBytes) {
-    return nullptr;
-  }
+  if (byte_count > kMaxSceneFileBytes) { return nullptr; }
   // A table has 8 bytes at least, so more tables than that are shared ones: verifying them all could take for ever.
   flatbuffers::Verifier verifier(data, byte_count, kMaxDepth, static_cast<std::uint32_t>(byte_count / 8 + 1));
   return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
@@ -594,9 +564,7 @@ void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_
 Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_t max_triangles) {
   const AlignedBytes aligned(bytes, byte_count);
   const auto* root = verified<format::Scene>(aligned.data(), byte_count, format::SceneIdentifier());
-  if (root == nullptr) {
-    throw Flaw{"not a scene file, or a damaged one: its tables do not check out"};
-  }
+  if (root == nullptr) { throw Flaw{"not a scene file, or a damaged one: its tables do not check out"}; }
   check_whole(*root, aligned.data(), byte_count);
   return decode_scene(*root, byte_count, max_triangles);
 }
@@ -605,15 +573,12 @@ Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_
 
 Scene read_scene_file(const Reading& reading) {
   try {
-    Scene scene =
-        decode_scene_bytes(reading.bytes.data(), table_bytes(reading.bytes), reading.options.max_triangles);
+    Scene scene = decode_scene_bytes(reading.bytes.data(), table_bytes(reading.bytes), reading.options.max_triangles);
     if (!attach_indexes(reading.bytes, reading.keeper, scene)) {
       reading.report.warnings.emplace_back("the list of saved indexes is damaged; they are built anew");
     }
     return scene;
-  } catch (const Flaw& flaw) {
-    refuse(reading, flaw.what);
-  }
+  } catch (const Flaw& flaw) { refuse(reading, flaw.what); }
 }
 
 void seal_scene(std::span<std::byte> tables) {
@@ -630,7 +595,9 @@ namespace {
 /// put(pieces) -> what went wrong, or nothing
 template <class Put>
 void save_scene_by(const std::string& name, const Scene& scene, const Put& put) {
-  const auto fail = [&](const std::string& what) { throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what)); };
+  const auto fail = [&](const std::string& what) {
+    throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what));
+  };
   if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxSceneFileBytes) {
     fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxSceneFileBytes));
   }
@@ -640,16 +607,12 @@ void save_scene_by(const std::string& name, const Scene& scene, const Put& put) 
   const std::span<const std::byte> bytes = encoder.bytes();
   try {
     decode_scene_bytes(bytes.data(), bytes.size(), kMaxVertices);
-  } catch (const Flaw& flaw) {
-    fail(flaw.what);
-  }
+  } catch (const Flaw& flaw) { fail(flaw.what); }
   std::vector<std::byte> padding;
   std::vector<std::byte> list;
   std::vector<std::span<const std::byte>> pieces = index_section(scene, bytes.size(), padding, list);
   pieces.insert(pieces.begin(), bytes);
-  if (const std::string failure = put(pieces); !failure.empty()) {
-    fail(failure);
-  }
+  if (const std::string failure = put(pieces); !failure.empty()) { fail(failure); }
 }
 
 }  // namespace
@@ -668,14 +631,10 @@ DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& l
   }
   const AlignedBytes aligned(bytes.data(), bytes.size());
   const auto* root = verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
-  if (root == nullptr) {
-    return {std::nullopt, "not a shape, or a damaged one: its tables do not check out"};
-  }
+  if (root == nullptr) { return {std::nullopt, "not a shape, or a damaged one: its tables do not check out"}; }
   try {
     return {Decoder(bytes.size(), limits.max_triangles, limits.max_primitives).shape(*root), {}};
-  } catch (const Flaw& flaw) {
-    return {std::nullopt, flaw.what};
-  }
+  } catch (const Flaw& flaw) { return {std::nullopt, flaw.what}; }
 }
 
 std::vector<std::byte> encode_shape(const Shape& shape) {

@@ -54,9 +54,8 @@ SavedIndex kept(std::span<const std::byte> bytes, const std::shared_ptr<const vo
   void* copy = std::aligned_alloc(kBlockBytes, whole_blocks(bytes.size()));
   if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
-  return {{static_cast<const std::byte*>(copy), bytes.size()}, std::shared_ptr<const void>(copy, [](const void* p) {
-            std::free(const_cast<void*>(p));
-          })};
+  return {{static_cast<const std::byte*>(copy), bytes.size()},
+          std::shared_ptr<const void>(copy, [](const void* p) { std::free(const_cast<void*>(p)); })};
 }
 
 }  // namespace
@@ -83,9 +82,8 @@ std::vector<std::span<const std::byte>> index_section(const Scene& scene, std::s
   for (std::size_t i = 0; i < scene.objects.size(); ++i) add(1 + i, scene.objects[i].index);
   if (entries.empty()) return {};
   align();
-  LastRecord last{.table_bytes = before_bytes,
-                  .list_first_byte = at,
-                  .entry_count = static_cast<std::uint32_t>(entries.size())};
+  LastRecord last{
+      .table_bytes = before_bytes, .list_first_byte = at, .entry_count = static_cast<std::uint32_t>(entries.size())};
   std::memcpy(last.magic, kMagic, sizeof(kMagic));
   append(list, entries.data(), entries.size() * sizeof(Entry));
   append(list, &last, sizeof(last));

@@ -16,9 +16,7 @@ namespace {
 bool write_all(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) {
-      return false;
-    }
+    if (written < 0 && errno != EINTR) { return false; }
     bytes = bytes.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
   }
   return true;
@@ -26,9 +24,7 @@ bool write_all(int file, std::span<const std::byte> bytes) {
 
 bool write_pieces(int file, std::span<const std::span<const std::byte>> pieces) {
   for (const std::span<const std::byte> piece : pieces) {
-    if (!write_all(file, piece)) {
-      return false;
-    }
+    if (!write_all(file, piece)) { return false; }
   }
   return ::fsync(file) == 0;
 }
@@ -49,9 +45,7 @@ std::string replace_file(const std::string& path, std::span<const std::span<cons
   static std::atomic<unsigned> file_count = 0;
   const std::string summand = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
   const int file = ::open(summand.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) {
-    return fmt::format("cannot be created: {}", std::strerror(errno));
-  }
+  if (file < 0) { return fmt::format("cannot be created: {}", std::strerror(errno)); }
   const bool written = write_pieces(file, pieces);
   const int write_error = errno;
   const bool closed = ::close(file) == 0;

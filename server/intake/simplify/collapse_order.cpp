@@ -15,7 +15,8 @@ std::vector<std::uint32_t> removal_steps(const CollapseOrder& order, std::size_t
 }
 
 /// How many steps are taken before two corners of the triangle meet; kStays: they never do.
-std::uint32_t last_step(TriangleCorners corners, const CollapseOrder& order, const std::vector<std::uint32_t>& step_of) {
+std::uint32_t last_step(TriangleCorners corners, const CollapseOrder& order,
+                        const std::vector<std::uint32_t>& step_of) {
   while (true) {
     std::size_t first = 0;
     for (std::size_t k = 1; k < 3; ++k) {
@@ -92,7 +93,8 @@ TriangleMesh compact_mesh(const TriangleMesh& mesh, const LevelTriangles& level)
     compact.vertices.push_back(mesh.vertices[i]);
   }
   compact.triangles.reserve(level.triangles.size());
-  for (const TriangleCorners& c : level.triangles) compact.triangles.push_back({number[c[0]], number[c[1]], number[c[2]]});
+  for (const TriangleCorners& c : level.triangles)
+    compact.triangles.push_back({number[c[0]], number[c[1]], number[c[2]]});
   return compact;
 }
 

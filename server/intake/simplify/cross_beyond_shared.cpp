@@ -105,7 +105,8 @@ bool share_nothing_and_meet(const Points& one, const Points& other) {
     // An edge within the other's plane meets it only where an edge of the other, across the plane, meets this triangle,
     // or where it crosses an edge of the other in that plane: then that edge's neighbour across the plane is asked.
     if ((*of_one[i] != 0 || *of_one[j] != 0) && meets(one[i], one[j], *of_one[i], *of_one[j], other)) return true;
-    if ((*of_other[i] != 0 || *of_other[j] != 0) && meets(other[i], other[j], *of_other[i], *of_other[j], one)) return true;
+    if ((*of_other[i] != 0 || *of_other[j] != 0) && meets(other[i], other[j], *of_other[i], *of_other[j], one))
+      return true;
   }
   return false;
 }
@@ -156,7 +157,8 @@ TriangleSides::TriangleSides(const std::vector<Vec3>& vertices, const TriangleCo
 TriangleSides::Rest TriangleSides::rest_of(const std::vector<Vec3>& vertices, const TriangleCorners& other) const {
   Rest rest;
   for (const std::uint32_t corner : other) {
-    const unsigned equal = (corner == corners_[0] ? 1u : 0u) | (corner == corners_[1] ? 2u : 0u) | (corner == corners_[2] ? 4u : 0u);
+    const unsigned equal =
+        (corner == corners_[0] ? 1u : 0u) | (corner == corners_[1] ? 2u : 0u) | (corner == corners_[2] ? 4u : 0u);
     rest.shared |= equal;
     rest.points[rest.count] = &vertices[corner];
     rest.count += equal == 0 ? 1 : 0;

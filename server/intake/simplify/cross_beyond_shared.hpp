@@ -41,7 +41,7 @@ class TriangleSides {
   OrientedPlane plane_;
   int u_ = 0;  // the coordinates that are seen
   int v_ = 1;
-  bool has_sides_ = false;  // it is seen with area, for certain
+  bool has_sides_ = false;                      // it is seen with area, for certain
   std::array<std::array<double, 2>, 3> from_;   // each side's begin
   std::array<std::array<double, 2>, 3> along_;  // and its way, turned so that the triangle lies to the left
 };

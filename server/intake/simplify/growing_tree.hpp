@@ -55,12 +55,12 @@ class GrowingTree {
   void find_in_leaf(std::uint32_t leaf, const Box& all, std::vector<Meeting>& found) const;
 
   Vec3 origin_ = Vec3::Zero();
-  std::uint32_t leaf_count_ = 0;          // a power of two
-  std::vector<std::uint32_t> order_;      // triangles, kLeafTriangles a leaf
-  std::vector<std::uint32_t> place_of_;   // in that order, by triangle
-  std::vector<Box> own_boxes_;            // of the triangles, in that order
-  std::vector<Box> asked_;                // of the question at work; kept for its memory
-  std::vector<Box> boxes_;                // 1 is the root, 2 i and 2 i + 1 are the children of i
+  std::uint32_t leaf_count_ = 0;         // a power of two
+  std::vector<std::uint32_t> order_;     // triangles, kLeafTriangles a leaf
+  std::vector<std::uint32_t> place_of_;  // in that order, by triangle
+  std::vector<Box> own_boxes_;           // of the triangles, in that order
+  std::vector<Box> asked_;               // of the question at work; kept for its memory
+  std::vector<Box> boxes_;               // 1 is the root, 2 i and 2 i + 1 are the children of i
 };
 
 }  // namespace collided::engine

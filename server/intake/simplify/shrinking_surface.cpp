@@ -5,7 +5,10 @@
 namespace collided::engine {
 
 ShrinkingSurface::ShrinkingSurface(const TriangleMesh& mesh)
-    : mesh_(mesh), corners_(mesh.triangles), first_(mesh.vertices.size(), kNone), next_(3 * mesh.triangles.size(), kNone) {
+    : mesh_(mesh),
+      corners_(mesh.triangles),
+      first_(mesh.vertices.size(), kNone),
+      next_(3 * mesh.triangles.size(), kNone) {
   for (std::uint32_t i = 0; i < corners_.size(); ++i) {
     TriangleCorners& c = corners_[i];
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
@@ -50,7 +53,8 @@ void ShrinkingSurface::find_neighbours(std::uint32_t vertex, const std::vector<s
   for (const std::uint32_t triangle : ring) {
     for (const std::uint32_t corner : corners_[triangle]) {
       if (corner == vertex) continue;
-      const auto known = std::find_if(neighbours.begin(), neighbours.end(), [&](const Neighbour& n) { return n.vertex == corner; });
+      const auto known =
+          std::find_if(neighbours.begin(), neighbours.end(), [&](const Neighbour& n) { return n.vertex == corner; });
       if (known != neighbours.end()) ++known->triangle_count;
       else neighbours.push_back({corner, 1});
     }
@@ -65,7 +69,8 @@ bool ShrinkingSurface::may_merge(const std::vector<std::uint32_t>& ring, const s
   find_neighbours(kept.vertex, other_ring_, other_neighbours_);
   std::size_t common_count = 0;
   for (const Neighbour& n : neighbours) {
-    common_count += std::any_of(other_neighbours_.begin(), other_neighbours_.end(), [&](const Neighbour& o) { return o.vertex == n.vertex; });
+    common_count += std::any_of(other_neighbours_.begin(), other_neighbours_.end(),
+                                [&](const Neighbour& o) { return o.vertex == n.vertex; });
   }
   return common_count == kept.triangle_count;
 }

@@ -35,7 +35,8 @@ class ShrinkingSurface {
   /// triangles between them, and something is left.
   /// ring, neighbours  of the vertex that goes
   /// source            link condition: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999
-  bool may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours, const Neighbour& kept);
+  bool may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours,
+                 const Neighbour& kept);
 
   /// Puts `kept` in the place of `removed`; the triangles that had both vanish.
   void merge(std::uint32_t removed, std::uint32_t kept);

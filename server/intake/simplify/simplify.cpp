@@ -55,8 +55,14 @@ class Simplifier {
   /// part_of  a number for each triangle
   Simplifier(const TriangleMesh& mesh, const std::vector<std::uint32_t>& part_of, const SimplifyOptions& options,
              SimplifyReport& report)
-      : options_(options), report_(report), part_of_(part_of), surface_(mesh), offered_(mesh.vertices.size(), kNever),
-        tried_(mesh.vertices.size(), 0), is_locked_(mesh.vertices.size(), false), is_in_ring_(mesh.triangles.size(), 0) {
+      : options_(options),
+        report_(report),
+        part_of_(part_of),
+        surface_(mesh),
+        offered_(mesh.vertices.size(), kNever),
+        tried_(mesh.vertices.size(), 0),
+        is_locked_(mesh.vertices.size(), false),
+        is_in_ring_(mesh.triangles.size(), 0) {
     lock_between_parts(mesh);
     count_parts();
     find_normals(mesh);
@@ -68,7 +74,8 @@ class Simplifier {
     std::vector<std::uint32_t> ring;
     for (std::uint32_t vertex = 0; vertex < offered_.size(); ++vertex) offer(vertex, ring);
     const std::size_t begin_count = surface_.live_count();
-    for (std::size_t looked_at = 0; !offers_.empty() && surface_.live_count() > options_.triangles_at_most; ++looked_at) {
+    for (std::size_t looked_at = 0; !offers_.empty() && surface_.live_count() > options_.triangles_at_most;
+         ++looked_at) {
       if (looked_at % 0x1000 == 0 && !tell(begin_count)) break;
       const Offer best = offers_.top();
       offers_.pop();
@@ -346,13 +353,13 @@ class Simplifier {
   GrowingTree tree_;
   std::size_t rebuild_at_ = 0;
   Vec3 origin_ = Vec3::Zero();
-  std::vector<UnitNormal> normals_;     // of the triangles as they were in the mesh
-  std::vector<Quadric> quadrics_;       // by vertex, about the origin
-  std::vector<double> weights_;         // by vertex: areas that its quadric stands for
+  std::vector<UnitNormal> normals_;  // of the triangles as they were in the mesh
+  std::vector<Quadric> quadrics_;    // by vertex, about the origin
+  std::vector<double> weights_;      // by vertex: areas that its quadric stands for
   std::priority_queue<Offer> offers_;
   static constexpr float kNever = std::numeric_limits<float>::infinity();
-  std::vector<float> offered_;          // by vertex: the cost in its valid offer
-  std::vector<std::uint8_t> tried_;     // by vertex: targets that were refused since its neighbourhood changed
+  std::vector<float> offered_;       // by vertex: the cost in its valid offer
+  std::vector<std::uint8_t> tried_;  // by vertex: targets that were refused since its neighbourhood changed
   std::vector<bool> is_locked_;
   std::vector<std::uint32_t> is_in_ring_;  // by triangle: the last stamp
   std::uint32_t ring_stamp_ = 0;
@@ -391,7 +398,8 @@ SortedMesh sorted_in_space(const TriangleMesh& mesh, const std::vector<std::uint
     const TriangleCorners& c = mesh.triangles[i];
     triangles.push_back({{number[first_equal[c[0]]], number[first_equal[c[1]]], number[first_equal[c[2]]]}, part});
   }
-  std::stable_sort(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
+  std::stable_sort(triangles.begin(), triangles.end(),
+                   [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
   for (const auto& [corners, part_number] : triangles) {
     sorted.mesh.triangles.push_back(corners);
     sorted.part_of.push_back(part_number);

@@ -16,10 +16,10 @@ enum class CollapseCost {
 
 struct SimplifyOptions {
   CollapseCost cost = CollapseCost::quadric;
-  std::size_t triangles_at_most = 0;            // ends there; 0: goes on as long as the guards let it
-  std::span<const std::uint32_t> part_ends{};   // triangle numbers at which parts end, ascending; empty: one part
-  std::function<void(double)> progress{};       // fraction done in [0, 1]
-  std::function<bool()> cancelled{};            // true ends it with what has been found
+  std::size_t triangles_at_most = 0;           // ends there; 0: goes on as long as the guards let it
+  std::span<const std::uint32_t> part_ends{};  // triangle numbers at which parts end, ascending; empty: one part
+  std::function<void(double)> progress{};      // fraction done in [0, 1]
+  std::function<bool()> cancelled{};           // true ends it with what has been found
 };
 
 /// What the guards refused; one vertex may be refused again whenever its neighbourhood has changed.

@@ -25,9 +25,7 @@ std::string point_text(const Vec3& point) {
   return fmt::format("{} {} {}", shortest(point.x()), shortest(point.y()), shortest(point.z()));
 }
 
-json point_json(const Vec3& point) {
-  return {point.x(), point.y(), point.z()};
-}
+json point_json(const Vec3& point) { return {point.x(), point.y(), point.z()}; }
 
 /// Of the static mesh and of each mesh of objects once.
 std::size_t triangles_of(const Scene& scene) {
@@ -43,13 +41,15 @@ std::size_t triangles_of(const Scene& scene) {
 /// The static mesh, and each mesh of objects once.
 ///
 /// progress  told the fraction done in [0, 1]: of the triangles
-std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scrutiny, const std::function<void(double)>& progress) {
+std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scrutiny,
+                                      const std::function<void(double)>& progress) {
   std::vector<CheckedMesh> meshes;
   const auto all = static_cast<double>(std::max<std::size_t>(triangles_of(scene), 1));
   double done = 0;
   const auto add = [&](const std::string& name, const TriangleMesh& mesh, const std::vector<Part>* parts) {
     const auto share = static_cast<double>(mesh.triangles.size());
-    meshes.push_back(check_mesh(name, mesh, parts, scrutiny, [&](double fraction) { progress((done + share * fraction) / all); }));
+    meshes.push_back(
+        check_mesh(name, mesh, parts, scrutiny, [&](double fraction) { progress((done + share * fraction) / all); }));
     done += share;
   };
   if (!scene.mesh.triangles.empty()) add(scene.name, scene.mesh, &scene.parts);
@@ -107,8 +107,9 @@ json mesh_json(const CheckedMesh& checked) {
 }
 
 void print_json(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report) {
-  json object{{"scene", scene.name},   {"parts", scene.parts.size()},  {"objects", scene.objects.size()}, {"triangles", 0},
-              {"placed", report.placed}, {"notes", report.notes},   {"mended", report.mended},      {"refused", report.refused},       {"warnings", report.warnings},
+  json object{{"scene", scene.name},      {"parts", scene.parts.size()}, {"objects", scene.objects.size()},
+              {"triangles", 0},           {"placed", report.placed},     {"notes", report.notes},
+              {"mended", report.mended},  {"refused", report.refused},   {"warnings", report.warnings},
               {"seconds", report.seconds}};
   json of_objects = json::array();
   for (const CheckedMesh& checked : meshes) {
@@ -126,7 +127,8 @@ void print_json(const Scene& scene, const std::vector<CheckedMesh>& meshes, cons
 
 std::string surface_text(const MeshHealth& health) {
   if (health.is_closed && health.is_consistently_oriented) {
-    return fmt::format("closed, of one orientation{}: 'inside' has a meaning", health.is_manifold() ? ", manifold" : "");
+    return fmt::format("closed, of one orientation{}: 'inside' has a meaning",
+                       health.is_manifold() ? ", manifold" : "");
   }
   if (health.is_closed) return "closed, but not of one orientation";
   return health.is_manifold() ? "open, manifold" : "open, not manifold";
@@ -139,8 +141,8 @@ void print_lines(const char* label, const std::vector<std::string>& lines) {
 std::string places_text(const Finding& finding, bool names_objects) {
   std::string text;
   for (const Place& place : finding.worst) {
-    text += fmt::format("{}{}triangle {}{}{}", text.empty() ? "" : "; ", names_objects ? place.object + " " : "", place.triangle,
-                        place.detail.empty() ? "" : " ", place.detail);
+    text += fmt::format("{}{}triangle {}{}{}", text.empty() ? "" : "; ", names_objects ? place.object + " " : "",
+                        place.triangle, place.detail.empty() ? "" : " ", place.detail);
   }
   return text;
 }
@@ -150,15 +152,19 @@ void print_mesh(const CheckedMesh& checked) {
   fmt::print("  bounds   {}  to  {}\n", point_text(health.bounds.low), point_text(health.bounds.high));
   fmt::print("  surface  {}\n", surface_text(health));
   fmt::print("  pieces   {}\n", grouped(health.component_count));
-  fmt::print("  points   {} vertices, {} of them equal to an earlier one\n", grouped(health.vertex_count), grouped(health.equal_vertex_count));
-  fmt::print("  edges    {}, {} of them creases, {} between parts", grouped(health.edge_count), grouped(checked.crease_edge_count),
-             grouped(checked.material_edge_count));
+  fmt::print("  points   {} vertices, {} of them equal to an earlier one\n", grouped(health.vertex_count),
+             grouped(health.equal_vertex_count));
+  fmt::print("  edges    {}, {} of them creases, {} between parts", grouped(health.edge_count),
+             grouped(checked.crease_edge_count), grouped(checked.material_edge_count));
   if (checked.silhouette_edge_count) fmt::print(", {} silhouettes from there", grouped(*checked.silhouette_edge_count));
   fmt::print("\n");
   if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) fmt::print("  unit?    {}\n", doubt);
-  if (!checked.crossings.is_complete) fmt::print("  unseen   the search for triangles that meet each other ended early: there are more\n");
+  if (!checked.crossings.is_complete)
+    fmt::print("  unseen   the search for triangles that meet each other ended early: there are more\n");
   if (health.seam_unseen_count > 0) {
-    fmt::print("  unseen   {} points of the border were not looked at for cracks: too many borders lie near each other\n", grouped(health.seam_unseen_count));
+    fmt::print(
+        "  unseen   {} points of the border were not looked at for cracks: too many borders lie near each other\n",
+        grouped(health.seam_unseen_count));
   }
   const std::vector<Finding> findings = findings_of(checked, kWorstInTable);
   if (findings.empty()) {
@@ -168,16 +174,19 @@ void print_mesh(const CheckedMesh& checked) {
   const bool names_objects = checked.parts != nullptr && checked.parts->size() > 1;
   for (const Finding& finding : findings) {
     fmt::print("  {:>11}  {:<20} {}\n", grouped(finding.count), finding.what, finding.consequence);
-    if (!finding.worst.empty()) fmt::print("               {}{}\n", finding.count > finding.worst.size() ? "the worst: " : "", places_text(finding, names_objects));
+    if (!finding.worst.empty())
+      fmt::print("               {}{}\n", finding.count > finding.worst.size() ? "the worst: " : "",
+                 places_text(finding, names_objects));
   }
 }
 
 void print_text(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report) {
-  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
-             grouped(scene.objects.size()));
+  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()),
+             grouped(scene.mesh.triangles.size()), grouped(scene.objects.size()));
   print_lines("placed", report.placed);
   for (const CheckedMesh& checked : meshes) {
-    if (checked.parts == nullptr) fmt::print("{}  {} triangles\n", checked.name, grouped(checked.health.triangle_count));
+    if (checked.parts == nullptr)
+      fmt::print("{}  {} triangles\n", checked.name, grouped(checked.health.triangle_count));
     print_mesh(checked);
   }
   print_lines("note", report.notes);

@@ -42,10 +42,11 @@ void move_to_origin(Scene& scene, const Vec3& origin) {
     for (int axis = 0; axis < 3; ++axis) vertex[axis] = subtract(vertex[axis], origin[axis], rounded_count);
   }
   for (SceneObject& object : scene.objects) {
-    for (int axis = 0; axis < 3; ++axis) object.pose.position[axis] = subtract(object.pose.position[axis], origin[axis], rounded_count);
+    for (int axis = 0; axis < 3; ++axis)
+      object.pose.position[axis] = subtract(object.pose.position[axis], origin[axis], rounded_count);
   }
-  fmt::print("  origin   {},{},{} is now 0 0 0; {} numbers were rounded by that\n", shortest(origin.x()), shortest(origin.y()), shortest(origin.z()),
-             grouped(rounded_count));
+  fmt::print("  origin   {},{},{} is now 0 0 0; {} numbers were rounded by that\n", shortest(origin.x()),
+             shortest(origin.y()), shortest(origin.z()), grouped(rounded_count));
 }
 
 void save_index(const TriangleMesh& mesh, BvhForm form, BvhReport& sum, SavedIndex& index) {
@@ -82,12 +83,13 @@ Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
 }  // namespace
 
 int convert(const ConvertOptions& options) {
-  if (!options.output.ends_with(".cscene")) throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
+  if (!options.output.ends_with(".cscene"))
+    throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
   if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
   LoadReport report;
   Scene scene = load_showing_progress(options.file, report);
-  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
-             grouped(scene.objects.size()));
+  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()),
+             grouped(scene.mesh.triangles.size()), grouped(scene.objects.size()));
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
   forget_indexes(scene);

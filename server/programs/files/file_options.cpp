@@ -56,7 +56,8 @@ double crack_in_metres(const FileOptions& file) {
 
 Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress) {
   const std::optional<double> unit_m = unit_in_metres(file.unit);
-  if (!unit_m) throw LoadError(fmt::format("--unit '{}'; allowed: m mm cm km um in ft, or metres a unit above 0", file.unit));
+  if (!unit_m)
+    throw LoadError(fmt::format("--unit '{}'; allowed: m mm cm km um in ft, or metres a unit above 0", file.unit));
   LoadOptions options;
   options.name = file.name;
   options.unit_m = *unit_m;

@@ -13,7 +13,7 @@ struct FileOptions {
   std::string path;
   std::string name;
   std::string unit = "m";
-  std::string up{};      // empty: as the format says, else z
+  std::string up{};  // empty: as the format says, else z
   bool strict = false;
   bool mend = false;
   std::string crack{};   // a length with a unit: the widest crack; empty: a share of the diagonal

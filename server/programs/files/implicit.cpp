@@ -33,7 +33,8 @@ ImplicitSurface surface_of(const ImplicitOptions& options) {
     try {
       return read_implicit_surface(options.surface);
     } catch (const std::invalid_argument& wrong) {
-      throw LoadError(fmt::format("implicit: '{}', {}. Nothing was asked.", options.surface.substr(0, 80), wrong.what()));
+      throw LoadError(
+          fmt::format("implicit: '{}', {}. Nothing was asked.", options.surface.substr(0, 80), wrong.what()));
     }
   }
   LoadReport report;

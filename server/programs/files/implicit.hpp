@@ -6,11 +6,12 @@
 namespace collided::engine::files {
 
 struct ImplicitOptions {
-  std::string surface;               // a polynomial, or a name in the file
-  std::string file{};                // .surfaces
-  std::vector<std::string> numbers;  // a point X Y Z, a ray X Y Z DX DY DZ, or "-": many of either from stdin, one a line
-  std::string length{};              // of rays; empty: no end
-  std::string within{};              // error asked of distances; empty: as sharp as double tells
+  std::string surface;  // a polynomial, or a name in the file
+  std::string file{};   // .surfaces
+  std::vector<std::string>
+      numbers;           // a point X Y Z, a ray X Y Z DX DY DZ, or "-": many of either from stdin, one a line
+  std::string length{};  // of rays; empty: no end
+  std::string within{};  // error asked of distances; empty: as sharp as double tells
   bool as_json = false;
 };
 

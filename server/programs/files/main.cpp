@@ -48,9 +48,14 @@ std::string without_blanks(std::string word) {
 }
 
 void declare_implicit(CLI::App& verb, collided::engine::files::ImplicitOptions& options) {
-  verb.add_option("surface", options.surface, "Polynomial in x, y, z, 0 on the surface: 'x^2+y^2+z^2-1 in 0 -1 -1 1 1 1'; or, with --file, a name")->required();
-  verb.add_option("numbers", options.numbers, "A ray X Y Z DX DY DZ, a point X Y Z, or - for many, one a line")->required()->transform(without_blanks);
-  verb.add_option("--file", options.file, "A .surfaces file that has a line: NAME implicit POLYNOMIAL [in X Y Z X Y Z]");
+  verb.add_option("surface", options.surface,
+                  "Polynomial in x, y, z, 0 on the surface: 'x^2+y^2+z^2-1 in 0 -1 -1 1 1 1'; or, with --file, a name")
+      ->required();
+  verb.add_option("numbers", options.numbers, "A ray X Y Z DX DY DZ, a point X Y Z, or - for many, one a line")
+      ->required()
+      ->transform(without_blanks);
+  verb.add_option("--file", options.file,
+                  "A .surfaces file that has a line: NAME implicit POLYNOMIAL [in X Y Z X Y Z]");
   verb.add_option("--length", options.length, "Of rays (no end)");
   verb.add_option("--within", options.within, "Error of distances that is good enough, as 0.1mm");
   verb.add_flag("--json", options.as_json, "One JSON object an answer");
@@ -66,26 +71,33 @@ int main(int argument_count, char** arguments) {
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
   check->add_flag("--json", check_options.as_json, "One JSON object");
-  check->add_option("--crease", check_options.crease_deg, "Angle between two triangles above which their edge is a crease, degrees (30)")
+  check
+      ->add_option("--crease", check_options.crease_deg,
+                   "Angle between two triangles above which their edge is a crease, degrees (30)")
       ->check(CLI::Range(0.0, 180.0));
   check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
   check->add_flag("--volumes", check_options.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
-  check->add_flag("--encodings", check_options.encodings, "Bytes as lists, fans, strips and as a mesh too")->excludes("--json");
+  check->add_flag("--encodings", check_options.encodings, "Bytes as lists, fans, strips and as a mesh too")
+      ->excludes("--json");
   collided::engine::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
   convert->add_option("output", converted.output, "File to write: .cscene")->required();
   convert->add_flag("--center", converted.center, "The middle, in whole metres, becomes 0 0 0");
   convert->add_option("--origin", converted.origin, "This point X,Y,Z becomes 0 0 0");
-  convert->add_option("--index", converted.index, "How the saved index is built: fast, or best for faster questions (fast)")
+  convert
+      ->add_option("--index", converted.index,
+                   "How the saved index is built: fast, or best for faster questions (fast)")
       ->check(CLI::IsMember({"fast", "best"}));
   convert->add_option("--to", converted.to, "Simplify to so many triangles, or to so many per cent: 5000 or 10%");
-  convert->add_flag("--levels", converted.levels, "Save how to simplify it, so that distances asked --within an error are cheaper");
+  convert->add_flag("--levels", converted.levels,
+                    "Save how to simplify it, so that distances asked --within an error are cheaper");
   convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
       ->check(CLI::IsMember({"quadric", "length"}));
   convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
   collided::engine::files::ImplicitOptions asked;
-  CLI::App* implicit = app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
+  CLI::App* implicit =
+      app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
   declare_implicit(*implicit, asked);
   try {
     app.parse(words_of(argument_count, arguments));
@@ -97,7 +109,8 @@ int main(int argument_count, char** arguments) {
   collided::engine::files::listen_for_interrupt();
   try {
     if (implicit->parsed()) return collided::engine::files::implicit(asked);
-    return check->parsed() ? collided::engine::files::check(checked, check_options) : collided::engine::files::convert(converted);
+    return check->parsed() ? collided::engine::files::check(checked, check_options)
+                           : collided::engine::files::convert(converted);
   } catch (const collided::engine::files::Interrupted&) {
     std::fprintf(stderr, "interrupted\n");
     return kInterrupted;

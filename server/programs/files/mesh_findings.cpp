@@ -43,8 +43,7 @@ class Findings {
  private:
   double length_m(HalfEdge half) const {
     const TriangleCorners& corners = c_.mesh->triangles[triangle_of(half)];
-    return (c_.mesh->vertices[corners[half % 3]] - c_.mesh->vertices[corners[(half % 3 + 1) % 3]])
-        .norm();
+    return (c_.mesh->vertices[corners[half % 3]] - c_.mesh->vertices[corners[(half % 3 + 1) % 3]]).norm();
   }
   double longest_m(std::uint32_t triangle) const {
     return std::max({length_m(3 * triangle), length_m(3 * triangle + 1), length_m(3 * triangle + 2)});

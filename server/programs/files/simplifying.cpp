@@ -23,7 +23,8 @@ std::size_t triangles_asked(const std::string& target, std::size_t triangle_coun
   const bool is_share = stop != end && *stop == '%';
   const bool is_whole = stop + (is_share ? 1 : 0) == end && error == std::errc{};
   if (!is_whole || !(number > 0 && number <= (is_share ? 100 : 1e15))) {
-    throw LoadError(fmt::format("--to '{}'; a number of triangles, or of per cent of them, is needed: 5000 or 10%", target));
+    throw LoadError(
+        fmt::format("--to '{}'; a number of triangles, or of per cent of them, is needed: 5000 or 10%", target));
   }
   return static_cast<std::size_t>(is_share ? std::ceil(number / 100 * static_cast<double>(triangle_count)) : number);
 }
@@ -43,8 +44,10 @@ CollapseOrder simplified(const Scene& scene, std::size_t triangles_at_most, Coll
 }
 
 std::string refusals(const SimplifyReport& report) {
-  return fmt::format("refused: {} collapses that would turn a normal by 90 degrees, {} that would cross the surface, {} that would "
-                     "change how it hangs together", grouped(report.flip_refusals), grouped(report.crossing_refusals), grouped(report.topology_refusals));
+  return fmt::format(
+      "refused: {} collapses that would turn a normal by 90 degrees, {} that would cross the surface, {} that would "
+      "change how it hangs together",
+      grouped(report.flip_refusals), grouped(report.crossing_refusals), grouped(report.topology_refusals));
 }
 
 /// How many of a level's triangles each part has.
@@ -82,7 +85,8 @@ void simplify_to(Scene& scene, const std::string& target, CollapseCost cost) {
   const double off_by_m = surface_distance({scene.mesh, tree, part_of}, {simpler, simpler_tree, level_part_of});
   fmt::print("  simplify  {} of {} triangles, no point of either surface farther than {} m from the other\n",
              grouped(simpler.triangles.size()), grouped(count), shortest(off_by_m));
-  if (simpler.triangles.size() > asked) fmt::print("            {} were asked for; the guards let no more go\n", grouped(asked));
+  if (simpler.triangles.size() > asked)
+    fmt::print("            {} were asked for; the guards let no more go\n", grouped(asked));
   fmt::print("            {}\n", refusals(report));
   recount_parts(level, scene.parts);
   scene.mesh = std::move(simpler);
@@ -96,7 +100,8 @@ void add_levels(Scene& scene, CollapseCost cost) {
   const auto levels = build_levels(scene.mesh, tree, scene.parts, scene.collapses, {});
   if (levels.empty()) fmt::print("  level    none: the mesh does not get much simpler without being far off\n");
   for (const auto& level : levels) {
-    fmt::print("  level    {} triangles, distances within {} m\n", grouped(level->mesh.triangles.size()), shortest(level->off_by_m));
+    fmt::print("  level    {} triangles, distances within {} m\n", grouped(level->mesh.triangles.size()),
+               shortest(level->off_by_m));
   }
   fmt::print("           {}\n", refusals(report));
 }

@@ -50,7 +50,8 @@ void print_volumes(const Scene& scene) {
 void print_encodings(const Scene& scene) {
   if (scene.mesh.triangles.empty()) return;
   fmt::print("  {:<28} {:>12} {:>12}\n", "ENCODING", "BYTES", "A TRIANGLE");
-  for (const EncodingSize& size : encoding_sizes(scene.mesh)) fmt::print("  {:<28} {:>12} {:>12.1f}\n", size.name, size.bytes, size.bytes_a_triangle);
+  for (const EncodingSize& size : encoding_sizes(scene.mesh))
+    fmt::print("  {:<28} {:>12} {:>12.1f}\n", size.name, size.bytes, size.bytes_a_triangle);
 }
 
 }  // namespace collided::engine::files

@@ -44,9 +44,7 @@ class AssimpReader {
       waiting.pop_back();
       const Placement placement = parent * node->mTransformation;
       add_part(*node, placement);
-      for (unsigned i = node->mNumChildren; i-- > 0;) {
-        waiting.emplace_back(node->mChildren[i], placement);
-      }
+      for (unsigned i = node->mNumChildren; i-- > 0;) { waiting.emplace_back(node->mChildren[i], placement); }
     }
     tell();
     return std::move(scene_);
@@ -72,9 +70,7 @@ class AssimpReader {
 
   void add_part(const aiNode& node, const Placement& placement) {
     const std::size_t first = scene_.mesh.triangles.size();
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-      add_mesh(*from_.mMeshes[node.mMeshes[i]], node, placement);
-    }
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) { add_mesh(*from_.mMeshes[node.mMeshes[i]], node, placement); }
     const std::size_t count = scene_.mesh.triangles.size() - first;
     if (count > 0) {
       scene_.parts.push_back({.name = part_name(node),
@@ -124,9 +120,7 @@ class AssimpReader {
 
   // Looked for before the node moves the mesh: afterwards the numbers are no longer those of single precision.
   void warn_of_lost_digits(const aiMesh& mesh, const Placement& placement) {
-    if (!precision_warning_.empty()) {
-      return;
-    }
+    if (!precision_warning_.empty()) { return; }
     TriangleMesh raw;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       raw.vertices.emplace_back(mesh.mVertices[i].x, mesh.mVertices[i].y, mesh.mVertices[i].z);
@@ -143,9 +137,7 @@ class AssimpReader {
     if (from_.mNumAnimations > 0) {
       report_.refused.push_back(fmt::format("{} animations left out; the scene stands as it is", from_.mNumAnimations));
     }
-    if (!precision_warning_.empty()) {
-      report_.warnings.push_back(precision_warning_);
-    }
+    if (!precision_warning_.empty()) { report_.warnings.push_back(precision_warning_); }
   }
 
   const aiScene& from_;
@@ -167,9 +159,7 @@ Scene read_with_assimp(const std::string& path, const LoadOptions& options, Load
   }
   Scene scene = AssimpReader(*from, options, report).read();
   scene.name = options.name.empty() ? "scene" : options.name;
-  if (scene.mesh.triangles.empty()) {
-    throw LoadError("no triangles");
-  }
+  if (scene.mesh.triangles.empty()) { throw LoadError("no triangles"); }
   name_parts({file_name(path), {}, options, report}, scene);
   return scene;
 }

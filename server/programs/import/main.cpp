@@ -62,13 +62,12 @@ bool parse(int argument_count, char** arguments, Arguments& parsed) {
 }
 
 void print(const char* head, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) {
-    std::printf("%s: %s\n", head, line.c_str());
-  }
+  for (const std::string& line : lines) { std::printf("%s: %s\n", head, line.c_str()); }
 }
 
 collided::engine::Scene read(const Arguments& arguments, collided::engine::LoadReport& report) {
-  if (collided::engine::is_read_here(arguments.input)) return collided::engine::load_scene(arguments.input, arguments.options, report);
+  if (collided::engine::is_read_here(arguments.input))
+    return collided::engine::load_scene(arguments.input, arguments.options, report);
   return collided::engine::read_with_assimp(arguments.input, arguments.options, report);
 }
 
@@ -84,9 +83,7 @@ int convert(const Arguments& arguments, int output) {
     return std::fflush(stdout) == 0 ? 0 : 1;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::engine::sandbox_memory_bytes() >> 30);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-  }
+  } catch (const std::exception& error) { std::fprintf(stderr, "%s\n", error.what()); }
   return 1;
 }
 
@@ -95,8 +92,10 @@ int convert(const Arguments& arguments, int output) {
 int main(int argument_count, char** argument_list) {
   Arguments arguments;
   if (!parse(argument_count, argument_list, arguments)) {
-    std::fputs("collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] "
-               "[--mend-m WIDTH] [--strict]\n", stderr);
+    std::fputs(
+        "collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] "
+        "[--mend-m WIDTH] [--strict]\n",
+        stderr);
     return 2;
   }
   const int output = ::open(arguments.output.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

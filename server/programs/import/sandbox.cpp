@@ -30,14 +30,51 @@ bool limit_ourselves() {
 }
 
 /// Without arguments that matter.
-constexpr const char* kHarmless[] = {
-    "read",         "pread64",       "readv",           "lseek",          "close",          "fstat",        "newfstatat",
-    "stat",         "lstat",         "statx",           "access",         "faccessat",      "faccessat2",   "readlink",
-    "readlinkat",   "getcwd",        "getdents64",      "fcntl",          "mmap",           "munmap",       "mremap",
-    "mprotect",     "madvise",       "brk",             "futex",          "set_robust_list", "rseq",         "rt_sigaction",
-    "rt_sigprocmask", "rt_sigreturn", "sigaltstack",    "sched_yield",    "sched_getaffinity", "clock_gettime", "clock_nanosleep",
-    "gettimeofday", "getrandom",     "getpid",          "gettid",         "getrusage",      "sysinfo",      "uname",
-    "restart_syscall", "exit",       "exit_group"};
+constexpr const char* kHarmless[] = {"read",
+                                     "pread64",
+                                     "readv",
+                                     "lseek",
+                                     "close",
+                                     "fstat",
+                                     "newfstatat",
+                                     "stat",
+                                     "lstat",
+                                     "statx",
+                                     "access",
+                                     "faccessat",
+                                     "faccessat2",
+                                     "readlink",
+                                     "readlinkat",
+                                     "getcwd",
+                                     "getdents64",
+                                     "fcntl",
+                                     "mmap",
+                                     "munmap",
+                                     "mremap",
+                                     "mprotect",
+                                     "madvise",
+                                     "brk",
+                                     "futex",
+                                     "set_robust_list",
+                                     "rseq",
+                                     "rt_sigaction",
+                                     "rt_sigprocmask",
+                                     "rt_sigreturn",
+                                     "sigaltstack",
+                                     "sched_yield",
+                                     "sched_getaffinity",
+                                     "clock_gettime",
+                                     "clock_nanosleep",
+                                     "gettimeofday",
+                                     "getrandom",
+                                     "getpid",
+                                     "gettid",
+                                     "getrusage",
+                                     "sysinfo",
+                                     "uname",
+                                     "restart_syscall",
+                                     "exit",
+                                     "exit_group"};
 
 class Filter {
  public:
@@ -53,7 +90,8 @@ class Filter {
   void rule(std::uint32_t action, const char* name, Conditions... conditions) {
     const int call = ::seccomp_syscall_resolve_name(name);
     if (call == __NR_SCMP_ERROR || fault_ != 0) return;
-    fault_ = context_ == nullptr ? -ENOMEM : ::seccomp_rule_add(context_, action, call, sizeof...(conditions), conditions...);
+    fault_ = context_ == nullptr ? -ENOMEM
+                                 : ::seccomp_rule_add(context_, action, call, sizeof...(conditions), conditions...);
   }
   int load() const { return fault_ != 0 ? fault_ : ::seccomp_load(context_); }
 
@@ -81,10 +119,12 @@ std::string enter_sandbox(int output) {
   filter.rule(SCMP_ACT_ALLOW, "openat", SCMP_A2_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
   filter.rule(SCMP_ACT_ALLOW, "open", SCMP_A1_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
   // Threads, not processes. clone3 hides its flags in memory; without it the C library takes clone.
-  filter.rule(SCMP_ACT_ALLOW, "clone", SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD | CLONE_VM, CLONE_THREAD | CLONE_VM));
+  filter.rule(SCMP_ACT_ALLOW, "clone",
+              SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD | CLONE_VM, CLONE_THREAD | CLONE_VM));
   filter.rule(SCMP_ACT_ERRNO(ENOSYS), "clone3");
   // Asked by the C library in passing; that they fail is nothing to it.
-  for (const char* name : {"ioctl", "prlimit64", "sched_setaffinity", "prctl"}) filter.rule(SCMP_ACT_ERRNO(EPERM), name);
+  for (const char* name : {"ioctl", "prlimit64", "sched_setaffinity", "prctl"})
+    filter.rule(SCMP_ACT_ERRNO(EPERM), name);
   // To itself: abort().
   filter.rule(SCMP_ACT_ALLOW, "tgkill", SCMP_A0_32(SCMP_CMP_EQ, static_cast<unsigned>(::getpid())));
   const int fault = filter.load();

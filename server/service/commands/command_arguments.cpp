@@ -37,9 +37,7 @@ void Arguments::allow_only(std::initializer_list<const char*> names) const {
   }
 }
 
-bool Arguments::has(const char* name) const {
-  return find(name) != nullptr;
-}
+bool Arguments::has(const char* name) const { return find(name) != nullptr; }
 
 std::string Arguments::text(const char* name, const std::string& otherwise) const {
   const nlohmann::json* value = find(name);
@@ -73,8 +71,9 @@ std::uint64_t Arguments::whole(const char* name, std::uint64_t otherwise, std::u
 std::optional<Vec3> Arguments::vector(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return std::nullopt;
-  const bool good = value->is_array() && value->size() == 3 &&
-                    std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) { return item.is_number(); });
+  const bool good =
+      value->is_array() && value->size() == 3 &&
+      std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) { return item.is_number(); });
   if (!good) refuse(name, "three numbers");
   return Vec3((*value)[0].get<double>(), (*value)[1].get<double>(), (*value)[2].get<double>());
 }
@@ -103,7 +102,9 @@ std::vector<Aabb> Arguments::boxes(const char* name) const {
     const bool is_endless = item.is_string() && (item == "inf" || item == "-inf");
     return !is_endless ? std::nan("") : item == "inf" ? HUGE_VAL : -HUGE_VAL;
   };
-  const auto wrong = [&] { refuse(name, fmt::format("at most {} boxes of six numbers, the lower corner first", kMost)); };
+  const auto wrong = [&] {
+    refuse(name, fmt::format("at most {} boxes of six numbers, the lower corner first", kMost));
+  };
   if (!value->is_array() || value->size() > kMost) wrong();
   std::vector<Aabb> boxes;
   for (const nlohmann::json& item : *value) {

@@ -23,13 +23,9 @@ namespace names = wire_contract::command;
 
 namespace {
 
-bool is_glob(const std::string& name) {
-  return name.find_first_of("*?[") != std::string::npos;
-}
+bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
 
-std::string dump(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
+std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -37,9 +33,8 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
     : with_(with),
       slow_jobs_(kMostSlowJobs),
       pair_jobs_(kMostPairJobs),
-      geometry_(with.loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
-        send(ask, status, std::move(text));
-      }),
+      geometry_(with.loop.world(), [this](const CommandAsk& ask, ReplyStatus status,
+                                          std::string text) { send(ask, status, std::move(text)); }),
       uploads_(
           uploads, with.durable != nullptr ? with.durable->commands_left() : std::vector<CommandAsk>(),
           [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
@@ -53,9 +48,7 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
   pair_thread_ = work(pair_jobs_);
 }
 
-Commands::~Commands() {
-  stop();
-}
+Commands::~Commands() { stop(); }
 
 void Commands::stop() {
   stopping_.store(true);
@@ -81,15 +74,11 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
   };
   try {
     send(ask, ReplyStatus::ok, work());
-  } catch (const BadCommand& bad) {
-    refuse(bad.what(), bad.hint);
-  } catch (const std::bad_alloc&) {
+  } catch (const BadCommand& bad) { refuse(bad.what(), bad.hint); } catch (const std::bad_alloc&) {
     // Half of a change may be in the world by now.
     if (with_.loop.runs_here()) throw;
     refuse("not enough memory", "");
-  } catch (const std::exception& failed) {
-    refuse(failed.what(), "");
-  }
+  } catch (const std::exception& failed) { refuse(failed.what(), ""); }
 }
 
 /// As answer(), but an answer that says "done" waits until what was done is on the disk.
@@ -113,7 +102,8 @@ void Commands::forget_what_is_gone() {
   const World& world = with_.loop.world();
   const auto has_scene = [&](std::string_view name) {
     const SnapshotRing::Lease state = world.newest();
-    return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
+    return std::any_of(state->scenes.begin(), state->scenes.end(),
+                       [&](const auto& scene) { return scene->name == name; });
   };
   for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
     const auto here = upload++;
@@ -152,9 +142,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
         } else {
           objects.push_back(ask);
         }
-      } catch (const BadCommand& bad) {
-        send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-      }
+      } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
     }
     const bool taken = with_.inbox.push_job([this, objects] {
       for (const CommandAsk& ask : objects) {
@@ -183,7 +171,8 @@ void Commands::run(CommandAsk ask) {
       {names::kProbes, &Commands::probes},
   };
   const std::shared_lock on_its_way(gate_);
-  if (stopping_.load()) return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
+  if (stopping_.load())
+    return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
   std::optional<Arguments> arguments;
   try {
     arguments.emplace(ask.text);
@@ -213,13 +202,14 @@ void Commands::run(CommandAsk ask) {
       return encode_poses(*with_.loop.world().newest());
     });
   }
-  if (command == names::kShapes || command == names::kSurface || command == names::kMore) return geometry_.take(std::move(ask));
+  if (command == names::kShapes || command == names::kSurface || command == names::kMore)
+    return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
-    const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
-                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
-                                         names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses, names::kRecording, names::kCovers,
-                                         names::kUpload, names::kPiece};
+    const std::vector<std::string> known{
+        names::kLoad,      names::kClear,   names::kAdd,    names::kMove,    names::kRemove, names::kList,
+        names::kGet,       names::kPlan,    names::kAudit,  names::kMenu,    names::kPair,   names::kProbe,
+        names::kProbes,    names::kFigures, names::kShapes, names::kSurface, names::kMore,   names::kPoses,
+        names::kRecording, names::kCovers,  names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -231,9 +221,7 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
     const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
   });
-  if (!taken) {
-    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
-  }
+  if (!taken) { send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again")); }
 }
 
 // ---- looking
@@ -262,7 +250,8 @@ json Commands::plan(const Arguments& arguments) const {
   std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
   rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
   for (const PlanRow& row : rows) {
-    structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
+    structures.push_back(
+        {{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
   }
   json pairs = json::array();
   for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
@@ -368,12 +357,13 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
     if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
   }
-  const std::variant<ObjectId, Refusal> defined = with_.loop.world().define({.name = name,
-                                                                        .scene = {},
-                                                                        .shape = std::move(*decoded.shape),
-                                                                        .pose = arguments.pose("pose").value_or(Pose{}),
-                                                                        .filter = filter,
-                                                                        .moving = arguments.truth("moving", true)});
+  const std::variant<ObjectId, Refusal> defined =
+      with_.loop.world().define({.name = name,
+                                 .scene = {},
+                                 .shape = std::move(*decoded.shape),
+                                 .pose = arguments.pose("pose").value_or(Pose{}),
+                                 .filter = filter,
+                                 .moving = arguments.truth("moving", true)});
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
   if (with_.durable != nullptr) with_.durable->object_added(name, ask);
   return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
@@ -429,7 +419,8 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
     chosen.push_back(find_object(name));
   }
   for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
-  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); })) with_.loop.step_now();
+  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
+    with_.loop.step_now();
   json removed = json::array();
   for (const ObjectId id : chosen) {
     removed.push_back(world.info(id)->name);

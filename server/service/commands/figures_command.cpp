@@ -5,7 +5,6 @@ namespace collided::engine::service {
 
 using nlohmann::json;
 
-
 namespace {
 
 json durations(const DurationCounts& counts) {
@@ -27,11 +26,13 @@ json stages(const StepSums& sums) {
 
 json questions(const QuestionCounts& counts) {
   json rows = json::array();
-  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep}) {
+  for (const QuestionKind kind :
+       {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep}) {
     const auto number = static_cast<std::size_t>(kind);
     std::uint64_t answered = 0;
     for (const auto& level : counts.levels[number]) answered += level.load(std::memory_order_relaxed);
-    rows.push_back({{"kind", name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
+    rows.push_back(
+        {{"kind", name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
   }
   return rows;
 }
@@ -80,7 +81,9 @@ json Commands::figures(const Arguments& arguments) const {
             {"superseded", sums.poses_superseded.get()},
             {"dropped", sums.poses_dropped.get()}}},
           {"stamps",
-           {{"late", sums.stamps_late.get()}, {"jumped", sums.stamps_jumped.get()}, {"missing", sums.stamps_missing.get()}}},
+           {{"late", sums.stamps_late.get()},
+            {"jumped", sums.stamps_jumped.get()},
+            {"missing", sums.stamps_missing.get()}}},
           {"clocks", clocks_of(with_.loop.publishers(), with_.clock.now_ns())},
           {"questions", questions(with_.counts)},
           {"refused", with_.counts.refused.load()},

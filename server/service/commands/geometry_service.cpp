@@ -10,7 +10,8 @@ namespace collided::engine::service {
 namespace names = wire_contract::command;
 using wire_contract::ReplyStatus;
 
-GeometryService::GeometryService(const World& world, Send send) : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
+GeometryService::GeometryService(const World& world, Send send)
+    : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
   thread_ = std::thread([this] {
     while (std::optional<CommandAsk> ask = jobs_.pop()) answer(*ask);
   });
@@ -23,7 +24,8 @@ void GeometryService::stop() {
 }
 
 void GeometryService::take(CommandAsk ask) {
-  if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
+  if (!jobs_.has_room())
+    return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
   jobs_.push(std::move(ask));
 }
 
@@ -38,9 +40,7 @@ void GeometryService::answer(const CommandAsk& ask) {
                                        : more(arguments));
   } catch (const BadCommand& bad) {
     send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  } catch (const std::bad_alloc&) {
-    send_(ask, ReplyStatus::refused, refusal_text("not enough memory"));
-  }
+  } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
 }
 
 std::string GeometryService::shapes(const Arguments& arguments) {

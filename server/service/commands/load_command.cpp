@@ -114,8 +114,7 @@ void Commands::load_one(Load load) {
   }
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));
-  const bool taken =
-      with_.inbox.push_job([this, shared, loaded] {
+  const bool taken = with_.inbox.push_job([this, shared, loaded] {
     bool is_added = false;
     answer_once_kept(shared->ask, [&] {
       json answer = add_scene(*shared, *loaded);
@@ -126,7 +125,8 @@ void Commands::load_one(Load load) {
   });
   if (!taken) {
     uploads_.forget(path);
-    send(shared->ask, ReplyStatus::refused, refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
+    send(shared->ask, ReplyStatus::refused,
+         refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
   }
 }
 

@@ -13,9 +13,7 @@ using wire_contract::ReplyStatus;
 namespace {
 
 /// Infinity is no JSON number.
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json("inf");
-}
+json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }
 
 }  // namespace
 
@@ -30,14 +28,10 @@ json Commands::audit(const Arguments& arguments) const {
                          {"expansion", levels[1].load()},
                          {"rational", levels[2].load()}});
   }
-  return {{"every", with_.audit.every()},
-          {"chosen", counts.chosen},
-          {"audited", counts.audited},
-          {"differing", counts.differing},
-          {"skipped", counts.skipped},
-          {"differences", with_.audit.differences()},
-          {"questions", questions},
-          {"float_repairs", with_.counts.float_repairs.load()}};
+  return {{"every", with_.audit.every()}, {"chosen", counts.chosen},
+          {"audited", counts.audited},    {"differing", counts.differing},
+          {"skipped", counts.skipped},    {"differences", with_.audit.differences()},
+          {"questions", questions},       {"float_repairs", with_.counts.float_repairs.load()}};
 }
 
 void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const {

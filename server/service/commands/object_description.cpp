@@ -11,9 +11,7 @@ using nlohmann::json;
 constexpr std::uint32_t kNoPart = 0xffffffff;
 
 // -0 is reported as 0.
-json numbers(const Vec3& vector) {
-  return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0};
-}
+json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0}; }
 
 json numbers(const Quat& rotation) {
   return {rotation.w() + 0.0, rotation.x() + 0.0, rotation.y() + 0.0, rotation.z() + 0.0};
@@ -85,7 +83,8 @@ std::string_view kind_of(const ObjectInfo& info) {
   if (info.scene_part != kNoPart) return "part";
   if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
   if (info.mesh) return "mesh";
-  constexpr std::string_view kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull", "half_space"};
+  constexpr std::string_view kNames[] = {"sphere", "box",       "capsule", "cylinder",
+                                         "cone",   "ellipsoid", "hull",    "half_space"};
   return kNames[info.primitives[0].index()];
 }
 

@@ -71,7 +71,8 @@ void describe_touching(const PairReport& report, json& answer) {
   answer["b_triangle"] = report.b_triangle;
   answer["manifold"] = json::array();
   for (const ManifoldPoint& p : report.manifold) {
-    answer["manifold"].push_back({p.point.x(), p.point.y(), p.point.z(), p.depth_m, number(p.depth_error_m), p.a_triangle, p.b_triangle});
+    answer["manifold"].push_back(
+        {p.point.x(), p.point.y(), p.point.z(), p.depth_m, number(p.depth_error_m), p.a_triangle, p.b_triangle});
   }
 }
 
@@ -141,14 +142,16 @@ void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
     const Snapshot* const state = past ? past.get() : &*newest;
     const ObjectId a = find_shown(*state, asked.text("a"));
     const ObjectId b = find_shown(*state, asked.text("b"));
-    if (a == b) throw BadCommand(fmt::format("pair: both are {}", printable(asked.text("a"))), "two objects are needed");
+    if (a == b)
+      throw BadCommand(fmt::format("pair: both are {}", printable(asked.text("a"))), "two objects are needed");
     for (const ObjectId id : {a, b}) {
       const ObjectInfo& info = *(*state->objects)[slot_of(id)];
       if (!has_parts(info)) throw BadCommand(fmt::format("pair: object {} has no part", printable(info.name)));
     }
-    const PairAsk options{.certificate = asked.truth("certificate", false),
-                          .triangles = asked.truth("triangles", false),
-                          .most_crossings = static_cast<std::uint32_t>(asked.whole("most", 10'000, wire_contract::kMaxTrianglePairs))};
+    const PairAsk options{
+        .certificate = asked.truth("certificate", false),
+        .triangles = asked.truth("triangles", false),
+        .most_crossings = static_cast<std::uint32_t>(asked.whole("most", 10'000, wire_contract::kMaxTrianglePairs))};
     json answer = described(report_pair(*state, a, b, options), options);
     answer["version"] = state->version;
     return answer;

@@ -26,7 +26,8 @@ ProbeDefinition definition_of(const Arguments& arguments) {
                         .reach_m = arguments.number("reach_m", std::numeric_limits<double>::infinity()),
                         .back_m = arguments.number("back_m", 0)};
   for (const std::string* name : {&probe.name, &probe.object}) {
-    if (!is_good_name(*name)) throw BadCommand(fmt::format("probe: the name {} is empty, longer than 255 bytes or not text", printable(*name)));
+    if (!is_good_name(*name))
+      throw BadCommand(fmt::format("probe: the name {} is empty, longer than 255 bytes or not text", printable(*name)));
   }
   return probe;
 }

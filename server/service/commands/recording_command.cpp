@@ -32,7 +32,8 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
 void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
   try {
     arguments.allow_only({"last_s", "number", "offset"});
-    if (with_.flight == nullptr) throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
+    if (with_.flight == nullptr)
+      throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
     if (arguments.has("number")) {
       const std::uint64_t number = arguments.whole("number", 0, ~std::uint64_t{0});
       const std::uint64_t offset = arguments.whole("offset", 0, std::uint64_t{1} << 40);
@@ -45,9 +46,7 @@ void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
     const auto shared = std::make_shared<CommandAsk>(std::move(ask));
     const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
     pair_jobs_.push([this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
-  } catch (const BadCommand& bad) {
-    send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  }
+  } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
 }
 
 std::string Commands::recording_path(std::uint64_t number) {
@@ -55,7 +54,8 @@ std::string Commands::recording_path(std::uint64_t number) {
   for (const auto& [known, path] : recordings_) {
     if (known == number) return path;
   }
-  throw BadCommand(fmt::format("recording {} is not kept; the newest {} are", number, kMostRecordings), "ask for a new one");
+  throw BadCommand(fmt::format("recording {} is not kept; the newest {} are", number, kMostRecordings),
+                   "ask for a new one");
 }
 
 json Commands::write_recording(std::int64_t last_ns) {
@@ -70,8 +70,8 @@ json Commands::write_recording(std::int64_t last_ns) {
       recordings_.pop_front();
     }
   }
-  return {{"number", number},         {"bytes", file.bytes},     {"messages", file.messages}, {"dropped", file.dropped},
-          {"path", file.path},        {"from_ns", file.from_ns}, {"to_ns", file.to_ns}};
+  return {{"number", number},  {"bytes", file.bytes},     {"messages", file.messages}, {"dropped", file.dropped},
+          {"path", file.path}, {"from_ns", file.from_ns}, {"to_ns", file.to_ns}};
 }
 
 /// Fetched ones are of no use to anybody after that; those of signals stay.

@@ -42,9 +42,7 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
   return index(std::move(scene), std::move(report), options, started_ns);
 }
 
-LoadedScene embedded_and_indexed() {
-  return index(embedded_scene(), {}, {}, steady_ns());
-}
+LoadedScene embedded_and_indexed() { return index(embedded_scene(), {}, {}, steady_ns()); }
 
 std::string describe(const LoadedScene& loaded) {
   std::string text =

@@ -30,9 +30,11 @@ constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;  // that JSON carr
 /// A name that is one, and nothing to a shell or a folder.
 bool is_good_file_name(const std::string& name) {
   const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+           c == '-';
   };
-  return !name.empty() && name.size() <= kMostNameBytes && name.front() != '.' && std::all_of(name.begin(), name.end(), allowed);
+  return !name.empty() && name.size() <= kMostNameBytes && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(), allowed);
 }
 
 std::uint32_t checksum_of(const std::vector<std::byte>& bytes) {
@@ -58,8 +60,8 @@ UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>
   if (!folder_.empty()) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
       const std::string name = entry.path().filename().string();
-      const bool is_needed =
-          std::any_of(keep.begin(), keep.end(), [&](const CommandAsk& ask) { return ask.text.find(name) != std::string::npos; });
+      const bool is_needed = std::any_of(
+          keep.begin(), keep.end(), [&](const CommandAsk& ask) { return ask.text.find(name) != std::string::npos; });
       std::error_code ignored;
       if (!is_needed) fs::remove_all(entry.path(), ignored);
       for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), ignored))
@@ -82,11 +84,14 @@ void UploadReceiver::stop() {
 }
 
 void UploadReceiver::take(CommandAsk ask) {
-  if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
+  if (!jobs_.has_room())
+    return send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
   jobs_.push(std::move(ask));
 }
 
-bool UploadReceiver::has_taken(const std::string& path) const { return !folder_.empty() && path.starts_with(folder_ + "/"); }
+bool UploadReceiver::has_taken(const std::string& path) const {
+  return !folder_.empty() && path.starts_with(folder_ + "/");
+}
 
 void UploadReceiver::forget(const std::string& path) {
   if (has_taken(path)) jobs_.push(Forget{path});
@@ -101,33 +106,41 @@ void UploadReceiver::work(const CommandAsk& ask) {
     send_(ask, ReplyStatus::ok, arguments.command() == names::kUpload ? begin(ask, arguments) : piece(ask, arguments));
   } catch (const BadCommand& bad) {
     send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  } catch (const std::bad_alloc&) {
-    send_(ask, ReplyStatus::refused, refusal_text("not enough memory"));
-  }
+  } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
 }
 
 std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"file", "bytes", "checksum"});
   const std::string name = arguments.text("file");
   const std::uint64_t bytes = arguments.whole("bytes", 0, kMostNumber);
-  if (folder_.empty()) throw BadCommand("upload: the server has no folder to keep files in", "start it with --state-dir");
+  if (folder_.empty())
+    throw BadCommand("upload: the server has no folder to keep files in", "start it with --state-dir");
   if (!is_good_file_name(name)) {
-    throw BadCommand(fmt::format("upload: the file name {} has more than {} bytes, a dot in front, or others than letters, digits, "
-                                 "dot, dash and underscore", printable(name), kMostNameBytes));
+    throw BadCommand(
+        fmt::format("upload: the file name {} has more than {} bytes, a dot in front, or others than letters, digits, "
+                    "dot, dash and underscore",
+                    printable(name), kMostNameBytes));
   }
   std::uint64_t kept = bytes;
   for (const auto& [path, size] : bytes_) kept += size;
   if (bytes == 0 || kept > kMostBytes) {
-    throw BadCommand(fmt::format("upload: {} bytes, with what lies here already {}; allowed: 1 to {}. Nothing was taken", bytes, kept, kMostBytes));
+    throw BadCommand(
+        fmt::format("upload: {} bytes, with what lies here already {}; allowed: 1 to {}. Nothing was taken", bytes,
+                    kept, kMostBytes));
   }
   if (uploads_.size() >= kMostUnderWay) throw BadCommand("upload: too many are under way already", "ask again");
   const std::uint64_t number = random_number() % kMostNumber;
   const std::string own = fmt::format("{}/{:014x}", folder_, number);
   std::error_code error;
   fs::create_directories(own, error);
-  Upload upload{.client = ask.client, .path = own + "/" + name, .file = -1, .bytes = bytes,
+  Upload upload{.client = ask.client,
+                .path = own + "/" + name,
+                .file = -1,
+                .bytes = bytes,
                 .checksum = static_cast<std::uint32_t>(arguments.whole("checksum", 0, 0xffffffff)),
-                .pieces = std::vector<std::int64_t>((bytes + kPieceBytes - 1) / kPieceBytes, -1), .missing = 0, .asked_at = Clock::now()};
+                .pieces = std::vector<std::int64_t>((bytes + kPieceBytes - 1) / kPieceBytes, -1),
+                .missing = 0,
+                .asked_at = Clock::now()};
   upload.missing = upload.pieces.size();
   upload.file = ::open(upload.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   // The room is taken now: a full disk is told before anything was sent.
@@ -136,7 +149,8 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
   const auto place = uploads_.emplace(number, std::move(upload)).first;
   if (fault != 0) {
     drop(place);
-    throw BadCommand(fmt::format("upload: no room for {} bytes in {}: {}. Nothing was taken", bytes, folder_, std::strerror(fault)));
+    throw BadCommand(
+        fmt::format("upload: no room for {} bytes in {}: {}. Nothing was taken", bytes, folder_, std::strerror(fault)));
   }
   return json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump();
 }
@@ -147,11 +161,13 @@ std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& argume
   const std::uint64_t first = arguments.whole("first", 0, kMostNumber);
   const std::uint64_t wanted = first < upload.bytes ? std::min(kPieceBytes, upload.bytes - first) : 0;
   if (first % kPieceBytes != 0 || wanted == 0 || ask.blob.size() != wanted) {
-    throw BadCommand(fmt::format("upload: a piece of {} bytes at {}; pieces are of {} bytes, one after the other, the last up to byte {}",
-                                 ask.blob.size(), first, kPieceBytes, upload.bytes));
+    throw BadCommand(fmt::format(
+        "upload: a piece of {} bytes at {}; pieces are of {} bytes, one after the other, the last up to byte {}",
+        ask.blob.size(), first, kPieceBytes, upload.bytes));
   }
   const std::uint32_t checksum = checksum_of(ask.blob);
-  if (checksum != arguments.whole("checksum", 0, 0xffffffff)) throw BadCommand("upload: a piece was damaged on its way", "send it again");
+  if (checksum != arguments.whole("checksum", 0, 0xffffffff))
+    throw BadCommand("upload: a piece was damaged on its way", "send it again");
   if (!write_at(upload.file, ask.blob, first)) {
     throw BadCommand(fmt::format("upload: a piece cannot be written: {}", std::strerror(errno)), "send it again");
   }
@@ -165,7 +181,9 @@ std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& argume
 /// The file is whole, as it was sent, and on the disk: what has been told to be loaded must outlive a crash.
 void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
   Upload& upload = find(ask, arguments);
-  if (upload.missing > 0) throw BadCommand(fmt::format("upload: {} pieces of {} are missing. Nothing was loaded", upload.missing, upload.pieces.size()));
+  if (upload.missing > 0)
+    throw BadCommand(
+        fmt::format("upload: {} pieces of {} are missing. Nothing was loaded", upload.missing, upload.pieces.size()));
   uLong all = 0;
   for (std::size_t i = 0; i < upload.pieces.size(); ++i) {
     const std::uint64_t size = std::min(kPieceBytes, upload.bytes - i * kPieceBytes);
@@ -191,8 +209,10 @@ void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
 UploadReceiver::Upload& UploadReceiver::find(const CommandAsk& ask, const Arguments& arguments) {
   const auto found = uploads_.find(arguments.whole("upload", 0, kMostNumber));
   if (found == uploads_.end() || found->second.client != ask.client) {
-    throw BadCommand(fmt::format("upload: there is none of that number under way; what is not gone on with for {} s is thrown away",
-                                 kPatience.count()), "begin again");
+    throw BadCommand(
+        fmt::format("upload: there is none of that number under way; what is not gone on with for {} s is thrown away",
+                    kPatience.count()),
+        "begin again");
   }
   return found->second;
 }

@@ -35,7 +35,8 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
       std::uint64_t publisher = 0;
       const char* end = entry.key.data() + entry.key.size();
       if (!entry.key.starts_with(kPublisher)) continue;
-      if (std::from_chars(entry.key.data() + kPublisher.size(), end, publisher, 16).ptr == end) publishers_left_.push_back(publisher);
+      if (std::from_chars(entry.key.data() + kPublisher.size(), end, publisher, 16).ptr == end)
+        publishers_left_.push_back(publisher);
     }
   }
   // What is left stays until it is forgotten: the next crash may come before it has been carried out again.
@@ -58,7 +59,8 @@ void DurableState::finish() {
 void DurableState::say_problem() {
   if (journal_.problem() == said_) return;
   said_ = journal_.problem();
-  notice_(said_.empty() ? "what is added is kept over a crash again" : said_ + "; what is added now is lost with a crash");
+  notice_(said_.empty() ? "what is added is kept over a crash again"
+                        : said_ + "; what is added now is lost with a crash");
 }
 
 void DurableState::put(Journal::Entry entry, Journal::Sync sync) {
@@ -82,7 +84,8 @@ void DurableState::scene_loaded(const std::string& scene, const CommandAsk& ask)
 }
 
 void DurableState::covers_stated() {
-  if (!keys_.contains(std::string(kCovers))) put({.key = std::string(kCovers), .text = {}, .blob = {}}, Journal::Sync::now);
+  if (!keys_.contains(std::string(kCovers)))
+    put({.key = std::string(kCovers), .text = {}, .blob = {}}, Journal::Sync::now);
 }
 
 void DurableState::object_added(const std::string& object, const CommandAsk& ask) {
@@ -92,7 +95,8 @@ void DurableState::object_added(const std::string& object, const CommandAsk& ask
 }
 
 void DurableState::object_moved(const std::string& object, const CommandAsk& ask) {
-  if (keys_.contains(key(kObject, object))) put({.key = key(kMoved, object), .text = ask.text, .blob = {}}, Journal::Sync::now);
+  if (keys_.contains(key(kObject, object)))
+    put({.key = key(kMoved, object), .text = ask.text, .blob = {}}, Journal::Sync::now);
 }
 
 void DurableState::probe_set(const std::string& probe, const CommandAsk& ask) {
@@ -112,7 +116,8 @@ void DurableState::keep_only(const std::function<bool(std::string_view)>& has_sc
   std::vector<std::string> gone;
   for (const std::string_view key : keys_) {
     for (const std::string_view kind : {kScene, kObject, kMoved}) {
-      if (key.starts_with(kind) && !(kind == kScene ? has_scene : has_object)(key.substr(kind.size()))) gone.emplace_back(key);
+      if (key.starts_with(kind) && !(kind == kScene ? has_scene : has_object)(key.substr(kind.size())))
+        gone.emplace_back(key);
     }
   }
   if (!gone.empty()) erase(std::move(gone), Journal::Sync::now);

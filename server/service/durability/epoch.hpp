@@ -11,9 +11,9 @@ namespace collided::engine::service {
 /// state from a new one.
 struct Epoch {
   std::uint64_t value = 0;
-  std::string kept_in;   // the file; empty: nowhere could be written, and the value is the clock's seconds
-  std::string problem;   // why nowhere
-  int rival_pid = 0;     // another process of this machine serves the same domain and namespace; then all else is empty
+  std::string kept_in;  // the file; empty: nowhere could be written, and the value is the clock's seconds
+  std::string problem;  // why nowhere
+  int rival_pid = 0;    // another process of this machine serves the same domain and namespace; then all else is empty
   std::shared_ptr<void> lock;  // released with the last copy
   bool crashed = false;  // the server before this one did not end in order: its publishers and watchers may be waiting
 };

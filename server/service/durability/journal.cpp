@@ -24,7 +24,9 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
 
 }  // namespace
 
-Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move(disk)), name_(std::move(name)) { read(); }
+Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move(disk)), name_(std::move(name)) {
+  read();
+}
 
 void Journal::read() {
   const std::optional<std::vector<std::byte>> bytes = disk_->read(name_);
@@ -47,8 +49,9 @@ void Journal::read() {
   const bool are_records_whole = read_records(file, layout::kHeadBytes);
   const std::uint64_t reported_bytes = head.newest ? head.newest->bytes : 0;
   if (file_bytes_ < reported_bytes) {
-    damage_ += fmt::format("{}{}: {} records and {} bytes were acknowledged, {} and {} are left; what came after is lost",
-                           damage_.empty() ? "" : ". ", name_, head.newest->records, reported_bytes, file_records_, file_bytes_);
+    damage_ += fmt::format(
+        "{}{}: {} records and {} bytes were acknowledged, {} and {} are left; what came after is lost",
+        damage_.empty() ? "" : ". ", name_, head.newest->records, reported_bytes, file_records_, file_bytes_);
   } else if (!are_records_whole && head.newest) {
     damage_ += "; none of it had been acknowledged";
   } else if (!head.newest) {
@@ -70,8 +73,8 @@ bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
     const std::span<const std::byte> rest = file.subspan(file_bytes_);
     std::optional<layout::Record> record = layout::record_at(rest);
     if (!record) {
-      damage_ = fmt::format("{}: the record at byte {} is cut or damaged; the {} bytes from there on were not taken", name_,
-                            file_bytes_, rest.size());
+      damage_ = fmt::format("{}: the record at byte {} is cut or damaged; the {} bytes from there on were not taken",
+                            name_, file_bytes_, rest.size());
       return false;
     }
     apply(std::move(record->entry), record->is_erased);
@@ -97,9 +100,7 @@ void Journal::put(Entry entry, Sync sync) {
     const std::vector<std::byte> record = layout::encode(entry, false);
     apply(std::move(entry), false);
     write(record, 1, sync);
-  } catch (const std::bad_alloc&) {
-    fail_for_memory();
-  }
+  } catch (const std::bad_alloc&) { fail_for_memory(); }
 }
 
 void Journal::erase(std::span<const std::string> keys, Sync sync) {
@@ -114,9 +115,7 @@ void Journal::erase(std::span<const std::string> keys, Sync sync) {
       apply({.key = key, .text = {}, .blob = {}}, true);
     }
     if (count > 0) write(records, count, sync);
-  } catch (const std::bad_alloc&) {
-    fail_for_memory();
-  }
+  } catch (const std::bad_alloc&) { fail_for_memory(); }
 }
 
 /// Of what the file holds now nobody is sure. The text is short enough to need no memory.
@@ -141,7 +140,8 @@ std::uint64_t Journal::live_bytes() const {
 bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   const auto settle = [&] { return sync == Sync::later || disk_->sync(name_); };
   if (!disk_->append(name_, records) || !settle()) return false;
-  const layout::Slot slot{.number = slot_number_ + 1, .records = file_records_ + count, .bytes = file_bytes_ + records.size()};
+  const layout::Slot slot{
+      .number = slot_number_ + 1, .records = file_records_ + count, .bytes = file_bytes_ + records.size()};
   if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot)) || !settle()) return false;
   slot_number_ = slot.number;
   file_records_ = slot.records;
@@ -167,7 +167,8 @@ void Journal::rewrite() {
   const std::uint64_t bytes = live_bytes();
   bool done = disk_->create(summand) && disk_->append(summand, std::as_bytes(std::span(layout::kMagic)));
   for (const std::uint64_t number : {0, 1}) {
-    done = done && disk_->append(summand, layout::encode(layout::Slot{.number = number, .records = entries_.size(), .bytes = bytes}));
+    done = done && disk_->append(summand, layout::encode(layout::Slot{
+                                              .number = number, .records = entries_.size(), .bytes = bytes}));
   }
   for (const Entry& entry : entries_) done = done && disk_->append(summand, layout::encode(entry, false));
   done = done && disk_->sync(summand) && disk_->rename(summand, name_);

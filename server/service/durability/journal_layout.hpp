@@ -24,7 +24,7 @@ struct Slot {
   std::uint32_t reserved = 0;  // 0
   std::uint64_t number = 0;    // of the writing; the greater one counts
   std::uint64_t records = 0;
-  std::uint64_t bytes = 0;     // of the file, this head included
+  std::uint64_t bytes = 0;  // of the file, this head included
 };
 inline constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(Slot);
 

@@ -5,9 +5,11 @@
 
 namespace collided::engine::service {
 
-
 Broadcast::Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
-    : world_(world), event_writer_(event_writer), notice_(std::move(notice)), dirty_shards_(wire_contract::kContactShards, 0) {}
+    : world_(world),
+      event_writer_(event_writer),
+      notice_(std::move(notice)),
+      dirty_shards_(wire_contract::kContactShards, 0) {}
 
 void Broadcast::mark_all() { dirty_shards_.assign(wire_contract::kContactShards, 1); }
 

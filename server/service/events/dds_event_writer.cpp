@@ -31,8 +31,7 @@ template <class T>
 void write(dds::Writer<T>& writer, const T& sample) {
   try {
     static_cast<void>(writer.write(sample));
-  } catch (const dds::DdsError&) {
-  }
+  } catch (const dds::DdsError&) {}
 }
 
 }  // namespace
@@ -64,7 +63,8 @@ void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
   if (flight_) flight_->note(topic, sample);
 }
 
-void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp) {
+void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events,
+                                 const Stamp& stamp) {
   frame_->first_sequence = events.first_sequence;
   frame_->version = stamp.version;
   frame_->world_time_ns = stamp.world_time_ns;

@@ -139,7 +139,8 @@ void ContactColumns::clear() {
 }
 
 std::size_t ContactColumns::bytes() const {
-  constexpr std::size_t kBytesPerContact = 1 + 3 * 8 + 2 * 4 + 8 + 8 * wire::width_of<wire::ContactShard>(wire::kContactColumns);
+  constexpr std::size_t kBytesPerContact =
+      1 + 3 * 8 + 2 * 4 + 8 + 8 * wire::width_of<wire::ContactShard>(wire::kContactColumns);
   return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
 }
 

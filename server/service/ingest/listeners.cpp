@@ -13,9 +13,7 @@ template <class Take>
 void take_or_end(Take&& take) {
   try {
     take();
-  } catch (const std::bad_alloc&) {
-    end_out_of_memory("samples that come in");
-  }
+  } catch (const std::bad_alloc&) { end_out_of_memory("samples that come in"); }
 }
 
 }  // namespace
@@ -54,13 +52,19 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
       object_topic_(participant, name_space),
       pose_topic_(participant, name_space),
       query_topic_(participant, name_space),
-      object_reader_(object_topic_,
-                     {.data = [this](dds::Taker<wire::Definition> taker) { take_or_end([&] { take_definitions(taker); }); },
-                      .liveliness = [this](const dds::Liveliness& change) { take_or_end([&] { object_writers_.liveliness(change); }); }}),
-      pose_reader_(pose_topic_,
-                   {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
-                    .liveliness = [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
-      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { take_or_end([&] { answering.listen(taker); }); }}) {}
+      object_reader_(
+          object_topic_,
+          {.data = [this](dds::Taker<wire::Definition> taker) { take_or_end([&] { take_definitions(taker); }); },
+           .liveliness =
+               [this](const dds::Liveliness& change) { take_or_end([&] { object_writers_.liveliness(change); }); }}),
+      pose_reader_(
+          pose_topic_,
+          {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
+           .liveliness =
+               [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
+      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) {
+                      take_or_end([&] { answering.listen(taker); });
+                    }}) {}
 
 void Listeners::take_left_definitions() {
   if (definitions_left_.exchange(false)) take_definitions(object_reader_.taker());

@@ -9,7 +9,6 @@
 
 namespace collided::engine::service {
 
-
 // ---- who is there
 
 Publishers::Publisher* Publishers::find(std::uint64_t id) const {
@@ -231,7 +230,8 @@ std::optional<std::string> Publishers::why_malformed(const PoseSample& sample) c
   if (count > wire_contract::kMaxPosesPerBatch) {
     return fmt::format("{} objects, allowed {}", count, wire_contract::kMaxPosesPerBatch);
   }
-  if (sample.has_odd_columns) return "its positions and orientations, or its velocities, are of different numbers of objects";
+  if (sample.has_odd_columns)
+    return "its positions and orientations, or its velocities, are of different numbers of objects";
   if (sample.poses.size() != count * wire_contract::kPoseNumbers) {
     return fmt::format("{} objects with {} numbers of poses, {} are needed", count, sample.poses.size(),
                        count * wire_contract::kPoseNumbers);
@@ -304,7 +304,8 @@ bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
 /// Batches of one instant wait for the last of them.
 Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns) {
   const bool more_follows = (sample.flags & wire_contract::kMoreFollows) != 0;
-  if (!more_follows || publisher.parts.size() >= limits_.parked_batches) return apply_instant(publisher, sample, now_ns);
+  if (!more_follows || publisher.parts.size() >= limits_.parked_batches)
+    return apply_instant(publisher, sample, now_ns);
   publisher.parts.push_back(std::move(sample));
   return Applied::done;
 }
@@ -478,9 +479,7 @@ void Publishers::settle(std::int64_t now_ns) {
 
 // ---- what is known
 
-std::uint64_t Publishers::take_changes() {
-  return std::exchange(changes_, 0);
-}
+std::uint64_t Publishers::take_changes() { return std::exchange(changes_, 0); }
 
 void Publishers::notice(std::string sentence) {
   constexpr std::size_t kMost = 8;
@@ -542,7 +541,8 @@ std::vector<std::uint64_t> Publishers::waiting_for(std::string_view name) const 
   for (const auto& [id, number] : waiting_) {
     Publisher* publisher = find(id);
     const Record* record = publisher ? publisher->objects.find(number) : nullptr;
-    if (record && record->place == Place::waits_for_name && record->described->definition.name == name) waiting.push_back(id);
+    if (record && record->place == Place::waits_for_name && record->described->definition.name == name)
+      waiting.push_back(id);
   }
   return waiting;
 }

@@ -22,10 +22,10 @@ namespace collided::engine::service {
 
 struct PublisherLimits {
   std::uint32_t publishers = 1'000;
-  std::uint32_t object_numbers = 200'000;            // of all publishers together, removed ones included
+  std::uint32_t object_numbers = 200'000;  // of all publishers together, removed ones included
   std::uint32_t parked_batches = wire_contract::kPoseTopic.keep_last;  // a publisher, waiting for its definitions
-  std::int64_t silent_after_ns = 2'000'000'000;      // alive, but nothing new: shown as silent
-  std::int64_t forgotten_after_ns = 60'000'000'000;  // lost and without an object in the world
+  std::int64_t silent_after_ns = 2'000'000'000;                        // alive, but nothing new: shown as silent
+  std::int64_t forgotten_after_ns = 60'000'000'000;                    // lost and without an object in the world
 };
 
 /// What became of what came in; only grows.
@@ -42,9 +42,9 @@ struct PublisherCounts {
   std::uint64_t poses_late = 0;
   std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
-  std::uint64_t stamps_late = 0;    // batches before what their publisher had said: they count as its next instant
-  std::uint64_t stamps_jumped = 0;  // its clock went back or ahead by more than a lease: its objects are placed anew
-  std::uint64_t stamps_missing = 0; // the reception counts
+  std::uint64_t stamps_late = 0;     // batches before what their publisher had said: they count as its next instant
+  std::uint64_t stamps_jumped = 0;   // its clock went back or ahead by more than a lease: its objects are placed anew
+  std::uint64_t stamps_missing = 0;  // the reception counts
   std::uint64_t publishers_refused = 0;
 };
 
@@ -194,7 +194,7 @@ class Publishers {
   // Of the batch at work.
   std::array<Record*, wire_contract::kMaxPosesPerBatch> records_;  // by index in the batch; null: none
   std::array<Record*, wire_contract::kMaxPosesPerBatch> accepted_;
-  std::array<ObjectId, wire_contract::kMaxPosesPerBatch> ids_;     // of those accepted
+  std::array<ObjectId, wire_contract::kMaxPosesPerBatch> ids_;  // of those accepted
   std::array<Pose, wire_contract::kMaxPosesPerBatch> poses_;
   std::array<bool, wire_contract::kMaxPosesPerBatch> moved_;
   std::size_t accepted_count_ = 0;

@@ -71,9 +71,7 @@ Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
   std::reverse(reversed.begin(), reversed.end());
   try {
     app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    throw OptionsError(error.what());
-  }
+  } catch (const CLI::ParseError& error) { throw OptionsError(error.what()); }
   for (const std::string& extra : app.remaining()) {
     const std::string name = extra.substr(0, extra.find('='));
     throw OptionsError(fmt::format("unknown option '{}'{}", name, did_you_mean(name, known_flags())));
@@ -130,9 +128,7 @@ Effective find_value(const Setting& setting, const Flags& flags, const std::vect
   return found;
 }
 
-std::string joined(const std::vector<std::string>& values) {
-  return fmt::format("{}", fmt::join(values, ","));
-}
+std::string joined(const std::vector<std::string>& values) { return fmt::format("{}", fmt::join(values, ",")); }
 
 void apply(const Effective& effective, Options& options) {
   const Setting& setting = *effective.setting;

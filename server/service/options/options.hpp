@@ -20,17 +20,17 @@ struct Options {
   std::string state_dir;            // empty: chosen by epoch.hpp
   std::vector<std::string> scenes;  // files, loaded in order; none: the embedded scene
   double unit_m = 1;
-  char up = 0;  // 0: as the format says
+  char up = 0;                     // 0: as the format says
   std::optional<double> mend_m{};  // of the scenes: as LoadOptions has it
   std::vector<Aabb> covers;        // of the world: where what is loaded is complete; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
-  std::int64_t memory_ns = 0;       // of poses, for questions about an instant; 0: none
-  std::int64_t clock_error_ns = 0;  // of publishers' clocks against each other
-  double error_m = 0;            // of questions that ask for none; 0: exact on doubt
-  std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
+  std::int64_t memory_ns = 0;           // of poses, for questions about an instant; 0: none
+  std::int64_t clock_error_ns = 0;      // of publishers' clocks against each other
+  double error_m = 0;                   // of questions that ask for none; 0: exact on doubt
+  std::int64_t deadline_ns = 0;         // of questions that bring none; 0: none
   std::int64_t flight_recorder_ns = 0;  // how far back; 0: none
-  std::uint64_t audit_every = 0; // one answer in so many is worked out again; 0: none
+  std::uint64_t audit_every = 0;        // one answer in so many is worked out again; 0: none
   int domain = 0;
   std::string interface;
   std::vector<std::string> peers;

@@ -28,9 +28,7 @@ constexpr std::array<Unit, 8> kLengths{
 
 }  // namespace
 
-bool is_number(std::string_view text) {
-  return take_number(text).has_value() && text.empty();
-}
+bool is_number(std::string_view text) { return take_number(text).has_value() && text.empty(); }
 
 std::optional<std::int64_t> parse_whole(std::string_view text) {
   std::string digits;
@@ -77,7 +75,8 @@ std::optional<std::array<double, 6>> parse_box_m(std::string_view text) {
     std::string_view length = text.substr(0, end);
     const std::optional<double> value = take_number(length);
     if (!value || std::isnan(*value)) return std::nullopt;
-    const auto unit = std::find_if(kLengths.begin(), kLengths.end(), [&](const Unit& known) { return known.first == length; });
+    const auto unit =
+        std::find_if(kLengths.begin(), kLengths.end(), [&](const Unit& known) { return known.first == length; });
     if (!length.empty() && unit == kLengths.end()) return std::nullopt;
     box[i] = length.empty() ? *value : *value * unit->second;
     text.remove_prefix(std::min(end + 1, text.size()));

@@ -217,7 +217,8 @@ constexpr Setting kSettings[] = {
      "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
     {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
-    {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z", false, apply_up},
+    {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z",
+     false, apply_up},
     {"world.mend", "--mend", "COLLIDED_MEND", "off", "WIDTH",
      "of the scene files: join points and cut edges up to so wide a crack, or auto", false, apply_mend},
     {"world.covers", "--covers", "COLLIDED_COVERS", "", "BOXES",
@@ -229,7 +230,8 @@ constexpr Setting kSettings[] = {
     {"world.clock_error", "--clock-error", "COLLIDED_CLOCK_ERROR", "0", "TIME",
      "of publishers' clocks against each other; widens brackets between objects of two", false, apply_clock_error},
     {"world.memory", "--memory", "COLLIDED_MEMORY", "30s", "TIME",
-     "where objects were in so long is kept, for questions about an instant, at most 512 MiB of it; off", false, apply_memory},
+     "where objects were in so long is kept, for questions about an instant, at most 512 MiB of it; off", false,
+     apply_memory},
     {"answer.error", "--error", "COLLIDED_ERROR", "0", "LENGTH", "good enough where none is asked; 0: exact on doubt",
      false, apply_error},
     {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",
@@ -249,8 +251,6 @@ constexpr Setting kSettings[] = {
 
 }  // namespace
 
-std::span<const Setting> settings() {
-  return kSettings;
-}
+std::span<const Setting> settings() { return kSettings; }
 
 }  // namespace collided::engine::service

@@ -30,7 +30,7 @@ constexpr std::size_t kMostQueued = 4'096;
 wire_contract::AskedInstant instant_of(const wire::Query& query) {
   return {.kind = static_cast<wire_contract::AskedInstant::Kind>(query.instant), .ns = query.instant_ns};
 }
-}
+}  // namespace
 
 std::string refusal_text(const std::string& error, const std::string& hint) {
   nlohmann::json text{{"error", error}};
@@ -85,9 +85,7 @@ void Answering::Worker::run() {
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
       std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
-    } catch (const std::bad_alloc&) {
-      ++owner_.with_.counts.unanswerable;
-    }
+    } catch (const std::bad_alloc&) { ++owner_.with_.counts.unanswerable; }
     if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
   }
 }
@@ -200,7 +198,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   if (mover == nullptr && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
 }
 
-void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest) {
+void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions,
+                                          const Snapshot& newest) {
   const auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
   if (const auto* refusal = std::get_if<std::string>(&past)) {
     ++owner_.with_.counts.refused;
@@ -291,9 +290,7 @@ void Answering::Worker::send(Client& client) {
   if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.with_.counts.unanswerable;
-  } catch (const dds::DdsError&) {
-    ++owner_.with_.counts.unanswerable;
-  }
+  } catch (const dds::DdsError&) { ++owner_.with_.counts.unanswerable; }
 }
 
 // ---- the way in
@@ -312,9 +309,7 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
   }
 }
 
-Answering::~Answering() {
-  stop();
-}
+Answering::~Answering() { stop(); }
 
 void Answering::listen(const dds::Taker<wire::Query>& taker) {
   AskPointer single;
@@ -340,9 +335,7 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
 void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   if (takers_.fetch_add(1) > 0) return;
   std::uint32_t seen = 1;
-  do {
-    drain(taker, single);
-  } while (!takers_.compare_exchange_strong(seen, 0));
+  do { drain(taker, single); } while (!takers_.compare_exchange_strong(seen, 0));
 }
 
 void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) {
@@ -372,7 +365,8 @@ void Answering::route(AskPointer ask, AskPointer* single) {
   const WriteBarriers::Outcome outcome = with_.write_barriers.pass(ask);
   if (outcome == WriteBarriers::Outcome::parked) return;
   if (outcome == WriteBarriers::Outcome::full) {
-    refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
+    refuse_later(std::move(ask),
+                 fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
   } else if (single && !*single && is_single(*ask->query)) {
     *single = std::move(ask);
   } else {
@@ -389,7 +383,7 @@ void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
   if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
     std::optional<SnapshotRing::Lease> lease = with_.leases.take(query.client, query.request, query.chunk_index,
-                                                            query.chunk_count, least_version(query), steady_ns());
+                                                                 query.chunk_count, least_version(query), steady_ns());
     if (!lease) {
       refuse_later(std::move(ask),
                    "the state that this request is answered on is no longer kept: its chunks must "
@@ -416,7 +410,8 @@ void Answering::enqueue(AskPointer ask) {
   Work work(std::move(ask));
   if (queue_.push(share, work)) return;
   refuse_later(std::move(std::get<AskPointer>(work)),
-               fmt::format("too much of this client waits already, of {} requests in all; ask less at a time", queue_.waiting()));
+               fmt::format("too much of this client waits already, of {} requests in all; ask less at a time",
+                           queue_.waiting()));
 }
 
 /// A question of the low class while only others are answered.

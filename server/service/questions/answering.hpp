@@ -29,11 +29,11 @@ struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
   unsigned threads = 1;
-  std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
-  double error_m = 0;                // the same
-  std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
+  std::int64_t deadline_ns = 0;        // of questions that bring none; 0: none
+  double error_m = 0;                  // the same
+  std::function<bool()> recovering;    // the world may lack what publishers have yet to say again
   const Overload* overload = nullptr;  // null: never
-  FlightRecorder* flight = nullptr;  // hears every question and reply
+  FlightRecorder* flight = nullptr;    // hears every question and reply
 };
 
 /// A command as it came; see idl/commands.hpp.
@@ -115,11 +115,11 @@ class Answering {
   FairQueue<Work> queue_;
   std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
-  std::atomic<std::uint32_t> takers_{0};      // one takes, the others tell it that there is more
-  std::array<AskPointer, 4> next_;            // of who takes: one call brings what there is as a rule
-  std::unique_ptr<Worker> listening_worker_;  // of the listener's thread
-  AskPointer spare_;                          // the same
-  ShortQuestions short_questions_;            // the same
+  std::atomic<std::uint32_t> takers_{0};         // one takes, the others tell it that there is more
+  std::array<AskPointer, 4> next_;               // of who takes: one call brings what there is as a rule
+  std::unique_ptr<Worker> listening_worker_;     // of the listener's thread
+  AskPointer spare_;                             // the same
+  ShortQuestions short_questions_;               // the same
   std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
   std::atomic<bool> stopping_{false};
   std::vector<std::thread> threads_;

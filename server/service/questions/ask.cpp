@@ -14,8 +14,8 @@ namespace collided::engine::service {
 namespace {
 
 using wire_contract::AskedInstant;
-using wire_contract::QueryKind;
 using wire_contract::Importance;
+using wire_contract::QueryKind;
 using wire_contract::RayMode;
 
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
@@ -76,9 +76,7 @@ void AskPool::put(AskPointer ask) {
   if (spares_.size() < kMost) spares_.push_back(std::move(ask));
 }
 
-bool is_single(const wire::Query& query) {
-  return query.chunk_count == 1 && wire::question_count(query) == 1U;
-}
+bool is_single(const wire::Query& query) { return query.chunk_count == 1 && wire::question_count(query) == 1U; }
 
 /// The README's table of times, a ray being 0.3 us; a nearest point and a time of contact are of another order.
 double cost_of(const wire::Query& query) {

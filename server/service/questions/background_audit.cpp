@@ -14,9 +14,7 @@ BackgroundAudit::BackgroundAudit(std::uint64_t every, std::function<void(const s
   if (every_ > 0) thread_ = std::thread([this] { run(); });
 }
 
-BackgroundAudit::~BackgroundAudit() {
-  stop();
-}
+BackgroundAudit::~BackgroundAudit() { stop(); }
 
 void BackgroundAudit::stop() {
   {

@@ -16,7 +16,7 @@
 namespace collided::engine::service {
 
 struct AuditCounts {
-  std::uint64_t chosen = 0;   // answers that were to be worked out again
+  std::uint64_t chosen = 0;  // answers that were to be worked out again
   std::uint64_t audited = 0;
   std::uint64_t differing = 0;
   std::uint64_t skipped = 0;  // chosen, but the auditor was behind

@@ -14,8 +14,7 @@ bool Client::write(const wire::Reply& reply) {
 
 void Client::note_told(std::uint64_t version) {
   std::uint64_t told = reported_version_.load(std::memory_order_relaxed);
-  while (told < version && !reported_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {
-  }
+  while (told < version && !reported_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {}
 }
 
 std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
@@ -52,7 +51,8 @@ void Clients::open(std::uint32_t number) {
     place.deaf_since_ns_.store(steady_ns());
     if (readers > 0) listening_(number);
   };
-  place.writer_.emplace(topic_, dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
+  place.writer_.emplace(topic_,
+                        dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
   place.open_.store(true, std::memory_order_release);
   // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
   if (place.listening_.load()) listening_(number);

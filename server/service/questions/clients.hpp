@@ -93,9 +93,9 @@ class Clients {
   std::function<void(std::uint32_t)> listening_;
   mutable std::mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<Client>> clients_;
-  std::atomic<std::uint64_t> departures_{0};    // sweeps that found clients gone
-  std::array<std::shared_ptr<Client>, kRecent> recent_;  // the listener's own, by number
-  std::uint64_t recent_departures_ = 0;         // as of when they were looked up
+  std::atomic<std::uint64_t> departures_{0};                        // sweeps that found clients gone
+  std::array<std::shared_ptr<Client>, kRecent> recent_;             // the listener's own, by number
+  std::uint64_t recent_departures_ = 0;                             // as of when they were looked up
   std::array<ReplyPlace, wire_contract::kReplyPartitions> places_;  // last: their callbacks use the rest
 };
 

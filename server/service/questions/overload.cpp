@@ -16,7 +16,8 @@ void Overload::note(bool poses, bool questions) {
   stage_.store(stage, std::memory_order_relaxed);
   if (stage == Stage::none) return notice_("no longer overloaded; everything is told and answered again");
   if (stage < before) return;
-  const std::string why = std::string("overloaded: more ") + (poses ? "poses" : "questions") + " come than can be dealt with; ";
+  const std::string why =
+      std::string("overloaded: more ") + (poses ? "poses" : "questions") + " come than can be dealt with; ";
   notice_(why + (stage == Stage::details ? "contacts that go on are not told anew, answers not audited"
                                          : "questions of the low class are refused as well"));
 }

@@ -16,8 +16,10 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 }  // namespace
 
-std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const AskedInstant& instant, const Snapshot& newest) {
-  if (!world_.memory().is_on()) return "this server remembers no poses (--memory off), so it knows of no instant but the latest";
+std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const AskedInstant& instant,
+                                                                          const Snapshot& newest) {
+  if (!world_.memory().is_on())
+    return "this server remembers no poses (--memory off), so it knows of no instant but the latest";
   const std::int64_t time_ns = time_of(instant, newest);
   // Whoever asks for the same waits for the first instead of making it anew.
   const std::lock_guard lock(mutex_);
@@ -33,7 +35,8 @@ std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const 
 std::string PastStates::why_not(std::int64_t time_ns, const Snapshot& newest) const {
   const PoseMemory::Reach reach = world_.memory().reach();
   if (time_ns > reach.to_ns) {
-    return fmt::format("the instant is {:.3f} s ahead of the world's time, and nobody knows what will be", seconds(time_ns - reach.to_ns));
+    return fmt::format("the instant is {:.3f} s ahead of the world's time, and nobody knows what will be",
+                       seconds(time_ns - reach.to_ns));
   }
   return fmt::format("the instant is {:.3f} s back, and this server remembers poses of the last {:.3f} s (--memory)",
                      seconds(newest.world_time_ns - time_ns), seconds(reach.to_ns - reach.from_ns));

@@ -24,7 +24,8 @@ class PastStates {
   /// instant  not `latest`
   /// newest   what relative instants count from, and what names the state for the chunks of one request
   /// returns  the state, or why there is none
-  std::variant<std::shared_ptr<const Snapshot>, std::string> at(const wire_contract::AskedInstant& instant, const Snapshot& newest);
+  std::variant<std::shared_ptr<const Snapshot>, std::string> at(const wire_contract::AskedInstant& instant,
+                                                                const Snapshot& newest);
 
  private:
   struct Kept {

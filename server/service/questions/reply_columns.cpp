@@ -7,7 +7,6 @@
 namespace collided::engine::service {
 namespace {
 
-
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
 constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
 // What a reply has besides: its fixed fields, the lengths of its sequences and what DDS puts around it.
@@ -35,10 +34,12 @@ void ReplyColumns::lend(wire::Reply& reply) {
   dds::borrow(reply.objects, objects);
   dds::borrow(reply.triangles, triangles);
   dds::borrow(reply.hit_flags, hit_flags);
-  for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths, &reply.sweep_begins}) {
+  for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths,
+                       &reply.sweep_begins}) {
     dds::borrow(*column, std::span<const double>());
   }
-  const wire::Columns<wire::Reply> columns = of_sweeps ? wire::Columns<wire::Reply>(wire::kSweepHitColumns) : wire::kHitColumns;
+  const wire::Columns<wire::Reply> columns =
+      of_sweeps ? wire::Columns<wire::Reply>(wire::kSweepHitColumns) : wire::kHitColumns;
   wire::lend_columns(numbers, columns, hit_memory_, reply);
   dds::borrow(reply.uncovered_questions, uncovered_questions);
   wire::lend_columns<wire::Reply>(uncovered, wire::kUncoveredColumns, uncovered_memory_, reply);

@@ -28,8 +28,8 @@ SnapshotRing::Lease SnapshotLeases::pin(std::uint64_t least_version, std::int64_
 }
 
 std::optional<SnapshotRing::Lease> SnapshotLeases::take(std::uint64_t client, std::uint64_t request,
-                                                   std::uint32_t chunk_index, std::uint32_t chunk_count,
-                                                   std::uint64_t least_version, std::int64_t now_ns) {
+                                                        std::uint32_t chunk_index, std::uint32_t chunk_count,
+                                                        std::uint64_t least_version, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.client == client && entry.request == request;

@@ -19,7 +19,7 @@ class SnapshotLeases {
  public:
   static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates, the rest is for workers and the writer
   static constexpr std::size_t kMostRequests = 1'024;
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;   // from one chunk to the next
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // from one chunk to the next
   static constexpr std::int64_t kLongestNs = 30'000'000'000;  // from the first chunk to the last
   /// A new request joins a state this young rather than pushing out an old request.
   static constexpr std::int64_t kSharedAgeNs = 20'000'000;
@@ -29,8 +29,7 @@ class SnapshotLeases {
   /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
   /// least_version  no older state will do; beyond the newest: only that one
   std::optional<SnapshotRing::Lease> take(std::uint64_t client, std::uint64_t request, std::uint32_t chunk_index,
-                                          std::uint32_t chunk_count, std::uint64_t least_version,
-                                          std::int64_t now_ns);
+                                          std::uint32_t chunk_count, std::uint64_t least_version, std::int64_t now_ns);
   void expire(std::int64_t now_ns);
   std::size_t size() const;
 

@@ -36,7 +36,8 @@ std::vector<std::byte> removal_of(const std::string& name) {
   dds::Sample<wire::Query> query;
   query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
   query->chunk_count = 1;
-  static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(-1, ' ', false, json::error_handler_t::replace)));
+  static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(
+                                                   -1, ' ', false, json::error_handler_t::replace)));
   return bytes_of(*query);
 }
 
@@ -70,7 +71,10 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
   dds::Sample<wire::Query> sample;
   if (!wire::read_cdr(query, sample)) return;
   const json arguments = json::parse(sample->text, nullptr, false);
-  Kept command{.what = text_of(arguments, "command"), .name = text_of(arguments, "name"), .moving = truth_of(arguments, "moving", true), .bytes = query};
+  Kept command{.what = text_of(arguments, "command"),
+               .name = text_of(arguments, "name"),
+               .moving = truth_of(arguments, "moving", true),
+               .bytes = query};
   if (command.what == names::kRemove) {
     const auto gone = answer.is_object() ? answer.find("removed") : answer.end();
     // An answer too long for one sample: the glob itself is kept, once.

@@ -104,8 +104,8 @@ void FlightOpening::fold(const wire::Definition& definition) {
   }
   bytes_ += bytes.size();
   ++objects_;
-  publisher->objects[definition.object_number] =
-      {definition.sequence_number, definition.lost_policy, definition.moving, definition.name, std::move(bytes)};
+  publisher->objects[definition.object_number] = {definition.sequence_number, definition.lost_policy, definition.moving,
+                                                  definition.name, std::move(bytes)};
 }
 
 void FlightOpening::fold(const wire::PoseBatch& batch) {
@@ -133,7 +133,8 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
 }
 
 void FlightOpening::fold(const wire::Reply& reply) {
-  commands_.answered(reply, [this](const std::string* name, bool moving_only) { return take_published(name, moving_only); });
+  commands_.answered(reply,
+                     [this](const std::string* name, bool moving_only) { return take_published(name, moving_only); });
 }
 
 /// Commands take away what lost publishers left, never what a living one has.

@@ -34,7 +34,8 @@ RecordView first_of(std::span<const std::byte> records) {
     std::memcpy(&value, at, sizeof value);
     at += sizeof value;
   };
-  get(length), get(record.head.channel), get(record.head.number), get(record.head.log_time), get(record.head.publish_time);
+  get(length), get(record.head.channel), get(record.head.number), get(record.head.log_time),
+      get(record.head.publish_time);
   record.whole = records.first(mcap::kRecordPrefixBytes + length);
   record.data = record.whole.subspan(mcap::kMessagePrefixBytes);
   return record;
@@ -90,7 +91,8 @@ void FlightRecorder::take_over() {
 
 FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) {
   if (stem_.empty()) throw std::runtime_error("no folder can be written to; --state-dir names one");
-  FlightFile file{.path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
+  FlightFile file{
+      .path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
   file.from_ns = file.to_ns - std::min(static_cast<std::uint64_t>(std::max<std::int64_t>(0, last_ns)), window_ns_);
   mcap::FileOutput output(file.path);
   mcap::Writer writer(output, recording::library_name(), recording::channels_of(name_space_));

@@ -19,7 +19,7 @@ struct FlightFile {
   std::string path;
   std::uint64_t bytes = 0;
   std::uint64_t messages = 0;
-  std::uint64_t dropped = 0;  // samples since the start that found no room: the file may lack them
+  std::uint64_t dropped = 0;             // samples since the start that found no room: the file may lack them
   std::uint64_t from_ns = 0, to_ns = 0;  // since 1970
 };
 

@@ -93,7 +93,8 @@ class FlightRing {
         return nullptr;
       }
     } while (!reserved_.compare_exchange_weak(at, at + skipped + slot, std::memory_order_relaxed));
-    if (skipped > 0) std::atomic_ref(header(at).slot_bytes).store(static_cast<std::uint32_t>(skipped), std::memory_order_release);
+    if (skipped > 0)
+      std::atomic_ref(header(at).slot_bytes).store(static_cast<std::uint32_t>(skipped), std::memory_order_release);
     return &bytes_[(at + skipped) % room_] + sizeof(Header);
   }
   void commit(std::byte* record, std::size_t record_bytes) noexcept {

@@ -140,7 +140,7 @@ class FairQueue {
   std::condition_variable arrived_;
   std::vector<Flow> flows_;
   Ring<Item> own_;
-  double now_ = 0;  // start of what was handed out last
+  double now_ = 0;                       // start of what was handed out last
   std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
   std::atomic<std::size_t> own_count_{0};
   std::atomic<std::uint64_t> refused_{0};

@@ -90,7 +90,8 @@ void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
   for (const OpenContact& open : open_) {
-    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
+    if ((open.a == object || open.b == object) && open.doubt == Doubt::none)
+      held.push_back({.a = open.a, .b = open.b, .contact = {}});
   }
   for (const FoundContact& found : held) {
     end(index_.at({found.a, found.b}), {.reason = EndReason::publisher_lost});
@@ -127,8 +128,7 @@ void ContactLedger::goes_on(const FoundContact& found) {
   open.b_triangle = found.b_triangle;
 }
 
-void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s,
-                          double bracket_high_s) {
+void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s) {
   end(index_.at({a, b}), {reason, bracket_low_s, bracket_high_s});
 }
 
@@ -167,7 +167,7 @@ void ContactLedger::end_object(ObjectId object, EndReason reason) {
 }
 
 void ContactLedger::end(std::size_t index, const ContactEnd& of) {
-    const bool is_doubt = open_[index].doubt != Doubt::none;
+  const bool is_doubt = open_[index].doubt != Doubt::none;
   const bool is_parted = of.reason == EndReason::separated || of.reason == EndReason::teleported;
   doubt_count_ -= is_doubt ? 1 : 0;
   events_.push_back({.kind = EventKind::ended,
@@ -214,7 +214,8 @@ void ContactLedger::finish_step() {
     }
     event.of.episode = passing_episode = event.sequence;
     const auto open = index_.find({event.of.a, event.of.b});
-    const bool opened_now = open != index_.end() && (open_[open->second].episode == 0 || open_[open->second].episode > last_before);
+    const bool opened_now =
+        open != index_.end() && (open_[open->second].episode == 0 || open_[open->second].episode > last_before);
     if (opened_now) open_[open->second].episode = event.sequence;
   }
 }

@@ -27,9 +27,11 @@ struct FoundContact {
 };
 
 /// Sets b's velocity against a from those of the two points; the error covers the roundings of this difference.
-inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a, const BodyMotion::PointVelocity& of_b) {
+inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a,
+                         const BodyMotion::PointVelocity& of_b) {
   found.relative_velocity = of_b.mps - of_a.mps;
-  found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + kBoundSlack) + 2 * kRoundoff * (of_a.mps.norm() + of_b.mps.norm());
+  found.velocity_error =
+      (of_a.error_mps + of_b.error_mps) * (1 + kBoundSlack) + 2 * kRoundoff * (of_a.mps.norm() + of_b.mps.norm());
 }
 
 /// Why a contact ends, and when, in seconds before the step's world time. Reason `none`: it continues.
@@ -116,7 +118,7 @@ class ContactLedger {
   void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
   std::vector<OpenContact> open_;
-  std::vector<std::uint64_t> found_in_step_;  // step that last found open_[i]; parallel to open_
+  std::vector<std::uint64_t> found_in_step_;               // step that last found open_[i]; parallel to open_
   std::unordered_map<Pair, std::size_t, PairHash> index_;  // into open_
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;

@@ -39,7 +39,6 @@ struct ContactSearch {
   bool done() const { return yes && !wanted; }
 };
 
-
 /// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle.
 template <class A, class B>
 void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch);
@@ -52,8 +51,7 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
 
 /// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
 /// must have a mesh.
-void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost,
-                     double gap_m = 0);
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m = 0);
 
 /// A box that contains every point of the object at the frame.
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
@@ -65,7 +63,8 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
 
 /// Calls visit(primitive) for the object's primitives, in its own frame, that may meet the box; false ends the visit.
 template <class Visit>
-void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
+void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aabb& world, WalkCost& cost,
+                           Visit&& visit) {
   if (!info.parts) {
     for (const Primitive& primitive : info.primitives) {
       if (!visit(primitive)) return;
@@ -101,7 +100,8 @@ class PlacedTriangles {
 };
 
 /// Whether this contact replaces the one in `best`: it is deeper, or as deep with lower triangles.
-inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const ContactSearch& best) {
+inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle,
+                   const ContactSearch& best) {
   if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;
   return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;
 }

@@ -45,13 +45,13 @@ struct ObjectInfo {
   Filter filter;
   bool moving = false;
   LostPolicy lost_policy = LostPolicy::remove;
-  std::uint64_t publisher = 0;  // 0: the server's own
-  std::vector<Primitive> primitives;        // in the object's frame
+  std::uint64_t publisher = 0;                // 0: the server's own
+  std::vector<Primitive> primitives;          // in the object's frame
   std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
-  std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
+  std::shared_ptr<const IndexedMesh> mesh;    // in the object's frame; null for a part of a static scene
   std::uint32_t scene_part = kNoScenePart;    // number of the part, where the object is a run of static triangles
-  std::uint32_t part_triangles = 0;         // of the part, or of a mesh with triangles cut by mending
-  CutTriangles cut;                         // of these triangles: which original each piece belongs to
+  std::uint32_t part_triangles = 0;           // of the part, or of a mesh with triangles cut by mending
+  CutTriangles cut;                           // of these triangles: which original each piece belongs to
 
   /// The number that answers give for a triangle.
   std::uint32_t reported_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
@@ -65,11 +65,11 @@ struct StaticScene {
   std::string name;
   TriangleMesh mesh;
   Bvh tree;
-  std::vector<Part> parts;            // ordered by first_triangle, without gap
-  std::vector<ObjectId> part_objects; // one a part  // one per part
+  std::vector<Part> parts;                                        // ordered by first_triangle, without gap
+  std::vector<ObjectId> part_objects;                             // one a part  // one per part
   std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one per object of the file; null: without a mesh
-  std::vector<std::shared_ptr<const SceneLevel>> levels;  // simpler forms of the mesh, finest first
-  std::vector<std::string> warnings;  // saved indexes that were not fit for use
+  std::vector<std::shared_ptr<const SceneLevel>> levels;          // simpler forms of the mesh, finest first
+  std::vector<std::string> warnings;                              // saved indexes that were not fit for use
 
   /// The part that holds the triangle.
   std::uint32_t part_of(std::uint32_t triangle) const;

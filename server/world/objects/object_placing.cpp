@@ -8,7 +8,8 @@ namespace collided::engine {
 double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb& other) {
   const Frame& frame = *object.frame;
   if (frame.position.isZero(0) && frame.rotation == Mat3::Identity() && object.info->primitives.empty()) return 0;
-  if (triangle != kNoTriangle && object.info->mesh) return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
+  if (triangle != kNoTriangle && object.info->mesh)
+    return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
   // Indexed primitives are spheres, capsules and boxes; a box errs in its position, its rotation and its pose in its
   // own frame, so three errors.
   if (object.info->parts && !object.info->mesh) return 3 * placing_error_m(frame, object.info->parts->radius_m);

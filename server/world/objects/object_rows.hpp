@@ -24,19 +24,19 @@ inline constexpr std::int64_t kPosedAtStep = -1;
 
 /// The changing part of an object, which every step reads; kept apart from its description, which is rarely read.
 struct ObjectRow {
-  ObjectId movable = 0;                // id of the object that has this row; 0: it cannot be moved
-  std::int64_t posed_ns = 0;           // world time of the pose; 0: never moved
-  std::int64_t posed_before_ns = 0;    // world time of the pose before
+  ObjectId movable = 0;              // id of the object that has this row; 0: it cannot be moved
+  std::int64_t posed_ns = 0;         // world time of the pose; 0: never moved
+  std::int64_t posed_before_ns = 0;  // world time of the pose before
   Pose pose;
   Frame frame;
   Frame frame_before;
   Aabb bounds;
-  std::optional<Sphere> lone_sphere;   // the whole object, where it is one sphere and nothing else
-  double reach_m = 0;                  // no point of the object is farther from the frame's origin, metres
-  bool has_motion = false;                // the object moved from frame_before to frame
+  std::optional<Sphere> lone_sphere;  // the whole object, where it is one sphere and nothing else
+  double reach_m = 0;                 // no point of the object is farther from the frame's origin, metres
+  bool has_motion = false;            // the object moved from frame_before to frame
   bool is_stale = false;
-  std::int64_t born_ns = 0;            // world time from which its definition's pose holds
-  std::int64_t said_before_ns = 0;     // world time given with its pose before, however long it rested since
+  std::int64_t born_ns = 0;         // world time from which its definition's pose holds
+  std::int64_t said_before_ns = 0;  // world time given with its pose before, however long it rested since
 };
 
 /// When a pose holds, and from when the motion to it began.

@@ -14,7 +14,8 @@ constexpr std::size_t kFewParts = 16;
 
 /// Placing the shape errs by no more than the slack of the walks.
 bool is_steady(const Primitive& part) {
-  return std::holds_alternative<Sphere>(part) || std::holds_alternative<Capsule>(part) || std::holds_alternative<Box>(part);
+  return std::holds_alternative<Sphere>(part) || std::holds_alternative<Capsule>(part) ||
+         std::holds_alternative<Box>(part);
 }
 
 }  // namespace

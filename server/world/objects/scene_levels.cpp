@@ -19,7 +19,8 @@ constexpr double kUsefulShare = 16;
 }  // namespace
 
 std::uint64_t SceneLevel::bytes() const {
-  return tree.report().bytes + mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * (sizeof(TriangleCorners) + 8);
+  return tree.report().bytes + mesh.vertices.size() * sizeof(Vec3) +
+         mesh.triangles.size() * (sizeof(TriangleCorners) + 8);
 }
 
 std::vector<std::uint32_t> parts_of_triangles(const std::vector<Part>& parts, std::size_t triangle_count) {
@@ -52,7 +53,8 @@ std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& 
     level->originals = left.originals;
     for (const std::uint32_t original : left.originals) level->part_of.push_back(part_of[original]);
     level->tree = Bvh::build(level->mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::fast});
-    level->off_by_m = surface_distance({mesh, tree, part_of}, {level->mesh, level->tree, level->part_of}, {.cancelled = cancelled});
+    level->off_by_m =
+        surface_distance({mesh, tree, part_of}, {level->mesh, level->tree, level->part_of}, {.cancelled = cancelled});
     if (!(level->off_by_m < size_m / kUsefulShare)) break;
     last_count = left.triangles.size();
     levels.push_back(std::move(level));

@@ -59,8 +59,7 @@ bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
     case 2:
       return meet_beyond_edge(turned(p, common.of_a[0], common.of_a[1]), turned(q, common.of_b[0], common.of_b[1]))
           .yes();
-    default:
-      return false;
+    default: return false;
   }
 }
 

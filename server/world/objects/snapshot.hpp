@@ -32,17 +32,17 @@ struct Snapshot {
   std::int64_t settled_ns = 0;  // the newest instant at which every object's place is known
   std::vector<std::shared_ptr<const StaticScene>> scenes;
   std::shared_ptr<const ObjectTable> objects;
-  std::uint64_t table_version = 0;      // grows with each change of `objects`
-  std::vector<Pose> poses;              // by slot
-  std::vector<Frame> frames;            // by slot
-  std::vector<Aabb> bounds;             // by slot
-  std::vector<std::int64_t> posed_ns;   // world time of the pose, by slot; 0: never moved
-  std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
+  std::uint64_t table_version = 0;     // grows with each change of `objects`
+  std::vector<Pose> poses;             // by slot
+  std::vector<Frame> frames;           // by slot
+  std::vector<Aabb> bounds;            // by slot
+  std::vector<std::int64_t> posed_ns;  // world time of the pose, by slot; 0: never moved
+  std::vector<std::uint8_t> stale;     // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
-  bool contacts_truncated = false;      // there are more contacts than the step could report
-  std::shared_ptr<Grid> grid;           // over bounds, or larger ones; shared between snapshots while no object moves
-  std::vector<std::uint64_t> changed;   // by slot: step of the last change, so that refilling copies only what differs
+  bool contacts_truncated = false;                  // there are more contacts than the step could report
+  std::shared_ptr<Grid> grid;          // over bounds, or larger ones; shared between snapshots while no object moves
+  std::vector<std::uint64_t> changed;  // by slot: step of the last change, so that refilling copies only what differs
 };
 
 /// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count of

@@ -23,13 +23,13 @@ struct Source {
   std::uint32_t posed_count = 0;   // poses since the last step
   // since the last step an object moved over an interval of its own: it jumped or was new
   bool has_own_motions = false;
-  bool has_spoken = false;         // the publisher gave an instant since the last step
-  bool is_timed = false;           // the publisher gives instants; else its objects are known up to the step's own time
-  bool is_streamed = false;        // some of its objects are known only up to their own newest pose
-  std::int64_t known_ns = 0;  // world time up to which its objects are known
-  std::int64_t before_ns = 0;      // the instant before known_ns
-  std::int64_t settled_ns = 0;     // known_ns when the last step ended; never decreases
-  std::int64_t streamed_ns = 0;    // settled_ns when its objects began to be streamed
+  bool has_spoken = false;       // the publisher gave an instant since the last step
+  bool is_timed = false;         // the publisher gives instants; else its objects are known up to the step's own time
+  bool is_streamed = false;      // some of its objects are known only up to their own newest pose
+  std::int64_t known_ns = 0;     // world time up to which its objects are known
+  std::int64_t before_ns = 0;    // the instant before known_ns
+  std::int64_t settled_ns = 0;   // known_ns when the last step ended; never decreases
+  std::int64_t streamed_ns = 0;  // settled_ns when its objects began to be streamed
   /// Ascending, from the oldest that another source still waits for: common time is cut at these instants.
   std::vector<std::int64_t> instants;
 
@@ -110,7 +110,7 @@ class Sources {
   std::vector<Source> sources_;  // a free number leaves an empty one
   std::vector<std::uint32_t> free_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // by publisher
-  std::size_t used_count_ = 0;  // that have objects
+  std::size_t used_count_ = 0;                                // that have objects
   bool needs_common_time_ = false;
   bool is_any_over_floor_again_ = false;
   std::int64_t floor_ns_ = 0;

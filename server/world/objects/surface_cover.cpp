@@ -88,7 +88,8 @@ void SheetOverTable::take(std::uint32_t triangle) {
   piece_.push_back(triangle);
   const Triangle t = sheet_.triangle(triangle);
   corners_.push_back({raised(t.a), raised(t.b), raised(t.c)});
-  for (const Raised& corner : corners_.back()) reach_ = std::max({reach_, corner.at.cwiseAbs().maxCoeff(), std::abs(corner.height)});
+  for (const Raised& corner : corners_.back())
+    reach_ = std::max({reach_, corner.at.cwiseAbs().maxCoeff(), std::abs(corner.height)});
 }
 
 /// False: the piece meets a border of the sheet over the table, or grows too large.

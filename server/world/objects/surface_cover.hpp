@@ -63,7 +63,7 @@ class SheetOverTable {
   const TriangleNeighbours& neighbours_;
   std::vector<std::uint32_t> taken_at_;  // by triangle: the number of the last table whose piece took it
   std::uint32_t table_number_ = 0;
-  std::vector<std::uint32_t> piece_;  // triangles of the sheet
+  std::vector<std::uint32_t> piece_;            // triangles of the sheet
   std::vector<std::array<Raised, 3>> corners_;  // of the piece's triangles, in the same order
   std::vector<Raised> polygon_;
   std::vector<Raised> clipped_;
@@ -73,8 +73,8 @@ class SheetOverTable {
   std::array<Flat, 3> inside_;    // the table, shrunk by kRim
   std::array<Flat, 3> outline_;   // the table itself
   Flat middle_ = Flat::Zero();
-  double size_ = 0;     // longest edge of the table, metres
-  double reach_ = 0;    // largest coordinate met, metres: scales the slack for roundings
+  double size_ = 0;   // longest edge of the table, metres
+  double reach_ = 0;  // largest coordinate met, metres: scales the slack for roundings
 };
 
 }  // namespace collided::engine

@@ -95,24 +95,27 @@ class OneSide {
   /// Bounds every triangle: first as a table under the other surface, then, where that says little, by its corners.
   void measure_all() {
     const std::size_t count = from_.mesh.triangles.size();
-    run_in_parallel((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
-      SheetOverTable sheet(to_.mesh, neighbours_);
-      std::vector<Piece> open;
-      double reached_m = 0;
-      for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
-        const auto number = static_cast<std::uint32_t>(i);
-        Piece piece{from_.mesh.triangle(number), from_.part_of[number], kNoBound};
-        const Nearest at_middle = nearest((piece.triangle.a + piece.triangle.b + piece.triangle.c) / 3, piece.part, to_);
-        if (at_middle.triangle != TriangleNeighbours::kNone) {
-          piece.upper_m = sheet.height_at_most(piece.triangle, at_middle.triangle);
-          reached_m = std::max(reached_m, at_middle.upper_m);
-        }
-        open.push_back(piece);
-      }
-      const std::lock_guard lock(mutex_);
-      reached_m_ = std::max(reached_m_, reached_m);
-      waiting_.insert(waiting_.end(), open.begin(), open.end());
-    }, [](std::size_t) {});
+    run_in_parallel((count + kBatch - 1) / kBatch,
+                    [&](std::size_t batch) {
+                      SheetOverTable sheet(to_.mesh, neighbours_);
+                      std::vector<Piece> open;
+                      double reached_m = 0;
+                      for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
+                        const auto number = static_cast<std::uint32_t>(i);
+                        Piece piece{from_.mesh.triangle(number), from_.part_of[number], kNoBound};
+                        const Nearest at_middle =
+                            nearest((piece.triangle.a + piece.triangle.b + piece.triangle.c) / 3, piece.part, to_);
+                        if (at_middle.triangle != TriangleNeighbours::kNone) {
+                          piece.upper_m = sheet.height_at_most(piece.triangle, at_middle.triangle);
+                          reached_m = std::max(reached_m, at_middle.upper_m);
+                        }
+                        open.push_back(piece);
+                      }
+                      const std::lock_guard lock(mutex_);
+                      reached_m_ = std::max(reached_m_, reached_m);
+                      waiting_.insert(waiting_.end(), open.begin(), open.end());
+                    },
+                    [](std::size_t) {});
     measure_what_stands_out();
   }
 
@@ -124,11 +127,14 @@ class OneSide {
       else upper_of_rest_m_ = std::max(upper_of_rest_m_, piece.upper_m);
     }
     waiting_ = {};
-    run_in_parallel((doubtful.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
-      for (std::size_t i = batch * kBatch; i < std::min(doubtful.size(), (batch + 1) * kBatch); ++i) {
-        doubtful[i].upper_m = std::min(doubtful[i].upper_m, measured(doubtful[i].triangle, doubtful[i].part));
-      }
-    }, [](std::size_t) {});
+    run_in_parallel((doubtful.size() + kBatch - 1) / kBatch,
+                    [&](std::size_t batch) {
+                      for (std::size_t i = batch * kBatch; i < std::min(doubtful.size(), (batch + 1) * kBatch); ++i) {
+                        doubtful[i].upper_m =
+                            std::min(doubtful[i].upper_m, measured(doubtful[i].triangle, doubtful[i].part));
+                      }
+                    },
+                    [](std::size_t) {});
     open_ = std::move(doubtful);
   }
 
@@ -137,7 +143,8 @@ class OneSide {
   /// edge.
   double measured(const Triangle& t, std::uint32_t part) {
     const std::array<Vec3, 3> corners{t.a, t.b, t.c};
-    const double longest_m = std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
+    const double longest_m =
+        std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
     double upper_m = kNoBound;
     double reached_m = 0;
     for (const Vec3& corner : corners) {
@@ -145,7 +152,8 @@ class OneSide {
       if (found.triangle == TriangleNeighbours::kNone) return kNoBound;
       reached_m = std::max(reached_m, found.upper_m);
       double farthest_m = 0;
-      for (const Vec3& c : corners) farthest_m = std::max(farthest_m, distance_at_most(c, to_.mesh.triangle(found.triangle)));
+      for (const Vec3& c : corners)
+        farthest_m = std::max(farthest_m, distance_at_most(c, to_.mesh.triangle(found.triangle)));
       upper_m = std::min({upper_m, farthest_m, found.upper_m + longest_m * (1 + kChainSlack)});
     }
     const std::lock_guard lock(mutex_);

@@ -40,8 +40,7 @@ void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle
 
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
   visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
-    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), kNoTriangle); },
-               primitive);
+    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), kNoTriangle); }, primitive);
     return true;
   });
   if (!other.info->mesh) return;
@@ -84,11 +83,13 @@ Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m) {
   return grown(all, reach_m * motion.turn_rad * motion.turn_rad / 8 + 2 * motion.error_m(reach_m));
 }
 
-Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m) {
+Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end,
+                  double reach_m) {
   Aabb all = bounds_of(info, from);
   all.extend(bounds_at_end);
   const double turn_rad = most_turn_rad(from, to);
-  const double error_m = kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
+  const double error_m =
+      kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
   return grown(all, reach_m * turn_rad * turn_rad / 8 + 2 * error_m);
 }
 

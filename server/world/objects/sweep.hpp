@@ -46,6 +46,7 @@ double longest_displacement_m(const Frame& from, const Frame& to, double reach_m
 Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m);
 /// The same for the motion between two frames, from the object's bounds at the last one: somewhat wider, but without
 /// computing the rotation's arc cosine.
-Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m);
+Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end,
+                  double reach_m);
 
 }  // namespace collided::engine

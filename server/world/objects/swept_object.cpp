@@ -13,7 +13,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// A piece of the motion with no more pairs than this is not cut again; pairs of two meshes cost more to list, so more
 /// are allowed.
 constexpr std::size_t kPairsAPiece = 8;
@@ -48,7 +47,8 @@ class Search {
  private:
   template <class Near>
   void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
-  void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle, TimeSpan span);
+  void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
+            TimeSpan span);
   void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
@@ -128,7 +128,8 @@ struct Listing {
 Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
   const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
-  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + kBoundSlack)) + Vec3::Constant(error_m);
+  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + kBoundSlack)) +
+         Vec3::Constant(error_m);
 }
 
 double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
@@ -149,7 +150,8 @@ void Search::primitive_and_mesh(const PartMotion& primitive, const SweptBody& ot
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
     Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(middle));
-    const Vec3 motion = half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, span.high - span.low);
+    const Vec3 motion =
+        half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, span.high - span.low);
     box.low -= motion;
     box.high += motion;
     Listing listing{found, most};
@@ -185,8 +187,9 @@ void Search::meshes() {
     };
     const Mat3 back = b.rotation.transpose();
     const Vec3 between = a.position - b.position;
-    const double slack_m = 2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
-                           motion.norm() * (1 + kBoundSlack);
+    const double slack_m =
+        2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
+        motion.norm() * (1 + kBoundSlack);
     b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, cost_);
     return listing.is_all;
   };
@@ -208,7 +211,8 @@ void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const H
     ++touch->exact_tests;
     const PartMotion part(part_of(own), body.motion);
     TimeBracket found;
-    const ExactResult verdict = first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
+    const ExactResult verdict =
+        first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
     touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
     if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
     touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
@@ -269,7 +273,8 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
   touch.undecided = touch.undecided || touch.is_cut_short;
 }
 
-bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of) {
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
+                 TouchOf touch_of) {
   Search search(a, scene, options, cost, touch_of);
   search.run();
   return !search.is_exhausted();

@@ -44,7 +44,7 @@ struct SweptTouch {
 
 /// How far a search goes.
 struct SweepOptions {
-  double width = 1e-6;  // of the bracket, as a fraction of the motion
+  double width = 1e-6;   // of the bracket, as a fraction of the motion
   bool contacts = true;  // compute the contact, not only its time
   /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
@@ -63,6 +63,7 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
 
 /// The same against a scene whose triangles belong to several touches: the first contact of each. False: the search
 /// stopped early, and touches without a contact are undecided.
-bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of);
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
+                 TouchOf touch_of);
 
 }  // namespace collided::engine

@@ -18,7 +18,6 @@
 namespace collided::engine {
 namespace {
 
-
 using PartName = std::pair<ObjectId, std::uint32_t>;
 
 /// A range that contains the true number.
@@ -42,7 +41,8 @@ bool passes_by(const Ray& ray, const Aabb& box) {
   const Vec3 middle = box.low / 2 + box.high / 2;
   const Vec3 direction = ray.direction / ray.direction.lpNorm<Eigen::Infinity>();
   const Vec3 away = middle - ray.origin;
-  const double radius = (box.high - box.low).norm() * (0.5 + 1e-6) + 1e-9 * (away.norm() + middle.norm() + ray.origin.norm());
+  const double radius =
+      (box.high - box.low).norm() * (0.5 + 1e-6) + 1e-9 * (away.norm() + middle.norm() + ray.origin.norm());
   const double across = away.cross(direction).norm() / direction.norm();
   return across > radius && std::isfinite(across) && std::isfinite(radius) && radius > 1e-100;
 }
@@ -62,28 +62,18 @@ class Auditor {
 
   std::string run() {
     switch (question_.kind) {
-      case QuestionKind::ray:
-        check_ray();
-        break;
-      case QuestionKind::sphere:
-        check_overlaps(sphere_of(numbers_));
-        break;
-      case QuestionKind::box:
-        check_overlaps(box_of(numbers_));
-        break;
-      case QuestionKind::near:
-        check_near();
-        break;
-      default:
-        break;
+      case QuestionKind::ray: check_ray(); break;
+      case QuestionKind::sphere: check_overlaps(sphere_of(numbers_)); break;
+      case QuestionKind::box: check_overlaps(box_of(numbers_)); break;
+      case QuestionKind::near: check_near(); break;
+      default: break;
     }
     return std::move(finding_);
   }
 
  private:
   void differs(const std::string& what) {
-    finding_ = fmt::format("{} {:.17g}: {}", name_of(question_.kind),
-                           fmt::join(question_.numbers, " "), what);
+    finding_ = fmt::format("{} {:.17g}: {}", name_of(question_.kind), fmt::join(question_.numbers, " "), what);
   }
   bool allowed(ObjectId id) const { return may_answer(*(*snapshot_.objects)[slot_of(id)], question_); }
   bool truncated() const { return given_.reasons[0] == UndecidedReason::truncated; }
@@ -204,8 +194,9 @@ void Auditor::check_near() {
     const auto own = distances.find(hit.object);
     const Interval given(hit.distance_m, hit.error_m);
     if (own == distances.end() || !may_be_equal(given, own->second) || !may_be_equal(given, nearest[i])) {
-      return differs(fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m",
-                                 i, nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m));
+      return differs(
+          fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", i,
+                      nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m));
     }
   }
 }

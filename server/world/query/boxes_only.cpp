@@ -9,7 +9,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Where a line enters a box, in units of its direction's length; kNever where it misses. Plain slab test.
@@ -57,12 +56,8 @@ std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
   // A little beyond the limit, so that a box at the very end differs from none.
   const double s = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return entry(ray, box); },
-      [&](const Bvh& tree, double from, Bvh::RayCandidate call) {
-        tree.walk_ray(ray, from, 0, call, cost);
-      },
-      [&](const Grid& grid, double from, Grid::RayFound call) {
-        grid.walk_ray(ray, from, call, cost);
-      });
+      [&](const Bvh& tree, double from, Bvh::RayCandidate call) { tree.walk_ray(ray, from, 0, call, cost); },
+      [&](const Grid& grid, double from, Grid::RayFound call) { grid.walk_ray(ray, from, call, cost); });
   return s <= limit && s < kNever ? std::optional(s * length_m) : std::nullopt;
 }
 
@@ -72,12 +67,8 @@ std::optional<double> near_distance(const Snapshot& snapshot, const double* n) {
   WalkCost cost;
   const double square = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return distance2(point, box); },
-      [&](const Bvh& tree, double from, Bvh::NearCandidate call) {
-        tree.walk_near(point, from, 0, call, cost);
-      },
-      [&](const Grid& grid, double from, Grid::NearFound call) {
-        grid.walk_near(point, from, call, cost);
-      });
+      [&](const Bvh& tree, double from, Bvh::NearCandidate call) { tree.walk_near(point, from, 0, call, cost); },
+      [&](const Grid& grid, double from, Grid::NearFound call) { grid.walk_near(point, from, call, cost); });
   return square <= limit && square < kNever ? std::optional(std::sqrt(square)) : std::nullopt;
 }
 
@@ -104,14 +95,10 @@ std::set<ObjectId> overlapping(const Snapshot& snapshot, const Aabb& asked) {
 BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question) {
   const double* n = question.numbers.data();
   switch (question.kind) {
-    case QuestionKind::ray:
-      return {ray_distance(snapshot, n), {}};
-    case QuestionKind::near:
-      return {near_distance(snapshot, n), {}};
-    case QuestionKind::sphere:
-      return {std::nullopt, overlapping(snapshot, bounds(sphere_of(n)))};
-    default:
-      return {std::nullopt, overlapping(snapshot, bounds(box_of(n)))};
+    case QuestionKind::ray: return {ray_distance(snapshot, n), {}};
+    case QuestionKind::near: return {near_distance(snapshot, n), {}};
+    case QuestionKind::sphere: return {std::nullopt, overlapping(snapshot, bounds(sphere_of(n)))};
+    default: return {std::nullopt, overlapping(snapshot, bounds(box_of(n)))};
   }
 }
 

@@ -18,7 +18,9 @@ bool is_closed(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> of_vertex;
   for (const Vec3& v : mesh.vertices) {
     // Adding 0 turns -0 into 0: both are one place.
-    of_vertex.push_back(points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size())).first->second);
+    of_vertex.push_back(
+        points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size()))
+            .first->second);
   }
   // by edge: number of triangles, and the sum of their directions
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;
@@ -32,7 +34,8 @@ bool is_closed(const TriangleMesh& mesh) {
       sum += from < to ? 1 : -1;
     }
   }
-  return !runs.empty() && std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
+  return !runs.empty() &&
+         std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
 }
 
 /// Counts the crossings of a ray and a mesh; doubtful where the ray passes too near an edge to count them.
@@ -76,8 +79,10 @@ bool is_within(const Placed& outer, const Vec3& point) {
     const double turn = 0.7 + 2.39996 * i;
     const double height = -0.97 + 1.94 * (i + 0.5) / kMostRays;
     const double across = std::sqrt(1 - height * height);
-    Crossings crossings{outer, {.origin = point, .direction = {across * std::cos(turn), across * std::sin(turn), height},
-                                .length_m = std::numeric_limits<double>::infinity()}};
+    Crossings crossings{outer,
+                        {.origin = point,
+                         .direction = {across * std::cos(turn), across * std::sin(turn), height},
+                         .length_m = std::numeric_limits<double>::infinity()}};
     if (crossings.count(cost)) return crossings.crossed.size() % 2 == 1;
   }
   return false;
@@ -111,7 +116,8 @@ std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
 /// A point of each primitive and of each connected piece of the mesh.
 std::vector<Vec3> points_of(const Placed& object) {
   std::vector<Vec3> points;
-  for (const Primitive& own : object.info->primitives) points.push_back(numbers_of(place(*object.frame, own)).points.front());
+  for (const Primitive& own : object.info->primitives)
+    points.push_back(numbers_of(place(*object.frame, own)).points.front());
   if (!object.info->mesh) return points;
   const TriangleMesh& mesh = *object.info->mesh->mesh;
   for (const std::uint32_t corner : corner_of_each_piece(mesh)) {

@@ -13,7 +13,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 0x1p-40;     // relative; a thousand times the roundings of what it is put on
 constexpr double kRaySlack = 0x1p-49;  // twice the roundings of a length along an axis: one of 6 units, two of one

@@ -18,7 +18,6 @@
 namespace collided::engine {
 namespace {
 
-
 struct Method {
   std::string name;
   Level highest = Level::rational;

@@ -15,9 +15,9 @@ struct MenuRow {
   std::string method;
   std::uint32_t asked = 0;
   std::uint32_t undecided = 0;
-  std::uint32_t wrong = 0;     // yes for no, no for yes, or another set of objects
-  double worst_error_m = 0;    // observed: against rationals for distances, against the sharpest depth for overlaps
-  double worst_bound_m = 0;    // the largest that came with a number; infinite where none comes
+  std::uint32_t wrong = 0;   // yes for no, no for yes, or another set of objects
+  double worst_error_m = 0;  // observed: against rationals for distances, against the sharpest depth for overlaps
+  double worst_bound_m = 0;  // the largest that came with a number; infinite where none comes
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
 };

@@ -23,10 +23,10 @@ struct NearWalk {
   Question& question;
   Vec3 point;
   double within_m;
-  double limit_m2;  // squared search radius: square_up(wanted_m + off_by_m)
+  double limit_m2;                  // squared search radius: square_up(wanted_m + off_by_m)
   std::vector<ObjectId>& doubtful;  // objects whose simpler form leaves open whether they are within reach
-  double wanted_m = within_m;  // parts farther than this cannot change the answer
-  double off_by_m = 0;        // how far the walked surface may be from the one it stands for, metres
+  double wanted_m = within_m;       // parts farther than this cannot change the answer
+  double off_by_m = 0;              // how far the walked surface may be from the one it stands for, metres
 
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
   /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for parts that
@@ -78,7 +78,8 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
         .error_m = with_underflow(found.distance_m, found.distance_error_m + placed_m + off_by_m),
         .point = found.point,
         // The nearest point of the simpler form may be near another place of the true surface.
-        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m + within_of(found.distance_m, placed_m),
+        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity()
+                                      : found.point_error_m + within_of(found.distance_m, placed_m),
         .normal = found.normal});
 }
 
@@ -98,7 +99,8 @@ bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part
 
 void NearWalk::keep(const AnswerHit& hit) {
   std::vector<AnswerHit>& found = question.found;
-  const auto same = std::find_if(found.begin(), found.end(), [&](const AnswerHit& h) { return h.object == hit.object; });
+  const auto same =
+      std::find_if(found.begin(), found.end(), [&](const AnswerHit& h) { return h.object == hit.object; });
   if (same != found.end()) {
     if (!question.nearer_first(hit, *same)) return;
     found.erase(same);
@@ -119,7 +121,8 @@ void NearWalk::walk_scene(const StaticScene& scene) {
   const auto candidate = [&](std::uint32_t triangle, double) {
     const std::uint32_t part = scene.part_of(triangle);
     const ObjectId object = scene.part_objects[part];
-    if (question.allows(object)) test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle, kNotPlaced);
+    if (question.allows(object))
+      test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle, kNotPlaced);
     return limit_m2;
   };
   scene.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
@@ -226,7 +229,8 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
   thread_local std::vector<ObjectId> doubtful;
   doubtful.clear();
   question.found.clear();
-  NearWalk walk{.question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
+  NearWalk walk{
+      .question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
   for (const auto& scene : question.snapshot.scenes) {
     const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
     if (level == nullptr) {
@@ -239,7 +243,8 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
   if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
   if (question.found.size() == question.asked.max_hits) return true;
   return std::all_of(doubtful.begin(), doubtful.end(), [&](ObjectId object) {
-    return std::any_of(question.found.begin(), question.found.end(), [&](const AnswerHit& hit) { return hit.object == object; });
+    return std::any_of(question.found.begin(), question.found.end(),
+                       [&](const AnswerHit& hit) { return hit.object == object; });
   });
 }
 

@@ -80,7 +80,8 @@ void ask_overlap(Question& question, const Asked& asked) {
     touch.wanted = !any;
     const Placed object = question.placed(slot);
     search_object(primitive, object, touch, question.walk);
-    if (touch.yes && touch.wanted) touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
+    if (touch.yes && touch.wanted)
+      touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
     take(question.object(slot).id, touch);
     return !ended();
   };

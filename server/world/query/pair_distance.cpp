@@ -44,8 +44,10 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
   Separation best = separation(of_a, of_b);
   constexpr int kTurns = 6;
   for (int i = 0; i < kTurns; ++i) {
-    if (b.info->mesh && b.info->primitives.empty()) of_b = place(*b.frame, b.info->mesh->mesh->triangle(nearest_triangle(b, best.on_a, cost)));
-    if (a.info->mesh && a.info->primitives.empty()) of_a = place(*a.frame, a.info->mesh->mesh->triangle(nearest_triangle(a, best.on_b, cost)));
+    if (b.info->mesh && b.info->primitives.empty())
+      of_b = place(*b.frame, b.info->mesh->mesh->triangle(nearest_triangle(b, best.on_a, cost)));
+    if (a.info->mesh && a.info->primitives.empty())
+      of_a = place(*a.frame, a.info->mesh->mesh->triangle(nearest_triangle(a, best.on_b, cost)));
     const Separation here = separation(of_a, of_b);
     if (!(here.distance_m < best.distance_m)) break;
     best = here;
@@ -91,11 +93,13 @@ void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost&
   for (std::uint32_t i = 0; i < from.info->mesh->mesh->triangles.size(); ++i) {
     const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
     const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
-    const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + kBoundSlack);
+    const double radius_m =
+        std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) *
+        (1 + kBoundSlack);
     const TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
     const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
-    mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m),
-                        walk, cost);
+    mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m), walk,
+                        cost);
   }
 }
 

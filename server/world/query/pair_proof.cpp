@@ -62,7 +62,8 @@ class ApartSearch {
     if (a.size() == 1 && b.size() == 1) return plane_of_pair(a[0].part, b[0].part, a, b);
     const bool splits_a = a.size() > 1 && (b.size() == 1 || reach(a) >= reach(b));
     const std::size_t at = splits_a ? a0 + a.size() / 2 : b0 + b.size() / 2;
-    proof_.steps.push_back({.kind = splits_a ? ProofStep::Kind::split_a : ProofStep::Kind::split_b, .at = static_cast<std::uint32_t>(at)});
+    proof_.steps.push_back(
+        {.kind = splits_a ? ProofStep::Kind::split_a : ProofStep::Kind::split_b, .at = static_cast<std::uint32_t>(at)});
     if (splits_a) return prove(a0, at, b0, b1) && prove(at, a1, b0, b1);
     return prove(a0, a1, b0, at) && prove(a0, a1, at, b1);
   }
@@ -99,8 +100,10 @@ class ApartSearch {
     }
     looks_ += a.size() + b.size();
     const bool parts_them =
-        std::all_of(a.begin(), a.end(), [&](const ProofPart& part) { return is_beyond(part.part, normal, point, +1, false); }) &&
-        std::all_of(b.begin(), b.end(), [&](const ProofPart& part) { return is_beyond(part.part, normal, point, -1, true); });
+        std::all_of(a.begin(), a.end(),
+                    [&](const ProofPart& part) { return is_beyond(part.part, normal, point, +1, false); }) &&
+        std::all_of(b.begin(), b.end(),
+                    [&](const ProofPart& part) { return is_beyond(part.part, normal, point, -1, true); });
     if (parts_them) proof_.steps.push_back({.kind = ProofStep::Kind::plane, .normal = normal, .point = point});
     return parts_them;
   }
@@ -127,7 +130,8 @@ class ApartSearch {
   /// Gilbert's iteration towards the nearest points of the two hulls, for a limited number of steps; any separating
   /// plane on the way is enough.
   bool plane_between_hulls(const Range& a, const Range& b) {
-    if (a.size() + b.size() == 2 || half_space_of(a[0].part) != nullptr || half_space_of(b[0].part) != nullptr) return false;
+    if (a.size() + b.size() == 2 || half_space_of(a[0].part) != nullptr || half_space_of(b[0].part) != nullptr)
+      return false;
     constexpr int kMostTurns = 48;
     Vec3 on_a = middle_of(a[0].part);
     Vec3 on_b = middle_of(b[0].part);
@@ -153,7 +157,8 @@ class ApartSearch {
     if (const HalfSpace* ground = half_space_of(part_b)) {
       // Halfway between the lowest point of a and the plane; or, if rounding spoils that, at a's point.
       const Vec3 normal = -ground->normal;
-      return keep(normal, apart.on_a / 2 + apart.on_b / 2, a, b) || keep(normal, apart.on_a, a, b) || beside_corners(normal, a, b);
+      return keep(normal, apart.on_a / 2 + apart.on_b / 2, a, b) || keep(normal, apart.on_a, a, b) ||
+             beside_corners(normal, a, b);
     }
     for (const Vec3& normal : normals_for(apart, part_a, part_b)) {
       if (keep(normal, apart.on_a / 2 + apart.on_b / 2, a, b) || keep(normal, apart.on_a, a, b)) return true;
@@ -165,7 +170,8 @@ class ApartSearch {
   /// Tries the plane through the corner of a that lies farthest along the normal.
   bool beside_corners(const Vec3& normal, const Range& a, const Range& b) {
     const std::vector<Vec3> points = numbers_of(a[0].part).points;
-    const auto farthest = std::max_element(points.begin(), points.end(), [&](const Vec3& x, const Vec3& y) { return normal.dot(x - y) < 0; });
+    const auto farthest = std::max_element(points.begin(), points.end(),
+                                           [&](const Vec3& x, const Vec3& y) { return normal.dot(x - y) < 0; });
     return keep(normal, *farthest, a, b);
   }
 
@@ -217,7 +223,8 @@ std::optional<Proof> proof_of_touching(const Placed& a, const Placed& b, WalkCos
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost) {
   if (touches) {
     std::optional<Proof> proof = proof_of_touching(a, b, cost);
-    if (!proof) why_not = "no common point was found that fractions write down: round sides touch in a single point, or nearly";
+    if (!proof)
+      why_not = "no common point was found that fractions write down: round sides touch in a single point, or nearly";
     return proof;
   }
   constexpr std::size_t kMostParts = 20'000;
@@ -226,7 +233,8 @@ std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, st
     for (PlacedPart& part : parts_of(*object)) parts->push_back({std::move(part.part), part.triangle});
   }
   if (proof.a.size() + proof.b.size() > kMostParts) {
-    why_not = std::to_string(proof.a.size() + proof.b.size()) + " parts; a certificate tells at most " + std::to_string(kMostParts);
+    why_not = std::to_string(proof.a.size() + proof.b.size()) + " parts; a certificate tells at most " +
+              std::to_string(kMostParts);
     return std::nullopt;
   }
   if (!ApartSearch(proof).prove()) {

@@ -90,7 +90,8 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
   ContactSearch touch;
   search_objects(a, b, touch, cost);
   report.touches = decision_of(touch);
-  if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach)) report.touches = Decision::undecided;
+  if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach))
+    report.touches = Decision::undecided;
   if (touch.yes) {
     report.contact = touch.contact;
     report.contact.depth_error_m += placing_error_m(a, touch.a_triangle, b, touch.b_triangle);
@@ -122,8 +123,9 @@ void turn_round(PairReport& report) {
     report.contained = report.contained == Contained::a_in_b ? Contained::b_in_a : Contained::a_in_b;
   }
   for (TriangleCrossing& crossing : report.crossings) std::swap(crossing.a, crossing.b);
-  std::sort(report.crossings.begin(), report.crossings.end(),
-            [](const TriangleCrossing& x, const TriangleCrossing& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+  std::sort(report.crossings.begin(), report.crossings.end(), [](const TriangleCrossing& x, const TriangleCrossing& y) {
+    return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+  });
 }
 
 }  // namespace

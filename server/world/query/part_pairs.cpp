@@ -29,9 +29,8 @@ struct PairWalk {
   void primitives_of_a() {
     visit_primitives_near(*a.info, *a.frame, grown(b.bounds, gap_m), cost, [&](const Primitive& own) {
       const PlacedPart of_a{place(*a.frame, own)};
-      visit_primitives_near(*b.info, *b.frame, grown(bounds_of_part(of_a.part), gap_m), cost, [&](const Primitive& other) {
-        return tell(of_a, {place(*b.frame, other)});
-      });
+      visit_primitives_near(*b.info, *b.frame, grown(bounds_of_part(of_a.part), gap_m), cost,
+                            [&](const Primitive& other) { return tell(of_a, {place(*b.frame, other)}); });
       if (goes_on && b.info->mesh) triangles_near(of_a.part, b, [&](const PlacedPart& of_b) { tell(of_a, of_b); });
       return goes_on;
     });
@@ -66,7 +65,8 @@ std::vector<PlacedPart> parts_of(const Placed& object) {
   for (const Primitive& own : object.info->primitives) parts.push_back({place(*object.frame, own)});
   if (!object.info->mesh) return parts;
   const TriangleMesh& mesh = *object.info->mesh->mesh;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) parts.push_back({place(*object.frame, mesh.triangle(i)), i});
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    parts.push_back({place(*object.frame, mesh.triangle(i)), i});
   return parts;
 }
 

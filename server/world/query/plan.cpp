@@ -36,8 +36,8 @@ Counts count(const Snapshot& snapshot) {
     if (info->mesh) meshes.insert(info->mesh.get());
     if (info->parts) ++counts.indexed_parts;
     if (info->parts) counts.parts += info->primitives.size();
-    const bool lone_sphere = !info->mesh && info->primitives.size() == 1 &&
-                             std::holds_alternative<Sphere>(info->primitives.front());
+    const bool lone_sphere =
+        !info->mesh && info->primitives.size() == 1 && std::holds_alternative<Sphere>(info->primitives.front());
     if (info->moving && lone_sphere) ++counts.lone_spheres;
   }
   counts.meshes = static_cast<std::uint32_t>(meshes.size());
@@ -59,8 +59,9 @@ std::string level_words(const Snapshot& snapshot) {
     if (scene->levels.empty()) continue;
     words += (words.empty() ? "" : "; ") + scene->name + ": ";
     for (const auto& level : scene->levels) {
-      words += (level == scene->levels.front() ? "" : ", ") + number(level->mesh.triangles.size(), "triangles within ") +
-               with_digits(1e3 * level->off_by_m, 3) + " mm";
+      words += (level == scene->levels.front() ? "" : ", ") +
+               number(level->mesh.triangles.size(), "triangles within ") + with_digits(1e3 * level->off_by_m, 3) +
+               " mm";
     }
   }
   return words;
@@ -75,7 +76,8 @@ std::string index_words(const StaticScene& scene) {
                       with_digits(static_cast<double>(report.references) / triangles, 2) + " references and " +
                       with_digits(static_cast<double>(scene.bytes()) / triangles, 1) + " bytes a triangle, ";
   words += report.split_triangles > 0 ? std::to_string(report.split_triangles) + " triangles split, " : "no splits, ";
-  return words + (report.is_loaded ? "loaded and checked in " : "built in ") + with_digits(1e3 * report.build_s, 0) + " ms";
+  return words + (report.is_loaded ? "loaded and checked in " : "built in ") + with_digits(1e3 * report.build_s, 0) +
+         " ms";
 }
 
 /// The size of all static geometry, then each scene's index.
@@ -96,33 +98,39 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   const bool has_static = c.static_triangles > 0;
   const bool has_objects = c.moving + c.placed > 0;
   std::vector<PlanRow> rows;
-  rows.push_back({"bvh (static)", has_static,
-                  has_static ? tree_words(snapshot, c) : "no static triangle is loaded",
+  rows.push_back({"bvh (static)", has_static, has_static ? tree_words(snapshot, c) : "no static triangle is loaded",
                   has_static ? "" : "its memory and a walk a question"});
   const std::string levels = level_words(snapshot);
   rows.push_back({"levels of detail", !levels.empty(),
-                  levels.empty() ? "no scene was simplified ahead (collide convert --levels)" : levels + "; for distances asked --within four times as much",
+                  levels.empty() ? "no scene was simplified ahead (collide convert --levels)"
+                                 : levels + "; for distances asked --within four times as much",
                   levels.empty() ? "a third more memory" : ""});
   const bool is_swept = has_objects && snapshot.grid && snapshot.grid->is_swept();
   const std::string objects = number(c.moving, "moving and ") + number(c.placed, "placed objects");
   rows.push_back({"grid (objects)", has_objects && !is_swept,
-                  !has_objects ? "no object moves or is placed" : is_swept ? objects + " are few: swept" : objects,
+                  !has_objects ? "no object moves or is placed"
+                  : is_swept   ? objects + " are few: swept"
+                               : objects,
                   has_objects && !is_swept ? "" : "a rebuild a step and a walk a question"});
   rows.push_back({"sweep-and-prune (objects)", is_swept,
-                  is_swept ? objects : has_objects ? "more objects than a sweep is good for" : "no object moves or is placed",
+                  is_swept      ? objects
+                  : has_objects ? "more objects than a sweep is good for"
+                                : "no object moves or is placed",
                   is_swept ? "" : "an order along one axis"});
   rows.push_back({"pair search", c.moving > 0, c.moving > 0 ? number(c.moving, "movers") : "nothing moves",
                   c.moving > 0 ? "" : "the whole collision step"});
-  rows.push_back({"swept test", c.moving > 0,
-                  c.moving > 0 ? number(c.lone_spheres, "moving spheres and ") + number(c.moving - c.lone_spheres, "other movers")
-                               : "nothing moves",
-                  c.moving > 0 ? "" : "the first contact in time of a candidate"});
+  rows.push_back(
+      {"swept test", c.moving > 0,
+       c.moving > 0 ? number(c.lone_spheres, "moving spheres and ") + number(c.moving - c.lone_spheres, "other movers")
+                    : "nothing moves",
+       c.moving > 0 ? "" : "the first contact in time of a candidate"});
   rows.push_back({"mesh x mesh", c.moving_meshes > 0,
                   c.moving_meshes > 0 ? number(c.moving_meshes, "moving meshes") : "no moving mesh",
                   c.moving_meshes > 0 ? "" : "an index a mesh"});
   rows.push_back({"index of parts", c.indexed_parts > 0,
-                  c.indexed_parts > 0 ? number(c.parts, "spheres, capsules and boxes in ") + number(c.indexed_parts, "objects")
-                                      : "no cloud, line or other object of many parts",
+                  c.indexed_parts > 0
+                      ? number(c.parts, "spheres, capsules and boxes in ") + number(c.indexed_parts, "objects")
+                      : "no cloud, line or other object of many parts",
                   c.indexed_parts > 0 ? "" : "a tree an object"});
   rows.push_back({"shared meshes", c.with_mesh > c.meshes,
                   number(c.with_mesh, "objects with ") + number(c.meshes, "different meshes"),
@@ -131,8 +139,8 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
                   events_wanted ? "somebody subscribes to events" : "nobody subscribes to events",
                   events_wanted ? "" : "point, normal and depth of every touching pair"});
   if (snapshot.contacts_truncated) {
-    rows.push_back({"contacts over the limit", false, "more than max_contacts touch: truncated, events tell only some",
-                    ""});
+    rows.push_back(
+        {"contacts over the limit", false, "more than max_contacts touch: truncated, events tell only some", ""});
   }
   rows.push_back({"FCL", false, "every pair offered is decided by our own exact tests", "its start and its memory"});
   return rows;
@@ -146,7 +154,9 @@ PlanRow plan_of_probes(std::size_t count, bool are_read) {
 
 std::vector<PairRow> pair_table() {
   const std::string closed = "closed form, exact";
-  const std::string searched = "search, then a certificate: exact, but undecided where round parts are within about 1e-8 of their size of touching";
+  const std::string searched =
+      "search, then a certificate: exact, but undecided where round parts are within about 1e-8 of their size of "
+      "touching";
   const std::string facets = "search, then a certificate or rationals: exact";
   const std::string parts = "part by part, as the parts are";
   const std::string plane = "reach along its normal: " + closed + "; of objects that do not move, alone in their shape";
@@ -171,10 +181,14 @@ std::vector<PairRow> pair_table() {
   for (const char* a : convex) rows.push_back({a, "half-space", plane});
   rows.push_back({"mesh", "half-space", "triangle by triangle: " + plane});
   rows.push_back({"half-space", "half-space", "not asked: neither moves"});
-  rows.push_back({"height field", "any", "as a mesh, which it becomes when it is loaded: a surface; solid below is not offered, a half-space or boxes are"});
+  rows.push_back({"height field", "any",
+                  "as a mesh, which it becomes when it is loaded: a surface; solid below is not offered, a half-space "
+                  "or boxes are"});
   rows.push_back({"point cloud", "any", "ball by ball through an index of its own: as spheres"});
   rows.push_back({"polyline", "any", "piece by piece through an index of its own: as capsules"});
-  rows.push_back({"scaled", "any", "as its kind: one factor for every kind, three for meshes, height fields, hulls and for boxes and ellipsoids along the axes; others are refused, mirror images too"});
+  rows.push_back({"scaled", "any",
+                  "as its kind: one factor for every kind, three for meshes, height fields, hulls and for boxes and "
+                  "ellipsoids along the axes; others are refused, mirror images too"});
   rows.push_back({"compound", "any", parts});
   return rows;
 }

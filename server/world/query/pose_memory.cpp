@@ -76,13 +76,18 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
   const ObjectRow& row = step.rows[slot];
   if (!life.info) {
     const std::uint32_t source = step.rows.source(slot);
-    life = {.info = info, .born_ns = source != Sources::kResting ? row.born_ns : to_ns_, .source = source, .first = row.pose, .moves = {}};
+    life = {.info = info,
+            .born_ns = source != Sources::kResting ? row.born_ns : to_ns_,
+            .source = source,
+            .first = row.pose,
+            .moves = {}};
     if (!step.rows.is_posed(slot)) return;
     life.first = row.pose;
   }
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;
-  const MotionTimes times = motion_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
+  const MotionTimes times =
+      motion_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
   add_move(life, {.from_ns = times.from_ns, .to_ns = times.to_ns, .pose = row.pose});
 }
 
@@ -151,7 +156,8 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
   state->bounds.resize(state->frames.size());
   for (std::size_t slot = 0; slot < state->frames.size(); ++slot) {
     const ObjectInfo* info = (*state->objects)[slot].get();
-    if (info != nullptr && info->scene_part == kNoScenePart) state->bounds[slot] = bounds_of(*info, state->frames[slot]);
+    if (info != nullptr && info->scene_part == kNoScenePart)
+      state->bounds[slot] = bounds_of(*info, state->frames[slot]);
   }
   state->grid = std::make_shared<Grid>();
   state->grid->rebuild(state->bounds);
@@ -187,7 +193,8 @@ std::int64_t PoseMemory::known_of(const Life& life) const {
 Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
   const auto begin = life.moves.begin() + static_cast<std::ptrdiff_t>(life.forgotten);
   // The first move that has not ended by then; of several that end at one time the last counts.
-  const auto next = std::upper_bound(begin, life.moves.end(), time_ns, [](std::int64_t time, const Move& move) { return time < move.to_ns; });
+  const auto next = std::upper_bound(begin, life.moves.end(), time_ns,
+                                     [](std::int64_t time, const Move& move) { return time < move.to_ns; });
   const Frame before = frame_of(next == begin ? life.first : std::prev(next)->pose);
   if (next == life.moves.end() || time_ns <= next->from_ns) return before;
   const double part = static_cast<double>(time_ns - next->from_ns) / static_cast<double>(next->to_ns - next->from_ns);

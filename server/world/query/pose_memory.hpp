@@ -16,8 +16,8 @@ class Sources;
 
 /// How much the memory of poses may hold.
 struct PoseMemoryOptions {
-  std::int64_t reach_ns = 0;           // how far back it reaches; 0: it is off
-  std::size_t max_bytes = 512 << 20;   // of poses; with more, the memory reaches less far back
+  std::int64_t reach_ns = 0;          // how far back it reaches; 0: it is off
+  std::size_t max_bytes = 512 << 20;  // of poses; with more, the memory reaches less far back
 };
 
 /// Where objects were: gives a snapshot of any instant of the last seconds, with each object where its publisher's
@@ -71,8 +71,8 @@ class PoseMemory {
     std::int64_t born_ns = 0;
     std::int64_t gone_ns = kStillThere;
     std::uint32_t source = 0;  // whose time its poses have
-    Pose first;               // before the first of the moves that count
-    std::vector<Move> moves;  // ordered by to_ns; the first `forgotten` of them lie before the reach
+    Pose first;                // before the first of the moves that count
+    std::vector<Move> moves;   // ordered by to_ns; the first `forgotten` of them lie before the reach
     std::size_t forgotten = 0;
     double largest_mps = 0;  // largest speed of any move
 

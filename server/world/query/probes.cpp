@@ -11,7 +11,6 @@
 
 namespace collided::engine {
 
-
 namespace {
 
 bool same(const Filter& a, const Filter& b) { return a.layers == b.layers && a.mask == b.mask && a.group == b.group; }
@@ -28,7 +27,8 @@ struct ProbeRay {
   const AnswerHit* first_within(double length_m) {
     const Questions asked;
     numbers[6] = length_m;
-    Question question{.snapshot = snapshot, .asked = asked, .allowed = allowed, .open_scenes = open_scenes, .found = found};
+    Question question{
+        .snapshot = snapshot, .asked = asked, .allowed = allowed, .open_scenes = open_scenes, .found = found};
     ask_ray(question, numbers);
     undecided = undecided || question.undecided;
     return found.empty() ? nullptr : &found.front();
@@ -58,7 +58,8 @@ std::optional<Refusal> Probes::set(const ProbeDefinition& definition) {
   if (!definition.origin.allFinite() || !std::isfinite(length)) return Refusal{"probe: a number is not finite"};
   if (!(length > 0)) return Refusal{"probe: direction 0 0 0 has no direction"};
   if (!(definition.reach_m >= 0)) return Refusal{"probe: the reach is below 0"};
-  if (!(definition.back_m >= 0 && std::isfinite(definition.back_m))) return Refusal{"probe: looking back must be from 0 on, and have an end"};
+  if (!(definition.back_m >= 0 && std::isfinite(definition.back_m)))
+    return Refusal{"probe: looking back must be from 0 on, and have an end"};
   const Vec3 unit = definition.direction.stableNormalized();
   Probe probe{.definition = definition, .start = definition.origin - definition.back_m * unit, .direction = unit};
   if (!probe.start.allFinite()) return Refusal{"probe: it begins beyond the range of double"};
@@ -133,7 +134,10 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   const std::vector<std::uint8_t> closed_scenes(is_part ? snapshot.scenes.size() : 0, 0);
   std::uint8_t& itself = audience.allowed[slot];
   const std::uint8_t met_by_others = std::exchange(itself, std::uint8_t{0});
-  ProbeRay ray{snapshot, audience.allowed, is_part ? closed_scenes : audience.open_scenes, found_,
+  ProbeRay ray{snapshot,
+               audience.allowed,
+               is_part ? closed_scenes : audience.open_scenes,
+               found_,
                {start.x(), start.y(), start.z(), direction.x(), direction.y(), direction.z(), 0}};
   const double back_m = probe.definition.back_m;
   const AnswerHit* first = ray.first_within(back_m + probe.definition.reach_m);
@@ -145,15 +149,18 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     reading.point = hit.point;
     reading.normal = hit.normal;
     reading.clearance_m = hit.distance_m - back_m;
-    reading.error_m = hit.error_m + (back_m == 0 ? 0 : std::numeric_limits<double>::epsilon() * std::abs(reading.clearance_m));
+    reading.error_m =
+        hit.error_m + (back_m == 0 ? 0 : std::numeric_limits<double>::epsilon() * std::abs(reading.clearance_m));
     if ((hit.flags & kInside) != 0) reading.state = ProbeState::deeper;
-    else if (std::abs(reading.clearance_m) > reading.error_m) reading.state = reading.clearance_m > 0 ? ProbeState::gap : ProbeState::collision;
+    else if (std::abs(reading.clearance_m) > reading.error_m)
+      reading.state = reading.clearance_m > 0 ? ProbeState::gap : ProbeState::collision;
     else reading.state = ray.state_about(back_m);
     agree_with_sign(reading);
   }
   // The space up to the hit, or as far as the ray looks, must be covered by loaded geometry.
   const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
-  const bool is_covered = !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
+  const bool is_covered =
+      !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
   if (ray.undecided || !is_covered) reading.state = ProbeState::undecided;
   itself = met_by_others;
   return reading;

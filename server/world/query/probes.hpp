@@ -29,8 +29,8 @@ enum class ProbeState : std::uint8_t {
 /// it looks from behind, an origin that sank into the ground differs from one above it, whichever way the ground's
 /// triangles are wound.
 struct ProbeDefinition {
-  std::string name;    // unique; replaces a probe of that name
-  std::string object;  // bound by name, so that probes survive a publisher's return and a new definition
+  std::string name;                 // unique; replaces a probe of that name
+  std::string object;               // bound by name, so that probes survive a publisher's return and a new definition
   Vec3 origin = Vec3::Zero();       // in the object's frame
   Vec3 direction = -Vec3::UnitZ();  // finite and non-zero, any length
   double reach_m = 10;              // ahead of the origin, metres; may be infinite

@@ -37,7 +37,6 @@ std::uint32_t numbers_of(QuestionKind kind) {
 }
 namespace {
 
-
 std::int64_t steady_now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
@@ -55,18 +54,12 @@ bool is_question(QuestionKind kind, const double* n) {
     return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
   };
   switch (kind) {
-    case QuestionKind::ray:
-      return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
-    case QuestionKind::sphere:
-      return finite(0, 4) && n[3] >= 0;
-    case QuestionKind::box:
-      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
-    case QuestionKind::near:
-      return finite(0, 3) && n[3] >= 0;
-    case QuestionKind::sweep:
-      return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
-    default:
-      return false;
+    case QuestionKind::ray: return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
+    case QuestionKind::sphere: return finite(0, 4) && n[3] >= 0;
+    case QuestionKind::box: return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
+    case QuestionKind::near: return finite(0, 3) && n[3] >= 0;
+    case QuestionKind::sweep: return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
+    default: return false;
   }
 }
 
@@ -145,7 +138,8 @@ void push_answer(Answers& answers, const Question& question) {
 void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
   const bool is_claim = answers.answers.back() == Verdict::miss || answers.answers.back() == Verdict::hit;
   if (!is_claim) return;
-  const std::optional<Leaving> leaving = leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
+  const std::optional<Leaving> leaving =
+      leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
   if (!leaving) return;
   answers.answers.back() = Verdict::undecided;
   answers.reasons.back() = UndecidedReason::not_covered;
@@ -188,8 +182,11 @@ struct QuestionBatch {
   }
   void answer_one(const double* numbers) const {
     if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
-    Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed,
-                      .open_scenes = scratch.open_scenes, .found = scratch.found};
+    Question question{.snapshot = snapshot,
+                      .asked = asked,
+                      .allowed = scratch.allowed,
+                      .open_scenes = scratch.open_scenes,
+                      .found = scratch.found};
     ask(question, numbers);
     finish(question, numbers);
   }

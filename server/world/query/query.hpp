@@ -54,7 +54,7 @@ struct Questions {
   // Patterns of names: only those that match the first, and none that match the second; empty: no restriction.
   std::string_view only = {};
   std::string_view skip = {};
-  std::int64_t deadline_ns = 0;       // steady clock; 0: none
+  std::int64_t deadline_ns = 0;  // steady clock; 0: none
   // distances and depths may be off by this much, metres; yes and no are exact regardless
   double error_m = 0;
   Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided
@@ -69,7 +69,7 @@ bool may_answer(const ObjectInfo& info, const Questions& asked);
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
-  std::uint8_t flags = 0;                               // wire_contract::HitFlags
+  std::uint8_t flags = 0;                // wire_contract::HitFlags
   // along the ray; depth for overlaps; distance for near; for sweeps the end of the time bracket
   double distance_m = 0;  // along the ray; depth for overlaps; distance for near
   double error_m = 0;
@@ -102,11 +102,11 @@ struct Answers {
 
 /// Memory that answering needs; one per thread.
 struct QueryScratch {
-  std::vector<std::uint8_t> allowed;          // by slot, for the filter below
-  std::vector<std::uint8_t> open_scenes;      // by scene: every part of it may answer
+  std::vector<std::uint8_t> allowed;      // by slot, for the filter below
+  std::vector<std::uint8_t> open_scenes;  // by scene: every part of it may answer
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
-  const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for
+  const ObjectTable* allowed_table = nullptr;        // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;
   std::uint32_t allowed_mask = 0;

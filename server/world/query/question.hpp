@@ -20,7 +20,7 @@ struct Question {
   const Questions& asked;
   const std::vector<std::uint8_t>& allowed;      // by slot
   const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
-  std::vector<AnswerHit>& found;             // each kind clears it first
+  std::vector<AnswerHit>& found;                 // each kind clears it first
   WalkCost walk = {};
   Level level = Level::filter;
   std::uint32_t exact_tests = 0;

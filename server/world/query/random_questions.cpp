@@ -6,7 +6,6 @@
 
 namespace collided::engine {
 
-
 RandomQuestions::RandomQuestions(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
   Aabb world;
   visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape) { world.extend(bounds(shape)); });
@@ -33,15 +32,13 @@ std::vector<double> RandomQuestions::question(QuestionKind kind) {
       if (d.isZero(0)) d = Vec3::UnitX();
       return {p.x(), p.y(), p.z(), d.x(), d.y(), d.z(), kEndless};
     }
-    case QuestionKind::sphere:
-      return {p.x(), p.y(), p.z(), size()};
+    case QuestionKind::sphere: return {p.x(), p.y(), p.z(), size()};
     case QuestionKind::box: {
       const double x = size();
       const double y = size();
       return {p.x(), p.y(), p.z(), x, y, size(), 1, 0, 0, 0};
     }
-    default:
-      return {p.x(), p.y(), p.z(), kEndless};
+    default: return {p.x(), p.y(), p.z(), kEndless};
   }
 }
 

@@ -15,7 +15,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// A ray's walk through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
 /// others. Distances along the ray are s * |direction|; the walks use s.
 struct RayWalk {
@@ -94,8 +93,7 @@ bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
 bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
   const AnswerHit kept{.object = object,
                        .triangle = triangle,
-                       .flags = static_cast<std::uint8_t>(question.flags_of(object) |
-                                                          (hit.inside ? kInside : 0)),
+                       .flags = static_cast<std::uint8_t>(question.flags_of(object) | (hit.inside ? kInside : 0)),
                        .distance_m = hit.distance_m,
                        .error_m = hit.distance_error_m,
                        .exit_m = hit.exit_m,
@@ -126,7 +124,8 @@ struct SceneWalk {
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     const std::uint32_t part = scene->part_of(triangle);
     const ObjectId object = scene->part_objects[part];
-    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle, kNotPlaced);
+    if (walk->question.allows(object))
+      walk->test(corners, object, triangle - scene->parts[part].first_triangle, kNotPlaced);
     return walk->limit;
   }
   /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
@@ -149,10 +148,8 @@ void RayWalk::walk_scene(std::size_t index) {
   const StaticScene& scene = *question.snapshot.scenes[index];
   const SceneWalk candidate{this, &scene};
   switch (goal(index)) {
-    case Bvh::RayGoal::every:
-      return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
-    case Bvh::RayGoal::nearest:
-      return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
+    case Bvh::RayGoal::every: return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
+    case Bvh::RayGoal::nearest: return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
     case Bvh::RayGoal::any:
       return candidate.meet(scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk));
   }
@@ -227,7 +224,9 @@ void RayWalk::walk_object(std::uint32_t slot) {
   const Frame& frame = question.snapshot.frames[slot];
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
-    const auto placing_m = [&] { return placing_error_m(frame, any, (ray.origin - frame.position).lpNorm<1>() + question.found.back().distance_m); };
+    const auto placing_m = [&] {
+      return placing_error_m(frame, any, (ray.origin - frame.position).lpNorm<1>() + question.found.back().distance_m);
+    };
     std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
   };
   if (info.parts) {
@@ -246,7 +245,8 @@ void RayWalk::walk_object(std::uint32_t slot) {
 /// Orders several hits, drops duplicates (a split that clips triangles may offer one twice), and cuts at max_hits.
 void finish_all(Question& question) {
   std::vector<AnswerHit>& found = question.found;
-  std::sort(found.begin(), found.end(), [&](const AnswerHit& a, const AnswerHit& b) { return question.nearer_first(a, b); });
+  std::sort(found.begin(), found.end(),
+            [&](const AnswerHit& a, const AnswerHit& b) { return question.nearer_first(a, b); });
   const auto same = [](const AnswerHit& a, const AnswerHit& b) {
     return a.object == b.object && a.triangle == b.triangle && a.distance_m == b.distance_m &&
            a.triangle != kNoTriangle;
@@ -310,7 +310,8 @@ void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t in
       continue;
     }
     candidates[count] = {&*walk, &scene};
-    tasks[count] = {.ray = &walk->ray, .limit = walk->limit, .candidate = candidates[count], .cost = &walk->question.walk};
+    tasks[count] = {
+        .ray = &walk->ray, .limit = walk->limit, .candidate = candidates[count], .cost = &walk->question.walk};
     ++count;
   }
   scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal);

@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 /// The region in which the object may be by now, roundings included.
@@ -101,7 +100,8 @@ void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& 
       const std::span<const AnswerHit> hits = std::span(answers.hits).subspan(first_hit, answers.hit_counts[i]);
       first_hit += hits.size();
       const bool is_claim = answers.answers[i] == Verdict::miss || answers.answers[i] == Verdict::hit;
-      const bool is_met = std::any_of(hits.begin(), hits.end(), [&](const AnswerHit& hit) { return hit.object == object.id; });
+      const bool is_met =
+          std::any_of(hits.begin(), hits.end(), [&](const AnswerHit& hit) { return hit.object == object.id; });
       if (!is_claim || is_met || !could_change(questions, &questions.numbers[i * stride], hits, region)) continue;
       answers.answers[i] = Verdict::undecided;
       answers.reasons[i] = UndecidedReason::stale_object;

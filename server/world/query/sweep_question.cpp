@@ -27,8 +27,12 @@ struct First {
     const bool earlier = !any || found.high < hit.distance_m || (found.high == hit.distance_m && object < hit.object);
     if (!earlier) return;
     any = true;
-    hit = {.object = object, .triangle = triangle, .flags = flags, .distance_m = found.high,
-           .point = touch.contact.point, .normal = touch.contact.normal};
+    hit = {.object = object,
+           .triangle = triangle,
+           .flags = flags,
+           .distance_m = found.high,
+           .point = touch.contact.point,
+           .normal = touch.contact.normal};
   }
 };
 

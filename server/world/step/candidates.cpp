@@ -74,7 +74,8 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
 /// more.
 bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
   const auto found = [&](std::uint32_t other) {
-    const bool looks_too = rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
+    const bool looks_too =
+        rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
     return other == mover || (looks_too && other < mover) || consider(mover, other);
   };
   grid.walk_box(step_.motion.bounds()[mover], found, walk_);

@@ -73,7 +73,8 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
 
   // Decisions, written to the ledger.
   if (has_open) {
-    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all}, *next->grid);
+    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all},
+             *next->grid);
     if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {

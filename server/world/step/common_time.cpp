@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// Tests of pairs of parts that the sweep of one piece may take.
 constexpr std::uint32_t kSweepLooks = 10'000;
 /// Width of brackets: reported times are whole nanoseconds. A contact that is much shorter comes out undecided.
@@ -23,12 +22,17 @@ bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.posi
 
 /// The same piece with time reversed.
 PairPiece turned_back(const PairPiece& piece) {
-  return {.a = piece.a, .b = piece.b, .from_ns = piece.from_ns, .to_ns = piece.to_ns,
-          .a_motion = {piece.a_motion.to, piece.a_motion.from}, .b_motion = {piece.b_motion.to, piece.b_motion.from}};
+  return {.a = piece.a,
+          .b = piece.b,
+          .from_ns = piece.from_ns,
+          .to_ns = piece.to_ns,
+          .a_motion = {piece.a_motion.to, piece.a_motion.from},
+          .b_motion = {piece.b_motion.to, piece.b_motion.from}};
 }
 
 /// The velocity of the object's point that is at `point` at that time; an object without a segment rests.
-BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
+BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns,
+                                      double slack_s) {
   if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
   return BodyMotion(segment->from, segment->to)
@@ -40,7 +44,8 @@ BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& 
 bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) const {
   const Sources& sources = step_.sources;
   const std::uint32_t source = rows_.source(first);
-  if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting) return false;
+  if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting)
+    return false;
   if (source != rows_.source(second) || sources[source].is_streamed) return true;
   if (!sources[source].has_spoken) return false;
   // Two objects of one publisher: what it moved at one instant shares its motion, and only that.
@@ -114,7 +119,10 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   for (const std::int64_t to_ns : lists_.cuts) {
     // Two spheres: their centres alone rule out most pieces of most candidates.
     if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
-      is_open = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
+      is_open = decide_piece({.a = first,
+                              .b = second,
+                              .from_ns = from_ns,
+                              .to_ns = to_ns,
                               .a_motion = history.motion(first, from_ns, to_ns, rows_[first].frame),
                               .b_motion = history.motion(second, from_ns, to_ns, rows_[second].frame)});
     }
@@ -180,8 +188,9 @@ void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch,
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
   if (touch.yes || touch.undecided) {
     // Once touching, a pair holds until it is known to be apart.
-    FoundContact found = touch.yes ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
-                                   : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
+    FoundContact found = touch.yes
+                             ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
+                             : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
     found.bracket_low_s = first.low_s;
     found.bracket_high_s = first.high_s;
     ledger_.touches(found);
@@ -206,7 +215,8 @@ ContactEnd Decisions::parting(const PairPiece& piece) {
 
 /// In whole nanoseconds, rounded outward, and widened by how long the rounding of both positions takes along the
 /// normal.
-Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const {
+Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket,
+                                              const Vec3& normal) const {
   const double length_ns = static_cast<double>(piece.to_ns - piece.from_ns);
   double place_m = 0;
   for (const BodyMotion* path : {&piece.a_motion, &piece.b_motion}) {
@@ -246,7 +256,10 @@ void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
 /// or is in doubt.
 bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();
-  const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
+  const PairPiece instant{.a = a,
+                          .b = b,
+                          .from_ns = time_ns,
+                          .to_ns = time_ns,
                           .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].frame)),
                           .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].frame))};
   const ContactSearch touch = touch_at_end(instant);
@@ -257,7 +270,8 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
     ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
   } else if (is_held && !touch.undecided) {
     const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
-    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s, parted.bracket_high_s - error_s);
+    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s,
+                  parted.bracket_high_s - error_s);
   } else if (!touch.yes && touch.undecided) {
     ledger_.doubts(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1), Doubt::numeric);
   } else if (!touch.yes) {
@@ -291,10 +305,10 @@ SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
   }
   SweptTouch touch;
   const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * 1e-9;
-  const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, 1e-12, 1e-3),
-                             .contacts = true,
-                             .most_looks = kSweepLooks};
-  sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options, walk_, touch);
+  const SweepOptions options{
+      .width = std::clamp(kSweepWidth_s / length_s, 1e-12, 1e-3), .contacts = true, .most_looks = kSweepLooks};
+  sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options,
+        walk_, touch);
   cost_.exact_tests += touch.exact_tests;
   return touch;
 }
@@ -310,7 +324,8 @@ std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, 
                               .end = place(path.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
-  const Placed at_end{.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
+  const Placed at_end{
+      .info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
   sweep_object(sweep, at_end, walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
@@ -323,8 +338,9 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
   const Sphere& other = *rows_[b].lone_sphere;
   const MotionHistory::PointMotion path = history.center_motion(a, ball.center, from_ns, to_ns, rows_[a].frame);
   const MotionHistory::PointMotion others = history.center_motion(b, other.center, from_ns, to_ns, rows_[b].frame);
-  return kernel::surely_apart({.start = path.from + (others.to - others.from), .end = path.to, .radius_m = ball.radius_m},
-                              {.center = others.to, .radius_m = other.radius_m});
+  return kernel::surely_apart(
+      {.start = path.from + (others.to - others.from), .end = path.to, .radius_m = ball.radius_m},
+      {.center = others.to, .radius_m = other.radius_m});
 }
 
 /// The bounds of the two motions do not overlap.
@@ -342,7 +358,8 @@ double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_trian
     b.frame = &frame_b;
     return placing_error_m(a, a_triangle, b, b_triangle);
   };
-  const double motion_m = piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m);
+  const double motion_m =
+      piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m);
   return std::max(at(piece.a_motion.from, piece.b_motion.from), at(piece.a_motion.to, piece.b_motion.to)) + motion_m;
 }
 

@@ -10,7 +10,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// Candidates that a step may test per contact that it may find: pairs that are apart cost time, but never memory.
 constexpr std::uint64_t kCandidatesAContact = 16;
 
@@ -87,7 +86,8 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 
 /// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
 /// step, or nothing new.
-void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep,
+                       std::uint32_t mover) {
   if (sweep != nullptr) {
     ++cost_.swept;
     cost_.exact_tests += sweep->exact_tests;
@@ -103,7 +103,10 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   if (!is_held && !passed && ledger_.open().size() >= step_.options.max_contacts) cost_.truncated = true;
   if (cost_.truncated && !is_held) return;
   ++cost_.contacts;
-  FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
+  FoundContact found{.a = a,
+                     .b = b,
+                     .a_triangle = touch.a_triangle,
+                     .b_triangle = touch.b_triangle,
                      .contact = passed || holds_on ? sweep->contact : touch.contact};
   if (passed || holds_on) {
     found.a_triangle = sweep->a_triangle;
@@ -117,13 +120,15 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   set_bracket(found, sweep, mover);
   const bool is_told = step_.step_options.persisted || !is_held;
   if (step_.step_options.contacts) {
-    found.contact.depth_error_m += placing_error_m(placed(slot_of(found.a)), found.a_triangle, placed(slot_of(found.b)), found.b_triangle);
+    found.contact.depth_error_m +=
+        placing_error_m(placed(slot_of(found.a)), found.a_triangle, placed(slot_of(found.b)), found.b_triangle);
   }
   if (step_.step_options.contacts && is_told) {
     const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
     const double slack_s = found.bracket_low_s - found.bracket_high_s;
-    set_velocity(found, velocity_at(point, slot_of(found.a), time, slack_s), velocity_at(point, slot_of(found.b), time, slack_s));
+    set_velocity(found, velocity_at(point, slot_of(found.a), time, slack_s),
+                 velocity_at(point, slot_of(found.b), time, slack_s));
   }
   if (passed) {
     ledger_.touched_and_parted(found);
@@ -133,7 +138,8 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
 }
 
 /// The pair was found neither to touch nor to be apart, at the step's end or on the way there.
-void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep,
+                             std::uint32_t mover) {
   FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
   const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
   if (!touch.undecided && !is_on_way) return;
@@ -153,8 +159,10 @@ void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::u
     set_bracket_of_moves(found);
   } else if (is_timed(mover)) {
     const double duration_ns = static_cast<double>(motion_ns);
-    found.bracket_low_s = seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * duration_ns)));
-    found.bracket_high_s = seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * duration_ns)));
+    found.bracket_low_s =
+        seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * duration_ns)));
+    found.bracket_high_s =
+        seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * duration_ns)));
   } else {
     const double end_s = seconds_ago(row.posed_ns);
     const double motion_s = static_cast<double>(motion_ns) * 1e-9;
@@ -194,7 +202,8 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
 }
 
 /// The velocity of the object's point that is at `point` at a fraction of its last motion, m/s.
-BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
+BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time,
+                                                 double slack_s) const {
   const ObjectRow& row = rows_[slot];
   const std::int64_t motion_ns = row.posed_ns - row.posed_before_ns;
   if (!row.has_motion || motion_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};

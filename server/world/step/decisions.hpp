@@ -67,7 +67,13 @@ struct PairPiece {
 class Decisions {
  public:
   Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost)
-      : step_(step), rows_(step.rows), motion_(step.motion), ledger_(ledger), apart_(apart), lists_(lists), cost_(cost) {}
+      : step_(step),
+        rows_(step.rows),
+        motion_(step.motion),
+        ledger_(ledger),
+        apart_(apart),
+        lists_(lists),
+        cost_(cost) {}
 
   /// Decides a mover against all parts of a scene.
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
@@ -151,9 +157,7 @@ class Decisions {
     return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
   }
   /// A number for the scene where SeparationCache takes a slot; counts down from the highest.
-  static std::uint32_t partner_of(std::size_t scene) {
-    return kNoTriangle - static_cast<std::uint32_t>(scene);
-  }
+  static std::uint32_t partner_of(std::size_t scene) { return kNoTriangle - static_cast<std::uint32_t>(scene); }
 
   const StepView& step_;
   const ObjectRows& rows_;

@@ -43,7 +43,8 @@ struct Side {
 
 class Correction {
  public:
-  Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger)
+  Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
+             ContactLedger& ledger)
       : rows_(rows), scenes_(scenes), ledger_(ledger) {}
 
   void run() {
@@ -74,9 +75,8 @@ class Correction {
       if (a.moving && has_faces(b)) sides_.push_back({open.a, i, open.b, open.b_triangle, open.contact.normal, false});
       if (b.moving && has_faces(a)) sides_.push_back({open.b, i, open.a, open.a_triangle, -open.contact.normal, false});
     }
-    std::sort(sides_.begin(), sides_.end(), [](const Side& x, const Side& y) {
-      return x.mover != y.mover ? x.mover < y.mover : x.body < y.body;
-    });
+    std::sort(sides_.begin(), sides_.end(),
+              [](const Side& x, const Side& y) { return x.mover != y.mover ? x.mover < y.mover : x.body < y.body; });
   }
 
   void look_at(std::size_t first, std::size_t end) {
@@ -115,8 +115,8 @@ class Correction {
     const Vec3& origin = ledger_.open()[one.number].contact.point;
     const Bounded reach = reach_of(one, towards, origin);
     const Bounded others = reach_of(other, towards, origin);
-    return std::isfinite(reach.high()) && others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) &&
-           std::isfinite(others.low());
+    return std::isfinite(reach.high()) &&
+           others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) && std::isfinite(others.low());
   }
 
   double rounding_m(ObjectId id) const {

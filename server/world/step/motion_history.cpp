@@ -9,14 +9,16 @@ namespace {
 Frame place_on(const MotionSegment& segment, std::int64_t time_ns) {
   if (time_ns >= segment.to_ns) return segment.to;
   if (time_ns <= segment.from_ns) return segment.from;
-  const double share = static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
+  const double share =
+      static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
   return BodyMotion(segment.from, segment.to).at(share);
 }
 
 Vec3 center_on(const MotionSegment& segment, const Vec3& center, std::int64_t time_ns) {
   if (time_ns >= segment.to_ns) return place(segment.to, center);
   if (time_ns <= segment.from_ns) return place(segment.from, center);
-  const double share = static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
+  const double share =
+      static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
   return segment.to.rotation * center + ((1 - share) * segment.from.position + share * segment.to.position);
 }
 
@@ -90,7 +92,8 @@ const MotionSegment* MotionHistory::ending_after(std::uint32_t slot, std::int64_
   return nullptr;
 }
 
-BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const {
+BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns,
+                                 const Frame& resting) const {
   if (!is_travelling(slot)) return BodyMotion::resting(resting);
   const MotionSegment* found = ending_after(slot, from_ns);
   if (found == nullptr) return BodyMotion::resting(segments_[slot].back().to);
@@ -99,7 +102,7 @@ BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::
 }
 
 MotionHistory::PointMotion MotionHistory::center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,
-                                                  std::int64_t to_ns, const Frame& resting) const {
+                                                        std::int64_t to_ns, const Frame& resting) const {
   const auto at_rest = [&](const Frame& frame) {
     const Vec3 point = place(frame, center);
     return PointMotion{point, point};

@@ -53,7 +53,7 @@ class MotionHistory {
     Vec3 to;
   };
   PointMotion center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns, std::int64_t to_ns,
-                      const Frame& resting) const;
+                            const Frame& resting) const;
   /// The frame at that time, after a jump at it.
   Frame at(std::uint32_t slot, std::int64_t time_ns, const Frame& resting) const;
 

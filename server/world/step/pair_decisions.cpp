@@ -32,7 +32,8 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   std::optional<SweptTouch> sweep;
   std::uint32_t mover = first;
   if (!ledger_.holds(a.info->id, b.info->id)) sweep = sweep_between(first, second, mover);
-  report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover);
+  report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
+         rows_.has_moved(mover) ? mover : first + second - mover);
   if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
 }
 
@@ -87,9 +88,9 @@ std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint
   const bool other_moved = rows_.motion(other) == Motion::moved;
   const Frame& before = rows_.motion(mover) == Motion::moved ? rows_[mover].frame_before : rows_[mover].frame;
   SphereSweep sweep{.mover = {.start = place(before, sphere->center),
-                        .end = place(rows_[mover].frame, sphere->center),
-                        .radius_m = sphere->radius_m},
-              .width = step_.options.sweep_width};
+                              .end = place(rows_[mover].frame, sphere->center),
+                              .radius_m = sphere->radius_m},
+                    .width = step_.options.sweep_width};
   if (other_moved) sweep.mover.start += rows_[other].frame.position - rows_[other].frame_before.position;
   sweep_object(sweep, placed(other), walk_);
   return sweep.found;

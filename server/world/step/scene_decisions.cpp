@@ -6,10 +6,7 @@
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   if (is_bare_mesh(mover) && apart_.holds(mover, partner_of(scene_number))) {
@@ -35,11 +32,13 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
   lists_.part_touches.clear(step_.step_options.contacts);
   const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
-    visit_scene(scene, bounds(part_of_a), walk_, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
-      ContactSearch& touch = lists_.part_touches.of(part);
-      if (!touch.done()) search_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
-      return true;
-    });
+    visit_scene(scene, bounds(part_of_a), walk_, allowed,
+                [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
+                  ContactSearch& touch = lists_.part_touches.of(part);
+                  if (!touch.done())
+                    search_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
+                  return true;
+                });
   };
   for (const Primitive& primitive : a.info->primitives) {
     std::visit([&](const auto& own) { test(place(*a.frame, own), kNoTriangle); }, primitive);
@@ -62,7 +61,8 @@ void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
 /// Only pairs without a contact need a first time.
 bool Decisions::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const {
   const ObjectId id = scene.part_objects[part];
-  return may_meet(mover.filter, scene.parts[part].filter) && !ledger_.holds(std::min(mover.id, id), std::max(mover.id, id));
+  return may_meet(mover.filter, scene.parts[part].filter) &&
+         !ledger_.holds(std::min(mover.id, id), std::max(mover.id, id));
 }
 
 /// The sweep of a part, begun if there is none; the reference is valid until the next call.
@@ -78,13 +78,14 @@ SweptTouch& Decisions::part_sweep(std::uint32_t part) {
 
 void Decisions::sweep_sphere_parts(const MovingSphere& motion, const ObjectInfo& mover, const StaticScene& scene) {
   SphereSweep sweep{.mover = motion, .width = step_.options.sweep_width};
-  visit_scene(scene, bounds(motion), walk_, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
-              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
-                sweep.found = part_sweep(part);
-                sweep_part(sweep, corners, triangle - scene.parts[part].first_triangle);
-                part_sweep(part) = sweep.found;
-                return true;
-              });
+  visit_scene(
+      scene, bounds(motion), walk_, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
+      [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+        sweep.found = part_sweep(part);
+        sweep_part(sweep, corners, triangle - scene.parts[part].first_triangle);
+        part_sweep(part) = sweep.found;
+        return true;
+      });
 }
 
 void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
@@ -96,7 +97,8 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
   const SweptBody body(info, motion_.body_motion(mover));
   if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of)) ++cost_.sweeps_skipped;
   // The search numbers triangles within the scene; contacts number them within the part.
-  for (PartSweep& sweep : lists_.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
+  for (PartSweep& sweep : lists_.part_sweeps)
+    sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 
 void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene) {

@@ -83,9 +83,7 @@ bool SeparationCache::is_worth_looking(std::uint32_t slot, std::uint32_t partner
 }
 
 void SeparationCache::looked_in_vain(std::uint32_t slot, std::uint32_t partner) {
-  if (Pair* pair = find_or_add(slot, partner)) {
-    *pair = {.look_again = step_ + kStepsBetweenLooks, .asked = step_};
-  }
+  if (Pair* pair = find_or_add(slot, partner)) { *pair = {.look_again = step_ + kStepsBetweenLooks, .asked = step_}; }
 }
 
 void SeparationCache::end_step() {

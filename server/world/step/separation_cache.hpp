@@ -37,7 +37,7 @@ class SeparationCache {
  private:
   /// How far an object has moved in all; differences of two readings bound its motion between them.
   struct Odometer {
-    double gone_m = 0;             // metres since it was last placed; rounded up
+    double gone_m = 0;  // metres since it was last placed; rounded up
     std::uint32_t placements = 0;
   };
   /// What is remembered of a pair; arrays hold the lower slot first.

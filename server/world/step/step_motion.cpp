@@ -46,7 +46,8 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     count_way(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
-    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot, sources[rows_.source(slot)]);
+    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr)
+      remember(slot, sources[rows_.source(slot)]);
   }
   if (sources.is_any_over_floor_again()) begin_anew(sources);
   for (const std::uint32_t slot : young_) open_[slot] = 1;
@@ -69,16 +70,16 @@ void StepMotion::end_step(std::int64_t floor_ns) {
   for (const std::uint32_t slot : rows_.moved()) swept_[slot] = 0;
   for (const std::uint32_t slot : young_) open_[slot] = 0;
   for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
-  std::erase_if(young_, [&](std::uint32_t slot) {
-    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= floor_ns;
-  });
+  std::erase_if(young_,
+                [&](std::uint32_t slot) { return rows_.info(slot) == nullptr || rows_[slot].born_ns <= floor_ns; });
   history_.forget_up_to(floor_ns);
 }
 
 void StepMotion::remember(std::uint32_t slot, const Source& source) {
   const ObjectRow& row = rows_[slot];
   const MotionTimes times = motion_times(row, rows_.is_new(slot), &source);
-  MotionSegment segment{.from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
+  MotionSegment segment{
+      .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
   if (!segment.is_jump()) {
     const BodyMotion path = motion_between(row.lone_sphere, row.frame_before, row.frame);
     segment.from = path.from;
@@ -138,7 +139,8 @@ void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
     return;
   }
   const double reach_m = info->mesh->radius_m;
-  apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
+  apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) +
+                        placement_slack(rows_[slot].frame_before, 0, reach_m) +
                         placement_slack(rows_[slot].frame, 0, reach_m));
 }
 

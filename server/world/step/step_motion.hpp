@@ -78,7 +78,7 @@ class StepMotion {
   std::vector<std::uint8_t> swept_;
   std::vector<std::uint8_t> open_;
   std::vector<std::uint32_t> widened_;  // slots whose bounds hold more than their present pose
-  std::vector<std::uint32_t> young_;  // objects that began after the floor; may contain one twice
+  std::vector<std::uint32_t> young_;    // objects that began after the floor; may contain one twice
   MotionHistory history_;
 };
 

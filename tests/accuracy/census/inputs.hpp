@@ -190,7 +190,8 @@ class Maker {
     for (int i = 0; i < 3; ++i) {
       const std::int64_t side = whole(0, 3) == 0 ? whole(-1, 1) : 2 * whole(0, 1) - 1;
       for (int k = 0; k < 3; ++k) {
-        p[k] += static_cast<std::int64_t>(static_cast<Int128>(side * b.half[i]) * b.axes[i][k] / (Int128{1} << b.shift));
+        p[k] +=
+            static_cast<std::int64_t>(static_cast<Int128>(side * b.half[i]) * b.axes[i][k] / (Int128{1} << b.shift));
       }
     }
     return p;

@@ -86,7 +86,9 @@ void subject(Table& table, const Effort& effort, const char* query, MakeCase mak
   for (auto& peer : peers) methods.push_back(std::move(peer));
   for (const Family family : kAllFamilies) {
     Maker make(effort.generator, family);
-    take<PairCase<A, B>>(table, query, name(family), effort.count(10'000'000 / 6 + 1), [&] { return pair_case<A, B>(make, make_case(make)); }, methods);
+    take<PairCase<A, B>>(
+        table, query, name(family), effort.count(10'000'000 / 6 + 1),
+        [&] { return pair_case<A, B>(make, make_case(make)); }, methods);
   }
 }
 
@@ -96,7 +98,8 @@ void count_pairs(Table& table, const Effort& effort) {
   using TrianglePair = PairCase<Triangle, Triangle>;
   std::vector<Method<TrianglePair>> peers;
   peers.push_back(method<TrianglePair>(
-      "moeller_double", [](const TrianglePair& c) { return moeller_triangles(c.a, c.b) ? Decision::yes : Decision::no; },
+      "moeller_double",
+      [](const TrianglePair& c) { return moeller_triangles(c.a, c.b) ? Decision::yes : Decision::no; },
       effort.peer_count));
   subject<Triangle, Triangle>(table, effort, "triangle_triangle", triangle_triangle, peers);
   subject<Sphere, Sphere>(table, effort, "sphere_sphere", ball_ball);

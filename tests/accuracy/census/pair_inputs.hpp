@@ -23,7 +23,9 @@ inline void move(Maker& make, TriangleInput& t, const GridPoint& from, const Gri
   const GridPoint step = to + make.nudged() - from;
   t = {t.a + step, t.b + step, t.c + step};
 }
-inline void move(Maker& make, BoxInput& b, const GridPoint& from, const GridPoint& to) { b.center = b.center + (to + make.nudged() - from); }
+inline void move(Maker& make, BoxInput& b, const GridPoint& from, const GridPoint& to) {
+  b.center = b.center + (to + make.nudged() - from);
+}
 
 /// A point of b comes to a point of a, or one step beside it.
 template <class A, class B>
@@ -90,7 +92,8 @@ inline auto box_pill(Maker& make) {
     const std::int64_t far = make.size() / 8;
     b.a = surface + far * off + make.nudged();
     b.b = b.a + axis;
-    const double length = static_cast<double>(far) * std::sqrt(static_cast<double>(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]));
+    const double length =
+        static_cast<double>(far) * std::sqrt(static_cast<double>(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]));
     b.radius = touching_radius(make, length * length);
   }
   return std::pair{a, b};
@@ -129,11 +132,12 @@ inline auto triangle_triangle(Maker& make) {
   TriangleInput b = make.triangle();
   if (!make.aims()) return std::pair{a, b};
   const std::int64_t kind = make.whole(0, 5);
-  if (kind == 0) b = {a.a, a.b, make.point()};               // a shared edge
-  if (kind == 1) b = {a.c, make.point(), make.point()};      // a shared vertex
-  if (kind == 2) b = {make.on(a), make.on(a), make.point()}; // an edge in the other's plane
-  if (kind == 3) b = {make.summand(make.on(a)), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
-  if (kind >= 4) move_together(make, a, b);      // edges cross, a vertex on a face, and beside it
+  if (kind == 0) b = {a.a, a.b, make.point()};                // a shared edge
+  if (kind == 1) b = {a.c, make.point(), make.point()};       // a shared vertex
+  if (kind == 2) b = {make.on(a), make.on(a), make.point()};  // an edge in the other's plane
+  if (kind == 3)
+    b = {make.summand(make.on(a)), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
+  if (kind >= 4) move_together(make, a, b);  // edges cross, a vertex on a face, and beside it
   return std::pair{a, b};
 }
 

@@ -86,7 +86,8 @@ bool interval_on_line(const Distances& p, const Distances& d, std::array<double,
   else return false;
   const int u = (apex + 1) % 3;
   const int v = (apex + 2) % 3;
-  interval = {p[apex] + (p[u] - p[apex]) * d[apex] / (d[apex] - d[u]), p[apex] + (p[v] - p[apex]) * d[apex] / (d[apex] - d[v])};
+  interval = {p[apex] + (p[u] - p[apex]) * d[apex] / (d[apex] - d[u]),
+              p[apex] + (p[v] - p[apex]) * d[apex] / (d[apex] - d[v])};
   if (interval[0] > interval[1]) std::swap(interval[0], interval[1]);
   return true;
 }

@@ -23,9 +23,12 @@ LineEnd<T> end_of(const RayInput& ray) {
 
 bool meets(const RayInput& ray, const TriangleInput& t) {
   const auto ask = [&]<class T>(T) {
-    return line_meets_triangle<T>(ray.origin, ray.direction, end_of<T>(ray), Corners<T>{Vec<T>(t.a), Vec<T>(t.b), Vec<T>(t.c)});
+    return line_meets_triangle<T>(ray.origin, ray.direction, end_of<T>(ray),
+                                  Corners<T>{Vec<T>(t.a), Vec<T>(t.b), Vec<T>(t.c)});
   };
-  const auto small = [](const GridPoint& p) { return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < (1 << 24); };
+  const auto small = [](const GridPoint& p) {
+    return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < (1 << 24);
+  };
   // Flat triangles and rays in their plane have truths of degree 5, 24 bits each.
   if (ray.length < 0 && small(t.a) && small(t.b) && small(t.c) && small(ray.origin) && small(ray.direction)) {
     return ask(Narrow{});
@@ -41,8 +44,9 @@ bool meets(const RayInput& ray, const PillInput& pill) {
   const Wide reach2 = Wide(pill.radius) * Wide(pill.radius);
   if (ray.length < 0) return at_most(squared_distance_to_ray<Wide>(ray.origin, ray.direction, pill.a, pill.b), reach2);
   // The end is on the grid: the length is a whole number of directions.
-  const auto direction_length = static_cast<std::int64_t>(std::llround(std::sqrt(
-      static_cast<double>(ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1] + ray.direction[2] * ray.direction[2]))));
+  const auto direction_length = static_cast<std::int64_t>(std::llround(
+      std::sqrt(static_cast<double>(ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1] +
+                                    ray.direction[2] * ray.direction[2]))));
   const GridPoint end = ray.origin + (ray.length / direction_length) * ray.direction;
   return at_most(squared_distance<Wide>(ray.origin, end, pill.a, pill.b), reach2);
 }
@@ -83,7 +87,8 @@ void subject(Table& table, const Effort& effort, const char* query, MakeCase mak
   for (const Family family : kAllFamilies) {
     Maker make(effort.generator, family);
     const std::uint64_t count = family == Family::random ? effort.count(random_long) : effort.count(10'000'000 / 5);
-    take<RayCase<Shape>>(table, query, name(family), count, [&] { return ray_case<Shape>(make, make_case(make)); }, methods);
+    take<RayCase<Shape>>(
+        table, query, name(family), count, [&] { return ray_case<Shape>(make, make_case(make)); }, methods);
   }
 }
 
@@ -105,9 +110,12 @@ void count_rays(Table& table, const Effort& effort) {
     methods.insert(methods.end(), peers.begin(), peers.end());
     Maker make(effort.generator, Family::touching);
     const std::uint64_t count = effort.count(2'000'000);
-    take<TriangleCase>(table, "ray_triangle", "vertex", count, [&] { return ray_case<Triangle>(make, vertex_case(make)); }, methods);
-    take<TriangleCase>(table, "ray_triangle", "edge", count, [&] { return ray_case<Triangle>(make, edge_case(make)); }, methods);
-    take<TriangleCase>(table, "ray_triangle", "grazing", count, [&] { return ray_case<Triangle>(make, grazing_case(make)); }, methods);
+    take<TriangleCase>(
+        table, "ray_triangle", "vertex", count, [&] { return ray_case<Triangle>(make, vertex_case(make)); }, methods);
+    take<TriangleCase>(
+        table, "ray_triangle", "edge", count, [&] { return ray_case<Triangle>(make, edge_case(make)); }, methods);
+    take<TriangleCase>(
+        table, "ray_triangle", "grazing", count, [&] { return ray_case<Triangle>(make, grazing_case(make)); }, methods);
   }
   subject<Sphere>(table, effort, "ray_sphere", ball_case, 2'000'000);
   subject<Box>(table, effort, "ray_box", box_case, 2'000'000);

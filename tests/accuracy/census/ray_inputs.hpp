@@ -11,7 +11,8 @@ using namespace engine;
 
 /// A direction whose length is whole: any of these, mirrored and swapped, times a factor.
 inline GridPoint whole_direction(Maker& make) {
-  static constexpr std::int64_t kQuadruples[][3] = {{1, 2, 2}, {2, 3, 6}, {1, 4, 8}, {4, 4, 7}, {2, 6, 9}, {6, 6, 7}, {3, 4, 12}, {0, 3, 4}, {0, 0, 1}};
+  static constexpr std::int64_t kQuadruples[][3] = {{1, 2, 2}, {2, 3, 6},  {1, 4, 8}, {4, 4, 7}, {2, 6, 9},
+                                                    {6, 6, 7}, {3, 4, 12}, {0, 3, 4}, {0, 0, 1}};
   const auto& q = kQuadruples[make.whole(0, 8)];
   const auto first = static_cast<std::size_t>(make.whole(0, 2));
   GridPoint d;
@@ -95,7 +96,8 @@ inline auto ball_case(Maker& make) {
   BallInput ball = make.ball();
   if (!make.aims()) return std::pair{any_ray(make), ball};
   const RayInput ray = make.whole(0, 1) == 0 ? any_ray(make) : ray_through(make, make.point());
-  const Fraction<WideInt<8>> squared = squared_distance_to_ray<WideInt<8>>(ray.origin, ray.direction, ball.center, ball.center);
+  const Fraction<WideInt<8>> squared =
+      squared_distance_to_ray<WideInt<8>>(ray.origin, ray.direction, ball.center, ball.center);
   ball.radius = touching_radius(make, approximate(squared.numerator) / approximate(squared.denominator));
   return std::pair{ray, ball};
 }

@@ -45,11 +45,13 @@ class Table {
     for (std::size_t i = from; i < rows_.size(); ++i) {
       const Row& r = rows_[i];
       const double n = static_cast<double>(r.count);
-      std::printf("%-18s %-9s %-15s %10llu asked, missed %9llu, false %9llu, undecided %llu, uncertain %.4f %%, exact %.4f %%, %.0f ns\n",
-                  r.query.c_str(), r.family.c_str(), r.method.c_str(), static_cast<unsigned long long>(r.count),
-                  static_cast<unsigned long long>(r.missed), static_cast<unsigned long long>(r.found_falsely),
-                  static_cast<unsigned long long>(r.undecided), 100 * static_cast<double>(r.uncertain) / n,
-                  100 * static_cast<double>(r.exact) / n, r.nanoseconds / n);
+      std::printf(
+          "%-18s %-9s %-15s %10llu asked, missed %9llu, false %9llu, undecided %llu, uncertain %.4f %%, exact %.4f %%, "
+          "%.0f ns\n",
+          r.query.c_str(), r.family.c_str(), r.method.c_str(), static_cast<unsigned long long>(r.count),
+          static_cast<unsigned long long>(r.missed), static_cast<unsigned long long>(r.found_falsely),
+          static_cast<unsigned long long>(r.undecided), 100 * static_cast<double>(r.uncertain) / n,
+          100 * static_cast<double>(r.exact) / n, r.nanoseconds / n);
     }
     std::fflush(stdout);
   }

@@ -65,8 +65,7 @@ class WideInt {
       std::uint64_t carry = 0;
 #pragma GCC unroll 8
       for (int j = 0; j < kLimbs - i; ++j) {
-        const Unsigned128 part =
-            static_cast<Unsigned128>(a.limb_[i]) * b.limb_[j] + product.limb_[i + j] + carry;
+        const Unsigned128 part = static_cast<Unsigned128>(a.limb_[i]) * b.limb_[j] + product.limb_[i + j] + carry;
         product.limb_[i + j] = static_cast<std::uint64_t>(part);
         carry = static_cast<std::uint64_t>(part >> 64);
       }

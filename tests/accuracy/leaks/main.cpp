@@ -60,7 +60,9 @@ InsideRay aimed(const TriangleMesh& mesh, const Vec3& center, double inside_m, A
   const bool from_center = random() % 2 == 0;
   asked.ray.origin = from_center ? center : Vec3(center + inside_m * Vec3(part(random), part(random), part(random)));
   const Vec3 edge = t.a + (part(random) + 1) / 2 * (t.b - t.a);
-  const Vec3 target = aim == Aim::vertex ? t.a : aim == Aim::edge ? edge : Vec3(center + Vec3(part(random), part(random), part(random)));
+  const Vec3 target = aim == Aim::vertex ? t.a
+                      : aim == Aim::edge ? edge
+                                         : Vec3(center + Vec3(part(random), part(random), part(random)));
   asked.ray.direction = target - asked.ray.origin;
   if (asked.ray.direction.isZero(0)) asked.ray.direction = {1, 0, 0};
   return asked;
@@ -87,7 +89,8 @@ struct Scene {
   double inside_m = 0.25;
 };
 
-void count_leaks(Table& table, const Scene& scene, std::uint64_t count, std::uint64_t peer_count, std::mt19937_64& random) {
+void count_leaks(Table& table, const Scene& scene, std::uint64_t count, std::uint64_t peer_count,
+                 std::mt19937_64& random) {
   const Bvh tree = Bvh::build(scene.mesh);
   std::vector<Method<InsideRay>> methods;
   methods.push_back(method<InsideRay>(kOurs, [&](const InsideRay& c) { return leaks_not(tree, scene.mesh, c.ray); }));
@@ -96,10 +99,12 @@ void count_leaks(Table& table, const Scene& scene, std::uint64_t count, std::uin
         peer.name, [meets = peer.meets](const InsideRay& c) { return meets(c.ray) ? Decision::yes : Decision::no; },
         peer_count));
   }
-  for (const auto& [aim, label] : {std::pair{Aim::vertex, "vertex"}, {Aim::edge, "edge"}, {Aim::anywhere, "anywhere"}}) {
+  for (const auto& [aim, label] :
+       {std::pair{Aim::vertex, "vertex"}, {Aim::edge, "edge"}, {Aim::anywhere, "anywhere"}}) {
     const std::string query = std::string("closed_") + scene.name;
-    take<InsideRay>(table, query, label, aim == Aim::anywhere ? count / 8 : count,
-                    [&] { return aimed(scene.mesh, scene.center, scene.inside_m, aim, random); }, methods);
+    take<InsideRay>(
+        table, query, label, aim == Aim::anywhere ? count / 8 : count,
+        [&] { return aimed(scene.mesh, scene.center, scene.inside_m, aim, random); }, methods);
   }
 }
 
@@ -118,10 +123,11 @@ int run(int argc, char** argv) {
   const std::uint64_t peer_count = part == 1 ? 1'000'000 : 10'000;
   Table table;
   count_leaks(table, {"icosphere6", scenes::icosphere(6, 1)}, count, peer_count, random);
-  count_leaks(table, {"icosphere3_far", scenes::icosphere(3, 1000, Vec3(1e6, 1e6, 1e6)), Vec3(1e6, 1e6, 1e6), 100}, count,
-              peer_count, random);
+  count_leaks(table, {"icosphere3_far", scenes::icosphere(3, 1000, Vec3(1e6, 1e6, 1e6)), Vec3(1e6, 1e6, 1e6), 100},
+              count, peer_count, random);
   count_leaks(table, {"cube16", lattice_cube(16)}, count, peer_count, random);
-  count_leaks(table, {"icosphere4_tiny", scenes::icosphere(4, 0x1p-40), Vec3::Zero(), 0x1p-43}, count, peer_count, random);
+  count_leaks(table, {"icosphere4_tiny", scenes::icosphere(4, 0x1p-40), Vec3::Zero(), 0x1p-43}, count, peer_count,
+              random);
   count_fcl_distances(table, part == 1 ? 300 : 8, random);
   if (!csv.empty() && !table.write(csv)) return std::fprintf(stderr, "cannot write %s\n", csv.c_str()), 2;
   std::uint64_t rays = 0, wrong = 0;

@@ -41,9 +41,7 @@ Stage::Shot Stage::shoot(draw::DrawOptions options, bool with_buffers) {
     draw::Drawing drawing = draw::draw(shown, options, rays);
     Buffers buffers = with_buffers ? cast_buffers(drawing.camera, rays) : Buffers{};
     return {std::move(drawing), polygons_of(shown), std::move(buffers), rays.asked(), rays.undecided()};
-  } catch (const Error& error) {
-    throw std::runtime_error(error.message);
-  }
+  } catch (const Error& error) { throw std::runtime_error(error.message); }
 }
 
 }  // namespace collided::drawing_test

@@ -69,12 +69,9 @@ void for_back_faces(const Polygons& polygons, const draw::Camera& camera,
 
 double biased(double depth_m, double slope_m, Bias bias, double amount) {
   switch (bias) {
-    case Bias::fixed:
-      return depth_m - amount;
-    case Bias::non_linear:
-      return 1 / (1 / depth_m + amount);
-    case Bias::by_angle:
-      break;
+    case Bias::fixed: return depth_m - amount;
+    case Bias::non_linear: return 1 / (1 / depth_m + amount);
+    case Bias::by_angle: break;
   }
   return depth_m - amount * slope_m;
 }

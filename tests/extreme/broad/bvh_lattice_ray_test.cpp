@@ -39,10 +39,10 @@ TEST(ExtremeBvhLatticeRay, RaysInTheCuttingPlanesEqualBruteForce) {
   std::vector<double> rays;
   for (const double zero : {0.0, -0.0}) {
     for (const double y : {-3.0, -1.0, zero, 2.0, 3.0}) {
-      rays.insert(rays.end(), {-9, y, zero, 1, zero, 0, extreme::kEndless});   // along edges
-      rays.insert(rays.end(), {y, -9, 0.5, zero, 1, zero, 4});                  // in faces
-      rays.insert(rays.end(), {-9, -9, y, 1, 1, zero, extreme::kEndless});      // through edges
-      rays.insert(rays.end(), {-6, -6, -6 + y, 1, 1, 1, extreme::kEndless});    // through corners
+      rays.insert(rays.end(), {-9, y, zero, 1, zero, 0, extreme::kEndless});  // along edges
+      rays.insert(rays.end(), {y, -9, 0.5, zero, 1, zero, 4});                // in faces
+      rays.insert(rays.end(), {-9, -9, y, 1, 1, zero, extreme::kEndless});    // through edges
+      rays.insert(rays.end(), {-6, -6, -6 + y, 1, 1, 1, extreme::kEndless});  // through corners
     }
   }
   extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays);

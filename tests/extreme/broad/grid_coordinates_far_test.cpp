@@ -21,7 +21,8 @@ TEST(ExtremeGridFar, NeighboursTouchAndOthersDoNot) {
     const std::vector<Aabb> boxes = pairs_on_the_diagonal(offset);
     const extreme::Pairs pairs = extreme::pairs_of(extreme::grid_of(boxes));
     ASSERT_EQ(pairs.size(), 50u) << offset;
-    for (std::uint32_t i = 0; i < 50; ++i) EXPECT_EQ(pairs[i], (std::pair<std::uint32_t, std::uint32_t>(2 * i, 2 * i + 1)));
+    for (std::uint32_t i = 0; i < 50; ++i)
+      EXPECT_EQ(pairs[i], (std::pair<std::uint32_t, std::uint32_t>(2 * i, 2 * i + 1)));
   }
 }
 

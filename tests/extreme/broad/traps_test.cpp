@@ -19,7 +19,8 @@ std::vector<Ray> rays_of(double scale, double offset) {
   std::vector<Ray> rays;
   for (const double x : {-2.0, -0.5, -0.0, 0.0, 0.25, 1.0}) {
     const Vec3 from = scale * Vec3(x, 0, 5) + Vec3::Constant(offset);
-    for (const Vec3& along : {Vec3(0, 0, -1), Vec3(-0.0, 0, -kTiniest), Vec3(1, 0, 0), Vec3(1e-300, -1e300, 1), Vec3(1, 1, -1)}) {
+    for (const Vec3& along :
+         {Vec3(0, 0, -1), Vec3(-0.0, 0, -kTiniest), Vec3(1, 0, 0), Vec3(1e-300, -1e300, 1), Vec3(1, 1, -1)}) {
       for (const double length : {kEndless, 0.0, 4 * scale}) rays.push_back({from, along, length});
     }
   }

@@ -27,12 +27,12 @@ void expect(const Triangle& a, const Triangle& b, bool touching) {
 const Triangle kBase = in_plane(0, 0, 4, 0, 0, 4);
 
 TEST(ExtremeCoplanar, TrianglesInOnePlane) {
-  expect(kBase, in_plane(1, 1, 2, 1, 1, 2), true);         // inside
-  expect(kBase, in_plane(-9, -9, 90, -9, -9, 90), true);   // around
-  expect(kBase, in_plane(4, 0, 8, 0, 8, 4), true);         // a corner in common
-  expect(kBase, in_plane(2, 2, 4, 4, 2, 4), true);         // a corner on the long edge
-  expect(kBase, in_plane(4, 0, 0, 4, 4, 4), true);         // an edge in common
-  expect(kBase, in_plane(1, -1, 1, 9, 2, 9), true);        // edges crossing, no corner inside
+  expect(kBase, in_plane(1, 1, 2, 1, 1, 2), true);        // inside
+  expect(kBase, in_plane(-9, -9, 90, -9, -9, 90), true);  // around
+  expect(kBase, in_plane(4, 0, 8, 0, 8, 4), true);        // a corner in common
+  expect(kBase, in_plane(2, 2, 4, 4, 2, 4), true);        // a corner on the long edge
+  expect(kBase, in_plane(4, 0, 0, 4, 4, 4), true);        // an edge in common
+  expect(kBase, in_plane(1, -1, 1, 9, 2, 9), true);       // edges crossing, no corner inside
   expect(kBase, in_plane(2, 2 + 0x1p-50, 4, 4, 2, 4), false);
   expect(kBase, in_plane(4 + 0x1p-50, 0, 8, 0, 8, 4), false);
   expect(kBase, in_plane(-1, 0, -1, 4, -0x1p-1074, 2), false);
@@ -65,7 +65,8 @@ TEST(ExtremeCoplanar, ATriangleInTheFaceOfABox) {
   EXPECT_TRUE(overlaps(crate, in_top(1)).yes());
   EXPECT_EQ(overlaps(crate, in_top(extreme::up(1))).decision, Decision::no);
   EXPECT_TRUE(overlaps(crate, Triangle{{1, -3, 1}, {1, 3, 1}, {5, 0, 1}}).yes()) << "its edge along the box's";
-  EXPECT_EQ(overlaps(crate, Triangle{{extreme::up(1), -3, 1}, {extreme::up(1), 3, 1}, {5, 0, 1}}).decision, Decision::no);
+  EXPECT_EQ(overlaps(crate, Triangle{{extreme::up(1), -3, 1}, {extreme::up(1), 3, 1}, {5, 0, 1}}).decision,
+            Decision::no);
 }
 
 }  // namespace

@@ -49,8 +49,12 @@ TEST(ExtremeDecades, DepthsKeepFifteenDigits) {
 TEST(ExtremeDecades, AThousandthApartIsApart) {
   at_every_decade([](double m) {
     EXPECT_FALSE(overlaps(Sphere{{0, 0, 0}, m}, Sphere{{2.001 * m, 0, 0}, m}).yes());
-    EXPECT_FALSE(overlaps(Box{.center = {0, 0, 0}, .half_m = {m, m, m}}, Box{.center = {2.001 * m, 0, 0}, .half_m = {m, m, m}}).yes());
-    EXPECT_TRUE(overlaps(Box{.center = {0, 0, 0}, .half_m = {m, m, m}}, Box{.center = {1.999 * m, 0, 0}, .half_m = {m, m, m}}).yes());
+    EXPECT_FALSE(
+        overlaps(Box{.center = {0, 0, 0}, .half_m = {m, m, m}}, Box{.center = {2.001 * m, 0, 0}, .half_m = {m, m, m}})
+            .yes());
+    EXPECT_TRUE(
+        overlaps(Box{.center = {0, 0, 0}, .half_m = {m, m, m}}, Box{.center = {1.999 * m, 0, 0}, .half_m = {m, m, m}})
+            .yes());
     EXPECT_NEAR(closest({3 * m, 0, 0}, Box{.center = {0, 0, 0}, .half_m = {m, m, m}}).distance_m / m, 2, 1e-15);
   });
 }

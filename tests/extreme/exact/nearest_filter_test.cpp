@@ -36,12 +36,8 @@ TEST(ExtremeNearestFilter, TheBracketHoldsTheTruth) {
     // Two roundings between a square and a radius whose exact square is on the safe side.
     const double below = std::sqrt(distance.low2_m2) * (1 - 0x1p-51);
     const double above = std::sqrt(distance.high2_m2) * (1 + 0x1p-51);
-    if (below > 0) {
-      EXPECT_EQ(exactly::overlaps(Sphere{p, below}, t), Decision::no) << i;
-    }
-    if (std::isfinite(above)) {
-      EXPECT_EQ(exactly::overlaps(Sphere{p, above}, t), Decision::yes) << i;
-    }
+    if (below > 0) { EXPECT_EQ(exactly::overlaps(Sphere{p, below}, t), Decision::no) << i; }
+    if (std::isfinite(above)) { EXPECT_EQ(exactly::overlaps(Sphere{p, above}, t), Decision::yes) << i; }
     narrow += above - below <= 1e-9 * above ? 1 : 0;
   }
   EXPECT_GT(narrow, kTries / 2) << "a bracket that says nothing is no filter";
@@ -79,9 +75,7 @@ TEST(ExtremeNearestFilter, NoContactIsDeeperThanItsBound) {
       near += of_sphere_m - depth_m <= 1e-6 * sphere.radius_m ? 1 : 0;
       ++met;
     }
-    if (overlaps(box, t, of_box_m).yes()) {
-      EXPECT_LE(contact(box, t).depth_m, of_box_m) << i;
-    }
+    if (overlaps(box, t, of_box_m).yes()) { EXPECT_LE(contact(box, t).depth_m, of_box_m) << i; }
   }
   EXPECT_GT(near, met / 2);
 }

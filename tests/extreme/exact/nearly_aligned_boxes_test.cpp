@@ -46,8 +46,9 @@ TEST(ExtremeNearlyAlignedBoxes, AGapIsNotTalkedAway) {
   for (int power = 8; power <= 52; ++power) {
     const double s = std::ldexp(1.0, -power);
     for (const double gap : {1e-12, 1e-6, 1.0}) {
-      EXPECT_EQ(overlaps(Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}}, turned({2 + s + gap, 0.5, -0.25}, 2, s)).decision,
-                Decision::no)
+      EXPECT_EQ(
+          overlaps(Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}}, turned({2 + s + gap, 0.5, -0.25}, 2, s)).decision,
+          Decision::no)
           << power << " " << gap;
     }
   }

@@ -49,7 +49,8 @@ TEST(ExtremeNeedlePairs, DistancesKeepTwelveDigits) {
 
 TEST(ExtremeNeedlePairs, BoxesFromTheSide) {
   EXPECT_TRUE(overlaps(Box{.center = {0.5, 1 + kThin, 0}, .half_m = {1, 1, 1}}, kNeedle).yes());
-  EXPECT_EQ(overlaps(Box{.center = {0.5, extreme::up(1 + kThin), 0}, .half_m = {1, 1, 1}}, kNeedle).decision, Decision::no);
+  EXPECT_EQ(overlaps(Box{.center = {0.5, extreme::up(1 + kThin), 0}, .half_m = {1, 1, 1}}, kNeedle).decision,
+            Decision::no);
   EXPECT_EQ(overlaps(Box{.center = {0.25, 1 + kThin, 0}, .half_m = {0x1p-10, 1, 1}}, kNeedle).decision, Decision::no)
       << "the needle is lower there";
 }

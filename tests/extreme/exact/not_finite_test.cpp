@@ -37,7 +37,9 @@ TEST(ExtremeNotFinite, OverflowInsideIsDecidedAllTheSame) {
   const Box world{{0, 0, 0}, Mat3::Identity(), Vec3::Constant(huge)};
   EXPECT_TRUE(overlaps(world, world).yes());
   EXPECT_TRUE(overlaps(a, world).yes());
-  EXPECT_TRUE(overlaps(Triangle{{-huge, 0, 0}, {huge, 0, 0}, {0, huge, 0}}, Triangle{{0, 1, -huge}, {0, 1, huge}, {0, 2, huge}}).yes());
+  EXPECT_TRUE(
+      overlaps(Triangle{{-huge, 0, 0}, {huge, 0, 0}, {0, huge, 0}}, Triangle{{0, 1, -huge}, {0, 1, huge}, {0, 2, huge}})
+          .yes());
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ TEST(ExtremeOutOfRange, ATriangleInAHugeBoxIsFound) {
     const Box box{{0, 0, 0}, Mat3::Identity(), {4 * unit, 8 * unit, 16 * unit}};
     EXPECT_TRUE(overlaps(box, Triangle{{unit, 0, 0}, {0, unit, 0}, {0, 0, 3 * unit}}).yes()) << power;
     EXPECT_TRUE(overlaps(box, Triangle{{4 * unit, 0, 0}, {5 * unit, unit, 0}, {5 * unit, 0, unit}}).yes()) << power;
-    EXPECT_EQ(overlaps(box, Triangle{{5 * unit, 0, 0}, {6 * unit, unit, 0}, {6 * unit, 0, unit}}).decision, Decision::no)
+    EXPECT_EQ(overlaps(box, Triangle{{5 * unit, 0, 0}, {6 * unit, unit, 0}, {6 * unit, 0, unit}}).decision,
+              Decision::no)
         << power;
   }
 }

@@ -17,7 +17,9 @@ TEST(ExtremeRayDenormal, DirectionsAndOriginsAreNumbersToo) {
   EXPECT_TRUE(cast_ray({{0.25, 0.25, kTiniest}, {0, 0, -kTiniest}}, floor, hit).yes());
   EXPECT_EQ(hit.distance_m, kTiniest);
   EXPECT_FALSE(cast_ray({{0.25, 0.25, -kTiniest}, {0, 0, -1}}, floor, hit).yes());
-  EXPECT_TRUE(cast_ray({{-kTiniest, 0, 0}, {kTiniest, 0, 0}}, Box{{0.5, 0.5, 0.5}, Mat3::Identity(), {0.5, 0.5, 0.5}}, hit).yes());
+  EXPECT_TRUE(
+      cast_ray({{-kTiniest, 0, 0}, {kTiniest, 0, 0}}, Box{{0.5, 0.5, 0.5}, Mat3::Identity(), {0.5, 0.5, 0.5}}, hit)
+          .yes());
   EXPECT_EQ(hit.distance_m, kTiniest);
   EXPECT_TRUE(cast_ray({{-2, 0, 0}, {kTiniest, 0, 0}}, Sphere{{0, 0, 0}, 1}, hit).yes());
   EXPECT_EQ(hit.distance_m, 1);

@@ -10,7 +10,8 @@ namespace {
 const Triangle kFloor{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
 
 void expect_hit(const Ray& ray, const Triangle& triangle, double distance_m) {
-  for (const Triangle& t : {triangle, Triangle{triangle.b, triangle.c, triangle.a}, Triangle{triangle.c, triangle.b, triangle.a}}) {
+  for (const Triangle& t :
+       {triangle, Triangle{triangle.b, triangle.c, triangle.a}, Triangle{triangle.c, triangle.b, triangle.a}}) {
     RayHit hit;
     ASSERT_TRUE(cast_ray(ray, t, hit).yes());
     EXPECT_LE(std::abs(hit.distance_m - distance_m), hit.distance_error_m);

@@ -16,8 +16,8 @@ void expect_same_at_every_scale(const Ray& ray, const auto& shape) {
     RayHit hit;
     ASSERT_EQ(cast_ray(scale(ray), scale(shape), hit).decision, expected) << "2^" << power;
     if (expected != Decision::yes) continue;
-    EXPECT_LE(std::abs(hit.distance_m - scale(base.distance_m)),
-              hit.distance_error_m + scale(base.distance_error_m)) << "2^" << power;
+    EXPECT_LE(std::abs(hit.distance_m - scale(base.distance_m)), hit.distance_error_m + scale(base.distance_error_m))
+        << "2^" << power;
     EXPECT_LE(hit.distance_error_m, scale(base.distance_m) * 1e-9) << "2^" << power;
     EXPECT_NEAR(hit.normal.dot(base.normal), 1, 1e-12) << "2^" << power;
   }

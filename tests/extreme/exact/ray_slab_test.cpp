@@ -8,9 +8,7 @@
 namespace collided::engine {
 namespace {
 
-Box from_to(const Vec3& low, const Vec3& high) {
-  return {.center = (low + high) / 2, .half_m = (high - low) / 2};
-}
+Box from_to(const Vec3& low, const Vec3& high) { return {.center = (low + high) / 2, .half_m = (high - low) / 2}; }
 
 void expect_hit(const Ray& ray, const Box& box, double distance_m) {
   RayHit hit;

@@ -23,7 +23,8 @@ TEST(ExtremeRayTangent, AHundredMillionRadiiAwayOneStepDecides) {
     EXPECT_LE(hit.distance_error_m, 2e-10 * x);
     EXPECT_FALSE(cast_ray({{-x, up(1.0), 0.5}, {1, 0, 0}}, Capsule{{0, 0, -1}, {0, 0, 1}, 1}, hit).yes()) << x;
     EXPECT_TRUE(cast_ray({{-x, 1, 0.5}, {1, 0, 0}}, Box{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}}, hit).yes()) << x;
-    EXPECT_FALSE(cast_ray({{-x, up(1.0), 0.5}, {1, 0, 0}}, Box{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}}, hit).yes()) << x;
+    EXPECT_FALSE(cast_ray({{-x, up(1.0), 0.5}, {1, 0, 0}}, Box{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}}, hit).yes())
+        << x;
   }
 }
 

@@ -23,7 +23,8 @@ TEST(ExtremeRodsSlabs, RodsCrossAtTheirMiddleAndAtTheirEnds) {
       const Box across{.center = {x, y, 0.75}, .half_m = {0.5, 8192, 0.5}};
       ASSERT_TRUE(overlaps(kRod, across).yes());
       expect_depth(contact(kRod, across), 0.25);
-      EXPECT_EQ(overlaps(kRod, Box{.center = {x, y, extreme::up(1)}, .half_m = {0.5, 8192, 0.5}}).decision, Decision::no);
+      EXPECT_EQ(overlaps(kRod, Box{.center = {x, y, extreme::up(1)}, .half_m = {0.5, 8192, 0.5}}).decision,
+                Decision::no);
     }
   }
 }
@@ -32,7 +33,8 @@ TEST(ExtremeRodsSlabs, SheetsThroughEachOther) {
   const Box sheet{.center = {0, 0, 0}, .half_m = {1, 1, 0x1p-20}};
   expect_depth(contact(sheet, Box{.center = {0.5, 0.5, 0x1p-20}, .half_m = {1, 1, 0x1p-20}}), 0x1p-20);
   EXPECT_TRUE(overlaps(sheet, Box{.center = {0, 0, 0x1p-19}, .half_m = {1, 1, 0x1p-20}}).yes());
-  EXPECT_EQ(overlaps(sheet, Box{.center = {0, 0, extreme::up(0x1p-19)}, .half_m = {1, 1, 0x1p-20}}).decision, Decision::no);
+  EXPECT_EQ(overlaps(sheet, Box{.center = {0, 0, extreme::up(0x1p-19)}, .half_m = {1, 1, 0x1p-20}}).decision,
+            Decision::no);
   const Box upright{.center = {0, 0, 1}, .half_m = {0x1p-20, 1, 1}};
   EXPECT_TRUE(overlaps(sheet, upright).yes());
 }

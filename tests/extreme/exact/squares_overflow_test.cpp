@@ -32,9 +32,11 @@ TEST(ExtremeSquaresOverflow, RaysAtBallsAndCapsules) {
     RayHit hit;
     ASSERT_TRUE(cast_ray(scale(Ray{{-9, 3, 0}, {1, 0, 0}}), scale(Sphere{{0, 0, 0}, 5}), hit).yes()) << power;
     EXPECT_EQ(hit.distance_m, scale(5.0));
-    ASSERT_TRUE(cast_ray(scale(Ray{{-9, 3, 0}, {1, 0, 0}}), scale(Capsule{{0, 0, -1}, {0, 0, 1}, 5}), hit).yes()) << power;
+    ASSERT_TRUE(cast_ray(scale(Ray{{-9, 3, 0}, {1, 0, 0}}), scale(Capsule{{0, 0, -1}, {0, 0, 1}, 5}), hit).yes())
+        << power;
     EXPECT_EQ(hit.distance_m, scale(5.0));
-    EXPECT_FALSE(cast_ray(scale(Ray{{-9, extreme::up(5), 0}, {1, 0, 0}}), scale(Sphere{{0, 0, 0}, 5}), hit).yes()) << power;
+    EXPECT_FALSE(cast_ray(scale(Ray{{-9, extreme::up(5), 0}, {1, 0, 0}}), scale(Sphere{{0, 0, 0}, 5}), hit).yes())
+        << power;
   }
 }
 
@@ -45,7 +47,8 @@ TEST(ExtremeSquaresOverflow, NearestDistances) {
     EXPECT_EQ(closest(asked, scale(Sphere{{0, 0, 0}, 1})).distance_m, scale(4.0)) << power;
     EXPECT_EQ(closest(asked, scale(Capsule{{0, 0, -1}, {0, 0, 1}, 1})).distance_m, scale(4.0)) << power;
     EXPECT_EQ(closest(asked, scale(Triangle{{0, 0, 0}, {-1, 0, 0}, {0, -1, 0}})).distance_m, scale(5.0)) << power;
-    EXPECT_EQ(closest(scale(Vec3(4, 5, 0)), scale(Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}})).distance_m, scale(5.0))
+    EXPECT_EQ(closest(scale(Vec3(4, 5, 0)), scale(Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}})).distance_m,
+              scale(5.0))
         << power;
   }
 }
@@ -55,8 +58,11 @@ TEST(ExtremeSquaresOverflow, AcrossTheWholeRange) {
   constexpr double kGreatest = std::numeric_limits<double>::max();
   EXPECT_EQ(overlaps(Sphere{{-kGreatest, 0, 0}, 1}, Sphere{{kGreatest, 0, 0}, 1}).decision, Decision::no);
   EXPECT_TRUE(overlaps(Sphere{{-kGreatest, 0, 0}, kGreatest}, Sphere{{kGreatest, 0, 0}, kGreatest}).yes());
-  EXPECT_EQ(overlaps(Sphere{{-kGreatest, 0, 0}, kGreatest}, Sphere{{kGreatest, 0x1p-1074, 0}, kGreatest}).decision, Decision::no);
-  EXPECT_TRUE(overlaps(Box{.center = {0, 0, 0}, .half_m = Vec3::Constant(kGreatest)}, Sphere{{kGreatest, -kGreatest, 0}, 0}).yes());
+  EXPECT_EQ(overlaps(Sphere{{-kGreatest, 0, 0}, kGreatest}, Sphere{{kGreatest, 0x1p-1074, 0}, kGreatest}).decision,
+            Decision::no);
+  EXPECT_TRUE(
+      overlaps(Box{.center = {0, 0, 0}, .half_m = Vec3::Constant(kGreatest)}, Sphere{{kGreatest, -kGreatest, 0}, 0})
+          .yes());
   RayHit hit;
   ASSERT_TRUE(cast_ray({{-kGreatest, 0, 0}, {1, 0, 0}}, Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}}, hit).yes());
   EXPECT_EQ(hit.distance_m, kGreatest);

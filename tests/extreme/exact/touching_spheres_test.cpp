@@ -11,8 +11,8 @@ using extreme::down;
 using extreme::up;
 
 // Differences whose length is an integer: 1-2-2, 2-3-6, 3-4-5 (in a plane), 4-4-7, 1-4-8.
-const std::pair<Vec3, double> kQuadruples[] = {
-    {{1, 2, 2}, 3}, {{2, 3, 6}, 7}, {{3, 4, 0}, 5}, {{4, 4, 7}, 9}, {{1, 4, 8}, 9}, {{2, 10, 11}, 15}};
+const std::pair<Vec3, double> kQuadruples[] = {{{1, 2, 2}, 3}, {{2, 3, 6}, 7}, {{3, 4, 0}, 5},
+                                               {{4, 4, 7}, 9}, {{1, 4, 8}, 9}, {{2, 10, 11}, 15}};
 
 TEST(ExtremeTouchingSpheres, OneStepPartsThem) {
   for (const auto& [step, length] : kQuadruples) {

@@ -28,9 +28,7 @@ int try_boundary(const Triangle& a, const Triangle& b, const Vec3& along) {
       for (const Triangle& second : {there, Triangle{there.c, there.a, there.b}, Triangle{there.b, there.a, there.c}}) {
         const Decision quick = kernel::quickly_overlaps(first, second);
         undecided += quick == Decision::undecided;
-        if (quick != Decision::undecided) {
-          EXPECT_EQ(quick, truth);
-        }
+        if (quick != Decision::undecided) { EXPECT_EQ(quick, truth); }
         EXPECT_EQ(overlaps(second, first).decision, truth);
       }
     }
@@ -63,9 +61,7 @@ TEST(ExtremeTriangleFilter, FarFromOriginAndOutOfRangeItClaimsNothingWrong) {
       EXPECT_EQ(quick, exactly::overlaps(a, b)) << scale;
       ++decided;
     }
-    if (scale > 1e-29 && scale < 1e29) {
-      EXPECT_GT(decided, 50);
-    }
+    if (scale > 1e-29 && scale < 1e29) { EXPECT_GT(decided, 50); }
   }
 }
 

@@ -18,7 +18,8 @@ struct Jitter {
 TEST(ResponseChatter, AnUlpToEitherSideBeginsOnce) {
   const Jitter jitter;
   Episodes episodes;
-  for (int step = 0; step < 1'000; ++step) episodes.observe(jitter.line, step % 2 == 0 ? jitter.touching : jitter.apart);
+  for (int step = 0; step < 1'000; ++step)
+    episodes.observe(jitter.line, step % 2 == 0 ? jitter.touching : jitter.apart);
   EXPECT_EQ(episodes.began(), 1U);
   EXPECT_EQ(episodes.ended(), 0U);
 }
@@ -26,7 +27,8 @@ TEST(ResponseChatter, AnUlpToEitherSideBeginsOnce) {
 TEST(ResponseChatter, WithoutHysteresisEveryToggleCounts) {
   const Jitter jitter;
   Episodes episodes(0);
-  for (int step = 0; step < 1'000; ++step) episodes.observe(jitter.line, step % 2 == 0 ? jitter.touching : jitter.apart);
+  for (int step = 0; step < 1'000; ++step)
+    episodes.observe(jitter.line, step % 2 == 0 ? jitter.touching : jitter.apart);
   EXPECT_EQ(episodes.began(), 500U);
   EXPECT_EQ(episodes.ended(), 500U);
 }
@@ -46,7 +48,9 @@ TEST(ResponseChatter, APartingBeyondTheHysteresisEnds) {
 TEST(ResponseChatter, ARestingContactDoesNotChatter) {
   for (const Method method : {Method::implicit_euler, Method::compliant, Method::impulse}) {
     for (const double stiffness : {1e4, 1e8, 1e12}) {
-      Stepper stepper({{1}, {0.5}, -9.81, 0.25}, {.method = method, .spring = {.stiffness_n_m = stiffness, .damping_ratio = 0.7}, .restitution = 0.5});
+      Stepper stepper(
+          {{1}, {0.5}, -9.81, 0.25},
+          {.method = method, .spring = {.stiffness_n_m = stiffness, .damping_ratio = 0.7}, .restitution = 0.5});
       Motion motion{{0.75}, {0}};
       for (int step = 0; step < 10'000; ++step) stepper.step(motion, 1.0 / 60);
       EXPECT_EQ(stepper.episodes().began(), 1U) << name(method) << stiffness;

@@ -16,13 +16,15 @@ struct Billiard {
 
 // source: Galperin, "Playing pool with pi", Regular and Chaotic Dynamics 8, 2003
 TEST(ResponseGalperin, ImpactsAreTheDigitsOfPi) {
-  for (const Billiard billiard : {Billiard{1, 3}, Billiard{1e2, 31}, Billiard{1e4, 314}, Billiard{1e6, 3'141}, Billiard{1e8, 31'415}}) {
+  for (const Billiard billiard :
+       {Billiard{1, 3}, Billiard{1e2, 31}, Billiard{1e4, 314}, Billiard{1e6, 3'141}, Billiard{1e8, 31'415}}) {
     const Line line{{1, billiard.heavy_kg}, {0, 0}, 0, 0};
     const Motion start{{1, 2}, {0, -1}};
     EventDriven world(line, start, 1);
     while (world.advance_to_impact()) ASSERT_LE(world.impacts(), billiard.collisions);
     EXPECT_EQ(world.impacts(), billiard.collisions);
-    EXPECT_NEAR(kinetic_energy(line, world.motion()) / kinetic_energy(line, start), 1, 2.3e-16 * static_cast<double>(4 + billiard.collisions));
+    EXPECT_NEAR(kinetic_energy(line, world.motion()) / kinetic_energy(line, start), 1,
+                2.3e-16 * static_cast<double>(4 + billiard.collisions));
   }
 }
 

@@ -15,7 +15,8 @@ TEST(ResponseLongRun, AMillionElasticBouncesKeepPeriodAndEnergy) {
   for (int bounce = 0; bounce < 1'000'000; ++bounce) ASSERT_TRUE(world.advance_to_impact());
   const double first = std::sqrt(2 / gravity);
   EXPECT_NEAR(world.time() / (first * (2e6 - 1)), 1, 1e-12);
-  const double energy = 0.5 * world.motion().velocity_m_s[0] * world.motion().velocity_m_s[0] + gravity * world.motion().position_m[0];
+  const double energy =
+      0.5 * world.motion().velocity_m_s[0] * world.motion().velocity_m_s[0] + gravity * world.motion().position_m[0];
   EXPECT_NEAR(energy / gravity, 1, 1e-12);
   EXPECT_EQ(world.impacts(), 1'000'000U);
 }

@@ -12,9 +12,7 @@ namespace {
 constexpr std::size_t kSize = 10;
 constexpr double kGravity = 9.81;
 
-Line stack() {
-  return {std::vector<double>(kSize, 1), std::vector<double>(kSize, 0.5), -kGravity, 0};
-}
+Line stack() { return {std::vector<double>(kSize, 1), std::vector<double>(kSize, 0.5), -kGravity, 0}; }
 
 /// Each contact at the depth at which its spring bears what lies above.
 Motion at_rest(double stiffness) {
@@ -29,7 +27,8 @@ Motion at_rest(double stiffness) {
 
 double farthest(const Motion& one, const Motion& other) {
   double largest = 0;
-  for (std::size_t body = 0; body < kSize; ++body) largest = std::max(largest, std::abs(one.position_m[body] - other.position_m[body]));
+  for (std::size_t body = 0; body < kSize; ++body)
+    largest = std::max(largest, std::abs(one.position_m[body] - other.position_m[body]));
   return largest;
 }
 

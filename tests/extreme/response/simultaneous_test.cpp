@@ -52,7 +52,8 @@ TEST(ResponseSimultaneous, AHeavyBallOnAStackEndsItsRounds) {
   stepper.step(motion, 1e-3);
   // The light ones' speeds are differences of impulses of 1e11 N s: four roundings of that.
   const double rounding_m_s = 4 * 1.2e-16 * 1e11;
-  for (std::size_t contact = 0; contact <= line.size(); ++contact) EXPECT_GE(gap_rate(line, motion.velocity_m_s, contact), -rounding_m_s) << contact;
+  for (std::size_t contact = 0; contact <= line.size(); ++contact)
+    EXPECT_GE(gap_rate(line, motion.velocity_m_s, contact), -rounding_m_s) << contact;
   EXPECT_LE(stepper.energy(motion), before * (1 + 1e-12));
 }
 

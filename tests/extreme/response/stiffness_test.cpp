@@ -9,9 +9,7 @@
 namespace collided::response {
 namespace {
 
-Line ball() {
-  return {{1}, {0}, 0, 0};
-}
+Line ball() { return {{1}, {0}, 0, 0}; }
 
 /// Growth of a small swing about rest in a spring that is loaded far deeper, so that it never lets go: the method's spectral radius
 /// where it grows, after enough steps for the largest mode to have taken over.
@@ -21,7 +19,9 @@ double growth(Method method, double kappa) {
   const double stiffness = kappa;  // with steps of a second
   Stepper stepper(line, {.method = method, .spring = {.stiffness_n_m = stiffness}});
   const double rest_m = -load / stiffness;
-  const auto amplitude = [&](const Motion& motion) { return std::hypot(motion.position_m[0] - rest_m, motion.velocity_m_s[0]); };
+  const auto amplitude = [&](const Motion& motion) {
+    return std::hypot(motion.position_m[0] - rest_m, motion.velocity_m_s[0]);
+  };
   // From the slowest decade of growth that still fits between rounding and letting go.
   Motion motion{{rest_m * (1 + 1e-7)}, {0}};
   const int steps = kappa > 10 ? 2 : 100;
@@ -48,7 +48,9 @@ TEST(ResponseStiffness, ExplicitEulerGrowsAtAnyStiffness) {
   for (const double kappa : {1e-6, 1e-2, 1.0}) {
     Stepper stepper({{1}, {0}, -1, 0}, {.method = Method::explicit_euler, .spring = {.stiffness_n_m = kappa}});
     Motion motion{{-1 / kappa * (1 + 1e-7)}, {0}};
-    const auto swing = [&] { return kappa * std::pow(motion.position_m[0] + 1 / kappa, 2) + std::pow(motion.velocity_m_s[0], 2); };
+    const auto swing = [&] {
+      return kappa * std::pow(motion.position_m[0] + 1 / kappa, 2) + std::pow(motion.velocity_m_s[0], 2);
+    };
     const double before = swing();
     for (int step = 0; step < 10; ++step) stepper.step(motion, 1);
     EXPECT_NEAR(swing() / before, std::pow(1 + kappa, 10), 1e-6 * std::pow(1 + kappa, 10)) << kappa;
@@ -58,7 +60,9 @@ TEST(ResponseStiffness, ExplicitEulerGrowsAtAnyStiffness) {
 TEST(ResponseStiffness, ImplicitEulerDampsAsItsTheorySays) {
   Stepper stepper({{1}, {0}, -1, 0}, {.method = Method::implicit_euler, .spring = {.stiffness_n_m = 100}});
   Motion motion{{-0.01 * (1 + 1e-3)}, {0}};
-  const auto swing = [&] { return 100 * std::pow(motion.position_m[0] + 0.01, 2) + std::pow(motion.velocity_m_s[0], 2); };
+  const auto swing = [&] {
+    return 100 * std::pow(motion.position_m[0] + 0.01, 2) + std::pow(motion.velocity_m_s[0], 2);
+  };
   const double before = swing();
   stepper.step(motion, 1);
   EXPECT_NEAR(std::sqrt(swing() / before), 0.0995037190, 1e-9);
@@ -84,7 +88,8 @@ TEST(ResponseStiffness, EveryBounceReturnsItsSpeed) {
   for (double stiffness = 1e2; stiffness < 2e12; stiffness *= 10) {
     for (const double restitution : {1.0, 0.5, 0.1}) {
       for (const double step_s : {1e-4, 1e-2}) {
-        Stepper stepper(ball(), {.spring = {.stiffness_n_m = stiffness, .damping_ratio = damping_of_restitution(restitution)}});
+        Stepper stepper(ball(),
+                        {.spring = {.stiffness_n_m = stiffness, .damping_ratio = damping_of_restitution(restitution)}});
         Motion motion{{0.0123}, {-1}};
         const int steps = static_cast<int>(1 / step_s);
         for (int step = 0; step < steps; ++step) stepper.step(motion, step_s);

@@ -58,7 +58,8 @@ TEST(ResponseZeno, BodiesThatCollapseOntoEachOtherEnd) {
   EventDriven world({{1, 1, 1}, {0, 0, 0}}, {{0, 0.5, 1}, {1, 0, -1}}, 0.05, 1e-9);
   world.advance(10);
   EXPECT_LT(world.impacts(), 1'000U);
-  EXPECT_NEAR(world.motion().velocity_m_s[0] + world.motion().velocity_m_s[1] + world.motion().velocity_m_s[2], 0, 1e-15);
+  EXPECT_NEAR(world.motion().velocity_m_s[0] + world.motion().velocity_m_s[1] + world.motion().velocity_m_s[2], 0,
+              1e-15);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@
 namespace collided::response {
 namespace {
 
-constexpr Method kMethods[]{Method::explicit_euler, Method::semi_implicit_euler, Method::implicit_euler, Method::compliant, Method::impulse};
+constexpr Method kMethods[]{Method::explicit_euler, Method::semi_implicit_euler, Method::implicit_euler,
+                            Method::compliant, Method::impulse};
 
 TEST(ResponseZeroStep, ChangesNotABit) {
   const Line line{{1, 2}, {0.5, 0.5}, -9.81, 0};
@@ -35,9 +36,7 @@ TEST(ResponseZeroStep, TheSmallestNumberIsAStepToo) {
       stepper.step(motion, seconds);
       EXPECT_EQ(motion.position_m, std::vector<double>({0.49999, 1.4})) << name(method) << seconds;
       // An impulse has no length; the others have done next to no work.
-      if (method != Method::impulse) {
-        EXPECT_NEAR(motion.velocity_m_s[1], -2, 1e-15) << name(method) << seconds;
-      }
+      if (method != Method::impulse) { EXPECT_NEAR(motion.velocity_m_s[1], -2, 1e-15) << name(method) << seconds; }
     }
   }
 }

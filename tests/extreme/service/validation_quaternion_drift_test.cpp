@@ -38,9 +38,7 @@ TEST(ExtremeQuaternionDrift, InSinglePrecisionTheRefusalComesInTime) {
     q = turn * q;
     const auto pose = checked(q.cast<double>());
     refused = std::holds_alternative<Refusal>(pose);
-    if (!refused && i % 1'000 == 0) {
-      ASSERT_LE(swelling(std::get<Pose>(pose)), 2e-15) << i;
-    }
+    if (!refused && i % 1'000 == 0) { ASSERT_LE(swelling(std::get<Pose>(pose)), 2e-15) << i; }
   }
   ASSERT_TRUE(refused);
   EXPECT_GT(std::abs(q.cast<double>().norm() - 1), 1e-6);

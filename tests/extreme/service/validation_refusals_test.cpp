@@ -10,7 +10,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
@@ -57,7 +56,7 @@ TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
     // A good question on either side is answered all the same.
     std::vector<double> good = bad.kind == QuestionKind::ray   ? std::vector<double>{-3, 0, 0, 1, 0, 0, kInfinite}
                                : bad.kind == QuestionKind::box ? std::vector<double>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0}
-                                                            : std::vector<double>{0, 0, 0, 1};
+                                                               : std::vector<double>{0, 0, 0, 1};
     std::vector<double> numbers = good;
     numbers.insert(numbers.end(), bad.numbers.begin(), bad.numbers.end());
     numbers.insert(numbers.end(), good.begin(), good.end());

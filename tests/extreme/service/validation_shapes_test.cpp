@@ -28,7 +28,8 @@ TEST(ExtremeBorderShapes, RefusedWithPlaceValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal_of(Box{.center = {0, 0, 0}, .half_m = {1, 1, kNaN}}), "box 0: half size is (1, 1, nan)");
   EXPECT_EQ(refusal_of(Capsule{{kNaN, 0, 0}, {0, 0, 0}, 1}), "capsule 0: end a is (nan, 0, 0)");
   EXPECT_EQ(refusal_of(Capsule{{0, 0, 0}, {0, -kInfinite, 0}, 1}), "capsule 0: end b is (0, -inf, 0)");
-  EXPECT_EQ(refusal_of(Capsule{{0, 0, 0}, {0, 0, 0}, -2}), "capsule 0: radius -2 m, allowed are finite sizes of 0 and more");
+  EXPECT_EQ(refusal_of(Capsule{{0, 0, 0}, {0, 0, 0}, -2}),
+            "capsule 0: radius -2 m, allowed are finite sizes of 0 and more");
   EXPECT_EQ(decode_shape(encode_shape(Shape{})).refusal, "shape of nothing");
 }
 
@@ -44,10 +45,12 @@ TEST(ExtremeBorderShapes, MeshesThatPointNowhere) {
 }
 
 TEST(ExtremeBorderShapes, TheOddComesInBitForBit) {
-  const Primitive odd[] = {
-      Sphere{{-0.0, kTiniest, -kGreatest}, 0}, Sphere{{0, 0, 0}, kGreatest}, Sphere{{0, 0, 0}, kTiniest},
-      Box{.center = {kGreatest, -kGreatest, -0.0}, .half_m = {0, kTiniest, kGreatest}},
-      Capsule{{1, 1, 1}, {1, 1, 1}, 0}, Capsule{{-kGreatest, 0, 0}, {kGreatest, 0, 0}, kTiniest}};
+  const Primitive odd[] = {Sphere{{-0.0, kTiniest, -kGreatest}, 0},
+                           Sphere{{0, 0, 0}, kGreatest},
+                           Sphere{{0, 0, 0}, kTiniest},
+                           Box{.center = {kGreatest, -kGreatest, -0.0}, .half_m = {0, kTiniest, kGreatest}},
+                           Capsule{{1, 1, 1}, {1, 1, 1}, 0},
+                           Capsule{{-kGreatest, 0, 0}, {kGreatest, 0, 0}, kTiniest}};
   for (const Primitive& primitive : odd) {
     const Shape shape{.primitives = {primitive}, .mesh = nullptr};
     const DecodedShape decoded = decode_shape(encode_shape(shape));

@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// The body goes up and down between two heights; every step must say exactly what it did.
 void expect_one_event_a_crossing(extreme::Stage& stage, ObjectId body, const Vec3& down, const Vec3& up) {
   EXPECT_TRUE(stage.step().empty());

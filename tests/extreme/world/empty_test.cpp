@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-
 void expect_nothing(const extreme::Stage& stage) {
   EXPECT_TRUE(extreme::is_miss(stage.ray({0, 0, 0}, {1, 0, 0})));
   EXPECT_TRUE(extreme::is_miss(stage.ray({0, 0, 0}, {1, 0, 0}, 0, HitMode::all)));

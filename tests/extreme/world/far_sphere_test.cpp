@@ -46,7 +46,8 @@ TEST(ExtremeFarSphere, BoxesCapsulesAndTrianglesToo) {
     box.block("box", {0, 0, 0}, {4, 5, 6});
     box.step();
     expect_distance(box.ray({-far, 1, 2}, {1, 0, 0}), far - 4);
-    capsule.add("capsule", {.primitives = {Capsule{{0, 3, -7}, {0, 3, 7}, 5}}, .mesh = nullptr}, extreme::at({0, 0, 0}));
+    capsule.add("capsule", {.primitives = {Capsule{{0, 3, -7}, {0, 3, 7}, 5}}, .mesh = nullptr},
+                extreme::at({0, 0, 0}));
     capsule.step();
     expect_distance(capsule.ray({-far, 0, 0}, {1, 0, 0}), far - 4);
     TriangleMesh wall;

@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-
 Shape one(const Primitive& primitive) { return {.primitives = {primitive}, .mesh = nullptr}; }
 
 /// Everything about 5 mm across.
@@ -20,7 +19,8 @@ std::vector<std::pair<std::string, Shape>> small_things() {
   const Vec3 half = Vec3::Constant(kHalf);
   const TriangleMesh cube = scenes::box(half);
   const auto hull = std::make_shared<const TriangleMesh>(*convex_hull(cube.vertices));
-  Shape compound{.primitives = {Sphere{{kHalf, 0, 0}, kHalf}, Box{.center = {-kHalf, 0, 0}, .half_m = half}}, .mesh = nullptr};
+  Shape compound{.primitives = {Sphere{{kHalf, 0, 0}, kHalf}, Box{.center = {-kHalf, 0, 0}, .half_m = half}},
+                 .mesh = nullptr};
   return {{"ball", extreme::ball_shape(kHalf)},
           {"box", extreme::box_shape(half)},
           {"capsule", one(Capsule{{0, -kHalf, 0}, {0, kHalf, 0}, kHalf})},

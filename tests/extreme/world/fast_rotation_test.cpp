@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-
 // Turning by a third about (1, 1, 1) renames the axes: exact, so that kissing is decided to the step.
 const Quat kThird(0.5, 0.5, 0.5, 0.5);
 

@@ -46,7 +46,8 @@ void slide(extreme::Stage& stage, const Floor& floor, ObjectId mover, double hei
       for (const Event& event : events) {
         // Who is met and left within a step is told as at the first contact, which has no depth.
         if (!extreme::open_pairs(stage.world).contains({event.of.a, event.of.b})) continue;
-        ASSERT_LE(std::abs(event.of.surface.depth_m - kDepth), event.of.surface.depth_error_m + slack) << "events tell the same";
+        ASSERT_LE(std::abs(event.of.surface.depth_m - kDepth), event.of.surface.depth_error_m + slack)
+            << "events tell the same";
       }
     }
   }
@@ -77,13 +78,9 @@ void add_boxes(extreme::Stage& stage, const Floor& floor) {
 
 Shape cube() { return extreme::box_shape({0.375, 0.375, 0.25}); }
 
-TEST(ExtremeInnerEdge, ABallRollsOverNeighbouringBoxes) {
-  slide({}, extreme::ball_shape(0.5), 0.5, 1e-15, add_boxes);
-}
+TEST(ExtremeInnerEdge, ABallRollsOverNeighbouringBoxes) { slide({}, extreme::ball_shape(0.5), 0.5, 1e-15, add_boxes); }
 
-TEST(ExtremeInnerEdge, ABoxSlidesOverNeighbouringBoxes) {
-  slide({}, cube(), 0.25, 1e-15, add_boxes);
-}
+TEST(ExtremeInnerEdge, ABoxSlidesOverNeighbouringBoxes) { slide({}, cube(), 0.25, 1e-15, add_boxes); }
 
 TEST(ExtremeInnerEdge, SoTheyDoOnATurnedFloorFarOut) {
   const Floor floor{Quat(0.9, 0.1, -0.3, 0.2).normalized(), {1000, -300, 20}};

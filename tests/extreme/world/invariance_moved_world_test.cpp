@@ -69,7 +69,8 @@ void expect_unmoved(std::mt19937_64& random, extreme::Ground ground, const std::
 TEST(ExtremeInvarianceMovedWorld, RepresentableOffsetsChangeNothing) {
   std::mt19937_64 random = oracle::seeded(451);
   for (const extreme::Ground ground : extreme::kGrounds) {
-    expect_unmoved(random, ground, {{.by = {0x1p10, -0x1p10, 0x1p10}}, {.by = {1e6, 0, -1e6}}, {.by = {-0x1p26, 1e8, 3}}});
+    expect_unmoved(random, ground,
+                   {{.by = {0x1p10, -0x1p10, 0x1p10}}, {.by = {1e6, 0, -1e6}}, {.by = {-0x1p26, 1e8, 3}}});
   }
 }
 
@@ -77,8 +78,11 @@ TEST(ExtremeInvarianceMovedWorld, ExactTurnsChangeNothing) {
   std::mt19937_64 random = oracle::seeded(452);
   for (const extreme::Ground ground : extreme::kGrounds) {
     expect_unmoved(random, ground,
-                   {{.turn = Quat(0.5, 0.5, 0.5, 0.5)}, {.turn = Quat(0.5, -0.5, 0.5, -0.5)}, {.turn = Quat(0, 1, 0, 0)},
-                    {.turn = Quat(0, 0, 0, 1)}, {.by = {1e6, 1e6, 1e6}, .turn = Quat(0.5, 0.5, -0.5, 0.5)}});
+                   {{.turn = Quat(0.5, 0.5, 0.5, 0.5)},
+                    {.turn = Quat(0.5, -0.5, 0.5, -0.5)},
+                    {.turn = Quat(0, 1, 0, 0)},
+                    {.turn = Quat(0, 0, 0, 1)},
+                    {.by = {1e6, 1e6, 1e6}, .turn = Quat(0.5, 0.5, -0.5, 0.5)}});
   }
 }
 

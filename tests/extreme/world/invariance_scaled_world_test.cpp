@@ -49,7 +49,8 @@ TEST(ExtremeInvarianceScaledWorld, EveryAnswerAndContactIsTheSame) {
       for (std::size_t k = 0; k < questions.size(); ++k) {
         SCOPED_TRACE("2^" + std::to_string(power) + ", kind " + std::to_string(k));
         extreme::expect_same_story(original.ask(extreme::kKinds[k], questions[k]),
-                                   other.ask(extreme::kKinds[k], scaled(questions[k], extreme::kKinds[k], scale)), scale(1));
+                                   other.ask(extreme::kKinds[k], scaled(questions[k], extreme::kKinds[k], scale)),
+                                   scale(1));
         if (HasFatalFailure()) return;
       }
     }

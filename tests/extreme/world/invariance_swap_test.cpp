@@ -17,7 +17,8 @@ using oracle::RandomShapes;
 
 /// |a - b| within both bounds, also where a bound is infinite.
 void expect_agree(double a, double a_error, double b, double b_error, const char* what) {
-  ASSERT_TRUE(std::abs(a - b) <= a_error + b_error) << what << ": " << a << " +- " << a_error << ", " << b << " +- " << b_error;
+  ASSERT_TRUE(std::abs(a - b) <= a_error + b_error)
+      << what << ": " << a << " +- " << a_error << ", " << b << " +- " << b_error;
 }
 
 template <class A>
@@ -69,10 +70,12 @@ TEST(ExtremeInvarianceSwap, CornersInEveryOrder) {
         ASSERT_EQ(overlaps(sphere, turned).decision, overlaps(sphere, t).decision) << name(family);
         ASSERT_EQ(cast_ray(ray, turned, turned_hit).decision, met) << name(family);
         if (met == Decision::yes) {
-          expect_agree(hit.distance_m, hit.distance_error_m, turned_hit.distance_m, turned_hit.distance_error_m, name(family));
+          expect_agree(hit.distance_m, hit.distance_error_m, turned_hit.distance_m, turned_hit.distance_error_m,
+                       name(family));
         }
         const Closest turned_near = closest(point, turned);
-        expect_agree(near.distance_m, near.distance_error_m, turned_near.distance_m, turned_near.distance_error_m, name(family));
+        expect_agree(near.distance_m, near.distance_error_m, turned_near.distance_m, turned_near.distance_error_m,
+                     name(family));
       }
       const Capsule reversed{capsule.b, capsule.a, capsule.radius_m};
       ASSERT_EQ(overlaps(capsule, box).decision, overlaps(reversed, box).decision) << name(family);

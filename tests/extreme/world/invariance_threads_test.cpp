@@ -17,7 +17,8 @@ std::size_t stride_of(QuestionKind kind) {
 
 /// One question after the other, in batches of the given size: the answers' bits of each question.
 std::vector<std::vector<std::uint64_t>> asked(const Snapshot& snapshot, QuestionKind kind,
-                                              std::span<const double> numbers, std::size_t batch, QueryScratch& scratch) {
+                                              std::span<const double> numbers, std::size_t batch,
+                                              QueryScratch& scratch) {
   std::vector<std::vector<std::uint64_t>> bits;
   const std::size_t step = batch * stride_of(kind);
   for (std::size_t begin = 0; begin < numbers.size(); begin += step) {

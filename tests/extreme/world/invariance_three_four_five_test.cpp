@@ -79,7 +79,8 @@ TEST(ExtremeInvarianceThreeFourFive, OrderOfHitsAndNearestDistances) {
     const Vec3 point = shapes.point();
     const Closest before = closest(point, a);
     const Closest after = closest(kTurn(point), kTurn(a));
-    ASSERT_LE(std::abs(after.distance_m - 5 * before.distance_m), after.distance_error_m + 5 * before.distance_error_m) << i;
+    ASSERT_LE(std::abs(after.distance_m - 5 * before.distance_m), after.distance_error_m + 5 * before.distance_error_m)
+        << i;
   }
 }
 

@@ -20,9 +20,7 @@ void expect_contact(const Vec3& offset, bool touching) {
     stage.add("mesh", extreme::mesh_shape(cube), extreme::at(offset));
     stage.step();
     ASSERT_EQ(stage.world.contacts().size(), touching ? 1u : 0u) << offset.transpose() << " kind " << kind;
-    if (touching) {
-      ASSERT_NEAR(stage.world.contacts()[0].contact.normal.norm(), 1, 1e-14);
-    }
+    if (touching) { ASSERT_NEAR(stage.world.contacts()[0].contact.normal.norm(), 1, 1e-14); }
   }
 }
 

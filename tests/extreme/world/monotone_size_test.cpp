@@ -53,8 +53,8 @@ TEST_P(ExtremeMonotoneSize, ALargerBoxNeverLosesAnOverlap) {
     const Quat turn = i % 2 == 0 ? Quat::Identity() : Quat(0.5, 0.5, 0.5, 0.5);
     std::set<ObjectId> before;
     for (const double half : ladder()) {
-      const auto now = met(stage.ask(QuestionKind::box, {center.x(), center.y(), center.z(), half, half, half,
-                                                                     turn.w(), turn.x(), turn.y(), turn.z()}));
+      const auto now = met(stage.ask(QuestionKind::box, {center.x(), center.y(), center.z(), half, half, half, turn.w(),
+                                                         turn.x(), turn.y(), turn.z()}));
       ASSERT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end())) << half;
       // The ball within the box meets nothing that the box does not.
       const auto ball = met(stage.ask(QuestionKind::sphere, {center.x(), center.y(), center.z(), half}));

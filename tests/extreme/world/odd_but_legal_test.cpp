@@ -7,12 +7,12 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kGreatest = std::numeric_limits<double>::max();
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
 
 /// Numbers that a careful border accepts and careless arithmetic does not.
-constexpr double kOdd[] = {0.0, -0.0, kTiniest, -kTiniest, 0x1p-1022, 1, -1, 0x1p53 + 2, 1e150, -1e150, 1e300, kGreatest, -kGreatest};
+constexpr double kOdd[] = {0.0,        -0.0,  kTiniest, -kTiniest, 0x1p-1022, 1,         -1,
+                           0x1p53 + 2, 1e150, -1e150,   1e300,     kGreatest, -kGreatest};
 
 void fill(extreme::Stage& stage) {
   stage.ball("ball", {0, 0, 0}, 1);
@@ -22,7 +22,8 @@ void fill(extreme::Stage& stage) {
   stage.block("box", {3, 0, 0}, {1, 1, 1});
   stage.block("plate", {-0.0, 5, 0}, {1, 0, 1});
   stage.block("far", {1e300, 1e300, -1e300}, {1e299, 1, kTiniest});
-  stage.add("rod", {.primitives = {Capsule{{-1e150, 0, 0}, {1e150, 0, 0}, 0}}, .mesh = nullptr}, extreme::at({0, 0, 9}));
+  stage.add("rod", {.primitives = {Capsule{{-1e150, 0, 0}, {1e150, 0, 0}, 0}}, .mesh = nullptr},
+            extreme::at({0, 0, 9}));
   TriangleMesh odd;
   odd.vertices = {{-1, -1, -2}, {1, -1, -2}, {0, 1, -2}, {1e150, 0, 0}, {0, 1e150, 0}, {0, kTiniest, -0.0}};
   odd.triangles = {{0, 1, 2}, {2, 2, 2}, {0, 1, 1}, {3, 4, 5}, {0, 3, 5}};

@@ -43,7 +43,8 @@ TEST(ExtremeOnePoint, RestingObjectsArePairedWithMoversOnly) {
   const ObjectId mover = stage.ball("mover", {1, 2, 9}, 0.5);
   EXPECT_LT(seconds_of([&] { EXPECT_TRUE(stage.step().empty()); }), 5);
   stage.move(mover, extreme::at({1, 2, 4}));
-  EXPECT_LT(seconds_of([&] { EXPECT_EQ(stage.step({.contacts = false}).size(), 99'999u) << "kissing all of them"; }), 20);
+  EXPECT_LT(seconds_of([&] { EXPECT_EQ(stage.step({.contacts = false}).size(), 99'999u) << "kissing all of them"; }),
+            20);
 }
 
 TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
@@ -66,7 +67,7 @@ TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
   EXPECT_EQ(overlap.answers.at(0), Verdict::undecided);
   EXPECT_EQ(overlap.reasons.at(0), UndecidedReason::truncated);
   ASSERT_EQ(overlap.hits.size(), 10u);
-  const std::vector<std::string> first_by_name{"ball0",    "ball1",     "ball10",    "ball100",   "ball1000",
+  const std::vector<std::string> first_by_name{"ball0",     "ball1",     "ball10",    "ball100",   "ball1000",
                                                "ball10000", "ball10001", "ball10002", "ball10003", "ball10004"};
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(stage.world.info(overlap.hits[i].object)->name, first_by_name[i]);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

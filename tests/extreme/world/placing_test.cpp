@@ -37,7 +37,8 @@ struct Sent {
     const Wide uu = dot(u, u);
     const Wide uv = dot(u, v);
     WidePoint back;
-    for (std::size_t i = 0; i < 3; ++i) back[i] = ((w * w - uu) * v[i] + 2 * uv * u[i] + 2 * w * across[i]) / (w * w + uu);
+    for (std::size_t i = 0; i < 3; ++i)
+      back[i] = ((w * w - uu) * v[i] + 2 * uv * u[i] + 2 * w * across[i]) / (w * w + uu);
     return back;
   }
   WidePoint seen(const Vec3& point) const { return turned_back(minus(wide(point), wide(position))); }
@@ -59,10 +60,14 @@ std::vector<Kind> kinds() {
   const auto solid = [](Primitive primitive) { return Shape{.primitives = {std::move(primitive)}, .mesh = nullptr}; };
   return {
       {"ball off its centre", solid(Sphere{{1.25, -0.5, 0.75}, 0.5}),
-       [](const WidePoint& p) -> Wide { const WidePoint w = minus(p, kBallAt); return sqrt(dot(w, w)) - Wide(0.5); }},
+       [](const WidePoint& p) -> Wide {
+         const WidePoint w = minus(p, kBallAt);
+         return sqrt(dot(w, w)) - Wide(0.5);
+       }},
       {"box", solid(Box{.center = Vec3::Zero(), .half_m = {0.3, 0.5, 0.7}}),
        [](const WidePoint& p) -> Wide {
-         const Wide x = at_least_0(abs(p[0]) - Wide(0.3)), y = at_least_0(abs(p[1]) - Wide(0.5)), z = at_least_0(abs(p[2]) - Wide(0.7));
+         const Wide x = at_least_0(abs(p[0]) - Wide(0.3)), y = at_least_0(abs(p[1]) - Wide(0.5)),
+                    z = at_least_0(abs(p[2]) - Wide(0.7));
          return sqrt(x * x + y * y + z * z);
        }},
       {"coin", solid(Cylinder{{0, 0, -0.0005}, {0, 0, 0.0005}, 1}),
@@ -76,14 +81,19 @@ std::vector<Kind> kinds() {
          return sqrt(p[0] * p[0] + p[1] * p[1] + z * z) - Wide(0.25);
        }},
       {"corner of a mesh", extreme::mesh_shape(speck),
-       [](const WidePoint& p) -> Wide { const WidePoint w = minus(p, {Wide(1), Wide(0.5), Wide(0.25)}); return sqrt(dot(w, w)); }},
+       [](const WidePoint& p) -> Wide {
+         const WidePoint w = minus(p, {Wide(1), Wide(0.5), Wide(0.25)});
+         return sqrt(dot(w, w));
+       }},
   };
 }
 
 class ExtremePlacing : public testing::Test {
  protected:
   double any(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
-  Vec3 point(double middle, double size) { return {middle + any(-size, size), middle + any(-size, size), middle + any(-size, size)}; }
+  Vec3 point(double middle, double size) {
+    return {middle + any(-size, size), middle + any(-size, size), middle + any(-size, size)};
+  }
   Sent sent(double far_m) {
     std::normal_distribution<double> normal;
     Sent made{Quat(normal(random), normal(random), normal(random), normal(random)).normalized(), point(far_m, 1)};
@@ -108,7 +118,8 @@ TEST_F(ExtremePlacing, DistancesHoldForTheNumbersGiven) {
         stage.step();
         const PairReport report = report_pair(*stage.world.newest(), a, b, {});
         ASSERT_EQ(report.touches, Decision::no);
-        ASSERT_LE(abs(truth - Wide(report.separation.distance_m)), Wide(report.separation.error_m)) << kind.name << " at " << far_m;
+        ASSERT_LE(abs(truth - Wide(report.separation.distance_m)), Wide(report.separation.error_m))
+            << kind.name << " at " << far_m;
         const Answers near = stage.ask(QuestionKind::near, {from.x(), from.y(), from.z(), extreme::kEndless});
         ASSERT_TRUE(extreme::is_hit(near));
         for (const AnswerHit& hit : near.hits) {

@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-
 /// Both fly by `speed`; b, one radius sum and a bit behind a in y, closes by `closing`.
 std::size_t events_of_a_flight(double speed, double gap, double closing) {
   extreme::Stage stage;
@@ -45,7 +44,8 @@ TEST(ExtremeRelativeSpeed, HeadOnTheyPassThroughEachOtherAndAreReported) {
       stage.move(a, extreme::at({speed, 0, 0}));
       stage.move(b, extreme::at({-speed, summand, 0}));
       stage.step();
-      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::began), summand <= 2 ? 1u : 0u) << speed << " " << summand;
+      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::began), summand <= 2 ? 1u : 0u)
+          << speed << " " << summand;
       EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::ended), summand <= 2 ? 1u : 0u);
     }
   }

@@ -6,7 +6,6 @@
 namespace collided::engine {
 namespace {
 
-
 const Event& began_of(const extreme::Stage& stage) {
   const std::vector<Event>& events = stage.world.events();
   EXPECT_EQ(extreme::count_of(events, EventKind::began), 1u);

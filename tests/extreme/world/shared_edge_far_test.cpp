@@ -14,7 +14,8 @@ void expect_tight(const extreme::Stage& stage, const TriangleMesh& mesh, const V
   std::vector<double> rays;
   const auto aim = [&](const Vec3& target) {
     const Vec3 direction = target - inside;
-    rays.insert(rays.end(), {inside.x(), inside.y(), inside.z(), direction.x(), direction.y(), direction.z(), extreme::kEndless});
+    rays.insert(rays.end(),
+                {inside.x(), inside.y(), inside.z(), direction.x(), direction.y(), direction.z(), extreme::kEndless});
   };
   std::uniform_real_distribution<double> part(0, 1);
   for (const TriangleCorners& corners : mesh.triangles) {

@@ -6,7 +6,6 @@
 namespace collided::engine {
 namespace {
 
-
 TEST(ExtremeSimultaneous, AThousandPairsBeginInOrderOfTheirIds) {
   extreme::Stage stage;
   std::vector<ObjectId> left, right;
@@ -34,7 +33,8 @@ TEST(ExtremeSimultaneous, AllAtOnceIntoOneBall) {
   const ObjectId target = stage.ball("target", {0, 0, 0}, 3);
   std::vector<ObjectId> around;
   // Pythagorean directions: each centre at distance 5 exactly.
-  for (const Vec3& place : {Vec3(3, 4, 0), Vec3(-3, 4, 0), Vec3(3, -4, 0), Vec3(0, 3, 4), Vec3(0, -3, -4), Vec3(5, 0, 0), Vec3(0, 0, -5)}) {
+  for (const Vec3& place :
+       {Vec3(3, 4, 0), Vec3(-3, 4, 0), Vec3(3, -4, 0), Vec3(0, 3, 4), Vec3(0, -3, -4), Vec3(5, 0, 0), Vec3(0, 0, -5)}) {
     around.push_back(stage.ball("ball" + std::to_string(around.size()), 3 * place, 2));
   }
   stage.step();

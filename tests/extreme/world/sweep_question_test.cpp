@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-
 std::vector<double> numbers_of_way(const Pose& from, const Pose& to) {
   std::vector<double> numbers;
   for (const Pose* pose : {&from, &to}) {
@@ -77,14 +76,19 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
   constexpr int kSamples = 2'000;
   std::mt19937_64 generator = oracle::seeded(503);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const auto point = [&](double reach) { return Vec3(reach * uniform(generator), reach * uniform(generator), reach * uniform(generator)); };
-  const auto turn = [&] { return Quat(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized(); };
+  const auto point = [&](double reach) {
+    return Vec3(reach * uniform(generator), reach * uniform(generator), reach * uniform(generator));
+  };
+  const auto turn = [&] {
+    return Quat(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized();
+  };
   extreme::Stage stage;
   stage.load("rock", scenes::icosphere(3, 1));
   for (int i = 0; i < 12; ++i) {
     stage.ball("ball" + std::to_string(i), point(4), 0.3);
     stage.add("slab" + std::to_string(i), extreme::box_shape({0.5, 0.3, 0x1p-9}), extreme::at(point(4), turn()));
-    stage.add("shell" + std::to_string(i), extreme::mesh_shape(scenes::icosphere(1, 0.4)), extreme::at(point(4), turn()));
+    stage.add("shell" + std::to_string(i), extreme::mesh_shape(scenes::icosphere(1, 0.4)),
+              extreme::at(point(4), turn()));
   }
   stage.step();
   const Vec3 half(0.4, 0.1, 0.05);
@@ -100,13 +104,12 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
     const auto touches = [&](double t) {
       const Frame frame = motion.at(t);
       const Quat q(frame.rotation);
-      return extreme::is_hit(stage.ask(QuestionKind::box, {frame.position.x(), frame.position.y(), frame.position.z(), half.x(),
-                                                        half.y(), half.z(), q.w(), q.x(), q.y(), q.z()},
+      return extreme::is_hit(stage.ask(QuestionKind::box,
+                                       {frame.position.x(), frame.position.y(), frame.position.z(), half.x(), half.y(),
+                                        half.z(), q.w(), q.x(), q.y(), q.z()},
                                        HitMode::any));
     };
-    if (is_hit) {
-      EXPECT_TRUE(touches(found.hits[0].distance_m)) << i;
-    }
+    if (is_hit) { EXPECT_TRUE(touches(found.hits[0].distance_m)) << i; }
     // The asked box is turned by a rounded quaternion: at the bracket itself they may differ.
     const double clear = is_hit ? found.hits[0].exit_m - 1e-9 : 1;
     for (int sample = 0; sample <= clear * kSamples; ++sample) {

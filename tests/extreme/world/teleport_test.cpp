@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-
 TEST(ExtremeTeleport, AJumpThroughAWallMeetsNothingAndAMotionDoes) {
   for (const double reach : {1.0, 1e3, 1e12, 1e150}) {
     extreme::Stage stage;

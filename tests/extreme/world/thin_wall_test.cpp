@@ -8,7 +8,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kHalfWall = 0x1p-11;  // about half a millimetre
 constexpr double kRadius = 0x1p-7;
 

@@ -21,15 +21,18 @@ void whole_life(double scale, double offset) {
   }
   floor.triangles = {{0, 1, 2}, {0, 3, 4}, {3, 3, 3}, {0, 0, 1}};
   stage.load("floor", floor);
-  const auto place = [&](double x, double y, double z) -> Vec3 { return scale * Vec3(x, y, z) + Vec3::Constant(offset); };
+  const auto place = [&](double x, double y, double z) -> Vec3 {
+    return scale * Vec3(x, y, z) + Vec3::Constant(offset);
+  };
   std::vector<ObjectId> movers;
   movers.push_back(stage.ball("ball", place(0, 0, 1), scale));
   movers.push_back(stage.ball("same", place(0, 0, 1), scale));
   movers.push_back(stage.ball("point", place(0, 0, 0), 0));
   movers.push_back(stage.block("box", place(1, 1, 1), scale * Vec3(1, 2, 3)));
   movers.push_back(stage.block("plate", place(1, 1, 1), scale * Vec3(1, 1, 0)));
-  movers.push_back(stage.add("rod", {.primitives = {Capsule{scale * Vec3(0, 0, -1), scale * Vec3(0, 0, 1), scale}}, .mesh = nullptr},
-                             extreme::at(place(2, 0, 0), Quat(0.5, 0.5, 0.5, 0.5))));
+  movers.push_back(
+      stage.add("rod", {.primitives = {Capsule{scale * Vec3(0, 0, -1), scale * Vec3(0, 0, 1), scale}}, .mesh = nullptr},
+                extreme::at(place(2, 0, 0), Quat(0.5, 0.5, 0.5, 0.5))));
   TriangleMesh tent;
   tent.vertices = {scale * Vec3(0, 0, 0), scale * Vec3(1, 0, 0), scale * Vec3(0, 1, 0), scale * Vec3(0, 0, 1)};
   tent.triangles = {{0, 1, 2}, {0, 1, 3}, {3, 3, 3}};

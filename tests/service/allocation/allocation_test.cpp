@@ -77,9 +77,12 @@ struct ServingSide {
   // As every server has one: what it notes is counted with the rest.
   FlightRecorder flight{test::own_namespace(), 60'000'000'000,
                         (std::filesystem::temp_directory_path() / ("allocation_" + test::own_namespace())).string()};
-  Answering answering{{world, clock, write_barriers, leases, counts, audit}, reply_topic,
-                      AnsweringOptions{.server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},
-                      [](CommandAsk) {}};
+  Answering answering{
+      {world, clock, write_barriers, leases, counts, audit},
+      reply_topic,
+      AnsweringOptions{
+          .server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},
+      [](CommandAsk) {}};
   std::optional<Listeners> listeners;
 
   // A test reads it, so that no compiler leaves the allocation out.
@@ -101,7 +104,8 @@ class Allocation : public ::testing::Test {
   void SetUp() override {
     test::never_count_this_thread();
     ASSERT_TRUE(test::eventually([this] {
-      return query_writer_.matched_readers() > 0 && pose_writer_.matched_readers() > 0 && ask(QueryKind::hello, {}, 100);
+      return query_writer_.matched_readers() > 0 && pose_writer_.matched_readers() > 0 &&
+             ask(QueryKind::hello, {}, 100);
     }));
   }
   /// Sends it and waits for the reply.
@@ -177,14 +181,14 @@ class Allocation : public ::testing::Test {
   dds::Topic<wire::Query> query_topic_{participant_, test::own_namespace()};
   dds::Topic<wire::Reply> reply_topic_{participant_, test::own_namespace()};
   dds::Topic<wire::PoseBatch> pose_topic_{participant_, test::own_namespace()};
-  dds::Reader<wire::Reply> reply_reader_{
-      reply_topic_, {.data =
-                         [this](dds::Taker<wire::Reply> taker) {
-                           while (taker.take(reply_)) {
-                             if (reply_.info().valid_data) answered_.store(reply_->request);
-                           }
-                         },
-                     .partition = wire_contract::reply_partition(kClient)}};
+  dds::Reader<wire::Reply> reply_reader_{reply_topic_,
+                                         {.data =
+                                              [this](dds::Taker<wire::Reply> taker) {
+                                                while (taker.take(reply_)) {
+                                                  if (reply_.info().valid_data) answered_.store(reply_->request);
+                                                }
+                                              },
+                                          .partition = wire_contract::reply_partition(kClient)}};
   dds::Writer<wire::Query> query_writer_{query_topic_};
   dds::Writer<wire::PoseBatch> pose_writer_{pose_topic_};
 };

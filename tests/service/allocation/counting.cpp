@@ -95,7 +95,10 @@ Counts stop_counting() {
 }
 
 Counts counts_so_far() {
-  return {.allocations = allocations, .locks = locks, .takes = takes, .listener_writes = listener_writes,
+  return {.allocations = allocations,
+          .locks = locks,
+          .takes = takes,
+          .listener_writes = listener_writes,
           .worker_writes = worker_writes};
 }
 

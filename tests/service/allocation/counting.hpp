@@ -11,7 +11,7 @@ namespace collided::test {
 struct Counts {
   std::uint64_t allocations = 0;
   std::uint64_t locks = 0;
-  std::uint64_t takes = 0;          // of DDS, with a sample
+  std::uint64_t takes = 0;            // of DDS, with a sample
   std::uint64_t listener_writes = 0;  // of DDS, on a thread that DDS had called us on
   std::uint64_t worker_writes = 0;
 };

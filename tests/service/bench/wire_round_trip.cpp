@@ -20,9 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 [[noreturn]] void serve(const std::string& name_space, int domain) {
   const collided::test::FakeServer server(name_space, 1, {.domain = domain, .role = collided::dds::Role::server});
-  while (true) {
-    pause();
-  }
+  while (true) { pause(); }
 }
 
 void report(const char* what, std::vector<double>& times_us) {
@@ -40,9 +38,7 @@ bool measure(const char* what, int count, const Ask& ask) {
   std::vector<double> times_us;
   for (int i = 0; i < count; ++i) {
     const auto start = Clock::now();
-    if (!ask(i)) {
-      return false;
-    }
+    if (!ask(i)) { return false; }
     times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
   }
   report(what, times_us);
@@ -59,9 +55,7 @@ bool run(const std::string& name_space, int domain, int count) {
   const auto ray = [](int i) { return collided::RayQuestion{{static_cast<double>(i), 0, 5}, {0, 0, -1}}; };
   std::vector<collided::RayQuestion> thousand;
   std::vector<collided::RayQuestion> many;
-  for (int i = 0; i < 100'000; ++i) {
-    many.push_back(ray(i));
-  }
+  for (int i = 0; i < 100'000; ++i) { many.push_back(ray(i)); }
   thousand.assign(many.begin(), many.begin() + 1'000);
   const collided::AskOptions patient{.timeout = 10s};
   return measure("warm-up", 2'000, [&](int i) { return bool(client->ask(ray(i))); }) &&
@@ -78,9 +72,7 @@ int main(int argument_count, char** arguments) {
   const int domain = collided::test::own_domain();
   const std::string name_space = collided::test::own_namespace();
   const pid_t server = fork();  // before either side has threads
-  if (server == 0) {
-    serve(name_space, domain);
-  }
+  if (server == 0) { serve(name_space, domain); }
   const bool good = run(name_space, domain, count);
   kill(server, SIGTERM);
   waitpid(server, nullptr, 0);

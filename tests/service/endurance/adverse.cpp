@@ -55,7 +55,9 @@ class Bench {
     client_.emplace(value_of(Client::connect({.domain = own_domain(), .wait = 10s}), "connect"));
     watch_.emplace(value_of(client_->watch({.only = "marker"}), "watch"));
     publisher_.emplace(value_of(client_->publish("marker"), "publish"));
-    ball_ = value_of(publisher_->add({.name = "marker", .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {6, 0, 1}}}), "add");
+    ball_ = value_of(
+        publisher_->add({.name = "marker", .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {6, 0, 1}}}),
+        "add");
     first_mib_ = resident_mib(server_.pid());
     // Until a status has vouched for what holds, events count as part of it; statuses come twenty times a second.
     for (int i = 0; i < 6; ++i) keep_alive(), std::this_thread::sleep_for(50ms);
@@ -74,23 +76,31 @@ class Bench {
 
   /// A ray is answered as it should be, and a touch begins and ends once, in time and in order.
   bool serves(std::chrono::nanoseconds source_time = 0ns) {
-    const Result<Answer> answer = client_->ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}, {.only = "warehouse/*"});
-    const bool answered = answer && answer->verdict == Verdict::hit && std::abs(answer->hits[0].distance_m - 3.8) < 1e-9;
+    const Result<Answer> answer =
+        client_->ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}, {.only = "warehouse/*"});
+    const bool answered =
+        answer && answer->verdict == Verdict::hit && std::abs(answer->hits[0].distance_m - 3.8) < 1e-9;
     move(0.05, source_time);
     const std::optional<Event> began = watch_->next(2s);
     move(1, source_time == 0ns ? source_time : source_time + 1ms);
     const std::optional<Event> ended = watch_->next(2s);
-    const bool told = began && began->kind == EventKind::began && ended && ended->kind == EventKind::ended && ended->reason == EndReason::separated &&
-                      ended->episode == began->episode;
+    const bool told = began && began->kind == EventKind::began && ended && ended->kind == EventKind::ended &&
+                      ended->reason == EndReason::separated && ended->episode == began->episode;
     if (!answered) std::fprintf(stderr, "no right answer: %s\n", answer ? "wrong" : answer.error().message.c_str());
-    if (!told) std::fprintf(stderr, "no right events: %s\n", !began ? "no began" : began->kind != EventKind::began ? "not began" : !ended ? "no ended" : "not ended as it should");
+    if (!told)
+      std::fprintf(stderr, "no right events: %s\n",
+                   !began                            ? "no began"
+                   : began->kind != EventKind::began ? "not began"
+                   : !ended                          ? "no ended"
+                                                     : "not ended as it should");
     return answered && told;
   }
   /// Nothing more was told than serves() has looked at.
   bool is_quiet() { return !watch_->next(0ns); }
 
  private:
-  static std::vector<std::string> words(std::vector<std::string> launcher, const std::string& server, const std::string& state_dir) {
+  static std::vector<std::string> words(std::vector<std::string> launcher, const std::string& server,
+                                        const std::string& state_dir) {
     launcher.insert(launcher.end(), {server, "--domain", std::to_string(own_domain()), "--state-dir", state_dir});
     return launcher;
   }
@@ -124,14 +134,16 @@ Shape ball_of_triangles(int rows) {
   }
   const auto at = [&](int row, int column) { return static_cast<std::uint32_t>(row * rows + column % rows); };
   for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < rows; ++column) mesh.triangles.push_back({at(row, column), at(row + 1, column), at(row + 1, column + 1)});
+    for (int column = 0; column < rows; ++column)
+      mesh.triangles.push_back({at(row, column), at(row + 1, column), at(row + 1, column + 1)});
   }
   return {mesh};
 }
 
 /// A disk of 256 KiB, of which others have a half, fills up with objects that commands add; then the others give it back.
 int disk_full(const std::string& server) {
-  if (unshare(CLONE_NEWNS) != 0 || mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return cannot_run("a mount namespace");
+  if (unshare(CLONE_NEWNS) != 0 || mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0)
+    return cannot_run("a mount namespace");
   const ScratchFolder disk;
   if (mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=256k") != 0) return cannot_run("a small disk");
   const std::string others = disk.write("others", std::string(128 << 10, 'x'));
@@ -139,7 +151,8 @@ int disk_full(const std::string& server) {
   {
     Bench bench({}, server, disk.path());
     const auto add = [&](int i) {
-      const nlohmann::json arguments{{"name", "thing " + std::to_string(i)}, {"pose", {1'000.0 + 3 * i, 0, 0, 1, 0, 0, 0}}};
+      const nlohmann::json arguments{{"name", "thing " + std::to_string(i)},
+                                     {"pose", {1'000.0 + 3 * i, 0, 0, 1, 0, 0, 0}}};
       const Result<std::string> text = bench.client().command("add", arguments.dump(), ball_of_triangles(12));
       if (!text) std::fprintf(stderr, "add: %s\n", text.error().message.c_str());
       bench.keep_alive();
@@ -149,9 +162,11 @@ int disk_full(const std::string& server) {
     while (kept < 200 && !add(kept).contains("not_kept")) ++kept;
     bool serves = bench.serves();
     // Everything is in the world all the same.
-    const Result<Answer> last = bench.client().ask(SphereQuestion{.center = {1'000.0 + 3 * kept, 0, 0}, .radius_m = 1.5});
+    const Result<Answer> last =
+        bench.client().ask(SphereQuestion{.center = {1'000.0 + 3 * kept, 0, 0}, .radius_m = 1.5});
     serves = serves && last && last->verdict == Verdict::hit;
-    bool said = kept < 200 && bench.says("cannot be written: No space left on device; what is added now is lost with a crash");
+    bool said =
+        kept < 200 && bench.says("cannot be written: No space left on device; what is added now is lost with a crash");
     std::filesystem::remove(others);
     const bool again = !add(500).contains("not_kept");
     said = said && again && bench.says("is kept over a crash again");
@@ -172,7 +187,8 @@ int memory_limit(const std::string& server) {
   for (int y = 0; y < kCells; ++y) {
     for (int x = 1; x <= kCells; ++x) {
       const int a = y * (kCells + 1) + x;
-      obj << "f " << a << ' ' << a + 1 << ' ' << a + kCells + 2 << "\nf " << a << ' ' << a + kCells + 2 << ' ' << a + kCells + 1 << '\n';
+      obj << "f " << a << ' ' << a + 1 << ' ' << a + kCells + 2 << "\nf " << a << ' ' << a + kCells + 2 << ' '
+          << a + kCells + 1 << '\n';
     }
   }
   obj.close();
@@ -192,9 +208,11 @@ int memory_limit(const std::string& server) {
   });
   bool said = true;
   for (int i = 0; i < 3; ++i) {
-    const Result<std::string> loaded = bench.client().command("load", nlohmann::json{{"path", files.path() + "/big.obj"}}.dump(), {}, 30s);
+    const Result<std::string> loaded =
+        bench.client().command("load", nlohmann::json{{"path", files.path() + "/big.obj"}}.dump(), {}, 30s);
     if (!loaded) std::fprintf(stderr, "load: %s\n", loaded.error().message.c_str());
-    said = said && !loaded && loaded.error().code == ErrorCode::refused && loaded.error().message.find("memory") != std::string::npos;
+    said = said && !loaded && loaded.error().code == ErrorCode::refused &&
+           loaded.error().message.find("memory") != std::string::npos;
   }
   over.store(true);
   alive.join();
@@ -210,10 +228,12 @@ int memory_limit(const std::string& server) {
 int run_bomb(int domain) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   setenv("CYCLONEDDS_URI",
-         "<General><Interfaces><NetworkInterface name=\"lo\" multicast=\"false\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
+         "<General><Interfaces><NetworkInterface name=\"lo\" "
+         "multicast=\"false\"/></Interfaces><AllowMulticast>false</AllowMulticast>"
          "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>"
          "<Discovery><ParticipantIndex>none</ParticipantIndex><Peers><Peer address=\"127.0.0.1\"/></Peers>"
-         "<MaxAutoParticipantIndex>120</MaxAutoParticipantIndex></Discovery>", 1);
+         "<MaxAutoParticipantIndex>120</MaxAutoParticipantIndex></Discovery>",
+         1);
   const dds::Participant participant({.domain = domain});
   const dds::Topic<wire::Definition> topic(participant, "collided");
   dds::Writer<wire::Definition> writer(topic, {.lease_ns = 60'000'000'000, .max_blocking_ns = 2'000'000'000});
@@ -242,11 +262,13 @@ int sample_bomb(const std::string& self, const std::string& server) {
   ChildProcess bomber({self, "--bomb", std::to_string(own_domain())}, bench.folder().path(), "bomber");
   double most_mib = 0;
   bool serves = bench.serves();
-  const bool over = wait_until([&] {
-    most_mib = std::max(most_mib, bench.grown_mib());
-    bench.keep_alive();
-    return bomber.wait(0ms) != -1;
-  }, 60s, 20ms);
+  const bool over = wait_until(
+      [&] {
+        most_mib = std::max(most_mib, bench.grown_mib());
+        bench.keep_alive();
+        return bomber.wait(0ms) != -1;
+      },
+      60s, 20ms);
   const bool thrown = over && bomber.output().find("done") != std::string::npos;
   if (!thrown) std::fprintf(stderr, "the bomber: %s%s\n", bomber.output().c_str(), bomber.errors().c_str());
   std::printf("at most %.0f MiB more while they came\n", most_mib);
@@ -260,7 +282,8 @@ int clock_jump(const std::string& server, const std::string& preload) {
   const std::string path = files.path() + "/shift";
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0 || ftruncate(file, sizeof(std::int64_t)) != 0) return 2;
-  auto* shift = static_cast<volatile std::int64_t*>(mmap(nullptr, sizeof(std::int64_t), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
+  auto* shift = static_cast<volatile std::int64_t*>(
+      mmap(nullptr, sizeof(std::int64_t), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
   close(file);
   const ScratchFolder state;
   Bench bench({"/usr/bin/env", "LD_PRELOAD=" + preload, "COLLIDED_CLOCK_SHIFT=" + path}, server, state.path());
@@ -275,7 +298,8 @@ int clock_jump(const std::string& server, const std::string& preload) {
       std::this_thread::sleep_for(100ms);
     }
   }
-  const double world_ms = 1e-6 * static_cast<double>((value_of(bench.client().status(), "status").world_time - first).count());
+  const double world_ms =
+      1e-6 * static_cast<double>((value_of(bench.client().status(), "status").world_time - first).count());
   const double drift_ms = std::abs(world_ms - ms_since(started));
   // A publisher's clock: its poses are neither held back nor old.
   const auto now = [] { return std::chrono::system_clock::now().time_since_epoch(); };
@@ -285,7 +309,8 @@ int clock_jump(const std::string& server, const std::string& preload) {
     const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
     const Result<Answers> answers = bench.client().ask(std::span(&down, 1));
     serves = serves && answers && answers->oldest_pose_age;
-    if (answers && answers->oldest_pose_age) oldest_ms = std::max(oldest_ms, 1e-6 * static_cast<double>(answers->oldest_pose_age->count()));
+    if (answers && answers->oldest_pose_age)
+      oldest_ms = std::max(oldest_ms, 1e-6 * static_cast<double>(answers->oldest_pose_age->count()));
   }
   std::printf("world time drifted %.0f ms, oldest pose %.0f ms\n", drift_ms, oldest_ms);
   // Statuses come every 50 ms; a pose is shifted by a second at most before its publisher's clock is known anew.
@@ -313,8 +338,11 @@ int uptime(const std::string& self, const std::string& server) {
   if (geteuid() != 0) return cannot_run("a time namespace");
   const ScratchFolder state;
   Bench bench({self, "--long-up"}, server, state.path());
-  const auto namespace_of = [](const std::string& pid) { return std::filesystem::read_symlink("/proc/" + pid + "/ns/time").string(); };
-  if (namespace_of(std::to_string(bench.server().pid())) == namespace_of("self")) return cannot_run("a time namespace that exec takes on");
+  const auto namespace_of = [](const std::string& pid) {
+    return std::filesystem::read_symlink("/proc/" + pid + "/ns/time").string();
+  };
+  if (namespace_of(std::to_string(bench.server().pid())) == namespace_of("self"))
+    return cannot_run("a time namespace that exec takes on");
   bool serves = true;
   int rounds = 0;
   for (const auto started = SteadyClock::now(); ms_since(started) < 10'000; ++rounds) {

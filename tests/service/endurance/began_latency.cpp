@@ -23,11 +23,13 @@ using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
 constexpr double kMost_ms = 20;
-constexpr int kMarkers = 40;     // of each publisher; marker k of the one runs into marker k of the other
+constexpr int kMarkers = 40;  // of each publisher; marker k of the one runs into marker k of the other
 constexpr double kLane_m = 10;
 constexpr std::size_t kFewest = 100;
 
-nanoseconds now() { return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()); }
+nanoseconds now() {
+  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch());
+}
 
 /// Processor time of a process so far.
 double used_s(int pid) {
@@ -50,10 +52,15 @@ class Half {
  public:
   Half(int domain, const std::string& name, int movers, double hertz, nanoseconds phase)
       : client_(value_of(Client::connect({.domain = domain, .wait = 20s}), "connect")),
-        publisher_(value_of(client_.publish(name), "publish")), name_(name), hertz_(hertz), phase_(phase) {
+        publisher_(value_of(client_.publish(name), "publish")),
+        name_(name),
+        hertz_(hertz),
+        phase_(phase) {
     for (int i = 0; i < movers; ++i) {
-      objects_.push_back(value_of(publisher_.add({.name = name + "/" + std::to_string(i), .shape = {SphereShape{.radius_m = 0.1}},
-                                                  .pose = pose(i, 0)}), "add"));
+      objects_.push_back(value_of(
+          publisher_.add(
+              {.name = name + "/" + std::to_string(i), .shape = {SphereShape{.radius_m = 0.1}}, .pose = pose(i, 0)}),
+          "add"));
     }
   }
   void run(const std::atomic<bool>& stop) {
@@ -110,15 +117,19 @@ struct Began {
 
 int run(const std::string& server_path, std::chrono::seconds time, int movers, double hertz) {
   const ScratchFolder folder;
-  ChildProcess server({server_path, "--domain", std::to_string(own_domain()), "--state-dir", folder.path()}, folder.path(), "server");
+  ChildProcess server({server_path, "--domain", std::to_string(own_domain()), "--state-dir", folder.path()},
+                      folder.path(), "server");
   if (!server.says("ready:", 20s)) return 2;
   std::mutex mutex;
   std::vector<Began> began;
   Client client = value_of(Client::connect({.domain = own_domain(), .wait = 10s}), "connect");
-  Watch watch = value_of(client.watch({}, [&](const Event& event) {
-    const std::lock_guard lock(mutex);
-    if (event.kind == EventKind::began && !event.resync) began.push_back({happened(event), SteadyClock::now()});
-  }), "watch");
+  Watch watch = value_of(client.watch({},
+                                      [&](const Event& event) {
+                                        const std::lock_guard lock(mutex);
+                                        if (event.kind == EventKind::began && !event.resync)
+                                          began.push_back({happened(event), SteadyClock::now()});
+                                      }),
+                         "watch");
   Half stands(own_domain(), "stands", movers / 2, hertz, 0ns);
   Half goes(own_domain(), "goes", movers / 2, hertz * 1.07, 3ms);
   std::atomic<bool> stop = false;
@@ -141,10 +152,11 @@ int run(const std::string& server_path, std::chrono::seconds time, int movers, d
   for (const Began& contact : began) {
     const auto shown = std::pair(stands.showed(contact.happened), goes.showed(contact.happened));
     if (!shown.first || !shown.second) continue;
-    lags_ms.push_back(std::chrono::duration<double, std::milli>(contact.heard - std::max(*shown.first, *shown.second)).count());
+    lags_ms.push_back(
+        std::chrono::duration<double, std::milli>(contact.heard - std::max(*shown.first, *shown.second)).count());
   }
-  std::printf("movers=%d hertz=%.0f cores=%.2f began=%zu p50=%.2f p99=%.2f worst=%.2f ms\n", movers, hertz, cores, lags_ms.size(),
-              percentile(lags_ms, 0.5), percentile(lags_ms, 0.99), percentile(lags_ms, 1));
+  std::printf("movers=%d hertz=%.0f cores=%.2f began=%zu p50=%.2f p99=%.2f worst=%.2f ms\n", movers, hertz, cores,
+              lags_ms.size(), percentile(lags_ms, 0.5), percentile(lags_ms, 0.99), percentile(lags_ms, 1));
   if (lags_ms.size() < kFewest) return 2;
   return percentile(lags_ms, 0.99) <= kMost_ms ? 0 : 1;
 }

@@ -64,7 +64,8 @@ class RoundMaker {
     const bool boxes = chance(0.5);
     const std::size_t first = random_() % round_.publishers.size();
     // Mostly of two publishers.
-    const std::size_t second = chance(0.2) ? first : (first + 1 + random_() % (round_.publishers.size() - 1)) % round_.publishers.size();
+    const std::size_t second =
+        chance(0.2) ? first : (first + 1 + random_() % (round_.publishers.size() - 1)) % round_.publishers.size();
     for (const std::size_t publisher : {first, second}) {
       CrossingBody body{.publisher = publisher, .moving = {}};
       if (boxes) {
@@ -78,7 +79,8 @@ class RoundMaker {
       const Vec3 near = middle + vector(1.2 * size);
       const Vec3 velocity = vector(speed);
       // Between the poses of a slow publisher a sharp bend would be cut off far from the other.
-      motions_.push_back({near, velocity, vector(std::min(0.3 * speed, size * round_.publishers[publisher].rate_hz)), near_ns});
+      motions_.push_back(
+          {near, velocity, vector(std::min(0.3 * speed, size * round_.publishers[publisher].rate_hz)), near_ns});
     }
   }
 
@@ -86,7 +88,8 @@ class RoundMaker {
   std::vector<std::int64_t> stamps(double rate_hz) {
     const double period_ns = 1e9 / rate_hz;
     std::vector<std::int64_t> all{0};
-    for (double time_ns = 1'000 + in(0, period_ns); time_ns < static_cast<double>(kLongNs) - 1'000; time_ns += period_ns * in(0.7, 1.3)) {
+    for (double time_ns = 1'000 + in(0, period_ns); time_ns < static_cast<double>(kLongNs) - 1'000;
+         time_ns += period_ns * in(0.7, 1.3)) {
       all.push_back(static_cast<std::int64_t>(time_ns));
     }
     all.push_back(kLongNs);

@@ -34,9 +34,13 @@ constexpr std::chrono::milliseconds kSignOfLife{100};  // well within a publishe
 
 // ---- a publisher -----------------------------------------------------------------------------------------------------
 
-std::string body_name(std::uint64_t seed, std::size_t body) { return std::to_string(seed) + "/" + std::to_string(body); }
+std::string body_name(std::uint64_t seed, std::size_t body) {
+  return std::to_string(seed) + "/" + std::to_string(body);
+}
 
-nanoseconds now() { return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()); }
+nanoseconds now() {
+  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch());
+}
 
 void stop_without(bool taken, const char* what) {
   if (taken) return;
@@ -57,7 +61,8 @@ class CrossingProcess {
         round_(crossing_round(seed_, std::strtoull(words[1], nullptr, 10))),
         number_(std::strtoull(words[2], nullptr, 10)),
         folder_(words[4]),
-        client_(value_of(Client::connect({.domain = std::atoi(words[3]), .interface = "collided1", .wait = 20s}), "connect")),
+        client_(value_of(Client::connect({.domain = std::atoi(words[3]), .interface = "collided1", .wait = 20s}),
+                         "connect")),
         publisher_(value_of(client_.publish("publisher " + std::to_string(number_)), "publish")) {}
 
   void run() {
@@ -81,10 +86,14 @@ class CrossingProcess {
  private:
   void add(std::size_t body) {
     const oracle::MovingBody& moving = round_.bodies[body].moving;
-    objects_[body] = value_of(publisher_.add({.name = body_name(seed_, body), .shape = {shape_of(moving)},
-                                              .pose = {.position = moving.instants.front().position}}), "add");
+    objects_[body] = value_of(publisher_.add({.name = body_name(seed_, body),
+                                              .shape = {shape_of(moving)},
+                                              .pose = {.position = moving.instants.front().position}}),
+                              "add");
   }
-  void flush(nanoseconds stamp) { stop_without(publisher_.flush(stamp).operator bool(), "the server takes nothing more"); }
+  void flush(nanoseconds stamp) {
+    stop_without(publisher_.flush(stamp).operator bool(), "the server takes nothing more");
+  }
   void say_applied(const char* what) {
     stop_without(publisher_.wait_applied(20s).operator bool(), "the server has not applied everything");
     std::puts(what);
@@ -174,12 +183,15 @@ struct CrossingCounts {
 };
 
 oracle::Bracket bracket_of(const Event& event, nanoseconds start) {
-  const auto at = [&](double seconds_before) { return (event.world_time - start).count() - std::llround(1e9 * seconds_before); };
+  const auto at = [&](double seconds_before) {
+    return (event.world_time - start).count() - std::llround(1e9 * seconds_before);
+  };
   return {at(event.bracket_low_s), at(event.bracket_high_s)};
 }
 
 /// began and ended alternate; what does not is a contact that nobody can have seen.
-std::vector<oracle::ToldMeeting> meetings_of(const std::vector<Event>& events, nanoseconds start, CrossingCounts& counts) {
+std::vector<oracle::ToldMeeting> meetings_of(const std::vector<Event>& events, nanoseconds start,
+                                             CrossingCounts& counts) {
   std::vector<oracle::ToldMeeting> told;
   for (const Event& event : events) {
     counts.doubtful += event.kind == EventKind::ended && event.reason != EndReason::separated ? 1 : 0;
@@ -190,7 +202,8 @@ std::vector<oracle::ToldMeeting> meetings_of(const std::vector<Event>& events, n
   return told;
 }
 
-void judge(const CrossingRound& round, std::uint64_t seed, nanoseconds start, std::map<Pair, std::vector<Event>> told, CrossingCounts& counts) {
+void judge(const CrossingRound& round, std::uint64_t seed, nanoseconds start, std::map<Pair, std::vector<Event>> told,
+           CrossingCounts& counts) {
   for (std::size_t a = 0; a < round.bodies.size(); a += 2) {
     const Pair pair = std::minmax(body_name(seed, a), body_name(seed, a + 1));
     const int lies_before = counts.tally.lies();
@@ -199,9 +212,11 @@ void judge(const CrossingRound& round, std::uint64_t seed, nanoseconds start, st
     oracle::compare(round.bodies[a].moving, round.bodies[a + 1].moving, meetings, counts.tally);
     told.erase(pair);
     if (counts.tally.lies() == lies_before) continue;
-    std::fprintf(stderr, "seed %" PRIu64 ": %s and %s by %zu and %zu were told %zu contacts:", seed, pair.first.c_str(), pair.second.c_str(),
-                 round.bodies[a].publisher, round.bodies[a + 1].publisher, meetings.size());
-    for (const auto& meeting : meetings) std::fprintf(stderr, " from %" PRId64 " to %" PRId64, meeting.began.high_ns, meeting.ended ? meeting.ended->low_ns : -1);
+    std::fprintf(stderr, "seed %" PRIu64 ": %s and %s by %zu and %zu were told %zu contacts:", seed, pair.first.c_str(),
+                 pair.second.c_str(), round.bodies[a].publisher, round.bodies[a + 1].publisher, meetings.size());
+    for (const auto& meeting : meetings)
+      std::fprintf(stderr, " from %" PRId64 " to %" PRId64, meeting.began.high_ns,
+                   meeting.ended ? meeting.ended->low_ns : -1);
     double closest_m = 0;
     for (const auto& truth : oracle::meetings(round.bodies[a].moving, round.bodies[a + 1].moving, closest_m)) {
       std::fprintf(stderr, "; true: from %.1f to %.1f ns", truth.begin_ns.get_d(), truth.end_ns.get_d());
@@ -210,8 +225,9 @@ void judge(const CrossingRound& round, std::uint64_t seed, nanoseconds start, st
   }
   counts.tally.invented += static_cast<int>(told.size());
   for (const auto& [pair, events] : told) {
-    std::fprintf(stderr, "seed %" PRIu64 ": %s and %s of two lanes were told %zu events, first at %" PRId64 " ns\n", seed, pair.first.c_str(),
-                 pair.second.c_str(), events.size(), bracket_of(events.front(), start).high_ns);
+    std::fprintf(stderr, "seed %" PRIu64 ": %s and %s of two lanes were told %zu events, first at %" PRId64 " ns\n",
+                 seed, pair.first.c_str(), pair.second.c_str(), events.size(),
+                 bracket_of(events.front(), start).high_ns);
   }
 }
 
@@ -229,7 +245,8 @@ class Crossings {
     in_network_of_its_own([&] {
       far_.device = std::make_unique<TapDevice>("collided0", 1);
       far_.server = std::make_unique<ChildProcess>(
-          std::vector<std::string>{server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(), "--interface", "collided0"},
+          std::vector<std::string>{server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(),
+                                   "--interface", "collided0"},
           folder_.path(), "server");
       if (!far_.server->says("ready:", 20s)) throw std::runtime_error(far_.server->errors());
       watcher_ = std::make_unique<CrossingWatcher>(domain_);
@@ -248,8 +265,9 @@ class Crossings {
     std::vector<std::unique_ptr<ChildProcess>> processes;
     for (std::size_t i = 0; i < round.publishers.size(); ++i) {
       processes.push_back(std::make_unique<ChildProcess>(
-          std::vector<std::string>{program_, "--publish", std::to_string(seed), std::to_string(lanes), std::to_string(i),
-                                   std::to_string(domain_), folder.path()}, folder.path(), "publisher" + std::to_string(i)));
+          std::vector<std::string>{program_, "--publish", std::to_string(seed), std::to_string(lanes),
+                                   std::to_string(i), std::to_string(domain_), folder.path()},
+          folder.path(), "publisher" + std::to_string(i)));
     }
     wait_all(processes, "ready");
     const nanoseconds start = now() + 300ms;
@@ -278,9 +296,7 @@ class Crossings {
       try {
         enter_own_network();
         make();
-      } catch (...) {
-        failure = std::current_exception();
-      }
+      } catch (...) { failure = std::current_exception(); }
     }).join();
     if (failure) std::rethrow_exception(failure);
   }
@@ -323,14 +339,17 @@ int run(char** argv) {
   CrossingCounts counts;
   const oracle::MeetingTally& tally = counts.tally;
   for (std::uint64_t seed = first_seed; tally.pairs + tally.too_near < wanted; ++seed) {
-    while (!crossings.perform(seed, lanes, counts)) stop_without(counts.repeated < 3 + counts.rounds / 4, "publishers are lost again and again");
+    while (!crossings.perform(seed, lanes, counts))
+      stop_without(counts.repeated < 3 + counts.rounds / 4, "publishers are lost again and again");
   }
-  std::printf("crossings=%d meetings=%d missed=%d invented=%d wrong_brackets=%d doubtful=%d too_near=%d rounds=%d repeated=%d publishers=%d resyncs=%" PRIu64
-              " lost_frames=%" PRIu64 " COLLIDED_SEED=%" PRIu64 "\n",
-              tally.pairs, tally.meetings, tally.missed, tally.invented, tally.wrong_brackets, counts.doubtful, tally.too_near, counts.rounds,
-              counts.repeated, counts.processes, crossings.resyncs(), crossings.lost_frames(), first_seed);
+  std::printf(
+      "crossings=%d meetings=%d missed=%d invented=%d wrong_brackets=%d doubtful=%d too_near=%d rounds=%d repeated=%d "
+      "publishers=%d resyncs=%" PRIu64 " lost_frames=%" PRIu64 " COLLIDED_SEED=%" PRIu64 "\n",
+      tally.pairs, tally.meetings, tally.missed, tally.invented, tally.wrong_brackets, counts.doubtful, tally.too_near,
+      counts.rounds, counts.repeated, counts.processes, crossings.resyncs(), crossings.lost_frames(), first_seed);
   // Of half the pairs or so the bodies meet; were it next to none, nothing would have been shown.
-  return tally.lies() == 0 && counts.doubtful == 0 && crossings.resyncs() == 0 && tally.meetings * 10 > tally.pairs ? 0 : 1;
+  return tally.lies() == 0 && counts.doubtful == 0 && crossings.resyncs() == 0 && tally.meetings * 10 > tally.pairs ? 0
+                                                                                                                    : 1;
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ Outcome in_own_process(const std::function<Outcome()>& work, bool& crashed) {
 }
 
 /// Each call of each kind in turn, until n is more than there are.
-Tally fail_each(const char* what, std::initializer_list<Failing> kinds, long stride, const std::function<Outcome(Failing, long)>& work) {
+Tally fail_each(const char* what, std::initializer_list<Failing> kinds, long stride,
+                const std::function<Outcome(Failing, long)>& work) {
   Tally tally;
   for (const Failing kind : kinds) {
     for (long n = 1; n <= kMostCalls; n += stride) {
@@ -70,12 +71,14 @@ Tally fail_each(const char* what, std::initializer_list<Failing> kinds, long str
       tally.bad += outcome == Outcome::bad && !crashed ? 1 : 0;
       tally.failed += outcome == Outcome::not_reached ? 0 : 1;
       if (outcome == Outcome::bad) {
-        std::fprintf(stderr, "%s: %s number %ld: %s\n", what, kFailingNames[static_cast<int>(kind)], n, crashed ? "crashed" : "wrong");
+        std::fprintf(stderr, "%s: %s number %ld: %s\n", what, kFailingNames[static_cast<int>(kind)], n,
+                     crashed ? "crashed" : "wrong");
       }
       if (outcome == Outcome::not_reached) break;
     }
   }
-  std::printf("%s: runs=%d failures=%d crashes=%d bad_loads=%d\n", what, tally.runs, tally.failed, tally.crashes, tally.bad);
+  std::printf("%s: runs=%d failures=%d crashes=%d bad_loads=%d\n", what, tally.runs, tally.failed, tally.crashes,
+              tally.bad);
   return tally;
 }
 
@@ -102,10 +105,12 @@ bool same(const TriangleMesh& a, const TriangleMesh& b) {
 
 /// What matters of the scene is as it was saved.
 bool same(const Scene& a, const Scene& b) {
-  return a.name == b.name && same(a.mesh, b.mesh) && a.parts.size() == b.parts.size() && a.parts[0].name == b.parts[0].name &&
-         a.objects.size() == b.objects.size() && a.objects[0].name == b.objects[0].name && a.objects[1].name == b.objects[1].name &&
+  return a.name == b.name && same(a.mesh, b.mesh) && a.parts.size() == b.parts.size() &&
+         a.parts[0].name == b.parts[0].name && a.objects.size() == b.objects.size() &&
+         a.objects[0].name == b.objects[0].name && a.objects[1].name == b.objects[1].name &&
          same(*a.objects[0].shape.mesh, *b.objects[0].shape.mesh) &&
-         std::get<Sphere>(a.objects[1].shape.primitives.at(0)).radius_m == std::get<Sphere>(b.objects[1].shape.primitives.at(0)).radius_m;
+         std::get<Sphere>(a.objects[1].shape.primitives.at(0)).radius_m ==
+             std::get<Sphere>(b.objects[1].shape.primitives.at(0)).radius_m;
 }
 
 struct Loaded {
@@ -129,7 +134,9 @@ Outcome keep_journal(const std::string& folder, Failing kind, long n) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   const auto entry = [](int i, int size) {
-    return Journal::Entry{.key = "object/" + std::to_string(i), .text = "add", .blob = std::vector<std::byte>(static_cast<std::size_t>(size), std::byte{7})};
+    return Journal::Entry{.key = "object/" + std::to_string(i),
+                          .text = "add",
+                          .blob = std::vector<std::byte>(static_cast<std::size_t>(size), std::byte{7})};
   };
   std::vector<std::vector<Journal::Entry>> states;
   std::vector<Journal::Entry> last;
@@ -163,8 +170,7 @@ Outcome save(const std::string& folder, const Scene& before, const Scene& after,
     save_scene(path, after);
     is_saved = true;
   } catch (const LoadError&) {
-  } catch (const std::bad_alloc&) {
-  }
+  } catch (const std::bad_alloc&) {}
   const bool failed = stop_failing();
   const Scene there = load(path).scene;
   const bool is_right = is_saved ? same(there, after) : same(there, before) || same(there, after);
@@ -184,8 +190,7 @@ Outcome load_from(const std::string& path, const Scene& expected, Failing kind, 
     stop_failing();
     is_right = same(loaded.scene, expected);
   } catch (const LoadError&) {
-  } catch (const std::bad_alloc&) {
-  }
+  } catch (const std::bad_alloc&) {}
   const bool failed = stop_failing();
   if (!is_right) return Outcome::bad;
   return failed ? Outcome::fine : Outcome::not_reached;
@@ -201,24 +206,22 @@ Outcome import_from(const std::string& path, std::size_t triangles, Failing kind
     stop_failing();
     is_right = scene.mesh.triangles.size() == triangles;
   } catch (const LoadError&) {
-  } catch (const std::bad_alloc&) {
-  }
+  } catch (const std::bad_alloc&) {}
   const bool failed = stop_failing();
   if (!is_right) return Outcome::bad;
   return failed ? Outcome::fine : Outcome::not_reached;
 }
 
 /// The converter's process fails, this one refuses.
-Outcome convert_from(const std::string& path, const std::string& importer, const std::string& preload, std::size_t triangles, Failing kind, long n) {
+Outcome convert_from(const std::string& path, const std::string& importer, const std::string& preload,
+                     std::size_t triangles, Failing kind, long n) {
   setenv("COLLIDED_IMPORT", importer.c_str(), 1);
   setenv("LD_PRELOAD", preload.c_str(), 1);
   setenv("COLLIDED_FAIL", (std::string(kFailingNames[static_cast<int>(kind)]) + " " + std::to_string(n)).c_str(), 1);
   try {
     LoadReport report;
     return load_scene(path, {}, report).mesh.triangles.size() == triangles ? Outcome::fine : Outcome::bad;
-  } catch (const LoadError&) {
-    return Outcome::fine;
-  }
+  } catch (const LoadError&) { return Outcome::fine; }
 }
 
 /// A bit of the file flipped, or its end cut off: refused, or told and the content as it was.
@@ -227,8 +230,8 @@ struct Corruptions {
 
   /// cuts  sizes to cut to besides those that chance finds
   template <class Detected>
-  void make(const char* what, const std::string& path, int count, std::mt19937_64& random, const std::vector<std::size_t>& cuts,
-            Detected&& is_detected) {
+  void make(const char* what, const std::string& path, int count, std::mt19937_64& random,
+            const std::vector<std::size_t>& cuts, Detected&& is_detected) {
     const std::string whole = read_all(path);
     for (int i = 0; i < count; ++i) {
       std::string bytes = whole;
@@ -242,7 +245,9 @@ struct Corruptions {
       ++made;
       detected += seen ? 1 : 0;
       bad_loads += is_bad ? 1 : 0;
-      if (!seen || is_bad) std::fprintf(stderr, "%s: %s %zu of %zu: %s\n", what, is_cut ? "cut at" : "bit of byte", at, whole.size(), is_bad ? "a bad load" : "not seen");
+      if (!seen || is_bad)
+        std::fprintf(stderr, "%s: %s %zu of %zu: %s\n", what, is_cut ? "cut at" : "bit of byte", at, whole.size(),
+                     is_bad ? "a bad load" : "not seen");
     }
     write_all(path, whole);
   }
@@ -258,9 +263,7 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
       const Loaded loaded = load(path);
       is_bad = !same(loaded.scene, scene);
       return !loaded.report.warnings.empty() || !loaded.indexed->warnings.empty();
-    } catch (const LoadError&) {
-      return true;
-    }
+    } catch (const LoadError&) { return true; }
   });
   std::vector<Journal::Entry> entries;
   const std::string journal_path = folder + "/it.journal";
@@ -268,7 +271,10 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
   {
     Journal journal(service::disk_in(folder), "it.journal");
     for (int i = 0; i < 40; ++i) {
-      journal.put({.key = "object/" + std::to_string(i), .text = std::string(random() % 90, 'x'), .blob = std::vector<std::byte>(random() % 200)}, Journal::Sync::later);
+      journal.put({.key = "object/" + std::to_string(i),
+                   .text = std::string(random() % 90, 'x'),
+                   .blob = std::vector<std::byte>(random() % 200)},
+                  Journal::Sync::later);
       between_records.push_back(std::filesystem::file_size(journal_path));
     }
     between_records.pop_back();
@@ -277,10 +283,12 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
   corruptions.make("journal", journal_path, count - count / 2, random, between_records, [&](bool& is_bad) {
     const Journal journal(service::disk_in(folder), "it.journal");
     // What it has is what was written first.
-    is_bad = journal.entries().size() > entries.size() || !std::equal(journal.entries().begin(), journal.entries().end(), entries.begin());
+    is_bad = journal.entries().size() > entries.size() ||
+             !std::equal(journal.entries().begin(), journal.entries().end(), entries.begin());
     return !journal.damage().empty();
   });
-  std::printf("corruptions=%d detected=%d bad_loads=%d\n", corruptions.made, corruptions.detected, corruptions.bad_loads);
+  std::printf("corruptions=%d detected=%d bad_loads=%d\n", corruptions.made, corruptions.detected,
+              corruptions.bad_loads);
   return corruptions.detected == corruptions.made && corruptions.bad_loads == 0 ? 0 : 1;
 }
 
@@ -294,17 +302,24 @@ int run(long stride, int corruption_count, const std::string& importer, const st
   const std::string path = files + "/" + kSceneFile;
   std::vector<Tally> tallies;
   const std::initializer_list<Failing> kAll = {Failing::write, Failing::fsync, Failing::rename, Failing::malloc};
-  tallies.push_back(fail_each("journal", kAll, stride, [&](Failing kind, long n) { return keep_journal(state, kind, n); }));
-  tallies.push_back(fail_each("save", kAll, stride, [&](Failing kind, long n) { return save(files, before, after, kind, n); }));
+  tallies.push_back(
+      fail_each("journal", kAll, stride, [&](Failing kind, long n) { return keep_journal(state, kind, n); }));
+  tallies.push_back(
+      fail_each("save", kAll, stride, [&](Failing kind, long n) { return save(files, before, after, kind, n); }));
   save_scene(path, before);
-  tallies.push_back(fail_each("load", {Failing::malloc}, stride, [&](Failing kind, long n) { return load_from(path, before, kind, n); }));
+  tallies.push_back(fail_each("load", {Failing::malloc}, stride,
+                              [&](Failing kind, long n) { return load_from(path, before, kind, n); }));
   const std::string obj = folder.write("plate.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
   const std::string off = folder.write("plate.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
   for (const auto& [file, triangles] : {std::pair(obj, 2UL), std::pair(off, 2UL)}) {
-    tallies.push_back(fail_each("import", {Failing::malloc}, stride, [&](Failing kind, long n) { return import_from(file, triangles, kind, n); }));
+    tallies.push_back(fail_each("import", {Failing::malloc}, stride,
+                                [&](Failing kind, long n) { return import_from(file, triangles, kind, n); }));
   }
-  const std::string ac = folder.write("plate.ac", "AC3Db\nMATERIAL \"m\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT world\nkids 1\n"
-                                      "OBJECT poly\nname \"p\"\nnumvert 3\n0 0 0\n1 0 0\n0 1 0\nnumsurf 1\nSURF 0x0\nmat 0\nrefs 3\n0 0 0\n1 0 0\n2 0 0\nkids 0\n");
+  const std::string ac = folder.write(
+      "plate.ac",
+      "AC3Db\nMATERIAL \"m\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT world\nkids 1\n"
+      "OBJECT poly\nname \"p\"\nnumvert 3\n0 0 0\n1 0 0\n0 1 0\nnumsurf 1\nSURF 0x0\nmat 0\nrefs 3\n0 0 0\n1 0 0\n2 0 "
+      "0\nkids 0\n");
   tallies.push_back(fail_each("converter", {Failing::write, Failing::malloc}, 10 * stride,
                               [&](Failing kind, long n) { return convert_from(ac, importer, preload, 1, kind, n); }));
   const int corrupted = corrupt(files, before, corruption_count);

@@ -60,8 +60,7 @@ class Looker {
     watch_.emplace(value_of(client_.watch(), "watch"));
   }
   void look() {
-    while (watch_->next(0ns)) {
-    }
+    while (watch_->next(0ns)) {}
     const double age_ms = std::chrono::duration<double, std::milli>(value_of(client_.status(), "status").age).count();
     worst_ms_ = std::max(worst_ms_, age_ms);
     for (std::size_t i = 0; i < kLimits_ms.size(); ++i) {
@@ -91,21 +90,25 @@ class Looker {
 int run(const std::string& server, int seconds, unsigned busy_a_core) {
   const ScratchFolder folder;
   const int domain = own_domain();
-  ChildProcess process({server, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(), "server");
+  ChildProcess process({server, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(),
+                       "server");
   std::vector<std::unique_ptr<Looker>> query_movers;
   for (int i = 0; i < 3; ++i) query_movers.push_back(std::make_unique<Looker>(domain));
   Publisher publisher = value_of(query_movers[0]->client().publish("mover"), "publish");
   std::vector<Publisher::Object> balls;
   for (int i = 0; i < kBalls; ++i) {
-    balls.push_back(value_of(publisher.add({.name = "ball " + std::to_string(i), .shape = {SphereShape{.radius_m = 0.3}},
-                                            .pose = {.position = {100.0 + i, 0, 0}}}), "add"));
+    balls.push_back(value_of(publisher.add({.name = "ball " + std::to_string(i),
+                                            .shape = {SphereShape{.radius_m = 0.3}},
+                                            .pose = {.position = {100.0 + i, 0, 0}}}),
+                             "add"));
   }
   std::this_thread::sleep_for(1s);
   const Busy busy(busy_a_core * std::max(1U, std::thread::hardware_concurrency()));
   const auto started = SteadyClock::now();
   for (int round = 0; ms_since(started) < 1e3 * seconds; ++round) {
     for (std::size_t i = 0; i < balls.size(); ++i) {
-      static_cast<void>(publisher.move(balls[i], {.position = {100.0 + static_cast<double>(i), 0.01 * (round % 100), 0}}));
+      static_cast<void>(
+          publisher.move(balls[i], {.position = {100.0 + static_cast<double>(i), 0.01 * (round % 100), 0}}));
     }
     static_cast<void>(publisher.flush());
     for (int look = 0; look < 5; ++look) {

@@ -31,7 +31,8 @@ constexpr double kMostQuiet_ms = 5;
 constexpr double kMostLag_ms = 40;
 constexpr double kMostRatio = 2;
 constexpr double kMostDrift = 0.05;
-constexpr std::chrono::seconds kLong{30};  // shorter runs share the machine with whoever builds, and see queues and pools fill
+constexpr std::chrono::seconds kLong{
+    30};  // shorter runs share the machine with whoever builds, and see queues and pools fill
 
 /// Of other machines' programs, which would not take this one's processors: they get what is left.
 void stand_back() {
@@ -45,7 +46,8 @@ int run_asker(int domain) {
   stand_back();
   Client client = value_of(Client::connect({.domain = domain, .wait = 10s}), "connect");
   std::vector<RayQuestion> rays;
-  for (int i = 0; i < 100'000; ++i) rays.push_back({.origin = {0.5 + 1e-5 * i, 0.5, 1.5}, .direction = {0.1, 1e-5 * i, -0.2}});
+  for (int i = 0; i < 100'000; ++i)
+    rays.push_back({.origin = {0.5 + 1e-5 * i, 0.5, 1.5}, .direction = {0.1, 1e-5 * i, -0.2}});
   std::printf("up\n");
   std::fflush(stdout);
   Answers answers;
@@ -63,15 +65,18 @@ int run_poses(int domain, int rate_hz) {
   Publisher publisher = value_of(client.publish("crowd"), "publish");
   std::vector<Publisher::Object> balls;
   for (int i = 0; i < kObjects; ++i) {
-    balls.push_back(value_of(publisher.add({.name = "ball " + std::to_string(i), .shape = {SphereShape{.radius_m = 0.2}},
-                                            .pose = {.position = {1'000.0 + i, 0, 0}}}), "add"));
+    balls.push_back(value_of(publisher.add({.name = "ball " + std::to_string(i),
+                                            .shape = {SphereShape{.radius_m = 0.2}},
+                                            .pose = {.position = {1'000.0 + i, 0, 0}}}),
+                             "add"));
   }
   std::printf("up\n");
   std::fflush(stdout);
   auto next = SteadyClock::now();
   for (int tick = 0;; ++tick) {
     for (int i = 0; i < kObjects; ++i) {
-      static_cast<void>(publisher.move(balls[static_cast<std::size_t>(i)], {.position = {1'000.0 + i, 0.001 * (tick % 100), 0}}));
+      static_cast<void>(
+          publisher.move(balls[static_cast<std::size_t>(i)], {.position = {1'000.0 + i, 0.001 * (tick % 100), 0}}));
     }
     static_cast<void>(publisher.flush());
     next += 1'000'000us / rate_hz;
@@ -87,7 +92,10 @@ class Marker {
   explicit Marker(Client& client)
       : watch_(value_of(client.watch({.only = "marker"}, [this](const Event& event) { hear(event); }), "watch")),
         publisher_(value_of(client.publish("marker"), "publish")),
-        ball_(value_of(publisher_.add({.name = "marker", .shape = {SphereShape{.radius_m = kRadius_m}}, .pose = {.position = {6, 0, 1}}}), "add")),
+        ball_(value_of(
+            publisher_.add(
+                {.name = "marker", .shape = {SphereShape{.radius_m = kRadius_m}}, .pose = {.position = {6, 0, 1}}}),
+            "add")),
         alive_([this](const std::stop_token& stop) {
           while (!stop.stop_requested()) {
             static_cast<void>(publisher_.keep_alive());
@@ -96,9 +104,19 @@ class Marker {
         }) {
     // What comes and goes before the watch has its first state is no event to it.
     for (int i = 0; i < 20; ++i) {
-      { const std::lock_guard lock(mutex_); sent_.clear(); wrong_ = 0; }
+      {
+        const std::lock_guard lock(mutex_);
+        sent_.clear();
+        wrong_ = 0;
+      }
       toggle();
-      if (wait_until([&] { const std::lock_guard lock(mutex_); return sent_.empty() && wrong_ == 0; }, 500ms)) return;
+      if (wait_until(
+              [&] {
+                const std::lock_guard lock(mutex_);
+                return sent_.empty() && wrong_ == 0;
+              },
+              500ms))
+        return;
     }
     std::fprintf(stderr, "flood: no event of the marker came\n");
     std::exit(2);
@@ -122,7 +140,12 @@ class Marker {
   }
   /// Toggles whose event has not come, once it has had a second to.
   int lost() {
-    wait_until([&] { const std::lock_guard lock(mutex_); return sent_.empty(); }, 1s);
+    wait_until(
+        [&] {
+          const std::lock_guard lock(mutex_);
+          return sent_.empty();
+        },
+        1s);
     const std::lock_guard lock(mutex_);
     return static_cast<int>(sent_.size()) + wrong_;
   }
@@ -163,10 +186,12 @@ double visible_after_ms(Client& client, Marker& marker) {
   const auto flushed = SteadyClock::now();
   marker.toggle();
   const double distance_m = 5 - marker.height_m() - Marker::kRadius_m;
-  wait_until([&] {
-    const Result<Answer> down = client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
-    return down && !down->hits.empty() && std::abs(down->hits[0].distance_m - distance_m) < 1e-9;
-  }, 1s, 0ms);
+  wait_until(
+      [&] {
+        const Result<Answer> down = client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
+        return down && !down->hits.empty() && std::abs(down->hits[0].distance_m - distance_m) < 1e-9;
+      },
+      1s, 0ms);
   return ms_since(flushed);
 }
 
@@ -180,7 +205,8 @@ Phase measure(Client& client, Marker& marker, std::chrono::seconds time) {
   for (int i = 0; SteadyClock::now() < until; ++i) {
     if (i % 10 == 0) visible_ms.push_back(visible_after_ms(client, marker));
     const auto asked = SteadyClock::now();
-    const Result<Answer> answer = client.ask(RayQuestion{.origin = {0.5 + 1e-4 * (i % 1'000), 0.5, 1.5}, .direction = {0.1, 0.1, -1}});
+    const Result<Answer> answer =
+        client.ask(RayQuestion{.origin = {0.5 + 1e-4 * (i % 1'000), 0.5, 1.5}, .direction = {0.1, 0.1, -1}});
     if (!answer) std::fprintf(stderr, "quiet: %s\n", answer.error().message.c_str());
     question_ms.push_back(ms_since(asked));
     const auto next = std::max(asked + 2ms, SteadyClock::now() + 100us);
@@ -188,7 +214,8 @@ Phase measure(Client& client, Marker& marker, std::chrono::seconds time) {
     late_ms.push_back(ms_since(next));
   }
   return {percentile(question_ms, 0.5), percentile(question_ms, 0.99), percentile(marker.take_lags(), 0.99),
-          percentile(visible_ms, 0.5), percentile(visible_ms, 0.99), percentile(visible_ms, 0.999), percentile(late_ms, 0.99)};
+          percentile(visible_ms, 0.5),  percentile(visible_ms, 0.99),  percentile(visible_ms, 0.999),
+          percentile(late_ms, 0.99)};
 }
 
 int run(const std::string& self, const std::string& server_path, std::chrono::seconds time) {
@@ -217,11 +244,13 @@ int run(const std::string& self, const std::string& server_path, std::chrono::se
   const int lost = marker.lost();
   const std::string batches = asker->output();
   const double ratio = flood.question_p99 / quiet.question_p99;
-  std::printf("quiet_p50=%.3f quiet_p99=%.3f flood_p50=%.3f flood_p99=%.3f ratio=%.2f lost_ended=%d lag_p99=%.1f quiet_lag_p99=%.1f "
-              "visible_p50=%.2f visible_p999=%.2f rss_mib=%.0f rss_drift=%.1f%% batches=%ld late_p99=%.2f,%.2f\n",
-              quiet.question_p50, quiet.question_p99, flood.question_p50, flood.question_p99, ratio, lost, flood.lag_p99, quiet.lag_p99,
-              quiet.visible_p50, quiet.visible_p999, before_mib, 100 * drift, std::count(batches.begin(), batches.end(), '\n'),
-              quiet.late_p99, flood.late_p99);
+  std::printf(
+      "quiet_p50=%.3f quiet_p99=%.3f flood_p50=%.3f flood_p99=%.3f ratio=%.2f lost_ended=%d lag_p99=%.1f "
+      "quiet_lag_p99=%.1f "
+      "visible_p50=%.2f visible_p999=%.2f rss_mib=%.0f rss_drift=%.1f%% batches=%ld late_p99=%.2f,%.2f\n",
+      quiet.question_p50, quiet.question_p99, flood.question_p50, flood.question_p99, ratio, lost, flood.lag_p99,
+      quiet.lag_p99, quiet.visible_p50, quiet.visible_p999, before_mib, 100 * drift,
+      std::count(batches.begin(), batches.end(), '\n'), quiet.late_p99, flood.late_p99);
   // A long run is held to the demands as they are. A short one is told from what others on the machine cost every thread: a
   // question and its answer, a pose and its event, wake some five threads one after the other.
   const double wakes = time < kLong ? 5 : 0;

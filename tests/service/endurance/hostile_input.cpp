@@ -68,16 +68,30 @@ class Malice {
   std::uint64_t below(std::uint64_t limit) { return random_() % limit; }
   bool chance(double probability) { return std::bernoulli_distribution(probability)(random_); }
   double number() {
-    static const double kOdd[] = {0, -0.0, 1, -1, 5e-324, -2.2250738585072014e-308, 1e-300, 1e300, 1.7976931348623157e308, -1e308,
-                                  std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
-                                  std::numeric_limits<double>::quiet_NaN(), 1e-9, 1 + 1e-7, 4503599627370497.5};
+    static const double kOdd[] = {0,
+                                  -0.0,
+                                  1,
+                                  -1,
+                                  5e-324,
+                                  -2.2250738585072014e-308,
+                                  1e-300,
+                                  1e300,
+                                  1.7976931348623157e308,
+                                  -1e308,
+                                  std::numeric_limits<double>::infinity(),
+                                  -std::numeric_limits<double>::infinity(),
+                                  std::numeric_limits<double>::quiet_NaN(),
+                                  1e-9,
+                                  1 + 1e-7,
+                                  4503599627370497.5};
     if (chance(0.3)) return kOdd[below(std::size(kOdd))];
     if (chance(0.1)) return std::bit_cast<double>(random_());
     return std::uniform_real_distribution<double>(-3, 3)(random_);
   }
   /// Mostly a pose.
   void fill_pose(double* numbers) {
-    for (int i = 0; i < 3; ++i) numbers[i] = chance(0.1) ? number() : std::uniform_real_distribution<double>(-3, 3)(random_);
+    for (int i = 0; i < 3; ++i)
+      numbers[i] = chance(0.1) ? number() : std::uniform_real_distribution<double>(-3, 3)(random_);
     const Quat turn = Quat(normal_(random_), normal_(random_), normal_(random_), normal_(random_)).normalized();
     const double q[] = {turn.w(), turn.x(), turn.y(), turn.z()};
     for (int i = 0; i < 4; ++i) numbers[3 + i] = chance(0.05) ? number() : q[i];
@@ -186,7 +200,8 @@ class Border {
   void define() {
     DefinitionSample sample;
     sample.publisher = malice_.below(4);
-    sample.object_number = malice_.chance(0.9) ? static_cast<std::uint32_t>(malice_.below(12)) : static_cast<std::uint32_t>(malice_.any_bits());
+    sample.object_number = malice_.chance(0.9) ? static_cast<std::uint32_t>(malice_.below(12))
+                                               : static_cast<std::uint32_t>(malice_.any_bits());
     sample.incarnation = 1 + (malice_.chance(0.01) ? malice_.below(3) : 0);
     sample.sequence = malice_.chance(0.95) ? ++sequence_ : malice_.any_bits() >> malice_.below(64);
     sample.removed = malice_.chance(0.2);
@@ -215,7 +230,8 @@ class Border {
     sample.source_time_ns = malice_.chance(0.5) ? time_ns_ : static_cast<std::int64_t>(malice_.any_bits());
     sample.received_ns = time_ns_;
     sample.flags = static_cast<std::uint8_t>(malice_.chance(0.9) ? 0 : malice_.below(256));
-    for (std::uint64_t i = malice_.below(5); i > 0; --i) sample.object_numbers.push_back(static_cast<std::uint32_t>(malice_.below(14)));
+    for (std::uint64_t i = malice_.below(5); i > 0; --i)
+      sample.object_numbers.push_back(static_cast<std::uint32_t>(malice_.below(14)));
     sample.poses.resize(7 * sample.object_numbers.size());
     for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) malice_.fill_pose(&sample.poses[7 * i]);
     if (malice_.chance(0.05)) sample.poses.resize(malice_.below(20), 1.0);
@@ -246,19 +262,26 @@ class Border {
     timed("check", [&] { refusal = service::why_refused(*query); });
     if (refusal || stride == 0 || numbers.size() != stride) return;
     const ObjectInfo mover = without_world(Shape{{Sphere{{0, 0, 0}, 0.3}}, nullptr});
-    const Questions questions{.kind = static_cast<QuestionKind>(query->kind), .mode = static_cast<HitMode>(query->mode),
-                              .mask = query->mask, .max_hits = query->max_hits, .only = query->only,
-                              .error_m = query->error_asked, .numbers = numbers, .mover = &mover};
+    const Questions questions{.kind = static_cast<QuestionKind>(query->kind),
+                              .mode = static_cast<HitMode>(query->mode),
+                              .mask = query->mask,
+                              .max_hits = query->max_hits,
+                              .only = query->only,
+                              .error_m = query->error_asked,
+                              .numbers = numbers,
+                              .mover = &mover};
     const SnapshotRing::Lease state = world_.newest();
     timed(name_of(questions.kind), [&] { answer(*state, questions, answers_, scratch_); });
     for (const AnswerHit& hit : answers_.hits) {
-      const bool is_told = !std::isnan(hit.distance_m) && !std::isnan(hit.error_m) && !hit.point.hasNaN() && !hit.normal.hasNaN();
+      const bool is_told =
+          !std::isnan(hit.distance_m) && !std::isnan(hit.error_m) && !hit.point.hasNaN() && !hit.normal.hasNaN();
       result_.not_finite += is_told ? 0 : 1;
     }
   }
   void command() {
     std::string text = R"({"command":"add","name":"x","pose":[0,0,0,1,0,0,0],"layers":1,"limit":10,"moving":true})";
-    for (std::uint64_t i = malice_.below(8); i > 0; --i) text[malice_.below(text.size())] = static_cast<char>(malice_.below(256));
+    for (std::uint64_t i = malice_.below(8); i > 0; --i)
+      text[malice_.below(text.size())] = static_cast<char>(malice_.below(256));
     if (malice_.chance(0.05)) text = std::string(malice_.below(3'000), '[');
     timed("command", [&] {
       try {
@@ -269,8 +292,7 @@ class Border {
         static_cast<void>(arguments.truth("moving", false));
         const std::optional<Pose> pose = arguments.pose("pose");
         result_.not_finite += !pose || pose->position.allFinite() ? 0 : 1;
-      } catch (const service::BadCommand&) {
-      }
+      } catch (const service::BadCommand&) {}
     });
   }
 
@@ -298,7 +320,9 @@ bool border_crashes(std::uint64_t seed, std::uint64_t inputs, Result& counted) {
   int status = 0;
   waitpid(child, &status, 0);
   const bool crashed = !WIFEXITED(status) || WEXITSTATUS(status) != 0;
-  if (crashed) std::fprintf(stderr, "the border crashed at input %llu of seed %llu\n", static_cast<unsigned long long>(result->inputs), static_cast<unsigned long long>(seed));
+  if (crashed)
+    std::fprintf(stderr, "the border crashed at input %llu of seed %llu\n",
+                 static_cast<unsigned long long>(result->inputs), static_cast<unsigned long long>(seed));
   counted = *result;  // its texts are literals, in the same place in both
   munmap(memory, sizeof(Result));
   return crashed;
@@ -316,7 +340,9 @@ std::vector<std::uint8_t> rtps_junk(Malice& malice) {
     const bool is_discovery = malice.chance(0.4) && body.size() >= 24;
     if (is_discovery) {
       // DATA of the participants' or endpoints' discovery, then parameters of any kind and length.
-      const std::uint8_t head[] = {0, 0, 16, 0, 0, 0, 0, 0, 0, 1, 0, static_cast<std::uint8_t>(malice.chance(0.5) ? 0xc2 : 0xc7), 0, 0, 0, 0, 1, 0, 0, 0, 0, 3, 0, 0};
+      const std::uint8_t head[] = {
+          0, 0, 16, 0, 0, 0, 0, 0, 0, 1, 0, static_cast<std::uint8_t>(malice.chance(0.5) ? 0xc2 : 0xc7),
+          0, 0, 0,  0, 1, 0, 0, 0, 0, 3, 0, 0};
       std::copy(std::begin(head), std::end(head), body.begin());
     }
     packet.push_back(is_discovery ? 0x15 : kKinds[malice.below(std::size(kKinds))]);
@@ -339,7 +365,8 @@ void throw_junk(int domain, Malice& malice, std::uint64_t packets) {
     // Discovery and data of the first two participants of the domain (RTPS 9.6.1.1).
     const int port = 7'400 + 250 * domain + 10 + static_cast<int>(malice.below(4));
     to.sin_port = htons(static_cast<std::uint16_t>(port));
-    static_cast<void>(::sendto(socket, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to));
+    static_cast<void>(
+        ::sendto(socket, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to));
   }
   ::close(socket);
 }
@@ -364,7 +391,8 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       std::copy_n(pose + 3, 4, definition->orientation);
       // As far as DDS takes it: text without a zero in it, no longer than the field.
       const std::string name = malice.name();
-      static_cast<void>(dds::set_text(definition->name, name.substr(0, std::min(name.find('\0'), name.size())).substr(0, 250)));
+      static_cast<void>(
+          dds::set_text(definition->name, name.substr(0, std::min(name.find('\0'), name.size())).substr(0, 250)));
       dds::borrow(definition->shape, shape);
       asker.define(*definition);
     } else if (malice.chance(0.5)) {
@@ -376,7 +404,8 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       const std::vector<std::uint32_t> objects(malice.below(6), static_cast<std::uint32_t>(malice.below(50)));
       dds::borrow(batch->object_numbers, objects);
       test::put_poses(*batch, numbers);
-      if (malice.chance(0.3)) dds::borrow(malice.chance(0.5) ? batch->orientations : batch->angular_velocities, numbers);
+      if (malice.chance(0.3))
+        dds::borrow(malice.chance(0.5) ? batch->orientations : batch->angular_velocities, numbers);
       asker.pose(*batch);
     } else {
       dds::Sample<wire::Query> query;
@@ -403,7 +432,8 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
 bool server_crashes(const std::string& server_path, std::uint64_t seed, std::uint64_t inputs) {
   const ScratchFolder folder;
   const int domain = own_domain();
-  ChildProcess server({server_path, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(), "server");
+  ChildProcess server({server_path, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(),
+                      "server");
   if (!server.says("ready:", 20s)) return true;
   Malice malice(seed);
   WireAsker asker(domain);
@@ -425,7 +455,8 @@ bool server_crashes(const std::string& server_path, std::uint64_t seed, std::uin
     write_samples(asker, malice, inputs / 20);
     well = is_well();
   }
-  if (!well) std::fprintf(stderr, "the server is not well, exit code %d:\n%s", server.wait(0ms), server.errors().c_str());
+  if (!well)
+    std::fprintf(stderr, "the server is not well, exit code %d:\n%s", server.wait(0ms), server.errors().c_str());
   return !well;
 }
 
@@ -435,10 +466,14 @@ int run(const std::string& server, std::uint64_t inputs) {
   int crashes = border_crashes(seed, inputs * 8 / 10, result) ? 1 : 0;
   const std::uint64_t to_server = inputs * 2 / 10;
   crashes += server_crashes(server, seed, to_server) ? 1 : 0;
-  std::printf("inputs=%llu crashes=%d nonfinite_past_gate=%llu max_call_us=%.0f (%s) max_step_us=%.0f\n", static_cast<unsigned long long>(result.inputs + to_server),
-              crashes, static_cast<unsigned long long>(result.not_finite), result.longest_us, result.longest_kind,
+  std::printf("inputs=%llu crashes=%d nonfinite_past_gate=%llu max_call_us=%.0f (%s) max_step_us=%.0f\n",
+              static_cast<unsigned long long>(result.inputs + to_server), crashes,
+              static_cast<unsigned long long>(result.not_finite), result.longest_us, result.longest_kind,
               result.longest_step_us);
-  return crashes == 0 && result.not_finite == 0 && result.longest_us <= kMostCall_us && result.longest_step_us <= kMostStep_us ? 0 : 1;
+  return crashes == 0 && result.not_finite == 0 && result.longest_us <= kMostCall_us &&
+                 result.longest_step_us <= kMostStep_us
+             ? 0
+             : 1;
 }
 
 }  // namespace

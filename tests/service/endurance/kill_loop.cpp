@@ -61,8 +61,10 @@ class KillLoop {
     for (int i = 0; i < 3; ++i) subscribers_.push_back(std::make_unique<Subscriber>(connect()));
     publisher_ = std::make_unique<Publisher>(value_of(subscribers_[0]->client().publish("mover"), "publish"));
     for (int i = 0; i < kBalls; ++i) {
-      balls_.push_back(value_of(publisher_->add({.name = "ball " + std::to_string(i), .shape = {SphereShape{.radius_m = kRadius_m}},
-                                                 .pose = {.position = {100.0 + 10 * i, 0, 0}}}), "add"));
+      balls_.push_back(value_of(publisher_->add({.name = "ball " + std::to_string(i),
+                                                 .shape = {SphereShape{.radius_m = kRadius_m}},
+                                                 .pose = {.position = {100.0 + 10 * i, 0, 0}}}),
+                                "add"));
       positions_.emplace_back(100.0 + 10 * i, 0, 0);
     }
   }
@@ -76,7 +78,9 @@ class KillLoop {
     server_->wait(5s);
     if (!at_once) {
       // Nobody takes its place: how long until they know?
-      while (ms_since(killed) < 2'000 && std::any_of(subscribers_.begin(), subscribers_.end(), [](const auto& s) { return s->connected(); })) pump(1ms);
+      while (ms_since(killed) < 2'000 &&
+             std::any_of(subscribers_.begin(), subscribers_.end(), [](const auto& s) { return s->connected(); }))
+        pump(1ms);
       detect_ms_.push_back(ms_since(killed));
     }
     const auto started = SteadyClock::now();
@@ -86,7 +90,8 @@ class KillLoop {
       return status && status->pid == static_cast<std::uint32_t>(server_->pid()) && status->state == "ready";
     });
     ready_ms_.push_back(ms_since(started));
-    if (ready_ms_.back() > 2'000) std::fprintf(stderr, "ready only after %.0f ms:\n%s", ready_ms_.back(), server_->errors().c_str());
+    if (ready_ms_.back() > 2'000)
+      std::fprintf(stderr, "ready only after %.0f ms:\n%s", ready_ms_.back(), server_->errors().c_str());
   }
 
   /// What every subscriber holds is what touches; counted where it does not become so.
@@ -105,17 +110,20 @@ class KillLoop {
     wait_for_truth();
     int unpaired = 0;
     for (const auto& subscriber : subscribers_) unpaired += subscriber->unpaired();
-    std::printf("kills=%d lost_ended=%d lost_began=%d unpaired=%d detect_p50=%.0f detect_p99=%.0f ready_p50=%.0f ready_p99=%.0f\n",
-                kills, lost_ended_, lost_began_, unpaired, percentile(detect_ms_, 0.5), percentile(detect_ms_, 0.99),
-                percentile(ready_ms_, 0.5), percentile(ready_ms_, 0.99));
+    std::printf(
+        "kills=%d lost_ended=%d lost_began=%d unpaired=%d detect_p50=%.0f detect_p99=%.0f ready_p50=%.0f "
+        "ready_p99=%.0f\n",
+        kills, lost_ended_, lost_began_, unpaired, percentile(detect_ms_, 0.5), percentile(detect_ms_, 0.99),
+        percentile(ready_ms_, 0.5), percentile(ready_ms_, 0.99));
     return lost_ended_ + lost_began_ + unpaired == 0 ? 0 : 1;
   }
 
  private:
   void start() {
-    server_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{server_path_, scene_, "--domain", std::to_string(domain_), "--state-dir", folder_.path()},
-        folder_.path(), "server");
+    server_ =
+        std::make_unique<ChildProcess>(std::vector<std::string>{server_path_, scene_, "--domain",
+                                                                std::to_string(domain_), "--state-dir", folder_.path()},
+                                       folder_.path(), "server");
   }
   Client connect() const { return value_of(Client::connect({.domain = domain_, .wait = 20s}), "connect"); }
 
@@ -145,7 +153,8 @@ class KillLoop {
     std::set<Pair> pairs;
     for (int i = 0; i < kBalls; ++i) {
       for (int j = i + 1; j < kBalls; ++j) {
-        const bool touch = (positions_[static_cast<std::size_t>(i)] - positions_[static_cast<std::size_t>(j)]).norm() <= 2 * kRadius_m;
+        const bool touch =
+            (positions_[static_cast<std::size_t>(i)] - positions_[static_cast<std::size_t>(j)]).norm() <= 2 * kRadius_m;
         if (touch) pairs.insert(std::minmax("ball " + std::to_string(i), "ball " + std::to_string(j)));
       }
     }

@@ -35,11 +35,11 @@ FarSide start_far_side(const std::string& server, const std::string& folder, int
     try {
       enter_own_network();
       far.device = std::make_unique<TapDevice>("collided0", 1);
-      far.server = std::make_unique<ChildProcess>(
-          std::vector<std::string>{server, "--domain", std::to_string(domain), "--state-dir", folder, "--interface", "collided0"}, folder, "server");
-    } catch (...) {
-      failure = std::current_exception();
-    }
+      far.server =
+          std::make_unique<ChildProcess>(std::vector<std::string>{server, "--domain", std::to_string(domain),
+                                                                  "--state-dir", folder, "--interface", "collided0"},
+                                         folder, "server");
+    } catch (...) { failure = std::current_exception(); }
   }).join();
   if (failure) std::rethrow_exception(failure);
   return far;
@@ -57,11 +57,12 @@ class LossyNetwork {
       std::exit(2);
     }
     for (int i = 0; i < 3; ++i) {
-      clients_.push_back(std::make_unique<Client>(value_of(
-          Client::connect({.domain = domain_, .interface = "collided1", .wait = 20s}), "connect")));
+      clients_.push_back(std::make_unique<Client>(
+          value_of(Client::connect({.domain = domain_, .interface = "collided1", .wait = 20s}), "connect")));
     }
     crowd_ = std::make_unique<MovingCrowd>(*clients_[0], kSeed);
-    for (int i = 1; i < 3; ++i) keepers_.push_back(std::make_unique<Bookkeeper>(*clients_[static_cast<std::size_t>(i)]));
+    for (int i = 1; i < 3; ++i)
+      keepers_.push_back(std::make_unique<Bookkeeper>(*clients_[static_cast<std::size_t>(i)]));
     settle(10s);
   }
 
@@ -87,7 +88,8 @@ class LossyNetwork {
     const auto cut = SteadyClock::now();
     int moves = 0;
     for (; SteadyClock::now() < cut + time; ++moves) {
-      static_cast<void>(crowd_->move_first(SteadyClock::now() < cut + time * 3 / 4 ? MovingCrowd::kBalls : MovingCrowd::kBalls / 2));
+      static_cast<void>(
+          crowd_->move_first(SteadyClock::now() < cut + time * 3 / 4 ? MovingCrowd::kBalls : MovingCrowd::kBalls / 2));
       std::this_thread::sleep_for(20ms);
     }
     int connected = 0;
@@ -134,9 +136,9 @@ class LossyNetwork {
       gaps += keeper->take_undetected_gaps();
       resyncs += keeper->resyncs();
     }
-    std::printf("cell=%s missed=%d dup=%d undetected_gaps=%d %s=%.0f moves=%d lost_frames=%llu resyncs=%llu\n", cell.c_str(), missed, dup,
-                gaps, heals ? "heal_ms" : "settle_ms", ms, moves, static_cast<unsigned long long>(lost_frames),
-                static_cast<unsigned long long>(resyncs));
+    std::printf("cell=%s missed=%d dup=%d undetected_gaps=%d %s=%.0f moves=%d lost_frames=%llu resyncs=%llu\n",
+                cell.c_str(), missed, dup, gaps, heals ? "heal_ms" : "settle_ms", ms, moves,
+                static_cast<unsigned long long>(lost_frames), static_cast<unsigned long long>(resyncs));
     broken_ += missed + dup + gaps + (heals && ms > kMostHeal_ms ? 1 : 0);
   }
 

@@ -26,8 +26,10 @@ class MovingCrowd {
       : random_(seed), name_(name), publisher_(value_of(client.publish(name), "publish")) {
     for (int i = 0; i < kBalls; ++i) {
       positions_.emplace_back(100.0 + 10 * i, 0, 0);
-      balls_.push_back(value_of(publisher_.add({.name = name_of(i), .shape = {SphereShape{.radius_m = kRadius_m}},
-                                                .pose = {.position = positions_.back()}}), "add"));
+      balls_.push_back(value_of(publisher_.add({.name = name_of(i),
+                                                .shape = {SphereShape{.radius_m = kRadius_m}},
+                                                .pose = {.position = positions_.back()}}),
+                                "add"));
     }
   }
   /// False where the server took nothing.
@@ -48,7 +50,8 @@ class MovingCrowd {
     std::set<NamedPair> pairs;
     for (int i = 0; i < kBalls; ++i) {
       for (int j = i + 1; j < kBalls; ++j) {
-        const double distance = (positions_[static_cast<std::size_t>(i)] - positions_[static_cast<std::size_t>(j)]).norm();
+        const double distance =
+            (positions_[static_cast<std::size_t>(i)] - positions_[static_cast<std::size_t>(j)]).norm();
         if (distance <= 2 * kRadius_m) pairs.insert(std::minmax(name_of(i), name_of(j)));
       }
     }
@@ -82,7 +85,8 @@ class Bookkeeper {
   int differences(const std::set<NamedPair>& truth) {
     const std::lock_guard lock(mutex_);
     std::vector<NamedPair> differing;
-    std::set_symmetric_difference(open_.begin(), open_.end(), truth.begin(), truth.end(), std::back_inserter(differing));
+    std::set_symmetric_difference(open_.begin(), open_.end(), truth.begin(), truth.end(),
+                                  std::back_inserter(differing));
     return static_cast<int>(differing.size());
   }
   /// Began while it held, or ended while it did not, since the last call.
@@ -106,7 +110,8 @@ class Bookkeeper {
     const std::lock_guard lock(mutex_);
     const NamedPair pair = std::minmax(event.a, event.b);
     unpaired_ += (event.kind == EventKind::ended ? open_.erase(pair) == 1 : open_.insert(pair).second) ? 0 : 1;
-    const bool follows = event.resync || event.kind == EventKind::open || event.epoch != epoch_ || event.sequence <= sequence_ + 1;
+    const bool follows =
+        event.resync || event.kind == EventKind::open || event.epoch != epoch_ || event.sequence <= sequence_ + 1;
     if (!follows) gaps_.push_back(resyncs_seen_);
     sequence_ = event.epoch == epoch_ ? std::max(sequence_, event.sequence) : event.sequence;
     epoch_ = event.epoch;

@@ -39,8 +39,11 @@ int run_publisher(int domain, const std::string& name, double x) {
   Client client = value_of(Client::connect({.domain = domain, .wait = 10s}), "connect");
   Publisher publisher = value_of(client.publish(name), "publish");
   const auto ball = [&](const char* what, const Vec3& at, LostPolicy lost_policy) {
-    return value_of(publisher.add({.name = name + "/" + what, .shape = {SphereShape{.radius_m = 0.5}}, .pose = {.position = at},
-                                   .lost_policy = lost_policy}), "add");
+    return value_of(publisher.add({.name = name + "/" + what,
+                                   .shape = {SphereShape{.radius_m = 0.5}},
+                                   .pose = {.position = at},
+                                   .lost_policy = lost_policy}),
+                    "add");
   };
   ball("a", {x, 0, 100}, LostPolicy::remove);
   ball("b", {x + 0.5, 0, 100}, LostPolicy::remove);
@@ -103,7 +106,8 @@ class PublisherFaults {
   PublisherFaults(std::string self, const std::string& server)
       : self_(std::move(self)),
         domain_(own_domain()),
-        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path()}, folder_.path(), "server") {
+        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path()}, folder_.path(),
+                "server") {
     if (!server_.says("ready:", 20s)) std::exit(2);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 10s}), "connect"));
     watch_.emplace(value_of(client_->watch({}, [this](const Event& event) { reported_.hear(event); }), "watch"));
@@ -129,8 +133,9 @@ class PublisherFaults {
   int report(int rounds) {
     const int unpaired = reported_.unpaired();
     const double flagged_max = percentile(flagged_ms_, 1);
-    std::printf("rounds=%d ghosts=%d flagged_p50=%.0f flagged_max=%.0f spurious_ended=%d flips=%d unpaired=%d late=%d\n", rounds,
-                ghosts_, percentile(flagged_ms_, 0.5), flagged_max, spurious_, flips_, unpaired, late_);
+    std::printf(
+        "rounds=%d ghosts=%d flagged_p50=%.0f flagged_max=%.0f spurious_ended=%d flips=%d unpaired=%d late=%d\n",
+        rounds, ghosts_, percentile(flagged_ms_, 0.5), flagged_max, spurious_, flips_, unpaired, late_);
     const bool kept = ghosts_ + spurious_ + flips_ + unpaired + late_ == 0 && flagged_max <= kMostFlagged_ms;
     if (!kept) std::fprintf(stderr, "the server said:\n%s", server_.errors().c_str());
     return kept ? 0 : 1;
@@ -144,7 +149,8 @@ class PublisherFaults {
   Process start(const std::string& name, double x) {
     const std::string file = name + "_" + std::to_string(started_++);
     auto process = std::make_unique<ChildProcess>(
-        std::vector<std::string>{self_, "--publish", std::to_string(domain_), name, std::to_string(x)}, folder_.path(), file);
+        std::vector<std::string>{self_, "--publish", std::to_string(domain_), name, std::to_string(x)}, folder_.path(),
+        file);
     if (!process->says("up", 10s)) {
       std::fprintf(stderr, "%s did not start: %s\n", name.c_str(), process->errors().c_str());
       std::exit(2);
@@ -241,7 +247,8 @@ class PublisherFaults {
   void take_over(int owner) {
     Process rival = start(name_of(owner), place_of(owner) + kRivalOffset_m);
     end(owners_[static_cast<std::size_t>(owner)]);
-    await(wait_until([&] { return is_at(name_of(owner), place_of(owner) + kRivalOffset_m); }, kPatience), "the rival's turn");
+    await(wait_until([&] { return is_at(name_of(owner), place_of(owner) + kRivalOffset_m); }, kPatience),
+          "the rival's turn");
     await(!is_at(name_of(owner), place_of(owner)), "the owner's objects are gone");
     owners_[static_cast<std::size_t>(owner)] = start(name_of(owner), place_of(owner));
     for (int i = 0; i < 20; ++i) {
@@ -264,7 +271,8 @@ class PublisherFaults {
       ghosts_ += is_dead && !stays ? 1 : 0;
     }
     const std::size_t expected = 5 * kOwners - 4 * dead.size();
-    await(wait_until([&] { return objects("owner*").size() == expected; }, kPatience), "as many objects as there are to be");
+    await(wait_until([&] { return objects("owner*").size() == expected; }, kPatience),
+          "as many objects as there are to be");
   }
   /// Each of a lost publisher's contacts ends once for a loss; any more were none.
   void count_spurious() {
@@ -301,7 +309,8 @@ class PublisherFaults {
 
 int main(int argc, char** argv) {
   using namespace collided::testing_support;
-  if (argc == 5 && std::string(argv[1]) == "--publish") return run_publisher(std::atoi(argv[2]), argv[3], std::atof(argv[4]));
+  if (argc == 5 && std::string(argv[1]) == "--publish")
+    return run_publisher(std::atoi(argv[2]), argv[3], std::atof(argv[4]));
   if (argc != 3) {
     std::fprintf(stderr, "usage: publisher_faults SERVER ROUNDS\n");
     return 2;

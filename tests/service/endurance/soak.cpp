@@ -47,7 +47,8 @@ double slope_of(const std::vector<Look>& looks) {
 }
 
 MeshShape tetrahedron(double size) {
-  return {.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}}, .triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+  return {.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}},
+          .triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
 // ---- guests, in processes of their own, since they come, ask, move things and go without a word
@@ -64,9 +65,13 @@ int run_guest(int domain, std::uint64_t seed) {
   std::vector<Vec3> places;
   for (int i = 0; i < 20; ++i) {
     places.emplace_back(100 + coordinate(random), coordinate(random), coordinate(random));
-    const ShapePart part = i % 2 == 0 ? ShapePart(SphereShape{.radius_m = 0.5}) : ShapePart(tetrahedron(0.5 + 1e-6 * static_cast<double>(random() % 1'000'000)));
-    objects.push_back(value_of(publisher.add({.name = std::to_string(seed) + "/" + std::to_string(i), .shape = {part}, .pose = {.position = places.back()},
-                                              .lost_policy = i % 4 == 0 ? LostPolicy::freeze : LostPolicy::remove}), "add"));
+    const ShapePart part = i % 2 == 0 ? ShapePart(SphereShape{.radius_m = 0.5})
+                                      : ShapePart(tetrahedron(0.5 + 1e-6 * static_cast<double>(random() % 1'000'000)));
+    objects.push_back(value_of(publisher.add({.name = std::to_string(seed) + "/" + std::to_string(i),
+                                              .shape = {part},
+                                              .pose = {.position = places.back()},
+                                              .lost_policy = i % 4 == 0 ? LostPolicy::freeze : LostPolicy::remove}),
+                               "add"));
   }
   for (int round = 0; round < 20; ++round) {
     for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -77,8 +82,7 @@ int run_guest(int domain, std::uint64_t seed) {
     std::this_thread::sleep_for(10ms);
     std::vector<RayQuestion> rays(200, RayQuestion{.origin = {103, 3, 20}, .direction = {0, 0, -1}});
     value_of(client.ask(std::span<const RayQuestion>(rays)), "ask");
-    while (watch.next(0ns)) {
-    }
+    while (watch.next(0ns)) {}
   }
   // Half of them leave without a word: what stays of those is removed later.
   if (seed % 2 == 0) std::_Exit(0);
@@ -90,8 +94,9 @@ class Soak {
   /// recorder  how far back the flight recorder keeps: memory grows until it is full
   Soak(std::string self, const std::string& server, const std::string& recorder)
       : self_(std::move(self)),
-        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(), "--flight-recorder", recorder},
-                folder_.path(), "server") {
+        server_(
+            {server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(), "--flight-recorder", recorder},
+            folder_.path(), "server") {
     if (!server_.says("ready:", 20s)) std::exit(2);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 10s}), "connect"));
     scene_ = folder_.write("plate.obj", "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
@@ -114,10 +119,13 @@ class Soak {
     const double slope = slope_of(looks_);
     const double time_s = looks_.empty() ? 0 : looks_.back().time_s - looks_.front().time_s;
     const double growth = looks_.empty() ? 0 : looks_.back().mib - looks_.front().mib;
-    const auto [fewest, most] = std::minmax_element(looks_.begin(), looks_.end(), [](const Look& a, const Look& b) { return a.files < b.files; });
+    const auto [fewest, most] = std::minmax_element(looks_.begin(), looks_.end(),
+                                                    [](const Look& a, const Look& b) { return a.files < b.files; });
     const int files = looks_.empty() ? 0 : most->files - fewest->files;
-    std::printf("rounds=%d seconds=%.0f rss_mib=%.1f rss_growth=%.2f rss_slope=%.2f fds=%d..%d wraps=%d unanswered=%d\n", rounds_, time_s,
-                looks_.empty() ? 0 : looks_.back().mib, growth, slope, looks_.empty() ? 0 : fewest->files, looks_.empty() ? 0 : most->files, wraps_, unanswered_);
+    std::printf(
+        "rounds=%d seconds=%.0f rss_mib=%.1f rss_growth=%.2f rss_slope=%.2f fds=%d..%d wraps=%d unanswered=%d\n",
+        rounds_, time_s, looks_.empty() ? 0 : looks_.back().mib, growth, slope, looks_.empty() ? 0 : fewest->files,
+        looks_.empty() ? 0 : most->files, wraps_, unanswered_);
     const bool is_flat = time_s >= kSlopeCounts_s ? slope < kMostSlope_mib_h : growth < kMostGrowth_mib;
     const bool kept = !looks_.empty() && is_flat && files == 0 && wraps_ == 0 && unanswered_ == 0;
     if (!kept) std::fprintf(stderr, "the server said:\n%s", server_.errors().c_str());
@@ -141,11 +149,14 @@ class Soak {
   void things(std::uint64_t round) {
     for (int i = 0; i < 10; ++i) {
       const nlohmann::json arguments{{"name", "thing " + std::to_string(i)}, {"pose", {200.0 + i, 0, 0, 1, 0, 0, 0}}};
-      expect(client_->command("add", arguments.dump(), {tetrahedron(0.3 + 1e-9 * static_cast<double>(10 * round) + 1e-10 * i)}), "add");
+      expect(client_->command("add", arguments.dump(),
+                              {tetrahedron(0.3 + 1e-9 * static_cast<double>(10 * round) + 1e-10 * i)}),
+             "add");
     }
     expect(client_->command("remove", R"({"name": "thing *"})"), "remove");
     // What the last guest but one left frozen; it is known to be lost by now.
-    if (round >= 2) static_cast<void>(client_->command("remove", nlohmann::json{{"name", std::to_string(round - 2) + "/*"}}.dump()));
+    if (round >= 2)
+      static_cast<void>(client_->command("remove", nlohmann::json{{"name", std::to_string(round - 2) + "/*"}}.dump()));
   }
   void load_and_clear() {
     expect(client_->command("load", nlohmann::json{{"path", scene_}, {"name", "plate"}}.dump()), "load");
@@ -153,14 +164,17 @@ class Soak {
   }
   void look(SteadyClock::time_point started, std::chrono::seconds warm_up) {
     const ServerStatus status = value_of(client_->status(), "status");
-    const std::map<std::string, std::uint64_t> counts{{"version", status.version}, {"events", status.last_event_sequence}, {"poses", status.poses_applied},
+    const std::map<std::string, std::uint64_t> counts{{"version", status.version},
+                                                      {"events", status.last_event_sequence},
+                                                      {"poses", status.poses_applied},
                                                       {"answers", status.questions_answered}};
     for (const auto& [name, count] : counts) {
       if (count < counts_[name]) ++wraps_, std::fprintf(stderr, "%s went back\n", name.c_str());
       counts_[name] = count;
     }
     const double time_s = 1e-3 * ms_since(started);
-    if (time_s >= static_cast<double>(warm_up.count())) looks_.push_back({time_s, resident_mib(server_.pid()), open_files(server_.pid())});
+    if (time_s >= static_cast<double>(warm_up.count()))
+      looks_.push_back({time_s, resident_mib(server_.pid()), open_files(server_.pid())});
   }
 
   std::string self_;
@@ -181,7 +195,8 @@ class Soak {
 
 int main(int argc, char** argv) {
   using namespace collided::testing_support;
-  if (argc == 4 && std::string(argv[1]) == "--guest") return run_guest(std::atoi(argv[2]), std::strtoull(argv[3], nullptr, 10));
+  if (argc == 4 && std::string(argv[1]) == "--guest")
+    return run_guest(std::atoi(argv[2]), std::strtoull(argv[3], nullptr, 10));
   if (argc != 4 && argc != 5) {
     std::fprintf(stderr, "usage: soak SERVER SECONDS WARM_UP_SECONDS [RECORDER_SECONDS]\n");
     return 2;

@@ -52,7 +52,8 @@ class Interface {
 
 }  // namespace
 
-TapDevice::TapDevice(const std::string& name, int host) : file_(::open("/dev/net/tun", O_RDWR | O_CLOEXEC | O_NONBLOCK)) {
+TapDevice::TapDevice(const std::string& name, int host)
+    : file_(::open("/dev/net/tun", O_RDWR | O_CLOEXEC | O_NONBLOCK)) {
   if (file_ < 0) missing("/dev/net/tun");
   ifreq request{};
   std::strncpy(request.ifr_name, name.c_str(), IFNAMSIZ - 1);

@@ -20,7 +20,8 @@ const volatile char* starved() {
     const int file = path == nullptr ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     void* memory = file < 0 ? MAP_FAILED : mmap(nullptr, kNameBytes, PROT_READ, MAP_SHARED, file, 0);
     return memory == MAP_FAILED ? kNobody : static_cast<const char*>(memory);
-  }();
+  }
+  ();
   return place;
 }
 

@@ -19,7 +19,8 @@ const volatile std::int64_t* shift() {
     const int file = path == nullptr ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     void* memory = file < 0 ? MAP_FAILED : mmap(nullptr, sizeof(std::int64_t), PROT_READ, MAP_SHARED, file, 0);
     return memory == MAP_FAILED ? &kNone : static_cast<const std::int64_t*>(memory);
-  }();
+  }
+  ();
   return place;
 }
 

@@ -9,7 +9,6 @@ extern "C" int fsync(int file) {
   const char* text = std::getenv("COLLIDED_FSYNC_MS");
   const long ms = text == nullptr ? 0 : std::atol(text);
   timespec left{ms / 1'000, ms % 1'000 * 1'000'000};
-  while (nanosleep(&left, &left) != 0) {
-  }
+  while (nanosleep(&left, &left) != 0) {}
   return static_cast<int>(syscall(SYS_fsync, file));
 }

@@ -82,7 +82,8 @@ void run(const Options& options, const std::string& a, const std::string& b, boo
   for (std::size_t i = 0; i < kPairs; ++i) equal += theirs[i] == answers[i];
   methods.push_back({.name = "FCL", .run = [&] { peer->collide(contacts); }, .equal = equal, .of = kPairs});
 #endif
-  measure(options, {scene, kPairs, work, kPairs, std::to_string(std::count(answers.begin(), answers.end(), true)) + " touch"},
+  measure(options,
+          {scene, kPairs, work, kPairs, std::to_string(std::count(answers.begin(), answers.end(), true)) + " touch"},
           methods);
 }
 

@@ -162,7 +162,8 @@ int main(int argc, char** argv) {
         if (motion == bench::Motion::teleport && kind != std::string("uniform")) continue;
         bench::run(options, count, kind, motion, random, growth);
       }
-      if (growth.size() > 1) std::printf("%s: time grows with the objects to the power of %.3f\n", kind, bench::slope(growth));
+      if (growth.size() > 1)
+        std::printf("%s: time grows with the objects to the power of %.3f\n", kind, bench::slope(growth));
     }
   }
   bench::run_crowd(options, "in one cell", SIZE_MAX, random);

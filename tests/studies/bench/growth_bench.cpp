@@ -164,8 +164,8 @@ Row measure(const TriangleMesh& mesh, const Bvh& tree, const Peer& peer, const s
     theirs[repeat] = thread_seconds() - start;
   }
   const auto count = static_cast<double>(rays.size());
-  const Row row{static_cast<double>(mesh.triangles.size()), 1e9 * median(ours) / count,
-                cost.nodes / (count * kRepeats), 1e9 * median(theirs) / count};
+  const Row row{static_cast<double>(mesh.triangles.size()), 1e9 * median(ours) / count, cost.nodes / (count * kRepeats),
+                1e9 * median(theirs) / count};
   std::printf("    %8.0f triangles: %6.0f ns and %5.1f nodes a ray", row.triangles, row.ns, row.nodes);
 #ifdef COLLIDED_BENCH_EMBREE
   std::printf(", Embree %6.0f ns, ratio %.2f, the same triangle %zu of %zu", row.peer_ns, row.peer_ns / row.ns, equal,

@@ -49,8 +49,8 @@ void time_rays(const char* name, const std::vector<Ray>& rays, const Cast& cast)
     ns.push_back(1e9 * (thread_seconds() - begin) / static_cast<double>(rays.size()));
   }
   std::sort(ns.begin(), ns.end());
-  std::printf("  %-34s %9.0f ns a ray (%.0f to %.0f), %zu of %zu hit, %zu by double alone, distances within %.2g m\n", name,
-              ns[2], ns.front(), ns.back(), hits, rays.size(), by_double, worst_m);
+  std::printf("  %-34s %9.0f ns a ray (%.0f to %.0f), %zu of %zu hit, %zu by double alone, distances within %.2g m\n",
+              name, ns[2], ns.front(), ns.back(), hits, rays.size(), by_double, worst_m);
 }
 
 void time_surface(const char* name, const char* text, const std::vector<Ray>& rays) {

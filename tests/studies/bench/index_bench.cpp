@@ -88,12 +88,12 @@ double first_answer(const std::string& path, std::shared_ptr<StaticScene>& kept)
 
 void print_tree(const char* name, const TriangleMesh& mesh, const BvhReport& report) {
   const auto count = static_cast<double>(mesh.triangles.size());
-  const double mesh_bytes =
-      static_cast<double>(mesh.vertices.size() * sizeof(Vec3)) / count + sizeof(TriangleCorners);
-  std::printf("  %-8s %5.0f ms, %.3f references, %.1f bytes + mesh %.1f = %.1f a triangle, peak of the build %.1f, depth %u\n",
-              name, 1e3 * report.build_s, static_cast<double>(report.references) / count,
-              static_cast<double>(report.bytes) / count, mesh_bytes, static_cast<double>(report.bytes) / count + mesh_bytes,
-              static_cast<double>(report.peak_bytes) / count, report.depth);
+  const double mesh_bytes = static_cast<double>(mesh.vertices.size() * sizeof(Vec3)) / count + sizeof(TriangleCorners);
+  std::printf(
+      "  %-8s %5.0f ms, %.3f references, %.1f bytes + mesh %.1f = %.1f a triangle, peak of the build %.1f, depth %u\n",
+      name, 1e3 * report.build_s, static_cast<double>(report.references) / count,
+      static_cast<double>(report.bytes) / count, mesh_bytes, static_cast<double>(report.bytes) / count + mesh_bytes,
+      static_cast<double>(report.peak_bytes) / count, report.depth);
 }
 
 void run_forms(const char* name, const TriangleMesh& mesh, std::size_t ray_count, std::mt19937_64& random) {

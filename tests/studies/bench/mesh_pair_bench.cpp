@@ -28,7 +28,8 @@ TriangleMesh globe(std::uint32_t around) {
     const double polar = std::numbers::pi * row / rows;
     for (std::uint32_t i = 0; i < around; ++i) {
       const double angle = 2 * std::numbers::pi * i / around;
-      mesh.vertices.push_back(Vec3(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), std::cos(polar)));
+      mesh.vertices.push_back(
+          Vec3(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), std::cos(polar)));
     }
   }
   mesh.vertices.push_back(Vec3(0, 0, -1));
@@ -49,8 +50,7 @@ Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a
 
 class Ours final : public MeshPairPeer {
  public:
-  Ours(const TriangleMesh& a, const TriangleMesh& b)
-      : a_(a), b_(b), tree_a_(Bvh::build(a)), tree_b_(Bvh::build(b)) {
+  Ours(const TriangleMesh& a, const TriangleMesh& b) : a_(a), b_(b), tree_a_(Bvh::build(a)), tree_b_(Bvh::build(b)) {
     for (const Vec3& vertex : b.vertices) reach_m_ = std::max(reach_m_, vertex.norm());
   }
   std::string name() const override { return "collided"; }
@@ -157,7 +157,8 @@ Peers all_peers(const TriangleMesh& a, const TriangleMesh& b) {
   return peers;
 }
 
-void two_spheres(const Options& options, std::uint32_t around, const char* scene, double apart, std::mt19937_64& random) {
+void two_spheres(const Options& options, std::uint32_t around, const char* scene, double apart,
+                 std::mt19937_64& random) {
   std::normal_distribution<double> part;
   const double w = part(random), x = part(random), y = part(random);
   const Quat rotation = Quat(w, x, y, part(random)).normalized();
@@ -177,7 +178,8 @@ void two_spheres(const Options& options, std::uint32_t around, const char* scene
     make_unique(pairs);
     TrianglePairs common;
     std::set_intersection(pairs.begin(), pairs.end(), expected.begin(), expected.end(), std::back_inserter(common));
-    if (pairs.size() != common.size()) note += peer->name() + " tells " + std::to_string(pairs.size() - common.size()) + " wrong ";
+    if (pairs.size() != common.size())
+      note += peer->name() + " tells " + std::to_string(pairs.size() - common.size()) + " wrong ";
     methods.push_back({.name = peer->name(),
                        .run =
                            [&pairs, repeats, p = peer.get()] {
@@ -190,7 +192,8 @@ void two_spheres(const Options& options, std::uint32_t around, const char* scene
                        .of = expected.size()});
   }
   const Ours& ours = static_cast<const Ours&>(*peers[0]);
-  note += std::to_string(ours.cost().candidates) + " candidates, " + std::to_string(ours.above_filter()) + " above the filter";
+  note += std::to_string(ours.cost().candidates) + " candidates, " + std::to_string(ours.above_filter()) +
+          " above the filter";
   measure(options, {scene, mesh.triangles.size(), "all pairs", repeats, note}, methods);
 }
 
@@ -207,9 +210,10 @@ std::vector<Frame> frames_over(const TriangleMesh& hills, const TriangleMesh& bu
     const Quat rotation(Eigen::AngleAxisd(turn(random), Vec3::UnitZ()));
     const double x = 2 * far * across(random);
     Vec3 place(x, 2 * far * across(random), 0);
-    const auto nearest = std::min_element(hills.vertices.begin(), hills.vertices.end(), [&](const Vec3& p, const Vec3& q) {
-      return (p - place).head<2>().squaredNorm() < (q - place).head<2>().squaredNorm();
-    });
+    const auto nearest =
+        std::min_element(hills.vertices.begin(), hills.vertices.end(), [&](const Vec3& p, const Vec3& q) {
+          return (p - place).head<2>().squaredNorm() < (q - place).head<2>().squaredNorm();
+        });
     place[2] = (*nearest)[2] + tall * height(random) - bounds.low[2] * 0.5;
     frames.push_back(frame_of(Pose{.position = place, .rotation = rotation}));
   }
@@ -242,7 +246,8 @@ void over_terrain(const Options& options, const char* scene, const TriangleMesh&
                        .of = frames.size()});
   }
   const auto touching = std::count(expected.begin(), expected.end(), true);
-  measure(options, {scene, bunny.triangles.size(), "any pair", frames.size(), std::to_string(touching) + " poses touch"},
+  measure(options,
+          {scene, bunny.triangles.size(), "any pair", frames.size(), std::to_string(touching) + " poses touch"},
           methods);
 }
 

@@ -21,7 +21,6 @@ namespace collided::bench {
 using namespace engine;
 namespace {
 
-
 using MakePeer = std::unique_ptr<OverlapPeer> (*)(const TriangleMesh&);
 const std::vector<MakePeer> kPeers{
 #ifdef COLLIDED_BENCH_EMBREE
@@ -128,7 +127,7 @@ long met_by_force(const TriangleMesh& mesh, const Vec3& center, double radius_m,
     const Triangle t = mesh.triangle(i);
     if (!overlaps(around, bounds(t))) continue;
     const Decision met = set == Set::sphere ? exactly::overlaps(Sphere{center, radius_m}, t)
-                                        : exactly::overlaps(Box{.center = center, .half_m = half_m}, t);
+                                            : exactly::overlaps(Box{.center = center, .half_m = half_m}, t);
     count += met == Decision::yes ? 1 : 0;
   }
   return count;
@@ -252,7 +251,8 @@ void Bench::deepest(Set set, const Places& places) {
   if (!options_.wants(scene_, name)) return;
   const std::vector<double> numbers = numbers_of(places, set);
   const QuestionKind kind = set == Set::sphere ? QuestionKind::sphere : QuestionKind::box;
-  std::vector<Method> methods{{.name = "collided", .run = [&] { product_.ask(kind, HitMode::closest, numbers, 1000); }}};
+  std::vector<Method> methods{
+      {.name = "collided", .run = [&] { product_.ask(kind, HitMode::closest, numbers, 1000); }}};
   measure(options_, {scene_, mesh_.triangles.size(), name, places.centers.size(), ""}, methods);
 }
 

@@ -51,9 +51,7 @@ T squared_distance(const Three<T>& p, const Three<T>& a, const Three<T>& b, cons
 template <class T>
 bool box_meets(const Three<T>& center, const Three<T>& half, const Three<T>& a, const Three<T>& b, const Three<T>& c) {
   const Three<T> v[3] = {a - center, b - center, c - center};
-  const auto apart = [](T p, T q, T r, T reach) {
-    return std::min({p, q, r}) > reach || std::max({p, q, r}) < -reach;
-  };
+  const auto apart = [](T p, T q, T r, T reach) { return std::min({p, q, r}) > reach || std::max({p, q, r}) < -reach; };
   if (apart(v[0].x, v[1].x, v[2].x, half.x) || apart(v[0].y, v[1].y, v[2].y, half.y) ||
       apart(v[0].z, v[1].z, v[2].z, half.z)) {
     return false;

@@ -344,8 +344,12 @@ const std::vector<MakePeer> kPeers{
 class Bench {
  public:
   Bench(const Options& options, std::string scene, const TriangleMesh& mesh)
-      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::best})),
-        embree_(mesh, RTC_SCENE_FLAG_NONE), robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
+      : options_(options),
+        scene_(std::move(scene)),
+        mesh_(mesh),
+        tree_(Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::best})),
+        embree_(mesh, RTC_SCENE_FLAG_NONE),
+        robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
     const double mesh_bytes =
         static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
     // Their rows take minutes in a scene of a million.
@@ -405,7 +409,8 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
   methods.push_back({.name = "Embree robust", .run = by([this](const Ray& ray) { return robust_.shoot(ray); })});
   methods.push_back({.name = "collided, plain tests", .run = by(ours(shoot<ClosestPlainly>))});
   for (const auto& peer : peers_) {
-    methods.push_back({.name = peer->name(), .run = by([this, p = peer.get()](const Ray& ray) {
+    methods.push_back({.name = peer->name(),
+                       .run = by([this, p = peer.get()](const Ray& ray) {
                          const std::uint32_t triangle = p->nearest(ray);
                          if (triangle == kNone) return Answer{};
                          return Answer{triangle, oracle::plain_ray(ray, mesh_.triangle(triangle)).value_or(kInfinity)};
@@ -419,7 +424,7 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
     method.of = rays.size();
     if (method.name != "Embree default") continue;
     note += "; of " + std::to_string(agreement.looked_at) + " that Embree answers otherwise force confirms " +
-           std::to_string(agreement.ours_right);
+            std::to_string(agreement.ours_right);
   }
   measure(options_, work(name, rays, note), methods);
 }
@@ -439,11 +444,12 @@ void Bench::together(const std::string& name, const std::vector<Ray>& rays) {
       {.name = "collided",
        .run = in_batches([&](std::span<const Ray> some, Answer* to) { batch.shoot(tree_, mesh_, some, to); }),
        .bytes_each = bytes_each_}};
-  methods.push_back(
-      {.name = "Embree packets",
-       .run = in_batches([&](std::span<const Ray> some, Answer* to) { embree_.shoot_packets(some, to); })});
-  methods.push_back({.name = "Embree stream",
-                     .run = in_batches([&](std::span<const Ray> some, Answer* to) { embree_.shoot_stream(some, to); })});
+  methods.push_back({.name = "Embree packets", .run = in_batches([&](std::span<const Ray> some, Answer* to) {
+                                                 embree_.shoot_packets(some, to);
+                                               })});
+  methods.push_back({.name = "Embree stream", .run = in_batches([&](std::span<const Ray> some, Answer* to) {
+                                                embree_.shoot_stream(some, to);
+                                              })});
   for (Method& method : methods) {
     method.run();
     for (std::size_t i = 0; i < rays.size(); ++i) method.equal += same(found[i], ours_[i]) ? 1 : 0;

@@ -44,16 +44,16 @@ void print_header() {
 void write_row(const Options& options, const Work& work, const Method& method, double ratio, const std::string& note) {
   const auto [least, most] = std::minmax_element(method.ns.begin(), method.ns.end());
   const double middle = median(method.ns);
-  std::printf("%-12s %9zu %-22s %-24s %11.1f [%11.1f,%11.1f] %7.2f %7.1f %zu of %zu%s%s\n", work.scene.c_str(), work.size,
-              work.name.c_str(), method.name.c_str(), middle, *least, *most, ratio, method.bytes_each, method.equal,
-              method.of, note.empty() ? "" : "  ", note.c_str());
+  std::printf("%-12s %9zu %-22s %-24s %11.1f [%11.1f,%11.1f] %7.2f %7.1f %zu of %zu%s%s\n", work.scene.c_str(),
+              work.size, work.name.c_str(), method.name.c_str(), middle, *least, *most, ratio, method.bytes_each,
+              method.equal, method.of, note.empty() ? "" : "  ", note.c_str());
   std::fflush(stdout);
   if (options.csv.empty()) return;
   std::ofstream csv(options.csv, std::ios::app);
   if (csv.tellp() == 0) csv << "scene,size,work,method,ns,ns_low,ns_high,ratio,bytes_each,equal,of,note\n";
-  csv << work.scene << ',' << work.size << ',' << work.name << ',' << method.name << ',' << middle << ',' << *least << ','
-      << *most << ',' << ratio << ',' << method.bytes_each << ',' << method.equal << ',' << method.of << ",\"" << note
-      << "\"\n";
+  csv << work.scene << ',' << work.size << ',' << work.name << ',' << method.name << ',' << middle << ',' << *least
+      << ',' << *most << ',' << ratio << ',' << method.bytes_each << ',' << method.equal << ',' << method.of << ",\""
+      << note << "\"\n";
 }
 
 }  // namespace

@@ -25,13 +25,13 @@ Options read_options(int argc, char** argv);
 /// One way of doing a work: ours, or a peer's.
 struct Method {
   std::string name{};
-  std::function<void()> run{};          // all questions once
-  std::function<double()> own_ns{};     // instead, where it measures itself: nanoseconds a question
-  double bytes_each = 0;                // memory a triangle or object, all in; 0: unknown
-  std::size_t equal = 0;                // answers equal to ours, for ours to the slow twin's
-  std::size_t of = 0;                   // answers compared
-  std::vector<double> ns{};             // a question, one entry a run; filled by measure
-  std::function<void()> prepare{};      // before each run, not timed
+  std::function<void()> run{};       // all questions once
+  std::function<double()> own_ns{};  // instead, where it measures itself: nanoseconds a question
+  double bytes_each = 0;             // memory a triangle or object, all in; 0: unknown
+  std::size_t equal = 0;             // answers equal to ours, for ours to the slow twin's
+  std::size_t of = 0;                // answers compared
+  std::vector<double> ns{};          // a question, one entry a run; filled by measure
+  std::function<void()> prepare{};   // before each run, not timed
 };
 
 struct Work {
@@ -39,7 +39,7 @@ struct Work {
   std::size_t size = 0;  // triangles or objects
   std::string name{};
   std::size_t questions = 1;
-  std::string note{};  // of our own row
+  std::string note{};        // of our own row
   bool on_the_wall = false;  // other threads work too: the wall's clock, not the calling thread's
 };
 

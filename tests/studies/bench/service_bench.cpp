@@ -105,7 +105,8 @@ int movers(collided::Client& client, int count, double hz, double seconds, int p
     std::this_thread::sleep_until(tick);
     if (Clock::now() - tick > period) ++late;
     for (int i = 0; i < count; ++i) {
-      poses[static_cast<std::size_t>(i)].position += 0.01 * Vec3(uniform(random), uniform(random), uniform(random)) / 50;
+      poses[static_cast<std::size_t>(i)].position +=
+          0.01 * Vec3(uniform(random), uniform(random), uniform(random)) / 50;
       must(publisher.move(objects[static_cast<std::size_t>(i)], poses[static_cast<std::size_t>(i)]));
       if (i % 1'000 == 999) must(publisher.flush());
     }
@@ -117,11 +118,12 @@ int movers(collided::Client& client, int count, double hz, double seconds, int p
   const auto status = must(client.status());
   std::uint64_t events = 0;
   while (watch.next(std::chrono::milliseconds(50))) ++events;
-  std::printf("movers count=%d hz=%.0f frames=%llu late_frames=%llu core_share=%.3f events=%llu lost=%llu "
-              "poses_dropped=%llu open_contacts=%u\n",
-              count, hz, static_cast<unsigned long long>(frames), static_cast<unsigned long long>(late), cpu / wall,
-              static_cast<unsigned long long>(events), static_cast<unsigned long long>(watch.lost()),
-              static_cast<unsigned long long>(status.poses_dropped), status.contacts);
+  std::printf(
+      "movers count=%d hz=%.0f frames=%llu late_frames=%llu core_share=%.3f events=%llu lost=%llu "
+      "poses_dropped=%llu open_contacts=%u\n",
+      count, hz, static_cast<unsigned long long>(frames), static_cast<unsigned long long>(late), cpu / wall,
+      static_cast<unsigned long long>(events), static_cast<unsigned long long>(watch.lost()),
+      static_cast<unsigned long long>(status.poses_dropped), status.contacts);
   return 0;
 }
 

@@ -33,8 +33,11 @@ struct Kind {
   bool turns;
   bool over_hills;
 };
-constexpr Kind kKinds[] = {{"balls", false, false}, {"boxes", false, false}, {"boxes, turning", true, false},
-                           {"boxes, turning, over hills", true, true}, {"meshes, turning", true, false}};
+constexpr Kind kKinds[] = {{"balls", false, false},
+                           {"boxes", false, false},
+                           {"boxes, turning", true, false},
+                           {"boxes, turning, over hills", true, true},
+                           {"meshes, turning", true, false}};
 
 Shape shape_of(const std::string& kind) {
   Shape shape;
@@ -54,16 +57,20 @@ class Crowd {
   Crowd(const Kind& kind, std::size_t count, std::uint64_t publishers, std::mt19937_64 random)
       : kind_(kind), publishers_(publishers), world_({.max_objects = static_cast<std::uint32_t>(count + 10)}) {
     const double number = static_cast<double>(count);
-    size_m_ = kind.over_hills ? Vec3(std::sqrt(number / 4), std::sqrt(number / 4), 4) : Vec3::Constant(std::cbrt(number));
+    size_m_ =
+        kind.over_hills ? Vec3(std::sqrt(number / 4), std::sqrt(number / 4), 4) : Vec3::Constant(std::cbrt(number));
     if (kind.over_hills) add_hills();
     std::uniform_real_distribution<double> part(-1, 1);
     const auto any = [&] { return Vec3(part(random), part(random), part(random)); };
     for (std::size_t i = 0; i < count; ++i) {
-      poses_.push_back({.position = size_m_.cwiseProduct(any()) / 2, .rotation = Quat(1 + part(random), part(random), part(random), part(random)).normalized()});
+      poses_.push_back({.position = size_m_.cwiseProduct(any()) / 2,
+                        .rotation = Quat(1 + part(random), part(random), part(random), part(random)).normalized()});
       velocities_.push_back(kSpeed_mps * any());
       const Vec3 axis = any().normalized();
-      turns_.push_back(kind.turns ? Quat(Eigen::AngleAxisd(kSpin_radps * kPeriod_s * std::abs(part(random)), axis)) : Quat::Identity());
-      ObjectDefinition definition{.name = std::to_string(i), .scene = "", .shape = shape_of(kind.name), .pose = poses_.back(), .filter = {}};
+      turns_.push_back(kind.turns ? Quat(Eigen::AngleAxisd(kSpin_radps * kPeriod_s * std::abs(part(random)), axis))
+                                  : Quat::Identity());
+      ObjectDefinition definition{
+          .name = std::to_string(i), .scene = "", .shape = shape_of(kind.name), .pose = poses_.back(), .filter = {}};
       definition.publisher = 1 + i * publishers / count;
       ids_.push_back(std::get<ObjectId>(world_.define(definition)));
     }
@@ -96,7 +103,9 @@ class Crowd {
     Scene scene;
     scene.name = "hills";
     scene.mesh = scenes::terrain(200, 1.1 * size_m_.x(), 7);
-    scene.parts = {{.name = "hills", .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
+    scene.parts = {{.name = "hills",
+                    .first_triangle = 0,
+                    .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
     world_.add_scene(scene, World::index_scene(scene, {}));
   }
   void advance_poses() {
@@ -142,11 +151,14 @@ void run(const Options& options, const Kind& kind, std::size_t count, const std:
                               {.name = "collided, four publishers", .own_ns = timed(four)}};
   measure(options, {.scene = kind.name, .size = count, .name = "whole step"}, methods);
   const StepCost& cost = one.world().cost();
-  std::printf("%s, %zu, last step of one publisher: %u candidates, %u exact tests, %u swept, %u skipped, %u contacts, update %.2f broad %.2f exact %.2f ms; "
-              "%.1f events a frame, %.1f of four publishers\n",
-              kind.name, count, cost.candidate_pairs, cost.exact_tests, cost.swept, cost.sweeps_skipped, cost.contacts, 1e-6 * static_cast<double>(cost.update_ns),
-              1e-6 * static_cast<double>(cost.broad_ns), 1e-6 * static_cast<double>(cost.exact_ns),
-              static_cast<double>(one.events()) / (6.0 * frames), static_cast<double>(four.events()) / (6.0 * frames));
+  std::printf(
+      "%s, %zu, last step of one publisher: %u candidates, %u exact tests, %u swept, %u skipped, %u contacts, update "
+      "%.2f broad %.2f exact %.2f ms; "
+      "%.1f events a frame, %.1f of four publishers\n",
+      kind.name, count, cost.candidate_pairs, cost.exact_tests, cost.swept, cost.sweeps_skipped, cost.contacts,
+      1e-6 * static_cast<double>(cost.update_ns), 1e-6 * static_cast<double>(cost.broad_ns),
+      1e-6 * static_cast<double>(cost.exact_ns), static_cast<double>(one.events()) / (6.0 * frames),
+      static_cast<double>(four.events()) / (6.0 * frames));
 }
 
 }  // namespace

@@ -102,8 +102,8 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
   }
   std::sort(spent_us.begin(), spent_us.end());
   char note[160];
-  std::snprintf(note, sizeof note, "%zu of %zu touch; median %.1f us, p99 %.1f us, %.1f tests", hits, kWays, spent_us[kWays / 2],
-                spent_us[kWays * 99 / 100], static_cast<double>(tests) / kWays);
+  std::snprintf(note, sizeof note, "%zu of %zu touch; median %.1f us, p99 %.1f us, %.1f tests", hits, kWays,
+                spent_us[kWays / 2], spent_us[kWays * 99 / 100], static_cast<double>(tests) / kWays);
   std::vector<Method> methods{{.name = "collided",
                                .run =
                                    [&] {
@@ -128,7 +128,8 @@ int main(int argc, char** argv) {
   std::mt19937_64 random = oracle::seeded(20261122);
   StaticScene scene;
   scene.mesh = scenes::terrain(187, 100, 7);
-  scene.parts = {{.name = "terrain", .first_triangle = 0,
+  scene.parts = {{.name = "terrain",
+                  .first_triangle = 0,
                   .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
   scene.part_objects = {1};
   scene.tree = Bvh::build(scene.mesh);

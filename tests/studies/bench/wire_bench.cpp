@@ -105,7 +105,8 @@ std::string write_terrain(const std::string& folder, std::uint32_t cells) {
   file.precision(17);
   file << "OFF\n" << mesh.vertices.size() << ' ' << mesh.triangles.size() << " 0\n";
   for (const Vec3& vertex : mesh.vertices) file << vertex[0] << ' ' << vertex[1] << ' ' << vertex[2] << '\n';
-  for (const auto& corners : mesh.triangles) file << "3 " << corners[0] << ' ' << corners[1] << ' ' << corners[2] << '\n';
+  for (const auto& corners : mesh.triangles)
+    file << "3 " << corners[0] << ' ' << corners[1] << ' ' << corners[2] << '\n';
   return path;
 }
 
@@ -148,8 +149,7 @@ class Engine {
     QueryScratch scratch;
     const SnapshotRing::Lease state = world_.newest();
     for (std::size_t i = 0; i < count; ++i) {
-      answer(*state, {.numbers = std::span(numbers_).subspan(i % kBatch * kRayNumbers, kRayNumbers)},
-             answers, scratch);
+      answer(*state, {.numbers = std::span(numbers_).subspan(i % kBatch * kRayNumbers, kRayNumbers)}, answers, scratch);
     }
   }
   std::size_t triangles = 0;
@@ -165,7 +165,8 @@ double ddsperf_ns(std::size_t bytes, int domain) {
   const std::string size = std::to_string(bytes);
   const std::string id = std::to_string(domain);
   const std::string command = "ddsperf -i " + id + " -D 5 pong >/dev/null 2>&1 & pong=$!; sleep 0.3; ddsperf -i " + id +
-                              " -D 2.2 ping size " + size + " 2>/dev/null; kill $pong 2>/dev/null; wait $pong 2>/dev/null";
+                              " -D 2.2 ping size " + size +
+                              " 2>/dev/null; kill $pong 2>/dev/null; wait $pong 2>/dev/null";
   std::FILE* output = popen(command.c_str(), "r");
   if (!output) return 0;
   double median_us = 0;
@@ -195,25 +196,34 @@ int main(int argc, char** argv) {
     const std::string suffix = " " + std::to_string(threads) + "t";
     if (threads == 1 && options.wants("terrain", "single")) {
       std::vector<Method> methods{
-          {.name = "collided over DDS", .own_ns = [&] {
-             return 1e3 * asker.ask("single " + std::to_string(singles))[0];
-           }},
+          {.name = "collided over DDS",
+           .own_ns = [&] { return 1e3 * asker.ask("single " + std::to_string(singles))[0]; }},
           {.name = "ddsperf 300 B", .own_ns = [&] { return ddsperf_ns(kRoundTripBytes, domain + 1); }},
           {.name = "collided in process", .run = [&] { engine.answer_singles(static_cast<std::size_t>(singles)); }}};
-      measure(options, {.scene = "terrain", .size = engine.triangles, .name = "single ray p50",
-                        .questions = static_cast<std::size_t>(singles), .on_the_wall = true}, methods);
+      measure(options,
+              {.scene = "terrain",
+               .size = engine.triangles,
+               .name = "single ray p50",
+               .questions = static_cast<std::size_t>(singles),
+               .on_the_wall = true},
+              methods);
     }
     if (options.wants("terrain", "batches")) {
       for (const int askers : {1, 2}) {
         std::vector<Method> methods{
-            {.name = "collided over DDS", .run = [&] {
-               asker.ask("batches " + std::to_string(kBatch) + ' ' + std::to_string(batches / askers) + ' ' +
-                         std::to_string(askers));
-             }},
+            {.name = "collided over DDS",
+             .run =
+                 [&] {
+                   asker.ask("batches " + std::to_string(kBatch) + ' ' + std::to_string(batches / askers) + ' ' +
+                             std::to_string(askers));
+                 }},
             {.name = "collided in process", .run = [&] { engine.answer_batches(batches / askers * askers, threads); }}};
-        measure(options, {.scene = "terrain", .size = engine.triangles,
-                          .name = "batches" + suffix + ' ' + std::to_string(askers) + " askers",
-                          .questions = kBatch * static_cast<std::size_t>(batches / askers * askers), .on_the_wall = true},
+        measure(options,
+                {.scene = "terrain",
+                 .size = engine.triangles,
+                 .name = "batches" + suffix + ' ' + std::to_string(askers) + " askers",
+                 .questions = kBatch * static_cast<std::size_t>(batches / askers * askers),
+                 .on_the_wall = true},
                 methods);
       }
     }
@@ -221,17 +231,22 @@ int main(int argc, char** argv) {
       const std::string count = std::to_string(singles / 5);
       const std::vector<double> alone = asker.ask("single " + count);
       const std::vector<double> flooded = asker.ask("flood 100000 " + count);
-      std::printf("single ray%s, us: alone p50 %.1f p90 %.1f p99 %.1f worst %.1f; beside batches of 100,000 p50 %.1f p90 %.1f "
-                  "p99 %.1f worst %.1f\n",
-                  suffix.c_str(), alone[0], alone[1], alone[2], alone[3], flooded[0], flooded[1], flooded[2], flooded[3]);
+      std::printf(
+          "single ray%s, us: alone p50 %.1f p90 %.1f p99 %.1f worst %.1f; beside batches of 100,000 p50 %.1f p90 %.1f "
+          "p99 %.1f worst %.1f\n",
+          suffix.c_str(), alone[0], alone[1], alone[2], alone[3], flooded[0], flooded[1], flooded[2], flooded[3]);
     }
   }
   if (options.wants("terrain", "threads")) {
-    std::vector<Method> methods{
-        {.name = "collided, two threads", .run = [&] { engine.answer_batches(batches, 2); }},
-        {.name = "collided, one thread", .run = [&] { engine.answer_batches(batches, 1); }}};
-    measure(options, {.scene = "terrain", .size = engine.triangles, .name = "threads",
-                      .questions = kBatch * static_cast<std::size_t>(batches), .on_the_wall = true}, methods);
+    std::vector<Method> methods{{.name = "collided, two threads", .run = [&] { engine.answer_batches(batches, 2); }},
+                                {.name = "collided, one thread", .run = [&] { engine.answer_batches(batches, 1); }}};
+    measure(options,
+            {.scene = "terrain",
+             .size = engine.triangles,
+             .name = "threads",
+             .questions = kBatch * static_cast<std::size_t>(batches),
+             .on_the_wall = true},
+            methods);
   }
   return 0;
 }

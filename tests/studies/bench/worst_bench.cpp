@@ -14,8 +14,8 @@ using namespace engine;
 namespace {
 
 struct Bounds {
-  double build_us_each = 5;    // a triangle, of wall time
-  double bytes_each = 100;     // a triangle, of the tree
+  double build_us_each = 5;  // a triangle, of wall time
+  double bytes_each = 100;   // a triangle, of the tree
   double peak_bytes_each = 400;
   double walked_ns = 400;      // a triangle of the scene, for a question whose candidates are only counted
   double decided_ns = 20'000;  // the same where each is decided and all are degenerate: exact arithmetic throughout
@@ -63,9 +63,10 @@ void ask(const Question& question, const Bvh& tree, const TriangleMesh& mesh) {
     lost += seen[i] != 0 ? 0 : 1;
     nearest = std::min(nearest, hit.distance_m / question.ray.direction.norm());
   }
-  std::printf("    %-34s all %8.3f ms, %u nodes, %u candidates, %zu of %zu met offered; closest %8.3f ms, %u candidates\n",
-              question.name, 1e3 * all_s, all_cost.nodes, all_cost.candidates, met - lost, met, 1e3 * closest_s,
-              closest_cost.candidates);
+  std::printf(
+      "    %-34s all %8.3f ms, %u nodes, %u candidates, %zu of %zu met offered; closest %8.3f ms, %u candidates\n",
+      question.name, 1e3 * all_s, all_cost.nodes, all_cost.candidates, met - lost, met, 1e3 * closest_s,
+      closest_cost.candidates);
   expect(lost == 0, "a triangle that the ray meets was not offered");
   expect(!(nearest < closest.s * (1 - 1e-12)), "the closest hit is not the closest");
   const double count = 1000 + static_cast<double>(mesh.triangles.size());
@@ -79,9 +80,10 @@ void run(const char* name, const TriangleMesh& mesh, BvhForm form, const std::ve
   const auto count = static_cast<double>(mesh.triangles.size());
   const double bytes = static_cast<double>(report.bytes) / count;
   const double peak = static_cast<double>(report.peak_bytes) / count;
-  std::printf("  %s, %s: %.0f triangles, built in %.0f ms, depth %u, %.2f references, %.1f bytes a triangle, peak %.0f\n",
-              name, form == BvhForm::fast ? "fast" : "best", count, 1e3 * report.build_s, report.depth,
-              static_cast<double>(report.references) / count, bytes, peak);
+  std::printf(
+      "  %s, %s: %.0f triangles, built in %.0f ms, depth %u, %.2f references, %.1f bytes a triangle, peak %.0f\n", name,
+      form == BvhForm::fast ? "fast" : "best", count, 1e3 * report.build_s, report.depth,
+      static_cast<double>(report.references) / count, bytes, peak);
   const Bounds bounds;
   expect(1e6 * report.build_s < bounds.build_us_each * count, "time of the build");
   expect(bytes < bounds.bytes_each, "memory of the tree");

@@ -66,8 +66,7 @@ std::string times_plot(const std::vector<Point>& points, Sweep sweep, double mos
     draw::Series times{.name = method,
                        .paint = is_ours(method) ? draw::Paint::accent : draw::Paint::palette,
                        .dashed = method == "Collided, all polygons"};
-    draw::Series p95{
-        .name = "Collided, 95th percentile", .paint = draw::Paint::quiet, .joined = false, .hollow = true};
+    draw::Series p95{.name = "Collided, 95th percentile", .paint = draw::Paint::quiet, .joined = false, .hollow = true};
     for (const Point* p : points_of(points, sweep, method, most)) {
       times.points.push_back({knob(*p), p->*value});
       p95.points.push_back({knob(*p), p->p95_us});

@@ -72,11 +72,11 @@ int main(int argc, char** argv) try {
     fmt::print("{}: {} ({}: {})\n", claim.verdict, claim.text, claim.method, claim.measured);
   }
   homework::write_points(a.out / "homework.csv", points, a.from);
-  const report::Heading heading{
-      "Collided: the homework, asked again",
-      "Collisions among spheres of polygons that move in a cube: V-COLLIDE against a simple prototype, as a homework of "
-      "the year 2000 compared them, and what others and Collided make of it.",
-      "homework.csv"};
+  const report::Heading heading{"Collided: the homework, asked again",
+                                "Collisions among spheres of polygons that move in a cube: V-COLLIDE against a simple "
+                                "prototype, as a homework of "
+                                "the year 2000 compared them, and what others and Collided make of it.",
+                                "homework.csv"};
   std::ofstream(a.out / "homework.html") << report::page(homework::homework_figures(points, parts, a.from, a.out),
                                                          a.from, report::today(), heading);
   fmt::print("{}\n", (a.out / "homework.html").string());

@@ -78,7 +78,7 @@ Rates rates(oracle::Family family, int pairs, std::mt19937_64& random) {
     if (r.pairs % 4 == 1) b.a = a.b;                                         // a common vertex
     if (r.pairs % 4 == 2) b.a = 0.5 * (a.a + a.b);                           // a vertex at an edge
     if (r.pairs % 8 == 3) b.b = a.a + (b.a - a.c), b.c = a.b + (b.a - a.c);  // parallel, as mesh and its copy
-    if (r.pairs % 8 == 7) {                                                  // shifted in its own plane, but for rounding
+    if (r.pairs % 8 == 7) {  // shifted in its own plane, but for rounding
       const Vec3 shift = 0.25 * (a.b - a.a) + 0.5 * (a.c - a.a);
       b = {a.a + shift, a.b + shift, a.c + shift};
     }

@@ -33,8 +33,7 @@ std::vector<double> places_of(Sweep sweep, bool quick) {
     case Sweep::polygons:
       if (quick) return {16, 64, 256};
       return {16, 64, 256, 1'024, 4'096, 16'384, 100'000};
-    case Sweep::size:
-      break;
+    case Sweep::size: break;
   }
   if (quick) return {0.05, 0.2, 0.5};
   return {0.05, 0.075, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5};

@@ -248,7 +248,11 @@ TEST(VCollideAdapter, AMatrixThatIsNoPlaceIsRefusedByWhatIsWrongWithIt) {
     double value;
     std::string what;
   };
-  for (const Wrong& wrong : {Wrong{0, 0, nan, not_finite}, {1, 2, inf, not_finite}, {2, 1, -inf, not_finite}, {0, 3, nan, not_finite}, {2, 3, inf, not_finite},
+  for (const Wrong& wrong : {Wrong{0, 0, nan, not_finite},
+                             {1, 2, inf, not_finite},
+                             {2, 1, -inf, not_finite},
+                             {0, 3, nan, not_finite},
+                             {2, 3, inf, not_finite},
                              {3, 1, 0.5, "the matrix's last row has 0.5 in column 1, allowed are 0 0 0 1"},
                              {3, 3, 2, "the matrix's last row has 2 in column 3, allowed are 0 0 0 1"},
                              {1, 1, -1, "the matrix mirrors (determinant -1), allowed are rotations"},

@@ -31,10 +31,13 @@ struct Arguments {
 Arguments parse(int argc, char** argv) {
   Arguments a;
   a.from.commit = "not given";
-  std::map<std::string, std::string*> texts{{"--out", &a.out},           {"--only", &a.only},
-                                            {"--census", &a.census},     {"--response", &a.response},
+  std::map<std::string, std::string*> texts{{"--out", &a.out},
+                                            {"--only", &a.only},
+                                            {"--census", &a.census},
+                                            {"--response", &a.response},
                                             {"--mutants", &a.mutants},
-                                            {"--commit", &a.from.commit}, {"--command", &a.from.command},
+                                            {"--commit", &a.from.commit},
+                                            {"--command", &a.from.command},
                                             {"--peers", &a.setting.peers}};
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];

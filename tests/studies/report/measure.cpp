@@ -67,8 +67,12 @@ std::vector<Row> measure(const std::string& study, const std::string& scene, con
   }
   std::vector<Row> rows;
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    Row row{.study = study, .scene = scene, .series = methods[m].series, .label = methods[m].label,
-            .knob = methods[m].knob, .note = methods[m].note};
+    Row row{.study = study,
+            .scene = scene,
+            .series = methods[m].series,
+            .label = methods[m].label,
+            .knob = methods[m].knob,
+            .note = methods[m].note};
     row.n = static_cast<long>(truth.size());
     if (answers[m].size() == truth.size() && !truth.empty()) {
       std::sort(seconds[m].begin(), seconds[m].end());

@@ -143,7 +143,8 @@ TEST(ReportRows, NumbersAreShortAndAlwaysWritten) {
 }
 
 TEST(ReportRows, ACsvFieldKeepsCommasAndQuotes) {
-  const auto file = std::filesystem::temp_directory_path() / ("collided_report_rows_" + std::to_string(::getpid()) + ".csv");
+  const auto file =
+      std::filesystem::temp_directory_path() / ("collided_report_rows_" + std::to_string(::getpid()) + ".csv");
   write_rows(file, {Row{.study = "s", .scene = "a, \"b\"", .n = 7}},
              {.machine = "m, n", .commit = "c", .command = "x", .seed = 3});
   const Csv csv = read_csv(file);

@@ -354,7 +354,8 @@ TEST(BroadBvhBox, EmptyAsksNothingAndInfiniteAsksAll) {
 TEST(BroadBvhBox, FalseEndsTheWalk) {
   const Bvh tree = Bvh::build(scenes::icosphere(2, 1));
   WalkCost cost;
-  tree.walk_box(tree.bounds(), [](std::uint32_t) { return false; }, cost);
+  tree.walk_box(
+      tree.bounds(), [](std::uint32_t) { return false; }, cost);
   EXPECT_EQ(cost.candidates, 1u);
 }
 
@@ -547,7 +548,8 @@ TEST(BroadBvhBuild, CancellingLeavesAnEmptyTree) {
   const TriangleMesh mesh = scenes::terrain(150, 1, 9);
   for (int asked_before = 0; asked_before < 20; asked_before += 5) {
     int asked = 0;
-    const Bvh tree = Bvh::build(mesh, {.threads = 2, .progress = {}, .cancelled = [&] { return asked++ >= asked_before; }});
+    const Bvh tree =
+        Bvh::build(mesh, {.threads = 2, .progress = {}, .cancelled = [&] { return asked++ >= asked_before; }});
     EXPECT_TRUE(tree.bounds().empty());
     EXPECT_EQ(tree.report().references, 0u);
     EXPECT_TRUE(along_ray(tree, {Vec3(0, 0, 1), Vec3(0, 0, -1)}).empty());

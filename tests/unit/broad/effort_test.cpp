@@ -162,7 +162,8 @@ TEST(BroadEffort, OfALeafOnlyWhatMayBeNearestIsTold) {
     Nearest nearest{point, mesh};
     tree.walk_near(point, kInfinity, 0, nearest, cost);
     double truth_m = kInfinity;
-    for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) truth_m = std::min(truth_m, closest(point, mesh.triangle(k)).distance_m);
+    for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k)
+      truth_m = std::min(truth_m, closest(point, mesh.triangle(k)).distance_m);
     EXPECT_EQ(nearest.best_m, truth_m);
   }
   EXPECT_LE(cost.candidates, 5U * kPoints);

@@ -152,7 +152,8 @@ TEST(BroadGrid, EqualsBruteForceOnBoxesOfOneSize) {
 TEST(BroadGrid, ALongRayIsToldEachOfManySmallBoxesOnce) {
   std::mt19937_64 random = oracle::seeded(236);
   std::vector<Aabb> boxes;
-  for (int i = 0; i < 20'000; ++i) boxes.push_back(make_box(in_cube(random).cwiseProduct(Vec3(4, 1, 0.1)), Vec3::Constant(0.02)));
+  for (int i = 0; i < 20'000; ++i)
+    boxes.push_back(make_box(in_cube(random).cwiseProduct(Vec3(4, 1, 0.1)), Vec3::Constant(0.02)));
   Grid grid;
   grid.rebuild(boxes);
   std::size_t told = 0;
@@ -328,7 +329,8 @@ TEST(BroadGrid, FalseAndNegativeLimitsEndTheWalk) {
   Grid grid;
   grid.rebuild(boxes);
   WalkCost cost;
-  grid.walk_box({Vec3::Constant(-1), Vec3::Constant(1)}, [](std::uint32_t) { return false; }, cost);
+  grid.walk_box(
+      {Vec3::Constant(-1), Vec3::Constant(1)}, [](std::uint32_t) { return false; }, cost);
   EXPECT_EQ(cost.candidates, 1u);
   cost = {};
   const auto stop = [](std::uint32_t, double) { return -1.0; };
@@ -349,9 +351,10 @@ TEST(BroadGrid, RaysAndPointsLookAtFewBoxes) {
   WalkCost ray_cost;
   WalkCost near_cost;
   for (int i = 0; i < 20; ++i) {
-    grid.walk_ray({in_cube(random), in_cube(random)}, kInfinity, [](std::uint32_t, double) { return 0.0; },
-                  ray_cost);
-    grid.walk_near(in_cube(random), kInfinity, [](std::uint32_t, double) { return 1e-4; }, near_cost);
+    grid.walk_ray(
+        {in_cube(random), in_cube(random)}, kInfinity, [](std::uint32_t, double) { return 0.0; }, ray_cost);
+    grid.walk_near(
+        in_cube(random), kInfinity, [](std::uint32_t, double) { return 1e-4; }, near_cost);
   }
   EXPECT_LT(ray_cost.nodes, 20u * 3000);
   EXPECT_LT(near_cost.nodes, 20u * 100);

@@ -81,9 +81,7 @@ Count expect_none_lost(const TriangleMesh& a, const TriangleMesh& b, const Frame
       if (testing::Test::HasFailure()) return count;
     }
   }
-  if (!too_few_to_miss) {
-    EXPECT_GT(count.met, 0u);
-  }
+  if (!too_few_to_miss) { EXPECT_GT(count.met, 0u); }
   return count;
 }
 
@@ -148,8 +146,8 @@ TEST(BroadPairs, CoplanarAndTouchingLoseNothing) {
   for (const double offset : {1.0 / 3, 1e6 + 1.0 / 3, 1e9}) {
     const TriangleMesh far = scaled(cube, 0.1, Vec3(offset, -offset, offset / 7));
     expect_none_lost(far, far, Frame{});
-    expect_none_lost(far, scaled(cube, 0.1), frame_of(Pose{.position = Vec3(offset, -offset, offset / 7),
-                                                           .rotation = Quat::Identity()}));
+    expect_none_lost(far, scaled(cube, 0.1),
+                     frame_of(Pose{.position = Vec3(offset, -offset, offset / 7), .rotation = Quat::Identity()}));
   }
 }
 
@@ -160,14 +158,12 @@ TEST(BroadPairs, FarFromOriginLosesNothingAndStaysSharp) {
     SCOPED_TRACE(offset);
     const Vec3 away = offset * Vec3(1, -0.7, 0.3);
     const TriangleMesh there = scaled(sphere, 1, away);
-    const Frame frame = frame_of(Pose{.position = away + 1.2 * in_cube(random).normalized(),
-                                      .rotation = any_rotation(random)});
+    const Frame frame =
+        frame_of(Pose{.position = away + 1.2 * in_cube(random).normalized(), .rotation = any_rotation(random)});
     const Count placed = expect_none_lost(there, sphere, frame);
     const Count both = expect_none_lost(scaled(there, 1, -away), scaled(sphere, 1, Vec3(0.5, 0.4, 0.3)), Frame{});
     EXPECT_GT(both.met, 0u);
-    if (offset < 1e7) {
-      EXPECT_LT(placed.offered, 3 * placed.met);
-    }
+    if (offset < 1e7) { EXPECT_LT(placed.offered, 3 * placed.met); }
   }
 }
 
@@ -254,9 +250,7 @@ TEST(BroadPairs, FalseEndsTheWalk) {
     WalkCost cost;
     tree.walk_pairs(*other, Mat3::Identity(), sphere.vertices[7], 1e-12, stop, cost);
     other->walk_pairs(tree, Mat3::Identity(), -sphere.vertices[7], 1e-12, stop, cost);
-    if (other == &tree) {
-      EXPECT_EQ(cost.candidates, 2u);
-    }
+    if (other == &tree) { EXPECT_EQ(cost.candidates, 2u); }
   }
 }
 
@@ -269,9 +263,7 @@ TEST(BroadPairs, CostGrowsWithTheBorder) {
     const auto go_on = [](std::uint32_t, std::uint32_t) { return true; };
     tree.walk_pairs(tree, Quat(0.8, 0.1, 0.5, 0.3).normalized().toRotationMatrix(), Vec3(0.6, 0.5, 0.4), 1e-14, go_on,
                     cost);
-    if (before != 0) {
-      EXPECT_LT(cost.nodes, 3 * before) << "twice the border, four times the triangles";
-    }
+    if (before != 0) { EXPECT_LT(cost.nodes, 3 * before) << "twice the border, four times the triangles"; }
     before = cost.nodes;
   }
 }

@@ -28,7 +28,8 @@ Bvh best(const TriangleMesh& mesh) {
 bool is_in(const bvh::Primitive& box, const Vec3& point) {
   bool all = true;
   for (int axis = 0; axis < 3; ++axis) {
-    all = all && static_cast<double>(box.low[axis]) <= point[axis] && point[axis] <= static_cast<double>(box.high[axis]);
+    all =
+        all && static_cast<double>(box.low[axis]) <= point[axis] && point[axis] <= static_cast<double>(box.high[axis]);
   }
   return all;
 }
@@ -145,7 +146,8 @@ TEST(BvhPieces, AWalkLosesNoTriangleThatTheExactTestMeets) {
     const double y = coordinate(random);
     const Vec3 from = 2 * Vec3(x, y, coordinate(random));
     const double along = std::abs(coordinate(random));
-    const Vec3 target = i % 3 == 0 ? aim.b : Vec3(aim.a + along * (aim.b - aim.a) + (1 - along) * 0.5 * (aim.c - aim.a));
+    const Vec3 target =
+        i % 3 == 0 ? aim.b : Vec3(aim.a + along * (aim.b - aim.a) + (1 - along) * 0.5 * (aim.c - aim.a));
     const Ray ray{from, target - from};
     std::set<std::uint32_t> seen;
     WalkCost cost;

@@ -128,7 +128,9 @@ class BroadTampered : public testing::Test {
  protected:
   using Change = std::function<void(std::span<std::byte>)>;
 
-  bvh::Node* node(std::span<std::byte> bytes, std::size_t i) { return reinterpret_cast<bvh::Node*>(&bytes[kHeaderBytes]) + i; }
+  bvh::Node* node(std::span<std::byte> bytes, std::size_t i) {
+    return reinterpret_cast<bvh::Node*>(&bytes[kHeaderBytes]) + i;
+  }
   std::uint64_t node_count(std::span<std::byte> bytes) const {
     std::uint64_t count;
     std::memcpy(&count, &bytes[kNodeCountAt], sizeof(count));
@@ -176,11 +178,14 @@ TEST_F(BroadTampered, UntouchedIsTaken) {
 }
 
 TEST_F(BroadTampered, NoReferenceLeadsOutOrInCircles) {
-  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = 0; }), "a child is a node that does not follow its parent");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = 0; }),
+            "a child is a node that does not follow its parent");
   EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = static_cast<bvh::Ref>(node_count(b)); }),
             "a child is a node that does not follow its parent");
-  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = 0x0fffffff; }), "a child is a node that does not follow its parent");
-  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = bvh::leaf_ref(0x0ffffff0, 8); }), "a child is a leaf beyond the last");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = 0x0fffffff; }),
+            "a child is a node that does not follow its parent");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = bvh::leaf_ref(0x0ffffff0, 8); }),
+            "a child is a leaf beyond the last");
   EXPECT_EQ(after([&](std::span<std::byte> b) { inner_child(b) = bvh::kNothing; }), "a missing child has a box");
   EXPECT_EQ(after([&](std::span<std::byte> b) {
               const bvh::Ref nothing = bvh::kNothing;
@@ -202,7 +207,8 @@ TEST_F(BroadTampered, NoReferenceLeadsOutOrInCircles) {
 TEST_F(BroadTampered, NoBoxIsTooSmallByTheLeastBit) {
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      const auto shrink = [&](std::span<std::byte> bytes, std::size_t which, const std::function<bool(bvh::Ref)>& wanted) {
+      const auto shrink = [&](std::span<std::byte> bytes, std::size_t which,
+                              const std::function<bool(bvh::Ref)>& wanted) {
         bvh::Node& n = *node(bytes, which);
         float& plane = n.plane[axis][side][slot_of(n, wanted)];
         plane = std::nextafter(plane, side == 0 ? kInfinity : -kInfinity);
@@ -227,9 +233,12 @@ TEST_F(BroadTampered, NoBoxIsTooSmallByTheLeastBit) {
 }
 
 TEST_F(BroadTampered, NoTriangleIsLostOrMoved) {
-  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 0)->triangle[0] = 510; }), "a leaf has a triangle beyond the last");
-  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 0)->triangle[0] ^= 1; }), "a leaf's corners are not the mesh's");
-  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 2)->b[1][0] += 1e-3f; }), "a leaf's corners are not the mesh's");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 0)->triangle[0] = 510; }),
+            "a leaf has a triangle beyond the last");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 0)->triangle[0] ^= 1; }),
+            "a leaf's corners are not the mesh's");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { leaf(b, 2)->b[1][0] += 1e-3f; }),
+            "a leaf's corners are not the mesh's");
   // A leaf that counts one triangle less is whole but for that one.
   EXPECT_EQ(after([&](std::span<std::byte> b) {
               bvh::Node& n = *node(b, node_with(b, bvh::is_leaf));
@@ -247,16 +256,21 @@ TEST_F(BroadTampered, NoTriangleIsLostOrMoved) {
 }
 
 TEST_F(BroadTampered, EachOrderNamesEachChild) {
-  EXPECT_EQ(after([&](std::span<std::byte> b) { node(b, 1)->order[5] ^= 7; }), "an order does not name each child once");
-  EXPECT_EQ(after([&](std::span<std::byte> b) { node(b, 1)->order[5] |= 1u << 24; }), "an order does not name each child once");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { node(b, 1)->order[5] ^= 7; }),
+            "an order does not name each child once");
+  EXPECT_EQ(after([&](std::span<std::byte> b) { node(b, 1)->order[5] |= 1u << 24; }),
+            "an order does not name each child once");
 }
 
 // The last records say into how many pieces each split triangle went; other pieces are not those that the leaves hold.
 TEST_F(BroadTampered, PiecesAreThoseThatTheLeavesHold) {
   ASSERT_GT(build(mesh_, BvhForm::best).report().split_triangles, 0u);
-  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{65}; }), "the split triangles are not in order");
-  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{1}; }), "the split triangles are not in order");
-  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{2}; }), "a triangle is not in the boxes of its leaves");
+  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{65}; }),
+            "the split triangles are not in order");
+  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{1}; }),
+            "the split triangles are not in order");
+  EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{2}; }),
+            "a triangle is not in the boxes of its leaves");
 }
 
 // Byte order, sizes of records, width: each alone makes it another machine's, and that is what is said.

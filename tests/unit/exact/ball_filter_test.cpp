@@ -19,7 +19,9 @@ Vec3 any(std::mt19937_64& random) {
   return {x, y, coordinate(random)};
 }
 
-MovingSphere resting(const Sphere& ball) { return {.start = ball.center, .end = ball.center, .radius_m = ball.radius_m}; }
+MovingSphere resting(const Sphere& ball) {
+  return {.start = ball.center, .end = ball.center, .radius_m = ball.radius_m};
+}
 
 // Within a rounding or two of touching, at rest and at the end of a way, on every scale.
 TEST(BallFilter, NeverPartsWhatMeets) {
@@ -80,7 +82,8 @@ TEST(BallFilter, DecidesBoxesAndCapsulesAsRationalsDo) {
     for (double& x : side) x = random() % 2 == 0 ? std::copysign(1.0, x) : x;
     const Vec3 outward = side.unaryExpr([](double x) { return std::abs(x) == 1 ? x : 0.0; });
     if (outward.isZero()) continue;
-    Sphere ball = ball_at(box.center + box.axes * box.half_m.cwiseProduct(side), box.axes * outward, about_nothing(random), random);
+    Sphere ball = ball_at(box.center + box.axes * box.half_m.cwiseProduct(side), box.axes * outward,
+                          about_nothing(random), random);
     const Vec3 a = any(random);
     Capsule capsule{.a = a, .b = a + any(random), .radius_m = 0.5};
     Sphere other = ball_at(a + 0.5 * outward.normalized(), outward, about_nothing(random), random);
@@ -112,11 +115,14 @@ TEST(BallFilter, SaysNothingOutOfRange) {
 // A metre along x: what lies on the line beyond either end is as far as from that end.
 TEST(BallFilter, PartsWhatLiesOnTheLineBeyondEitherEndOfTheWay) {
   const MovingSphere mover{.start = {0, 0, 0}, .end = {1, 0, 0}, .radius_m = 0.25};
-  for (const double x : {-10.0, -0.75, 1.75, 10.0}) EXPECT_TRUE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
-  for (const double x : {-0.25, 0.0, 0.5, 1.25}) EXPECT_FALSE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
+  for (const double x : {-10.0, -0.75, 1.75, 10.0})
+    EXPECT_TRUE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
+  for (const double x : {-0.25, 0.0, 0.5, 1.25})
+    EXPECT_FALSE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
   EXPECT_TRUE(kernel::surely_apart(mover, {.center = {0.5, 0.75, 0}, .radius_m = 0.25}));
   for (const double x : {-10.0, -0.75, 1.75, 10.0}) {
-    EXPECT_EQ(kernel::quickly_overlaps(Sphere{{x, 0, 0}, 0.25}, Capsule{{0, 0, 0}, {1, 0, 0}, 0.25}), Decision::no) << x;
+    EXPECT_EQ(kernel::quickly_overlaps(Sphere{{x, 0, 0}, 0.25}, Capsule{{0, 0, 0}, {1, 0, 0}, 0.25}), Decision::no)
+        << x;
   }
   EXPECT_EQ(kernel::quickly_overlaps(Sphere{{1.25, 0, 0}, 0.25}, Capsule{{0, 0, 0}, {1, 0, 0}, 0.25}), Decision::yes);
 }

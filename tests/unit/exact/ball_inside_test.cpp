@@ -49,9 +49,7 @@ TEST(ExactBallInside, HoldsWhatRationalsSay) {
     const double radius_m = is_hard ? 0 : 0.1 * std::abs(any(generator));
     const bool holds = kernel::surely_holds_ball(corner, radius_m);
     const bool truth = holds_exactly(corner, radius_m);
-    if (holds) {
-      ASSERT_TRUE(truth) << "tetrahedron " << i;
-    }
+    if (holds) { ASSERT_TRUE(truth) << "tetrahedron " << i; }
     said += holds ? 1 : 0;
     missed += !is_hard && truth && !holds ? 1 : 0;
   }

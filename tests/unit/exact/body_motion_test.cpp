@@ -113,9 +113,7 @@ TEST(ExactBodyMotion, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
     const double far_m = std::exp2(20 * (1 + uniform(generator)));
     const Vec3 hub(far_m * uniform(generator), far_m * uniform(generator), far_m * uniform(generator));
     const double half_turn = 0.5 + 0.4 * uniform(generator);
-    const auto turned = [&](double angle) {
-      return frame_of({hub, Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))});
-    };
+    const auto turned = [&](double angle) { return frame_of({hub, Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))}); };
     const BodyMotion motion(turned(M_PI / 2 - half_turn), turned(M_PI / 2 + half_turn));
     const PartMotion ball(Sphere{{1, 0, 0}, 0.25}, motion);
     const double gap = uniform(generator) * std::exp2(-46 + 4 * uniform(generator)) * far_m;
@@ -211,7 +209,9 @@ TEST(BodyMotion, TheVelocityOfAPointIsWithinItsBound) {
   const auto vector = [&] { return Vec3(part(random), part(random), part(random)); };
   for (int i = 0; i < 2'000; ++i) {
     const Frame from{Eigen::AngleAxisd(3 * part(random), vector().normalized()).toRotationMatrix(), 10 * vector()};
-    const Frame to{Mat3(Eigen::AngleAxisd(1.5 * part(random), vector().normalized()).toRotationMatrix() * from.rotation), from.position + vector()};
+    const Frame to{
+        Mat3(Eigen::AngleAxisd(1.5 * part(random), vector().normalized()).toRotationMatrix() * from.rotation),
+        from.position + vector()};
     const BodyMotion motion(from, to);
     const double time = 0.2 + 0.3 * (1 + part(random)), motion_s = 0.01;
     const Vec3 own = vector();
@@ -224,7 +224,8 @@ TEST(BodyMotion, TheVelocityOfAPointIsWithinItsBound) {
       constexpr double kStep = 1e-4;
       const Frame at = motion.at(then);
       const Vec3 body_point = at.rotation.transpose() * (told_at - at.position);
-      const Vec3 truth = (place(motion.at(then + kStep), body_point) - place(motion.at(then - kStep), body_point)) / (2 * kStep * motion_s);
+      const Vec3 truth = (place(motion.at(then + kStep), body_point) - place(motion.at(then - kStep), body_point)) /
+                         (2 * kStep * motion_s);
       // The differences are off by a square of their step, and by the roundings of places over it.
       const double differences = 20 * kStep * kStep / motion_s + 1e-13 / (kStep * motion_s);
       ASSERT_LE((velocity.mps - truth).norm(), velocity.error_mps + differences) << i;

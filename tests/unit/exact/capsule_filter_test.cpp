@@ -83,7 +83,8 @@ TEST(CapsuleFilter, DecidesAsRationalsDoNearTouchingOnEveryScale) {
     capsules.check(core, other, "capsules", i);
     boxes.check(box, summand, "box", i);
   }
-  std::printf("capsules: %d decided, %d left open; boxes: %d and %d\n", capsules.decided, capsules.open, boxes.decided, boxes.open);
+  std::printf("capsules: %d decided, %d left open; boxes: %d and %d\n", capsules.decided, capsules.open, boxes.decided,
+              boxes.open);
   EXPECT_GT(capsules.decided, 6'000);
   EXPECT_GT(boxes.decided, 5'000);
   EXPECT_GT(capsules.open, 1'000) << "the scenes must be worth testing";
@@ -99,7 +100,8 @@ TEST(CapsuleFilter, DecidesNearlyAllOfWhatIsThrownTogether) {
     const Capsule a{.a = any(random), .b = any(random), .radius_m = 0.2};
     const Capsule b{.a = any(random), .b = any(random), .radius_m = 0.1};
     capsules.check(a, b, "capsules", i);
-    boxes.check(Box{.center = any(random), .axes = turned(random), .half_m = 0.5 * any(random).cwiseAbs()}, b, "box", i);
+    boxes.check(Box{.center = any(random), .axes = turned(random), .half_m = 0.5 * any(random).cwiseAbs()}, b, "box",
+                i);
   }
   EXPECT_EQ(capsules.open, 0);
   std::printf("boxes: %d of 20000 left open\n", boxes.open);
@@ -108,7 +110,8 @@ TEST(CapsuleFilter, DecidesNearlyAllOfWhatIsThrownTogether) {
 
 TEST(CapsuleFilter, SaysNothingOutOfRange) {
   const Capsule unit{.a = Vec3::Zero(), .b = Vec3::UnitX(), .radius_m = 1};
-  EXPECT_EQ(kernel::quickly_overlaps(unit, {.a = Vec3(1e200, 0, 0), .b = Vec3::Zero(), .radius_m = 1}), Decision::undecided);
+  EXPECT_EQ(kernel::quickly_overlaps(unit, {.a = Vec3(1e200, 0, 0), .b = Vec3::Zero(), .radius_m = 1}),
+            Decision::undecided);
   const Capsule tiny{.a = Vec3(1e-170, 0, 0), .b = Vec3::Zero(), .radius_m = 0};
   EXPECT_EQ(kernel::quickly_overlaps(tiny, tiny), Decision::undecided);
   EXPECT_EQ(kernel::quickly_overlaps(Box{.center = Vec3::Zero(), .axes = Mat3::Zero(), .half_m = Vec3::Ones()}, unit),

@@ -47,12 +47,15 @@ TEST(ExactContact, Boxes) {
 TEST(ExactContact, BoxAgainstTheRest) {
   expect_contact(contact(kUnitBox, Capsule{{0, 0, 1.5}, {0, 0, 3}, 1}), 0.5, {0, 0, 1}, {0, 0, 0.75});
   expect_contact(contact(kUnitBox, Capsule{{0, 0, 0.5}, {0, 0, 3}, 1}), 1.5, {0, 0, 1}, {0, 0, 0.75});
-  expect_contact(contact(kUnitBox, Triangle{{-4, -4, 0.75}, {4, -4, 0.75}, {0, 4, 0.75}}), 0.25, {0, 0, 1}, {0, 0, 0.75});
+  expect_contact(contact(kUnitBox, Triangle{{-4, -4, 0.75}, {4, -4, 0.75}, {0, 4, 0.75}}), 0.25, {0, 0, 1},
+                 {0, 0, 0.75});
 }
 
 TEST(ExactContact, Capsules) {
-  expect_contact(contact(Capsule{{-1, 0, 0}, {1, 0, 0}, 1}, Capsule{{0, -1, 1.5}, {0, 1, 1.5}, 1}), 0.5, {0, 0, 1}, {0, 0, 0.75});
-  expect_contact(contact(Capsule{{-1, 0, 0}, {1, 0, 0}, 1}, Capsule{{0, -1, 0}, {0, 1, 0}, 1}), 2, {0, 0, 1}, {0, 0, 0});
+  expect_contact(contact(Capsule{{-1, 0, 0}, {1, 0, 0}, 1}, Capsule{{0, -1, 1.5}, {0, 1, 1.5}, 1}), 0.5, {0, 0, 1},
+                 {0, 0, 0.75});
+  expect_contact(contact(Capsule{{-1, 0, 0}, {1, 0, 0}, 1}, Capsule{{0, -1, 0}, {0, 1, 0}, 1}), 2, {0, 0, 1},
+                 {0, 0, 0});
   expect_contact(contact(Capsule{{0, 0, 0.5}, {0, 0, 3}, 1}, kFloor), 0.5, {0, 0, -1}, {0, 0, -0.25});
 }
 
@@ -73,9 +76,9 @@ TEST(ExactContact, CoplanarTrianglesHaveNoDepth) {
 }
 
 TEST(ExactContact, TouchingIsExactlyZero) {
-  for (const Contact& c : {contact(Sphere{{0, 0, 0}, 3}, Sphere{{3, 4, 0}, 2}), contact(Sphere{{0, 0, 2}, 2}, kFloor),
-                           contact(kUnitBox, Box{{2, 0.5, 0}, Mat3::Identity(), {1, 1, 1}}),
-                           contact(Sphere{{0, 0, 2}, 1}, kUnitBox)}) {
+  for (const Contact& c :
+       {contact(Sphere{{0, 0, 0}, 3}, Sphere{{3, 4, 0}, 2}), contact(Sphere{{0, 0, 2}, 2}, kFloor),
+        contact(kUnitBox, Box{{2, 0.5, 0}, Mat3::Identity(), {1, 1, 1}}), contact(Sphere{{0, 0, 2}, 1}, kUnitBox)}) {
     EXPECT_EQ(c.depth_m, 0);
     EXPECT_EQ(c.depth_error_m, 0);
   }
@@ -105,9 +108,10 @@ TEST(ExactContact, SwappedPrimitivesFlipTheNormal) {
 
 TEST(ExactContact, DegenerateShapesStillHaveANormal) {
   const Capsule needle{{-1, 0, 0}, {1, 0, 0}, 0};
-  for (const Contact& c : {contact(needle, needle), contact(needle, Capsule{{0, 0, 0}, {0, 0, 0}, 0.5}),
-                           contact(Triangle{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, Triangle{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}}),
-                           contact(Sphere{{0, 0, 0}, 0}, Sphere{{0, 0, 0}, 0})}) {
+  for (const Contact& c :
+       {contact(needle, needle), contact(needle, Capsule{{0, 0, 0}, {0, 0, 0}, 0.5}),
+        contact(Triangle{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, Triangle{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}}),
+        contact(Sphere{{0, 0, 0}, 0}, Sphere{{0, 0, 0}, 0})}) {
     EXPECT_NEAR(c.normal.norm(), 1, 1e-15);
     EXPECT_TRUE(c.point.allFinite());
     EXPECT_LE(c.depth_m - c.depth_error_m, 0.5);

@@ -42,7 +42,9 @@ void add_ring(std::vector<Vec3>& points, const Vec3& center, const Vec3& axis, d
 
 /// A polytope that the shape holds (grow 0) or that holds it (grow 1), both by more than rounding.
 Hull polytope(const Cylinder& c, bool outer) {
-  const double radius_m = outer ? c.radius_m / std::cos(std::numbers::pi / kAround) + 1e-9 * (c.radius_m + (c.b - c.a).norm()) : c.radius_m * (1 - 1e-9);
+  const double radius_m =
+      outer ? c.radius_m / std::cos(std::numbers::pi / kAround) + 1e-9 * (c.radius_m + (c.b - c.a).norm())
+            : c.radius_m * (1 - 1e-9);
   const Vec3 shift = (outer ? 1e-9 : -1e-9) * (c.b - c.a);
   std::vector<Vec3> points;
   add_ring(points, c.a - shift, c.b - c.a, radius_m);
@@ -51,7 +53,9 @@ Hull polytope(const Cylinder& c, bool outer) {
 }
 
 Hull polytope(const Cone& c, bool outer) {
-  const double radius_m = outer ? c.radius_m / std::cos(std::numbers::pi / kAround) + 1e-8 * (c.radius_m + (c.base - c.apex).norm()) : c.radius_m * (1 - 1e-8);
+  const double radius_m =
+      outer ? c.radius_m / std::cos(std::numbers::pi / kAround) + 1e-8 * (c.radius_m + (c.base - c.apex).norm())
+            : c.radius_m * (1 - 1e-8);
   const Vec3 shift = (outer ? 1e-9 : -1e-9) * (c.base - c.apex);
   std::vector<Vec3> points{c.apex - shift};
   add_ring(points, c.base + shift, c.base - c.apex, radius_m);
@@ -100,12 +104,8 @@ void check_pair(const A& a, const B& b, double size_m, Tally& tally) {
     return kernel::polytopes_meet(kernel::Convex(polytope(a, outer)), kernel::Convex(polytope(b, outer)));
   };
   const char* names = typeid(std::pair<A, B>).name();
-  if (by_rationals(false) == Decision::yes) {
-    ASSERT_EQ(verdict.decision, Decision::yes) << names;
-  }
-  if (by_rationals(true) == Decision::no) {
-    ASSERT_EQ(verdict.decision, Decision::no) << names;
-  }
+  if (by_rationals(false) == Decision::yes) { ASSERT_EQ(verdict.decision, Decision::yes) << names; }
+  if (by_rationals(true) == Decision::no) { ASSERT_EQ(verdict.decision, Decision::no) << names; }
   if (verdict.decision != Decision::yes) {
     ++(verdict.decision == Decision::no ? tally.no : tally.undecided);
     return;
@@ -116,11 +116,13 @@ void check_pair(const A& a, const B& b, double size_m, Tally& tally) {
   tally.widest = std::max(tally.widest, found.depth_error_m / size_m);
   const double slack_m = 1e-12 * size_m;
   const Vec3 out = (found.depth_m + found.depth_error_m + slack_m) * found.normal;
-  ASSERT_NE(overlaps(a, moved(b, out)).decision, Decision::yes) << names << " depth " << found.depth_m << " +- " << found.depth_error_m;
+  ASSERT_NE(overlaps(a, moved(b, out)).decision, Decision::yes)
+      << names << " depth " << found.depth_m << " +- " << found.depth_error_m;
   const Vec3 almost = (found.depth_m - found.depth_error_m - slack_m) * found.normal;
   if (found.depth_m - found.depth_error_m > 2 * slack_m) {
     ASSERT_NE(overlaps(a, moved(b, almost)).decision, Decision::no)
-        << names << " depth " << found.depth_m << " +- " << found.depth_error_m << " normal " << found.normal.transpose();
+        << names << " depth " << found.depth_m << " +- " << found.depth_error_m << " normal "
+        << found.normal.transpose();
   }
 }
 
@@ -195,8 +197,8 @@ TEST_P(ExactGeneral, PairsAgreeWithPolytopesAndDepthsPartThem) {
     check_against_all<Cone>([&] { return make.cone(); }, make, size_of(GetParam()), tally);
     check_against_all<Ellipsoid>([&] { return make.ellipsoid(); }, make, size_of(GetParam()), tally);
   }
-  std::printf("%s: %d yes, %d no, %d undecided, widest bound %.3g of the size\n", oracle::name(GetParam()), tally.yes, tally.no,
-              tally.undecided, tally.widest);
+  std::printf("%s: %d yes, %d no, %d undecided, widest bound %.3g of the size\n", oracle::name(GetParam()), tally.yes,
+              tally.no, tally.undecided, tally.widest);
   EXPECT_GT(tally.yes, 20);
   EXPECT_GT(tally.no, 20);
   if (GetParam() == Family::random) {
@@ -260,9 +262,7 @@ void check_nearest(const Vec3& point, const Shape& shape) {
   const char* name = typeid(Shape).name();
   const double low = nearest.distance_m - nearest.distance_error_m;
   const double high = nearest.distance_m + nearest.distance_error_m;
-  if (low > 0) {
-    ASSERT_NE(overlaps(Sphere{point, low * (1 - 1e-15)}, shape).decision, Decision::yes) << name;
-  }
+  if (low > 0) { ASSERT_NE(overlaps(Sphere{point, low * (1 - 1e-15)}, shape).decision, Decision::yes) << name; }
   ASSERT_NE(overlaps(Sphere{point, high * (1 + 1e-15)}, shape).decision, Decision::no) << name;
   if (high > 0) {
     ASSERT_NEAR((point - nearest.point).norm(), nearest.distance_m, 1e-9 + nearest.distance_error_m) << name;
@@ -298,9 +298,7 @@ void check_near_touching(const A& a, const B& b, int& checked) {
     (at(middle) == Decision::no ? out : in) = middle;
   }
   ASSERT_EQ(at(out + 1e-6), Decision::no) << typeid(std::pair<A, B>).name();
-  if (out > 2e-6) {
-    ASSERT_EQ(at(out - 1e-6), Decision::yes) << typeid(std::pair<A, B>).name();
-  }
+  if (out > 2e-6) { ASSERT_EQ(at(out - 1e-6), Decision::yes) << typeid(std::pair<A, B>).name(); }
   ++checked;
 }
 
@@ -318,7 +316,8 @@ TEST(ExactGeneralNearTouching, AMillionthFromTouchingIsDecided) {
   EXPECT_GT(checked, 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, ExactGeneral, ::testing::Values(Family::random, Family::lattice, Family::tenths, Family::needles),
+INSTANTIATE_TEST_SUITE_P(Families, ExactGeneral,
+                         ::testing::Values(Family::random, Family::lattice, Family::tenths, Family::needles),
                          [](const auto& test) { return std::string(oracle::name(test.param)); });
 
 }  // namespace

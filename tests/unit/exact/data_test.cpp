@@ -125,8 +125,8 @@ TEST_P(RayFile, EveryRayAgainstEveryTriangle) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(ExactData, RayFile,
-                         testing::Values("cubegrid-16", "erleben-hole", "icosphere-3-r1e-12", "icosphere-4", "screw-big",
-                                         "torus"));
+                         testing::Values("cubegrid-16", "erleben-hole", "icosphere-3-r1e-12", "icosphere-4",
+                                         "screw-big", "torus"));
 
 struct MeshPair {
   const char* name;
@@ -182,15 +182,16 @@ TEST_P(MeshPairFile, EveryTriangleAgainstEveryTriangle) {
   }
   EXPECT_EQ(found, expected) << found.size() << " found, " << expected.size() << " expected";
 }
-INSTANTIATE_TEST_SUITE_P(
-    ExactData, MeshPairFile,
-    testing::Values(MeshPair{"env-rob", "meshpairs/env.obj", "meshpairs/rob.obj"},
-                    MeshPair{"erleben-hole-spike", "meshes-rigid-ipc/erleben/hole.obj", "meshes-rigid-ipc/erleben/spike.obj"},
-                    MeshPair{"erleben-wedge-wedge", "meshes-rigid-ipc/erleben/wedge.obj",
-                             "meshes-rigid-ipc/erleben/wedge.obj"}));
+INSTANTIATE_TEST_SUITE_P(ExactData, MeshPairFile,
+                         testing::Values(MeshPair{"env-rob", "meshpairs/env.obj", "meshpairs/rob.obj"},
+                                         MeshPair{"erleben-hole-spike", "meshes-rigid-ipc/erleben/hole.obj",
+                                                  "meshes-rigid-ipc/erleben/spike.obj"},
+                                         MeshPair{"erleben-wedge-wedge", "meshes-rigid-ipc/erleben/wedge.obj",
+                                                  "meshes-rigid-ipc/erleben/wedge.obj"}));
 
 void expect_contact(const Contact& contact, const Wide& signed_distance, const Row& row) {
-  EXPECT_LE(abs(Wide(contact.depth_m) + signed_distance), Wide(contact.depth_error_m) + abs(signed_distance) * Wide(1e-37))
+  EXPECT_LE(abs(Wide(contact.depth_m) + signed_distance),
+            Wide(contact.depth_error_m) + abs(signed_distance) * Wide(1e-37))
       << row[0] << " " << row[1] << " depth " << contact.depth_m << " truth " << signed_distance;
   EXPECT_NEAR(contact.normal.norm(), 1, 1e-14);
 }
@@ -237,9 +238,7 @@ TEST(ExactData, SphereTriangleDistances) {
   }
 }
 
-double number(const nlohmann::json& j) {
-  return j.is_string() ? number(j.get<std::string>()) : j.get<double>();
-}
+double number(const nlohmann::json& j) { return j.is_string() ? number(j.get<std::string>()) : j.get<double>(); }
 Vec3 vec(const nlohmann::json& j) { return {number(j[0]), number(j[1]), number(j[2])}; }
 
 /// "2", "1/2" or decimals.

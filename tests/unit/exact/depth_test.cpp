@@ -21,7 +21,7 @@ using oracle::RandomShapes;
 using Any = std::variant<Primitive, Triangle>;
 
 constexpr int kPrimitives = std::variant_size_v<Primitive>;
-constexpr const char* kNames[] = {"sphere", "box",  "capsule",    "cylinder", "cone",
+constexpr const char* kNames[] = {"sphere",    "box",  "capsule",    "cylinder", "cone",
                                   "ellipsoid", "hull", "half-space", "triangle"};
 
 Any made(RandomShapes& make, int kind) {

@@ -108,7 +108,8 @@ TEST(ExactFirstContact, ABallThatEndsOnASolidTouchesItAtTheVeryEnd) {
     EXPECT_EQ(bracket.high, 1);
     EXPECT_GE(bracket.low, 1 - 1e-9);
     const double short_of = std::nextafter(1.5, 2.0);
-    EXPECT_EQ(first_contact(MovingSphere{{0, 0, 3}, {0, 0, short_of}, 0.5}, solid, 1e-9, bracket).decision, Decision::no);
+    EXPECT_EQ(first_contact(MovingSphere{{0, 0, 3}, {0, 0, short_of}, 0.5}, solid, 1e-9, bracket).decision,
+              Decision::no);
   };
   check(cube(1));
   check(cylinder);

@@ -23,8 +23,8 @@ namespace {
 using oracle::exact;
 using oracle::Family;
 using oracle::Point;
-using oracle::Rational;
 using oracle::RandomShapes;
+using oracle::Rational;
 using oracle::Wide;
 
 Rational dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -109,7 +109,8 @@ void check(const HalfSpace& h, const Shape& shape, Tally& tally) {
   if (!ahead.touches()) return;
   const Contact found = contact(h, shape);
   const Wide truth = -ahead.value() / oracle.length();
-  ASSERT_LE(abs(Wide(found.depth_m) - truth), Wide(found.depth_error_m)) << typeid(Shape).name() << " " << found.depth_m;
+  ASSERT_LE(abs(Wide(found.depth_m) - truth), Wide(found.depth_error_m))
+      << typeid(Shape).name() << " " << found.depth_m;
   ASSERT_NEAR(found.normal.norm(), 1, 1e-14);
   // The point lies in the middle of the overlap: half the depth behind the plane.
   const double scale = 1 + found.depth_m + h.point.cwiseAbs().maxCoeff() + found.point.cwiseAbs().maxCoeff();
@@ -147,9 +148,7 @@ void check_point(const HalfSpace& h, const Vec3& point) {
   const Closest found = closest(point, h);
   ASSERT_LE(abs(Wide(found.distance_m) - truth), Wide(found.distance_error_m));
   const Wide off = wide(oracle.at(found.point)) / oracle.length();
-  if (found.distance_m > 0) {
-    ASSERT_LE(abs(off), Wide(found.point_error_m)) << "on the plane";
-  }
+  if (found.distance_m > 0) { ASSERT_LE(abs(off), Wide(found.point_error_m)) << "on the plane"; }
 }
 
 /// What bounds_within keeps holds every corner of the box that is behind the plane.
@@ -177,7 +176,8 @@ TEST_P(HalfSpaces, EveryKindIsDecidedAsByRationals) {
     HalfSpace h{make.point(), make.point() - make.point()};
     // Normals of tiny length are refused when they are loaded.
     while (!(h.normal.stableNorm() >= 1e-30)) {
-      h.normal = GetParam() == Family::tiny ? Vec3::Unit(static_cast<int>(random() % 3)) : Vec3(make.point() - make.point());
+      h.normal =
+          GetParam() == Family::tiny ? Vec3::Unit(static_cast<int>(random() % 3)) : Vec3(make.point() - make.point());
     }
     check(h, make.sphere(), tally);
     check(h, make.box(), tally);
@@ -194,9 +194,7 @@ TEST_P(HalfSpaces, EveryKindIsDecidedAsByRationals) {
   }
   EXPECT_GT(tally.yes, 0);
   EXPECT_GT(tally.no, 0);
-  if (GetParam() == Family::lattice) {
-    EXPECT_GT(tally.touching, 0);
-  }
+  if (GetParam() == Family::lattice) { EXPECT_GT(tally.touching, 0); }
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, HalfSpaces, ::testing::ValuesIn(oracle::kFamilies),
@@ -235,10 +233,12 @@ TEST(HalfSpace, TellsHowFarAboveItEachKindIs) {
   const Vec3 along = up.cross(Vec3::UnitX());
   Mat3 axes;
   axes << Vec3::UnitX(), up, Vec3::UnitX().cross(up);
-  for (const Primitive& primitive : {Primitive(Sphere{foot + 2.5 * up, 0.5}), Primitive(Box{.center = foot + 3 * up, .axes = axes, .half_m = {1, 1, 1}}),
-                                     Primitive(Capsule{foot + 2.5 * up, foot + 9 * up, 0.5}), Primitive(Cone{foot + 2 * up, foot + 4 * up, 1}),
-                                     Primitive(Ellipsoid{.center = foot + 5 * up, .axes = axes, .half_m = {1, 3, 2}}),
-                                     Primitive(Cylinder{foot + 2 * up, foot + 5 * up, 0.5})}) {
+  for (const Primitive& primitive :
+       {Primitive(Sphere{foot + 2.5 * up, 0.5}),
+        Primitive(Box{.center = foot + 3 * up, .axes = axes, .half_m = {1, 1, 1}}),
+        Primitive(Capsule{foot + 2.5 * up, foot + 9 * up, 0.5}), Primitive(Cone{foot + 2 * up, foot + 4 * up, 1}),
+        Primitive(Ellipsoid{.center = foot + 5 * up, .axes = axes, .half_m = {1, 3, 2}}),
+        Primitive(Cylinder{foot + 2 * up, foot + 5 * up, 0.5})}) {
     const Separation apart = separation(ConvexPart(Primitive(ground)), ConvexPart(primitive));
     EXPECT_NEAR(apart.distance_m, 2, 1e-12) << primitive.index();
     EXPECT_LE(std::abs(apart.distance_m - 2), apart.error_m + 1e-15);
@@ -257,7 +257,8 @@ TEST(HalfSpace, TellsHowFarAboveItEachKindIs) {
     EXPECT_EQ(turned.on_b, apart.on_a);
     EXPECT_EQ(turned.point_error_m, apart.point_error_m);
   }
-  const Separation of_triangle = separation(ConvexPart(Primitive(ground)), ConvexPart(Triangle{foot + 2 * up, foot + 3 * up + along, foot + 3 * up - along}));
+  const Separation of_triangle = separation(
+      ConvexPart(Primitive(ground)), ConvexPart(Triangle{foot + 2 * up, foot + 3 * up + along, foot + 3 * up - along}));
   EXPECT_NEAR(of_triangle.distance_m, 2, 1e-12);
   EXPECT_NEAR((of_triangle.normal - up).norm(), 0, 1e-15);
   EXPECT_NEAR((of_triangle.on_b - foot - 2 * up).norm(), 0, 1e-12);
@@ -266,8 +267,10 @@ TEST(HalfSpace, TellsHowFarAboveItEachKindIs) {
 // From -10 to 10 along x: a metre of radius meets the long axis' end, 2 m from the middle, at -3.
 TEST(GeneralFirstContact, ABallMeetsRoundThingsWhereItsWaySays) {
   const MovingSphere mover{.start = {-10, 0, 0}, .end = {10, 0, 0}, .radius_m = 1};
-  for (const Primitive& other : {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 1, 0.5}}), Primitive(Cylinder{{-2, 0, 0}, {2, 0, 0}, 0.5}),
-                                 Primitive(Cone{{-2, 0, 0}, {2, 0, 0}, 0.5}), Primitive(Cone{{2, 0, 0}, {-2, 0, 0}, 0.5})}) {
+  for (const Primitive& other :
+       {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 1, 0.5}}),
+        Primitive(Cylinder{{-2, 0, 0}, {2, 0, 0}, 0.5}), Primitive(Cone{{-2, 0, 0}, {2, 0, 0}, 0.5}),
+        Primitive(Cone{{2, 0, 0}, {-2, 0, 0}, 0.5})}) {
     TimeBracket bracket;
     const ExactResult verdict = first_contact(mover, other, 1e-9, bracket);
     EXPECT_TRUE(verdict.yes()) << other.index();
@@ -280,15 +283,17 @@ TEST(GeneralFirstContact, ABallMeetsRoundThingsWhereItsWaySays) {
 // A convex set's nearest point is known as well as the distance is: within the root of the difference of the squares of
 // both ends of its interval.
 TEST(GeneralClosest, ThePointIsNoBetterKnownThanTheDistanceAllows) {
-  for (const Primitive& shape : {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {1, 2, 3}}), Primitive(Cylinder{{0, 0, -3}, {0, 0, 3}, 1}),
-                                 Primitive(Cone{{0, 0, 3}, {0, 0, -3}, 1})}) {
+  for (const Primitive& shape :
+       {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {1, 2, 3}}),
+        Primitive(Cylinder{{0, 0, -3}, {0, 0, 3}, 1}), Primitive(Cone{{0, 0, 3}, {0, 0, -3}, 1})}) {
     for (const Vec3& point : {Vec3(0, 0, 7), Vec3(0.3, 0.2, 7), Vec3(5, 0.1, 1), Vec3(-40, 30, -20)}) {
       const Closest nearest = closest(point, shape);
       const Rational error(nearest.distance_error_m);
       const Rational distance(nearest.distance_m);
       const Rational low = error < distance ? Rational(distance - error) : Rational(0);
       const Rational least = (distance + error) * (distance + error) - low * low;
-      EXPECT_GE(Rational(nearest.point_error_m) * Rational(nearest.point_error_m), least) << shape.index() << " from " << point.transpose();
+      EXPECT_GE(Rational(nearest.point_error_m) * Rational(nearest.point_error_m), least)
+          << shape.index() << " from " << point.transpose();
       EXPECT_LT(nearest.point_error_m, 1e-3) << shape.index();
     }
     const Closest above = closest(Vec3(0, 0, 7), shape);

@@ -175,7 +175,8 @@ void expect_normal(const Ray& ray, const Twin& twin, const Truth& truth, const I
     }
     if (moved <= size * fine) break;
     const Rational middle = (low + high) / 2;
-    const bool below = changes ? at_low * oracle::value_at(truth.along, middle) <= 0 : truth.roots->within(low, middle) > 0;
+    const bool below =
+        changes ? at_low * oracle::value_at(truth.along, middle) <= 0 : truth.roots->within(low, middle) > 0;
     (below ? high : low) = middle;
   }
   std::array<oracle::Wide, 3> gradient;
@@ -238,8 +239,8 @@ TEST_P(ExactImplicitRay, RandomPolynomialsAreMetAsByRationals) {
   Counts counts;
   for (int i = 0; i < ray_count(); ++i) {
     const bool wild = i % 4 == 3;
-    const Twin twin =
-        random_polynomial(GetParam(), generator, [&] { return std::ldexp(any(generator), wild ? exponent(generator) : 0); });
+    const Twin twin = random_polynomial(GetParam(), generator,
+                                        [&] { return std::ldexp(any(generator), wild ? exponent(generator) : 0); });
     const double length = i % 3 == 0 ? std::abs(any(generator)) * 4 : kInfinity;
     const Ray ray{any_point(generator, 2), any_point(generator, 1), length};
     SCOPED_TRACE(twin.text);
@@ -356,8 +357,8 @@ TEST(ExactImplicitRayPlanted, GrazingRaysHoldTheirBrackets) {
     const double displacement = exponent % 2 == 0 ? 3 : 1e7;
     const Vec3 origin = Vec3(top.x(), 0, top.z()) - displacement * across + top.y() * Vec3(0, 1, 0);
     cast_and_compare({origin, across}, sphere({0.1, 0, -0.2}, 1), "", counts);
-    cast_and_compare({{-displacement, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "",
-                     counts);
+    cast_and_compare({{-displacement, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(),
+                     exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "", counts);
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(counts.hits, 50);

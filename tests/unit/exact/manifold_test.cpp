@@ -29,7 +29,8 @@ const Primitive kGround = HalfSpace{.point = {0, 0, 0}, .normal = {0, 0, 2}};
 
 std::set<std::array<double, 2>> corners_of(const std::vector<ManifoldPoint>& points) {
   std::set<std::array<double, 2>> corners;
-  for (const ManifoldPoint& p : points) corners.insert({std::round(p.point.x() * 1e6) / 1e6, std::round(p.point.y() * 1e6) / 1e6});
+  for (const ManifoldPoint& p : points)
+    corners.insert({std::round(p.point.x() * 1e6) / 1e6, std::round(p.point.y() * 1e6) / 1e6});
   return corners;
 }
 
@@ -38,7 +39,8 @@ TEST(Manifold, ABoxOnAFloorBearsOnItsFourCorners) {
     const Primitive box = box_at({1, 2, 0.49}, {0.5, 0.25, 0.5});
     const std::vector<ManifoldPoint> points = manifold(floor, box);
     ASSERT_EQ(points.size(), 4u);
-    EXPECT_EQ(corners_of(points), (std::set<std::array<double, 2>>{{0.5, 1.75}, {1.5, 1.75}, {0.5, 2.25}, {1.5, 2.25}}));
+    EXPECT_EQ(corners_of(points),
+              (std::set<std::array<double, 2>>{{0.5, 1.75}, {1.5, 1.75}, {0.5, 2.25}, {1.5, 2.25}}));
     for (const ManifoldPoint& p : points) {
       EXPECT_NEAR(p.depth_m, 0.01, p.depth_error_m + 1e-15);
       EXPECT_LT(p.depth_error_m, 1e-12);
@@ -79,9 +81,13 @@ TEST(Manifold, OfRoundShapes) {
   EXPECT_EQ(manifold(kFloor, Primitive(Cone{{0, 0, -0.01}, {0, 0, 2}, 0.5})).size(), 1u) << "on its tip";
   Ellipsoid egg{.center = {0, 0, 0.24}, .half_m = {1, 0.5, 0.25}};
   EXPECT_EQ(manifold(kFloor, Primitive(egg)).size(), 1u);
-  EXPECT_EQ(manifold(Primitive(box_at({0, 0, 0}, {1, 0.1, 0.1}, Quat(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitX())))),
-                     Primitive(box_at({0, 0, 0.2 * std::numbers::sqrt2 - 0.01}, {0.1, 1, 0.1}, Quat(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitY())))))
-                .size(), 1u) << "edge across edge";
+  EXPECT_EQ(manifold(Primitive(box_at({0, 0, 0}, {1, 0.1, 0.1},
+                                      Quat(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitX())))),
+                     Primitive(box_at({0, 0, 0.2 * std::numbers::sqrt2 - 0.01}, {0.1, 1, 0.1},
+                                      Quat(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitY())))))
+                .size(),
+            1u)
+      << "edge across edge";
 }
 
 TEST(Manifold, AHullBearsAsItsBox) {
@@ -130,7 +136,8 @@ TEST(Manifold, TheDepthsOfTiltedBoxesAreWithinTheirBounds) {
     const Vec3 far(i % 3 == 0 ? 1e6 : 0, 0, i % 3 == 1 ? -1e3 : 0);
     const Quat tilt = Quat(1, 0.02 * any(generator), 0.02 * any(generator), any(generator)).normalized();
     const Box floor = box_at(far + Vec3(0, 0, -1), {3, 3, 1});
-    const Box box = box_at(far + Vec3(any(generator), any(generator), 0.45 + 0.05 * any(generator)), {0.5, 0.4, 0.5}, tilt);
+    const Box box =
+        box_at(far + Vec3(any(generator), any(generator), 0.45 + 0.05 * any(generator)), {0.5, 0.4, 0.5}, tilt);
     if (!overlaps(ConvexPart(Primitive(floor)), ConvexPart(Primitive(box))).yes()) continue;
     const Contact found = contact(ConvexPart(Primitive(floor)), ConvexPart(Primitive(box)));
     std::vector<ManifoldPoint> points;
@@ -138,7 +145,8 @@ TEST(Manifold, TheDepthsOfTiltedBoxesAreWithinTheirBounds) {
     if (points.size() == 1 || std::abs(found.normal.z()) < 0.9) continue;
     for (const ManifoldPoint& p : points) {
       if (p.depth_m == 0) continue;
-      const mpq_class truth = exact_height(floor, 2, 1, p.point, found.normal) - exact_height(box, 2, -1, p.point, found.normal);
+      const mpq_class truth =
+          exact_height(floor, 2, 1, p.point, found.normal) - exact_height(box, 2, -1, p.point, found.normal);
       ASSERT_LE(std::abs(mpq_class(truth - p.depth_m).get_d()), p.depth_error_m) << "pair " << i;
       worst = std::max(worst, std::abs(mpq_class(truth - p.depth_m).get_d()) / p.depth_error_m);
       ++seen;

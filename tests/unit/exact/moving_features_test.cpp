@@ -57,9 +57,7 @@ void expect_holds(const TimeBracket& bracket, const TimeBracket& truth, const st
   const bool wider = bracket.low <= truth.low && bracket.high >= truth.high;
   const bool sharper = bracket.low >= truth.low && bracket.high <= truth.high;
   EXPECT_TRUE(wider || sharper) << name << ": " << bracket.low << " to " << bracket.high;
-  if (truth.low == truth.high) {
-    EXPECT_LT(bracket.low, truth.low) << name;
-  }
+  if (truth.low == truth.high) { EXPECT_LT(bracket.low, truth.low) << name; }
 }
 
 void expect_at(const ExactResult& verdict, const TimeBracket& bracket, double truth) {
@@ -229,7 +227,8 @@ TEST(ExactMovingFeatures, PointsAsSegmentsMeetOnlyWhereTheyAreOne) {
   EXPECT_EQ(bracket.low, 2.0 / 3);  // which is less than two thirds
   EXPECT_EQ(bracket.high, std::nextafter(2.0 / 3, 1.0));
   const MovingPoint summand{{3, 0, 0x1p-300}, {-1, 0, 0x1p-300}};
-  EXPECT_EQ(first_contact(MovingSegment{left, left}, MovingSegment{summand, summand}, 0, bracket).decision, Decision::no);
+  EXPECT_EQ(first_contact(MovingSegment{left, left}, MovingSegment{summand, summand}, 0, bracket).decision,
+            Decision::no);
 }
 
 TEST(ExactMovingFeatures, EqualGreatSpeedsLeaveASmallOneExact) {

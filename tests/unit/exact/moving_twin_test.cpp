@@ -19,9 +19,9 @@ namespace {
 
 /// Places and motions that take turns at being hard: what is asked is where doubles stop being sure.
 enum class Family { random, lattice, planar, one_line, rounding_off_plane, far_out, needle, tiny, still };
-constexpr std::array kFamilies{Family::random,   Family::lattice,  Family::planar,
-                               Family::one_line, Family::rounding_off_plane, Family::far_out,
-                               Family::needle,   Family::tiny,     Family::still};
+constexpr std::array kFamilies{
+    Family::random,  Family::lattice, Family::planar, Family::one_line, Family::rounding_off_plane,
+    Family::far_out, Family::needle,  Family::tiny,   Family::still};
 
 class Makers {
  public:
@@ -72,7 +72,7 @@ void compare_with_rationals(const std::array<MovingPoint, 4>& p, kernel::Quartet
   const bool edges = kind == kernel::Quartet::Kind::edge_edge;
   TimeBracket bracket;
   const ExactResult verdict = edges ? first_contact(MovingSegment{p[0], p[1]}, MovingSegment{p[2], p[3]}, 1e-6, bracket)
-                                : first_contact(p[0], MovingTriangle{p[1], p[2], p[3]}, 1e-6, bracket);
+                                    : first_contact(p[0], MovingTriangle{p[1], p[2], p[3]}, 1e-6, bracket);
   TimeBracket exact;
   ASSERT_EQ(verdict.decision, kernel::first_contact_exactly({p, kind}, 0, 0, exact));
   tally.by_rationals += verdict.level == Level::rational;
@@ -162,9 +162,7 @@ TEST(ExactMovingTwin, SamplingFindsNoContactBeforeTheFirst) {
       ADD_FAILURE() << "sweep " << sweep << " meets at " << i << " / " << kSamples;
       break;
     }
-    if (verdict.yes() && bracket.high == 0) {
-      EXPECT_TRUE(overlaps(at_sample(a, 0), at_sample(b, 0)).yes());
-    }
+    if (verdict.yes() && bracket.high == 0) { EXPECT_TRUE(overlaps(at_sample(a, 0), at_sample(b, 0)).yes()); }
   }
   std::printf("%d sweeps, %d hits, %d undecided, %d missed\n", sweeps, hits, undecided, missed);
   EXPECT_EQ(undecided, 0);
@@ -180,7 +178,8 @@ TEST(ExactMovingTwin, TrianglesAnswerAlikeInEitherOrder) {
     TimeBracket one;
     TimeBracket other;
     const ExactResult verdict = first_contact(a, b, 1e-9, one);
-    const ExactResult swapped = first_contact(MovingTriangle{b.c, b.a, b.b}, MovingTriangle{a.b, a.a, a.c}, 1e-9, other);
+    const ExactResult swapped =
+        first_contact(MovingTriangle{b.c, b.a, b.b}, MovingTriangle{a.b, a.a, a.c}, 1e-9, other);
     ASSERT_EQ(swapped.decision, verdict.decision);
     if (!verdict.yes()) continue;
     ASSERT_LE(one.low, other.high);
@@ -221,9 +220,8 @@ TEST(ExactMovingTwin, TimeOfACallForTheRecord) {
     const auto& p = quartets[i];
     return first_contact(MovingSegment{p[0], p[1]}, MovingSegment{p[2], p[3]}, 1e-6, bracket);
   });
-  time_calls("two triangles", kCount, [&](int i) {
-    return first_contact(triangles[2 * i], triangles[2 * i + 1], 1e-6, bracket);
-  });
+  time_calls("two triangles", kCount,
+             [&](int i) { return first_contact(triangles[2 * i], triangles[2 * i + 1], 1e-6, bracket); });
 }
 
 }  // namespace

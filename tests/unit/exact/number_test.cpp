@@ -129,12 +129,22 @@ TEST(ExactScaled, TheBoundHoldsAtAnySize) {
     for (int step = 0; step < 8; ++step) {
       const double operand = of_any_size(generator);
       switch (products_alone ? 0 : step % 4) {
-        case 0: x = x * Scaled(operand); exact *= Rational(operand); break;
-        case 1: x = x + Scaled(operand); exact += Rational(operand); break;
-        case 2: x = Scaled(operand) - x; exact = Rational(operand) - exact; break;
+        case 0:
+          x = x * Scaled(operand);
+          exact *= Rational(operand);
+          break;
+        case 1:
+          x = x + Scaled(operand);
+          exact += Rational(operand);
+          break;
+        case 2:
+          x = Scaled(operand) - x;
+          exact = Rational(operand) - exact;
+          break;
         default: x = x * x; exact *= exact;
       }
-      ASSERT_LE(abs(shifted_exactly(x.value.value, x.power) - exact), shifted_exactly(x.value.bound(), x.power)) << "chain " << chain << ", step " << step;
+      ASSERT_LE(abs(shifted_exactly(x.value.value, x.power) - exact), shifted_exactly(x.value.bound(), x.power))
+          << "chain " << chain << ", step " << step;
       ASSERT_TRUE(!products_alone || x.value.bound() <= 1e-14 * std::abs(x.value.value));
       beyond += x.power > 1'000 || x.power < -1'100 ? 1 : 0;
     }

@@ -50,7 +50,9 @@ TEST(ExactPartedInProjection, ATurnThatIsSaidIsThatOfRationals) {
 /// The plane z = x + 2 y over a lattice: exact, and no axis is square to it.
 Vec3 in_plane(int x, int y) { return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(x + 2 * y)}; }
 
-bool has_area(const TriangleCorners& t, const std::vector<Vec3>& v) { return (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm() > 0; }
+bool has_area(const TriangleCorners& t, const std::vector<Vec3>& v) {
+  return (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm() > 0;
+}
 
 TEST(ExactPartedInProjection, TwoTrianglesOfOnePlaneArePartedExactlyWhenTheyAreApart) {
   std::mt19937_64 random = oracle::seeded(242);
@@ -59,19 +61,24 @@ TEST(ExactPartedInProjection, TwoTrianglesOfOnePlaneArePartedExactlyWhenTheyAreA
   for (int round = 0; round < 6'000; ++round) {
     const int shared = round % 3;
     TriangleMesh mesh;
-    for (int i = 0; i < 6; ++i) mesh.vertices.push_back(in_plane(static_cast<int>(random() % 6), static_cast<int>(random() % 6)));
+    for (int i = 0; i < 6; ++i)
+      mesh.vertices.push_back(in_plane(static_cast<int>(random() % 6), static_cast<int>(random() % 6)));
     for (int i = 0; i < shared; ++i) mesh.vertices[3 + i] = mesh.vertices[i];
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     if (!has_area(mesh.triangles[0], mesh.vertices) || !has_area(mesh.triangles[1], mesh.vertices)) continue;
     std::size_t equal_count = 0;
-    for (int i = 0; i < 3; ++i) equal_count += static_cast<std::size_t>(std::count(mesh.vertices.begin() + 3, mesh.vertices.end(), mesh.vertices[i]));
+    for (int i = 0; i < 3; ++i)
+      equal_count +=
+          static_cast<std::size_t>(std::count(mesh.vertices.begin() + 3, mesh.vertices.end(), mesh.vertices[i]));
     if (equal_count != static_cast<std::size_t>(shared)) continue;
     const bool meets = !oracle::self_intersections(mesh).empty();
     ++(meets ? meeting_counts : apart_counts)[shared];
     const Triangle a = mesh.triangle(0);
     const Triangle b = mesh.triangle(1);
     const auto parted = [shared](const Triangle& x, const Triangle& y) {
-      return shared == 0 ? parted_in_projection(x, y) : shared == 1 ? parted_but_for_corner(x, y) : parted_but_for_edge(x, y);
+      return shared == 0   ? parted_in_projection(x, y)
+             : shared == 1 ? parted_but_for_corner(x, y)
+                           : parted_but_for_edge(x, y);
     };
     ASSERT_EQ(parted(a, b), !meets) << shared << " shared, round " << round;
     ASSERT_EQ(parted(b, a), !meets) << shared << " shared, round " << round;
@@ -95,7 +102,9 @@ TEST(ExactPartedInProjection, WhatIsPartedInSpaceHasNothingMoreInCommon) {
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     const Triangle a = mesh.triangle(0);
     const Triangle b = mesh.triangle(1);
-    const bool parted = shared == 0 ? parted_in_projection(a, b) : shared == 1 ? parted_but_for_corner(a, b) : parted_but_for_edge(a, b);
+    const bool parted = shared == 0   ? parted_in_projection(a, b)
+                        : shared == 1 ? parted_but_for_corner(a, b)
+                                      : parted_but_for_edge(a, b);
     if (!parted) continue;
     ++parted_counts[shared];
     ASSERT_TRUE(oracle::self_intersections(mesh).empty()) << shared << " shared, round " << round;
@@ -134,7 +143,9 @@ TEST(ExactPartedInProjection, OverlapsPlantedInAFlatGridAreFound) {
       // An inner vertex moved over its neighbours folds the triangles about it onto others.
       const auto inner = [&] { return 1 + static_cast<std::uint32_t>(random() % (kCells - 1)); };
       Vec3& moved = grid.vertices[inner() * (kCells + 1) + inner()];
-      const auto shift_m = [&] { return (random() % 2 == 0 ? 1 : -1) * (1.25 + 0.125 * static_cast<double>(random() % 4)) * 100 / kCells; };
+      const auto shift_m = [&] {
+        return (random() % 2 == 0 ? 1 : -1) * (1.25 + 0.125 * static_cast<double>(random() % 4)) * 100 / kCells;
+      };
       moved += Vec3(shift_m(), shift_m(), 0);
       moved[2] = slope * (moved[0] + 2 * moved[1]);
       const std::vector<TrianglePair> told = self_intersections(grid, Bvh::build(grid)).pairs;

@@ -56,16 +56,20 @@ const auto kByDistance = [](const Ray& ray, const auto& shape) -> std::optional<
 };
 
 TEST(ExactRayOracle, Triangle) {
-  compare(400, 21, [](RandomShapes& s) { return s.triangle(); }, kByParameter);
+  compare(
+      400, 21, [](RandomShapes& s) { return s.triangle(); }, kByParameter);
 }
 TEST(ExactRayOracle, Box) {
-  compare(300, 22, [](RandomShapes& s) { return s.box(); }, kByParameter);
+  compare(
+      300, 22, [](RandomShapes& s) { return s.box(); }, kByParameter);
 }
 TEST(ExactRayOracle, Sphere) {
-  compare(40, 23, [](RandomShapes& s) { return s.sphere(); }, kByDistance);
+  compare(
+      40, 23, [](RandomShapes& s) { return s.sphere(); }, kByDistance);
 }
 TEST(ExactRayOracle, Capsule) {
-  compare(40, 24, [](RandomShapes& s) { return s.capsule(); }, kByDistance);
+  compare(
+      40, 24, [](RandomShapes& s) { return s.capsule(); }, kByDistance);
 }
 
 }  // namespace

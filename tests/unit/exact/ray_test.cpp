@@ -21,7 +21,8 @@ TEST(ExactRayTriangle, InsideBorderAndOutside) {
   EXPECT_EQ(hit.normal, Vec3(0, 0, 1));
   EXPECT_EQ(hit.point, Vec3(1, 1, 0));
   EXPECT_TRUE(hit.weights.isApprox(Vec3(0.5, 0.25, 0.25)));
-  for (const Vec3& corner : {kFloor.a, kFloor.b, kFloor.c}) EXPECT_TRUE(cast_ray(down(corner[0], corner[1]), kFloor, hit).yes());
+  for (const Vec3& corner : {kFloor.a, kFloor.b, kFloor.c})
+    EXPECT_TRUE(cast_ray(down(corner[0], corner[1]), kFloor, hit).yes());
   EXPECT_TRUE(cast_ray(down(2, 2), kFloor, hit).yes());
   EXPECT_FALSE(cast_ray(down(2, std::nextafter(2.0, 3.0)), kFloor, hit).yes());
   EXPECT_FALSE(cast_ray(down(-std::numeric_limits<double>::denorm_min(), 0), kFloor, hit).yes());

@@ -24,7 +24,8 @@ namespace {
 using namespace oracle;
 
 /// f0 + f1 t + f2 t^2 >= 0 somewhere on [low, high].
-bool is_somewhere_up(const Rational& f0, const Rational& f1, const Rational& f2, const Rational& low, const Rational& high) {
+bool is_somewhere_up(const Rational& f0, const Rational& f1, const Rational& f2, const Rational& low,
+                     const Rational& high) {
   if (low > high) return false;
   const auto at = [&](const Rational& t) -> Rational { return f0 + t * (f1 + t * f2); };
   if (at(low) >= 0 || at(high) >= 0) return true;
@@ -138,7 +139,8 @@ void check_on_faces(const Primitive& solid, const Vec3& n, int ulps, Tally& tall
   const auto [u, v] = across(n);
   // What lies along the face may have its lowest point anywhere over it.
   const double wide_m = 40;
-  const Triangle face{stepped(foot + wide_m * u, n, ulps), stepped(foot - wide_m * u + wide_m * v, n, ulps), stepped(foot - wide_m * u - wide_m * v, n, ulps)};
+  const Triangle face{stepped(foot + wide_m * u, n, ulps), stepped(foot - wide_m * u + wide_m * v, n, ulps),
+                      stepped(foot - wide_m * u - wide_m * v, n, ulps)};
   const Point corner = exact(face.a);
   Point normal = cross(minus(exact(face.b), corner), minus(exact(face.c), corner));
   if (dot(normal, exact(n)) < 0) normal = times(-1, normal);
@@ -148,7 +150,8 @@ void check_on_faces(const Primitive& solid, const Vec3& n, int ulps, Tally& tall
   expect(solid, tetrahedron(face, n, foot - 5 * n), on_face, "hull", tally);
   const HalfSpace ground{stepped(foot, n, ulps), n};
   const Point against = times(-1, exact(n));
-  expect(solid, Primitive(ground), reaches_past(solid, against, dot(against, exact(ground.point))) >= 0, "half-space", tally);
+  expect(solid, Primitive(ground), reaches_past(solid, against, dot(against, exact(ground.point))) >= 0, "half-space",
+         tally);
   Mat3 axes;
   axes << u, v, n;
   const Box box{stepped(foot - n, n, ulps), axes, {wide_m, wide_m, 1}};
@@ -246,7 +249,8 @@ TEST(ExactRoundTangents, AlongAnEdgeAndInAPointEverySolidIsDecidedToTheLastDigit
         const bool truth = meets_segment(solid, from, to);
         expect(solid, Primitive(Capsule{from, to, 0}), truth, "segment", tally);
         // The point of a cone can dip into a triangle beside its edge.
-        if (!std::holds_alternative<Cone>(solid)) expect(solid, Triangle{from, to, foot - 3 * n}, truth, "edge of a triangle", tally);
+        if (!std::holds_alternative<Cone>(solid))
+          expect(solid, Triangle{from, to, foot - 3 * n}, truth, "edge of a triangle", tally);
         const Vec3 point = stepped(foot, n, ulps);
         expect(solid, Primitive(Sphere{point, 0}), meets_segment(solid, point, point), "point", tally);
         if (HasFatalFailure()) return;
@@ -264,7 +268,9 @@ TEST(ExactRoundTangents, ALineFromInsideABallShapedEllipsoidIsNotLeftOpen) {
   EXPECT_EQ(overlaps(ball, Capsule{{0.41, -0.36, 0.42}, {0.02, 0.22, -0.97}, 0}).decision, Decision::yes);
   std::mt19937_64 generator = seeded(22);
   std::uniform_int_distribution<int> hundredths(-99, 99);
-  const auto point = [&] { return Vec3(hundredths(generator) / 100.0, hundredths(generator) / 100.0, hundredths(generator) / 100.0); };
+  const auto point = [&] {
+    return Vec3(hundredths(generator) / 100.0, hundredths(generator) / 100.0, hundredths(generator) / 100.0);
+  };
   Tally tally;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 a = point();
@@ -389,10 +395,12 @@ TEST(ExactRoundTangents, WhatRestsOrStandsSideBySideIsTouching) {
   touching(standing, Ellipsoid{.center = {0, 0, 1.5}, .half_m = {2, 2, 0.5}}, "ellipsoid on a drum");
   touching(standing, Ellipsoid{.center = {1.5, 0, 0.5}, .half_m = {1, 2, 0.25}}, "ellipsoid beside a drum");
   touching(standing, Capsule{{1, 0, -3}, {1, 0, 0.25}, 0.5}, "capsule beside a drum");
-  touching(Capsule{{0, 0, 0}, {0, 0, 1}, 0.5}, Ellipsoid{.center = {1.5, 0, 0.5}, .half_m = {1, 2, 0.25}}, "ellipsoid beside a capsule");
+  touching(Capsule{{0, 0, 0}, {0, 0, 1}, 0.5}, Ellipsoid{.center = {1.5, 0, 0.5}, .half_m = {1, 2, 0.25}},
+           "ellipsoid beside a capsule");
   touching(Sphere{{0, 0, 0}, 0.5}, Ellipsoid{.center = {1.5, 0, 0}, .half_m = {1, 2, 0.25}}, "ellipsoid beside a ball");
   const double just = std::nextafter(1.0, 2.0);
-  EXPECT_EQ(overlaps(Primitive(standing), Primitive(Cylinder{{just, 0, 0.25}, {just, 0, 2}, 0.5})).decision, Decision::no);
+  EXPECT_EQ(overlaps(Primitive(standing), Primitive(Cylinder{{just, 0, 0.25}, {just, 0, 2}, 0.5})).decision,
+            Decision::no);
   EXPECT_EQ(overlaps(Primitive(standing), Primitive(Cone{{0, 0, 3}, {0, 0, just}, 0.5})).decision, Decision::no);
 }
 
@@ -419,7 +427,9 @@ TEST(ExactRoundTangents, WhatIsStackedOrRolledBesideIsDecided) {
   const auto pick = [&](int most) { return std::uniform_int_distribution<int>(0, most)(generator); };
   const double h = 0.7071067811865476;
   const Quat rolls[] = {Quat::Identity(), Quat(h, h, 0, 0), Quat(h, 0, h, 0), Quat(h, 0, 0, h)};
-  const auto bounds_of = [](const Primitive& solid) { return std::visit([](const auto& shape) { return bounds(shape); }, solid); };
+  const auto bounds_of = [](const Primitive& solid) {
+    return std::visit([](const auto& shape) { return bounds(shape); }, solid);
+  };
   int open[2] = {0, 0};
   int asked[2] = {0, 0};
   for (int i = 0; i < 3000; ++i) {
@@ -432,7 +442,8 @@ TEST(ExactRoundTangents, WhatIsStackedOrRolledBesideIsDecided) {
     const int up = pick(1) == 0 ? 2 : 0;
     const Vec3 at_a(pick(100) / 10.0 - 5, pick(100) / 10.0 - 5, 0);
     Vec3 at_b = at_a;
-    const double rise_m = bounds_of(place(frame_of({Vec3::Zero(), roll_a}), a)).high[up] - bounds_of(place(frame_of({Vec3::Zero(), roll_b}), b)).low[up];
+    const double rise_m = bounds_of(place(frame_of({Vec3::Zero(), roll_a}), a)).high[up] -
+                          bounds_of(place(frame_of({Vec3::Zero(), roll_b}), b)).low[up];
     at_b[up] += std::round(rise_m * 1e6) / 1e6;
     const Decision decision = overlaps(place(frame_of({at_a, roll_a}), a), place(frame_of({at_b, roll_b}), b)).decision;
     ASSERT_TRUE(kind_a >= 2 || decision != Decision::undecided) << kind_a << " " << kind_b;
@@ -453,10 +464,12 @@ TEST(ExactRoundTangents, ABentHullIsTheHullOfItsPlacedCorners) {
   const Hull block{std::make_shared<const TriangleMesh>(*convex_hull(corners))};
   int decided = 0;
   for (int i = 0; i < 300; ++i) {
-    const Quat q = Quat(shapes.coordinate(), shapes.coordinate(), shapes.coordinate(), shapes.coordinate()).normalized();
+    const Quat q =
+        Quat(shapes.coordinate(), shapes.coordinate(), shapes.coordinate(), shapes.coordinate()).normalized();
     const Hull placed = place(frame_of({shapes.point(), q}), block);
     const Vec3 up = placed.rotation.col(2);
-    const Cylinder lying{placed.position + 0.5 * up - 0.25 * Vec3(placed.rotation.col(0)), placed.position + 0.5 * up + 0.75 * Vec3(placed.rotation.col(0)), 0.5};
+    const Cylinder lying{placed.position + 0.5 * up - 0.25 * Vec3(placed.rotation.col(0)),
+                         placed.position + 0.5 * up + 0.75 * Vec3(placed.rotation.col(0)), 0.5};
     const ExactResult verdict = overlaps(Primitive(placed), Primitive(lying));
     ASSERT_NE(verdict.decision, Decision::undecided);
     ASSERT_EQ(overlaps(Primitive(lying), Primitive(placed)).decision, verdict.decision);

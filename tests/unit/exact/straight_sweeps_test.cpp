@@ -62,7 +62,8 @@ struct Tally {
 };
 
 /// `own` goes from `from` to `to`; the floor is what it nearly comes to.
-void check(const Primitive& own, const Vec3& from, const Vec3& to, const Floor& floor, const ConvexPart& other, Tally& tally) {
+void check(const Primitive& own, const Vec3& from, const Vec3& to, const Floor& floor, const ConvexPart& other,
+           Tally& tally) {
   const Primitive start = place(Frame{Mat3::Identity(), from}, own);
   ASSERT_FALSE(floor.is_reached(start, from, to, 0));
   const bool truth = floor.is_reached(start, from, to, 1);
@@ -72,14 +73,17 @@ void check(const Primitive& own, const Vec3& from, const Vec3& to, const Floor& 
     const PartMotion mover(part_of(own), motion);
     const PartMotion resting(other, rest);
     TimeBracket bracket;
-    const ExactResult verdict = turned ? first_contact(resting, mover, {}, 1e-9, bracket) : first_contact(mover, resting, {}, 1e-9, bracket);
-    ASSERT_EQ(verdict.decision, truth ? Decision::yes : Decision::no) << "solid " << own.index() << ", other " << other.index();
+    const ExactResult verdict =
+        turned ? first_contact(resting, mover, {}, 1e-9, bracket) : first_contact(mover, resting, {}, 1e-9, bracket);
+    ASSERT_EQ(verdict.decision, truth ? Decision::yes : Decision::no)
+        << "solid " << own.index() << ", other " << other.index();
     tally.exact += verdict.level == Level::rational;
     ++(truth ? tally.reached : tally.missed);
     if (!truth) continue;
     ASSERT_LE(bracket.high - bracket.low, 1e-9);
     ASSERT_FALSE(floor.is_reached(start, from, to, Rational(bracket.low)) && bracket.low > 0);
-    ASSERT_TRUE(floor.is_reached(start, from, to, Rational(bracket.high)) || !floor.is_reached(start, from, to, Rational(bracket.low)));
+    ASSERT_TRUE(floor.is_reached(start, from, to, Rational(bracket.high)) ||
+                !floor.is_reached(start, from, to, Rational(bracket.low)));
   }
 }
 
@@ -148,11 +152,13 @@ TEST(ExactStraightSweeps, ABallThatStopsBesideARoundSolidTouchesItThereOrNowhere
       const Vec3 n = i % 2 == 0 ? random_direction(generator) : Vec3(Vec3::Unit(i % 3));
       for (const double gap_m : {0.0, 4.5e-16, 1e-15, 1e-14, 1e-13, 1e-12, -1e-14}) {
         // A cylinder without radius is a polytope; the others have one.
-        const MovingSphere mover{.start = lowest(solid, n) - 4 * n, .end = lowest(solid, n) - (0.75 + gap_m) * n, .radius_m = 0.75};
+        const MovingSphere mover{
+            .start = lowest(solid, n) - 4 * n, .end = lowest(solid, n) - (0.75 + gap_m) * n, .radius_m = 0.75};
         const Decision there = overlaps(Primitive(Sphere{mover.end, mover.radius_m}), solid).decision;
         ASSERT_NE(there, Decision::undecided);
         TimeBracket bracket;
-        ASSERT_EQ(first_contact(mover, solid, 1e-9, bracket).decision, there) << "solid " << solid.index() << ", gap " << gap_m;
+        ASSERT_EQ(first_contact(mover, solid, 1e-9, bracket).decision, there)
+            << "solid " << solid.index() << ", gap " << gap_m;
         ++(there == Decision::yes ? touching : apart);
       }
     }

@@ -20,7 +20,8 @@ const auto kTriangle = [](RandomShapes& s) { return s.triangle(); };
 
 /// Two values within the sum of their bounds.
 void expect_same(double a, double a_error, double b, double b_error) {
-  EXPECT_LE(std::abs(a - b), (a_error + b_error) * (1 + 1e-15)) << a << " +- " << a_error << ", " << b << " +- " << b_error;
+  EXPECT_LE(std::abs(a - b), (a_error + b_error) * (1 + 1e-15))
+      << a << " +- " << a_error << ", " << b << " +- " << b_error;
 }
 
 /// The point, each coordinate some units in the last place of `scale` off.

@@ -51,14 +51,16 @@ bool holds(const Box& box, const Vec3& point) {
 
 std::vector<std::vector<Vec3>> clouds(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
-  std::vector<std::vector<Vec3>> all{{{1, 2, 3}}, {{0, 0, 0}, {1e-300, 0, 0}}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, scenes::box({1, 2, 3}).vertices};
+  std::vector<std::vector<Vec3>> all{
+      {{1, 2, 3}}, {{0, 0, 0}, {1e-300, 0, 0}}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, scenes::box({1, 2, 3}).vertices};
   for (int i = 0; i < 60; ++i) {
     std::vector<Vec3> cloud;
     const Vec3 stretch(std::pow(10.0, 2 * unit(random)), std::pow(10.0, 2 * unit(random)), i % 5 == 0 ? 0 : 1);
     const Mat3 turn = Quat(unit(random), unit(random), unit(random), 1).normalized().toRotationMatrix();
     const Vec3 place = (i % 3) * 1e6 * Vec3(unit(random), unit(random), unit(random));
     const double scale = i % 7 == 0 ? 1e-150 : i % 7 == 1 ? 1e120 : 1;
-    for (int k = 0; k < 40; ++k) cloud.push_back(scale * (place + turn * Vec3(unit(random), unit(random), unit(random)).cwiseProduct(stretch)));
+    for (int k = 0; k < 40; ++k)
+      cloud.push_back(scale * (place + turn * Vec3(unit(random), unit(random), unit(random)).cwiseProduct(stretch)));
     if (i % 4 == 0) {
       for (Vec3& p : cloud) p = (p * (8 / scale)).array().round() * scale;  // ties
     }
@@ -73,7 +75,8 @@ TEST(BoundingVolumes, ContainEveryPoint) {
   for (const std::vector<Vec3>& cloud : clouds(random)) {
     std::vector<Kdop> kdops;
     for (const int sides : {6, 14, 18, 26}) kdops.push_back(bounding_kdop(cloud, kdop_normals(sides)));
-    kdops.push_back(bounding_kdop(cloud, {Vec3(unit(random), unit(random), unit(random)), {1, 0.5, 0.25}, {3, 0, -1}}));  // the user's own
+    kdops.push_back(bounding_kdop(
+        cloud, {Vec3(unit(random), unit(random), unit(random)), {1, 0.5, 0.25}, {3, 0, -1}}));  // the user's own
     const Box box = bounding_obb(cloud);
     EXPECT_LE((box.axes.transpose() * box.axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-14);
     const Sphere a = diagonal_sphere(cloud);
@@ -99,7 +102,9 @@ TEST(BoundingVolumes, AreTight) {
   std::mt19937_64 random = oracle::seeded(242);
   for (const std::vector<Vec3>& cloud : clouds(random)) {
     const double size = smallest_sphere(cloud).radius_m;
-    const double reach = std::accumulate(cloud.begin(), cloud.end(), 0.0, [](double most, const Vec3& p) { return std::max(most, p.cwiseAbs().maxCoeff()); });
+    const double reach = std::accumulate(cloud.begin(), cloud.end(), 0.0, [](double most, const Vec3& p) {
+      return std::max(most, p.cwiseAbs().maxCoeff());
+    });
     if (!(size > 1e-9 * reach)) continue;  // far away, roundings are all there is
     const double slack = 1e-12 * (size + reach) + 1e-290;
     for (const int sides : {6, 14, 18, 26}) {
@@ -149,9 +154,12 @@ TEST(BoundingVolumes, SixSidesAreTheBoxAndMoreSidesNeverTakeMore) {
     const auto slabs = [&](int sides) { return bounding_kdop(cloud, kdop_normals(sides)); };
     const auto is_within = [](const Kdop& inner, const Kdop& outer) {
       for (std::size_t i = 0; i < outer.normals.size(); ++i) {
-        const auto same = std::find(inner.normals.begin(), inner.normals.end(), outer.normals[i]) - inner.normals.begin();
+        const auto same =
+            std::find(inner.normals.begin(), inner.normals.end(), outer.normals[i]) - inner.normals.begin();
         if (same == static_cast<std::ptrdiff_t>(inner.normals.size())) return false;
-        if (inner.low[static_cast<std::size_t>(same)] != outer.low[i] || inner.high[static_cast<std::size_t>(same)] != outer.high[i]) return false;
+        if (inner.low[static_cast<std::size_t>(same)] != outer.low[i] ||
+            inner.high[static_cast<std::size_t>(same)] != outer.high[i])
+          return false;
       }
       return true;
     };
@@ -180,7 +188,8 @@ TEST(BoundingVolumes, KnownByHand) {
   // An obtuse triangle: the smallest sphere is the one on its longest side; about its corners it would be larger.
   EXPECT_NEAR(smallest_sphere(std::vector<Vec3>{{0, 0, 0}, {10, 0, 0}, {5, 1, 0}}).radius_m, 5, 1e-14);
   // A regular tetrahedron of edge sqrt 8: radius sqrt 3.
-  EXPECT_NEAR(smallest_sphere(std::vector<Vec3>{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}).radius_m, std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(smallest_sphere(std::vector<Vec3>{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}).radius_m,
+              std::sqrt(3.0), 1e-14);
   EXPECT_THROW(kdop_normals(8), std::invalid_argument);
   EXPECT_EQ(contains(bounding_kdop(octahedron, kdop_normals(14)), {0.5, 0.5, 0.1}), std::optional(false));
   EXPECT_EQ(contains(bounding_kdop(octahedron, kdop_normals(14)), {0.25, 0.5, 0.25}), std::optional(true));

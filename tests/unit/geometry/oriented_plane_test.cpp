@@ -54,7 +54,9 @@ TEST(GeometryOrientedPlane, TheSideOfAPointOneUnitOffIsThatOfItsWholeNumbers) {
     for (std::int64_t* point : {a, b, c}) {
       for (int axis = 0; axis < 3; ++axis) point[axis] = number(random);
     }
-    const auto vector = [](const std::int64_t* p) { return Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])); };
+    const auto vector = [](const std::int64_t* p) {
+      return Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+    };
     const Dyadic up = Dyadic(static_cast<double>(b[0] - a[0])) * Dyadic(static_cast<double>(c[1] - a[1])) -
                       Dyadic(static_cast<double>(b[1] - a[1])) * Dyadic(static_cast<double>(c[0] - a[0]));
     for (const int height : {-1, 0, 1}) {

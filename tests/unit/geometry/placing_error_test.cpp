@@ -41,7 +41,9 @@ struct Given {
     const Point u = oracle::exact(q.vec());
     const Rational w = q.w();
     const Rational uu = oracle::dot(u, u);
-    const Point turned = oracle::plus(oracle::times(w * w - uu, v), oracle::plus(oracle::times(2 * oracle::dot(u, v), u), oracle::times(2 * w, oracle::cross(u, v))));
+    const Point turned =
+        oracle::plus(oracle::times(w * w - uu, v),
+                     oracle::plus(oracle::times(2 * oracle::dot(u, v), u), oracle::times(2 * w, oracle::cross(u, v))));
     return oracle::plus(oracle::times(1 / (w * w + uu), turned), oracle::exact(position));
   }
 };
@@ -117,7 +119,8 @@ TEST(GeometryPlacingError, CornersAndAxesAreNoFartherOff) {
       truth[static_cast<std::size_t>(k)] += reach;
     }
     ASSERT_LE(length(oracle::minus(corner, given.place_exactly(truth))), placing_error_m(given.frame, own)) << i;
-    EXPECT_EQ(placing_error_m(given.frame, own), placing_error_m(given.frame, Ellipsoid{own.center, own.axes, own.half_m}));
+    EXPECT_EQ(placing_error_m(given.frame, own),
+              placing_error_m(given.frame, Ellipsoid{own.center, own.axes, own.half_m}));
   }
 }
 

@@ -103,10 +103,8 @@ TEST(IntakeTriangulate, TheAreaLeftBetweenRingsIsTheirDifference) {
         const double radius = least + (most - least) * unit(random);
         const double px = x + radius * std::cos(angle);
         const double py = y + radius * std::sin(angle);
-        if (i > 0)
-          twice += last_x * py - last_y * px;
-        else
-          first_x = px, first_y = py;
+        if (i > 0) twice += last_x * py - last_y * px;
+        else first_x = px, first_y = py;
         last_x = px;
         last_y = py;
         ring.push_back(static_cast<std::uint32_t>(vertices.size()));
@@ -161,8 +159,12 @@ TEST(IntakeCityJson, EveryKindOfGeometryGivesAllItsSurfaces) {
 
 TEST(IntakeCityJson, DetailIsANumberAlsoWhereItIsText) {
   const auto count = [](std::string_view coarse, std::string_view fine) {
-    return load("a.json", city(fmt::format(R"("a":{{"type":"Building","geometry":[{{"type":"MultiSurface","lod":{},"boundaries":[[[0,1,2]],[[0,2,3]]]}},)"
-                                           R"({{"type":"MultiSurface","lod":{},"boundaries":[[[4,5,6]]]}}]}})", coarse, fine)))
+    return load(
+               "a.json",
+               city(fmt::format(
+                   R"("a":{{"type":"Building","geometry":[{{"type":"MultiSurface","lod":{},"boundaries":[[[0,1,2]],[[0,2,3]]]}},)"
+                   R"({{"type":"MultiSurface","lod":{},"boundaries":[[[4,5,6]]]}}]}})",
+                   coarse, fine)))
         .scene.mesh.triangles.size();
   };
   EXPECT_EQ(count("1", "2"), 1u);
@@ -173,9 +175,13 @@ TEST(IntakeCityJson, DetailIsANumberAlsoWhereItIsText) {
 }
 
 TEST(IntakeCityJson, EachObjectIsAPartOfItsOwnTriangles) {
-  const Scene scene = load("a.json", city(house("[[[0,1,2]],[[0,2,3]]]") + "," +
-                                          R"("annex":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[4,5,6]]]}]})"))
-                          .scene;
+  const Scene scene =
+      load(
+          "a.json",
+          city(
+              house("[[[0,1,2]],[[0,2,3]]]") + "," +
+              R"("annex":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[4,5,6]]]}]})"))
+          .scene;
   ASSERT_EQ(scene.parts.size(), 2u);
   EXPECT_EQ(scene.parts[0].name, "a/annex");
   EXPECT_EQ(scene.parts[0].triangle_count, 1u);

@@ -178,7 +178,10 @@ TEST(IntakeBoxTable, ComplaintsNameTheLineAndTheColumn) {
 // Columns of every type, more than one number in some, and a count that only width and height give.
 TEST(IntakePcd, EveryTypeOfColumnIsReadAtItsPlace) {
   const auto header = [](std::string_view data, int bytes, char type) {
-    return fmt::format("FIELDS normal z rgb y x\nSIZE 4 {0} 2 {0} {0}\nTYPE F {1} U {1} {1}\nCOUNT 3 1 2 1 1\nWIDTH 1\nHEIGHT 2\nDATA {2}\n", bytes, type, data);
+    return fmt::format(
+        "FIELDS normal z rgb y x\nSIZE 4 {0} 2 {0} {0}\nTYPE F {1} U {1} {1}\nCOUNT 3 1 2 1 1\nWIDTH 1\nHEIGHT 2\nDATA "
+        "{2}\n",
+        bytes, type, data);
   };
   const auto check = [&](auto number, char type, const std::vector<Vec3>& points) {
     using Number = decltype(number);
@@ -267,7 +270,8 @@ TEST(IntakeXyz, ThreeNumbersALineInTheirOrderAndTheRestIsPassedOver) {
 
 // The unit is that of the places; a radius is in metres already.
 TEST(IntakeXyz, UnitAndUpPlaceACloudAndNotItsRadius) {
-  const SceneObject cloud = load("a.xyz", "1 2 3\n4 5 6\n", {.unit_m = 0.5, .up = 'y', .radius_m = 0.125}).scene.objects.at(0);
+  const SceneObject cloud =
+      load("a.xyz", "1 2 3\n4 5 6\n", {.unit_m = 0.5, .up = 'y', .radius_m = 0.125}).scene.objects.at(0);
   const Sphere second = std::get<Sphere>(cloud.shape.primitives.at(1));
   EXPECT_LT((cloud.pose.rotation * second.center + cloud.pose.position - Vec3(2, -3, 2.5)).norm(), 1e-15);
   EXPECT_EQ(second.radius_m, 0.125);
@@ -308,7 +312,9 @@ TEST(IntakeBoxTable, EveryColumnIsTakenForWhatItsHeadingSays) {
   const auto only = [](std::string_view text) { return load("t.csv", text).scene.objects.at(0); };
   const auto half = [](const SceneObject& object) { return std::get<Box>(object.shape.primitives.at(0)).half_m; };
   // (2, 4, 5, 6) / 9 is a unit quaternion with four unlike parts.
-  const SceneObject turned = only("qz,sz,x,qw,sy,y,qx,sx,z,qy,object\n0.6666666666666666,6,1,0.2222222222222222,4,2,0.4444444444444444,2,3,0.5555555555555556,crate\n");
+  const SceneObject turned = only(
+      "qz,sz,x,qw,sy,y,qx,sx,z,qy,object\n0.6666666666666666,6,1,0.2222222222222222,4,2,0.4444444444444444,2,3,0."
+      "5555555555555556,crate\n");
   EXPECT_EQ(turned.name, "t/crate");
   EXPECT_EQ(turned.pose.position, Vec3(1, 2, 3));
   EXPECT_EQ(half(turned), Vec3(1, 2, 3));
@@ -319,7 +325,8 @@ TEST(IntakeBoxTable, EveryColumnIsTakenForWhatItsHeadingSays) {
     EXPECT_EQ(other.pose.position, Vec3(-1, 2, -3)) << heading;
     EXPECT_EQ(half(other), Vec3(1, 2, 3)) << heading;
     EXPECT_EQ(other.name, "t/box_0");
-    EXPECT_EQ(load("t.csv", std::string(heading) + "\n-1,2,-3,2,4,6\n+5,5,5,1,1,1\n").scene.objects.at(1).name, "t/box_1");
+    EXPECT_EQ(load("t.csv", std::string(heading) + "\n-1,2,-3,2,4,6\n+5,5,5,1,1,1\n").scene.objects.at(1).name,
+              "t/box_1");
   }
   for (const char* heading : {"max_z,min_x,max_x,min_y,max_y,min_z", "zmax,xmin,xmax,ymin,ymax,zmin"}) {
     const SceneObject other = only(std::string(heading) + "\n9,-1,3,2,10,3\n");

@@ -49,9 +49,7 @@ class IntakeConverter : public testing::Test {
     LoadReport report;
     try {
       load_scene((directory_ / "thing.abc").string(), options, report);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "loaded";
   }
 
@@ -137,9 +135,7 @@ TEST_F(IntakeConverted, LimitsAndComplaintsReachTheUser) {
   const auto said = [&](const std::string& path, const LoadOptions& options) -> std::string {
     try {
       model(path, options);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "loaded";
   };
   EXPECT_EQ(said("IFC/AC14-FZK-Haus.ifc", {.max_triangles = 1000}),
@@ -168,7 +164,8 @@ class IntakeForeign : public IntakeConverter {
 
 // A file of foreign bytes is what it is at home: each option counts, and counts once.
 TEST_F(IntakeForeign, OptionsReachTheProcessThatReadsAndCountOnce) {
-  const Scene scene = foreign("a.obj", "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\n", {.name = "hall", .unit_m = 0.25, .up = 'y'});
+  const Scene scene =
+      foreign("a.obj", "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\n", {.name = "hall", .unit_m = 0.25, .up = 'y'});
   EXPECT_EQ(scene.mesh.vertices, (std::vector<Vec3>{{0.25, -0.75, 0.5}, {1, -1.5, 1.25}, {1.75, -2.5, 2}}));
   EXPECT_EQ(scene.name, "hall");
   EXPECT_EQ(scene.parts.at(0).name, "hall");
@@ -180,16 +177,15 @@ TEST_F(IntakeForeign, OptionsReachTheProcessThatReadsAndCountOnce) {
   const auto said = [&](const std::string& text, const LoadOptions& options) -> std::string {
     try {
       foreign("b.obj", text, options);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "loaded";
   };
   const std::string two = "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\nf 3 2 1\nf 1 2\n";
   EXPECT_EQ(said(two, {}), "loaded");
   EXPECT_EQ(report_.refused.at(0), "1 faces of fewer than 3 corners left out");
   EXPECT_EQ(said(two, {.max_triangles = 1}), "b.obj: 2 triangles, limit 1. Nothing was loaded.");
-  EXPECT_EQ(said(two, {.strict = true}), "b.obj: line 6: face of 2 corners, at least 3 are needed. Nothing was loaded.");
+  EXPECT_EQ(said(two, {.strict = true}),
+            "b.obj: line 6: face of 2 corners, at least 3 are needed. Nothing was loaded.");
 }
 
 /// A triangle (0, 0, 1), (1, 0, 1), (1, 1, 1) in COLLADA, below those nodes.
@@ -198,14 +194,17 @@ std::string collada(const std::string& nodes) {
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="9">0 0 1 1 0 1 1 1 1</float_array><technique_common><accessor source="#pa" count="3" stride="3">
 <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s">)" + nodes + R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+<library_visual_scenes><visual_scene id="s">)" +
+         nodes + R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
 // As of glTF: a parent that is turned, moved and scaled otherwise along each axis.
 TEST_F(IntakeForeign, ATurnedAndUnevenlyScaledParentPlacesItsChildWhole) {
   if (!fs::exists(kModels)) GTEST_SKIP() << "needs Assimp";
-  const Scene scene = foreign("a.dae", collada(R"(<node id="parent"><translate>10 20 30</translate><rotate>0 0 1 90</rotate><scale>2 3 5</scale>
-<node id="child"><translate>1 2 4</translate><rotate>1 0 0 90</rotate><scale>7 11 13</scale><instance_geometry url="#g"/></node></node>)"), {.up = 'z'});
+  const Scene scene = foreign(
+      "a.dae", collada(R"(<node id="parent"><translate>10 20 30</translate><rotate>0 0 1 90</rotate><scale>2 3 5</scale>
+<node id="child"><translate>1 2 4</translate><rotate>1 0 0 90</rotate><scale>7 11 13</scale><instance_geometry url="#g"/></node></node>)"),
+      {.up = 'z'});
   const auto by_hand = [](double x, double y, double z) {
     return Vec3(10 - 3 * (-13 * z + 2), 20 + 2 * (7 * x + 1), 30 + 5 * (11 * y + 4));
   };
@@ -220,7 +219,9 @@ TEST_F(IntakeForeign, ATurnedAndUnevenlyScaledParentPlacesItsChildWhole) {
 TEST_F(IntakeForeign, AMirroredNodeKeepsItsOutside) {
   if (!fs::exists(kModels)) GTEST_SKIP() << "needs Assimp";
   const auto up = [&](const std::string& scales) {
-    const Triangle t = foreign("a.dae", collada("<node>" + scales + R"(<instance_geometry url="#g"/></node>)"), {.up = 'z'}).mesh.triangle(0);
+    const Triangle t =
+        foreign("a.dae", collada("<node>" + scales + R"(<instance_geometry url="#g"/></node>)"), {.up = 'z'})
+            .mesh.triangle(0);
     return (t.b - t.a).cross(t.c - t.a)[2];
   };
   EXPECT_EQ(up("<scale>1 1 1</scale>"), 1);

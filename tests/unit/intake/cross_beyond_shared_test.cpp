@@ -34,8 +34,10 @@ bool cross_by_pairs(const TriangleMesh& mesh) {
   if (shared.size() == 3) return true;
   if (shared.empty()) return overlaps(one, other).yes();
   std::vector<Vec3> far_a, far_b;
-  for (const std::uint32_t corner : a) if (!shared.contains(corner)) far_a.push_back(mesh.vertices[corner]);
-  for (const std::uint32_t corner : b) if (!shared.contains(corner)) far_b.push_back(mesh.vertices[corner]);
+  for (const std::uint32_t corner : a)
+    if (!shared.contains(corner)) far_a.push_back(mesh.vertices[corner]);
+  for (const std::uint32_t corner : b)
+    if (!shared.contains(corner)) far_b.push_back(mesh.vertices[corner]);
   if (shared.size() == 1) return segment_meets(far_a[0], far_a[1], other) || segment_meets(far_b[0], far_b[1], one);
   if (side_of(one, far_b[0]) != 0) return false;
   const Vec3& p = mesh.vertices[*shared.begin()];
@@ -51,7 +53,8 @@ TEST(IntakeTriangleCrossing, TwoTrianglesOfAMeshOnALatticeCrossExactlyWhenPairsS
     const int shared = static_cast<int>(random() % 3);
     TriangleMesh mesh;
     const Vec3 far_m = i % 2 == 0 ? Vec3::Zero() : Vec3(1e6, -3e5, 7e6);  // differences stay whole numbers
-    for (int k = 0; k < 6; ++k) mesh.vertices.push_back(far_m + Vec3(coordinate(random), coordinate(random), coordinate(random)));
+    for (int k = 0; k < 6; ++k)
+      mesh.vertices.push_back(far_m + Vec3(coordinate(random), coordinate(random), coordinate(random)));
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     for (int k = 0; k < shared; ++k) mesh.triangles[1][(k + i) % 3] = static_cast<std::uint32_t>((k + i / 3) % 3);
     const auto area = [&](std::uint32_t t) {
@@ -86,9 +89,7 @@ TEST(IntakeTriangleCrossing, WhatARoundingPutsBeyondASideIsNotKeptApart) {
     for (Vec3& vertex : v) vertex[2] = 0.1;
     const bool is_touching = !oracle::self_intersections(mesh).empty();
     touching_count += is_touching ? 1 : 0;
-    if (is_touching) {
-      ASSERT_FALSE(TriangleSides(v, mesh.triangles[0]).keep_apart(v, mesh.triangles[1])) << i;
-    }
+    if (is_touching) { ASSERT_FALSE(TriangleSides(v, mesh.triangles[0]).keep_apart(v, mesh.triangles[1])) << i; }
   }
   EXPECT_GT(touching_count, 300);
 }

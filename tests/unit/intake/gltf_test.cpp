@@ -108,10 +108,13 @@ TEST(IntakeGltf, ASparseValueOfNoElementIsRefused) {
     bytes.append(3, '\0');
     for (const float number : {9.f, 8.f, 7.f}) append(bytes, number);
     std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);
-    const auto put = [&](const std::string& what, const std::string& by) { text.replace(text.find(what), what.size(), by); };
+    const auto put = [&](const std::string& what, const std::string& by) {
+      text.replace(text.find(what), what.size(), by);
+    };
     put(R"("count":4,"type":"VEC3")",
         R"("count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}})");
-    put(R"("byteLength":12}])", R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":1},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+    put(R"("byteLength":12}])",
+        R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":1},{"buffer":0,"byteOffset":64,"byteLength":12}])");
     const std::string said = complaint("a.gltf", text, {.up = 'z'});
     if (place == 3) EXPECT_EQ(said, "loaded");
     else EXPECT_NE(said.find(fmt::format("name element {} of 4", place)), std::string::npos) << said;
@@ -206,11 +209,10 @@ TEST(IntakeGltf, ATurnedAndUnevenlyScaledParentPlacesItsChildWhole) {
 
 // Three levels, one of them a matrix that shears; siblings begin from their parent and not from each other.
 TEST(IntakeGltf, EveryBranchOfTheTreeIsPlacedByItsOwnAncestors) {
-  const std::string nodes =
-      R"({"name":"top","translation":[100,0,0],"children":[1,3]},)"
-      R"({"name":"sheared","matrix":[1,0,0,0, 2,1,0,0, 0,0,3,0, 0,10,0,1],"children":[2]},)"
-      R"({"name":"leaf","mesh":0,"scale":[1,4,1]},)"
-      R"({"name":"beside","mesh":0,"translation":[0,0,7]})";
+  const std::string nodes = R"({"name":"top","translation":[100,0,0],"children":[1,3]},)"
+                            R"({"name":"sheared","matrix":[1,0,0,0, 2,1,0,0, 0,0,3,0, 0,10,0,1],"children":[2]},)"
+                            R"({"name":"leaf","mesh":0,"scale":[1,4,1]},)"
+                            R"({"name":"beside","mesh":0,"translation":[0,0,7]})";
   const Scene scene = load("a.gltf", gltf(nodes), {.up = 'z'}).scene;
   ASSERT_EQ(scene.parts.size(), 2u);
   EXPECT_EQ(scene.parts[0].name, "a/leaf");
@@ -234,8 +236,10 @@ TEST(IntakeGltf, TwoMirrorsInARowLeaveTheOutsideWhereItWas) {
 
 TEST(IntakeGltf, TheSceneThatTheFileNamesIsTheOneLoaded) {
   const std::string nodes = R"({"name":"one","mesh":0},{"name":"other","mesh":0,"translation":[5,6,7]})";
-  const auto loaded =
-      load("a.gltf", gltf(nodes, R"({"attributes":{"POSITION":0},"indices":1})", R"("scene":1,"scenes":[{"nodes":[0]},{"nodes":[1]}],)"), {.up = 'z'});
+  const auto loaded = load("a.gltf",
+                           gltf(nodes, R"({"attributes":{"POSITION":0},"indices":1})",
+                                R"("scene":1,"scenes":[{"nodes":[0]},{"nodes":[1]}],)"),
+                           {.up = 'z'});
   ASSERT_EQ(loaded.scene.parts.size(), 1u);
   EXPECT_EQ(loaded.scene.parts[0].name, "a/other");
   EXPECT_EQ(loaded.scene.mesh.vertices.at(0), Vec3(5, 6, 8));
@@ -243,7 +247,10 @@ TEST(IntakeGltf, TheSceneThatTheFileNamesIsTheOneLoaded) {
 }
 
 TEST(IntakeGltf, TwoPrimitivesOfAMeshKeepTheirOwnVertices) {
-  const auto loaded = load("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1})"), {.up = 'z'});
+  const auto loaded = load(
+      "a.gltf",
+      gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1})"),
+      {.up = 'z'});
   EXPECT_EQ(loaded.scene.mesh.triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}}));
   ASSERT_EQ(loaded.scene.parts.size(), 1u);
   EXPECT_EQ(loaded.scene.parts[0].triangle_count, 4u);
@@ -276,14 +283,21 @@ TEST(IntakeGltf, WholeNumbersStandForThemselvesOrForPartsOfOne) {
     return load("a.gltf", quantized(bytes, component, is_unit), {.up = 'z'}).scene.mesh.vertices;
   };
   using Points = std::vector<Vec3>;
-  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}), 5120, false), (Points{{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}));
-  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 0}, {-127, 0, 127}, {0, 127, 127}}), 5120, true), (Points{{-1, 1, 0}, {-1, 0, 1}, {0, 1, 1}}))
+  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}), 5120, false),
+            (Points{{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 0}, {-127, 0, 127}, {0, 127, 127}}), 5120, true),
+            (Points{{-1, 1, 0}, {-1, 0, 1}, {0, 1, 1}}))
       << "the least number stands for -1, as the one above it does";
-  EXPECT_EQ(vertices(strided<std::uint8_t>({{0, 255, 51}, {102, 153, 204}, {255, 0, 0}}), 5121, true), (Points{{0, 1, 51 / 255.}, {0.4, 0.6, 0.8}, {1, 0, 0}}));
-  EXPECT_EQ(vertices(strided<std::uint8_t>({{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}), 5121, false), (Points{{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}));
-  EXPECT_EQ(vertices(strided<std::int16_t>({{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}), 5122, false), (Points{{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}));
-  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}), 5123, false), (Points{{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}));
-  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 0, 0}, {0, 65535, 0}, {0, 0, 13107}}), 5123, true), (Points{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.2}}));
+  EXPECT_EQ(vertices(strided<std::uint8_t>({{0, 255, 51}, {102, 153, 204}, {255, 0, 0}}), 5121, true),
+            (Points{{0, 1, 51 / 255.}, {0.4, 0.6, 0.8}, {1, 0, 0}}));
+  EXPECT_EQ(vertices(strided<std::uint8_t>({{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}), 5121, false),
+            (Points{{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}));
+  EXPECT_EQ(vertices(strided<std::int16_t>({{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}), 5122, false),
+            (Points{{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}), 5123, false),
+            (Points{{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 0, 0}, {0, 65535, 0}, {0, 0, 13107}}), 5123, true),
+            (Points{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.2}}));
 }
 
 TEST(IntakeGltf, CornersMayBeOneTwoOrFourBytes) {
@@ -291,7 +305,9 @@ TEST(IntakeGltf, CornersMayBeOneTwoOrFourBytes) {
     std::string bytes = square_bytes().substr(0, 48);
     for (const int number : {3, 1, 0, 2, 0, 1}) append(bytes, static_cast<decltype(corner)>(number));
     std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);
-    const auto put = [&](const std::string& what, const std::string& by) { text.replace(text.find(what), what.size(), by); };
+    const auto put = [&](const std::string& what, const std::string& by) {
+      text.replace(text.find(what), what.size(), by);
+    };
     put("5123", std::to_string(component));
     put(R"("byteLength":12})", fmt::format(R"("byteLength":{}}})", 6 * sizeof corner));
     return load("a.gltf", text, {.up = 'z'}).scene.mesh.triangles;

@@ -24,9 +24,7 @@ inline Loaded load(const std::string& file, std::string_view bytes, const LoadOp
 inline std::string complaint(const std::string& file, std::string_view bytes, const LoadOptions& options = {}) {
   try {
     load(file, bytes, options);
-  } catch (const LoadError& error) {
-    return error.what();
-  }
+  } catch (const LoadError& error) { return error.what(); }
   return "loaded";
 }
 

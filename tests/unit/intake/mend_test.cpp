@@ -92,8 +92,7 @@ HalfBalls half_balls(unsigned upper, unsigned lower) {
   const MeshHealth health = examine(balls.mesh);
   for (const HalfEdge half : health.boundary_edges) {
     const TriangleCorners& t = balls.mesh.triangles[triangle_of(half)];
-    balls.seam.push_back(
-        {balls.mesh.vertices[t[half % 3]], balls.mesh.vertices[t[(half % 3 + 1) % 3]]});
+    balls.seam.push_back({balls.mesh.vertices[t[half % 3]], balls.mesh.vertices[t[(half % 3 + 1) % 3]]});
   }
   return balls;
 }
@@ -243,9 +242,7 @@ TEST(IntakeMend, PiecesComeLastInTheirPartAndTellTheNumberOfTheFile) {
     const Part& old = before.parts[static_cast<std::size_t>(&part - scene.parts.data())];
     for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
       const std::uint32_t told = part.cut.told(i, part.triangle_count);
-      if (i < 3) {
-        EXPECT_EQ(told, i);
-      }
+      if (i < 3) { EXPECT_EQ(told, i); }
       // Each piece lies within the triangle it is said to be of: so does its middle.
       const Triangle piece = scene.mesh.triangle(part.first_triangle + i);
       const Vec3 middle = (piece.a + piece.b + piece.c) / 3;

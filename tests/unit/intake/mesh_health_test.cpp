@@ -189,9 +189,7 @@ TEST(IntakeSphereMesh, VolumeTendsToTheSpheresWithTheSquareOfTheStep) {
   double last = 0;
   for (const unsigned n : {8u, 16u, 32u, 64u, 128u}) {
     const double missing = exact - volume(latitude_longitude_sphere(2, 2 * n, n));
-    if (last != 0) {
-      EXPECT_NEAR(last / missing, 4, 0.2);
-    }
+    if (last != 0) { EXPECT_NEAR(last / missing, 4, 0.2); }
     last = missing;
   }
 }
@@ -210,9 +208,7 @@ TEST(IntakeSphereMesh, NoPointIsDeeperThanPromised) {
   }
   EXPECT_GE(nearest, least - 1e-15);
   EXPECT_NEAR(nearest, least, 1e-3);  // the bound is met at the equator
-  for (const Vec3& vertex : sphere.vertices) {
-    EXPECT_NEAR(vertex.norm(), 1, 4e-16);
-  }
+  for (const Vec3& vertex : sphere.vertices) { EXPECT_NEAR(vertex.norm(), 1, 4e-16); }
 }
 
 TEST(IntakeBoxMesh, InwardNormalsTurnTheVolumeRound) {
@@ -257,9 +253,7 @@ TEST(IntakeSinglePrecision, FarCoordinatesOfFloatsGiveAWarningWithTheirGrid) {
 TEST(IntakeSinglePrecision, DoublesAndWholeNumbersFarAwayGiveNoWarning) {
   EXPECT_EQ(single_precision_warning(far_mesh(4.649e6, false), 1), "");
   TriangleMesh whole;
-  for (int i = 0; i < 30; ++i) {
-    whole.vertices.emplace_back(4649000 + i, 500000 - i, 100 * i);
-  }
+  for (int i = 0; i < 30; ++i) { whole.vertices.emplace_back(4649000 + i, 500000 - i, 100 * i); }
   EXPECT_EQ(single_precision_warning(whole, 1), "");
 }
 

@@ -16,7 +16,10 @@ using test::load;
 
 class ObjPieces : public testing::Test {
  protected:
-  ObjPieces() : path_((std::filesystem::temp_directory_path() / fmt::format("collided_obj_pieces_{}.obj", ::getpid())).string()) {}
+  ObjPieces()
+      : path_(
+            (std::filesystem::temp_directory_path() / fmt::format("collided_obj_pieces_{}.obj", ::getpid())).string()) {
+  }
   ~ObjPieces() override { std::filesystem::remove(path_); }
 
   void write(const std::string& text) const { std::ofstream(path_, std::ios::binary) << text; }
@@ -24,9 +27,7 @@ class ObjPieces : public testing::Test {
     LoadReport report;
     try {
       load_scene(path_, options, report);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "loaded";
   }
 
@@ -38,17 +39,12 @@ std::string long_text(std::mt19937_64& random) {
   std::string text = "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\n";
   while (text.size() < 10'000'000) {
     switch (random() % 6) {
-      case 0:
-        text += "f 1 \\\r\n 2 \\\n 3\n";
-        break;
+      case 0: text += "f 1 \\\r\n 2 \\\n 3\n"; break;
       case 1:
         if (random() % 0x8000 == 0) text.append("#").append(5'000'000, 'x').append("\n");
         break;
-      case 2:
-        text += fmt::format("o part_{}\n", random() % 3);
-        break;
-      default:
-        text += fmt::format("v {} {} {}\nf 1 2 -1\n", random() % 100, random() % 100, 1 + random() % 100);
+      case 2: text += fmt::format("o part_{}\n", random() % 3); break;
+      default: text += fmt::format("v {} {} {}\nf 1 2 -1\n", random() % 100, random() % 100, 1 + random() % 100);
     }
   }
   return text;
@@ -84,7 +80,8 @@ TEST_F(ObjPieces, AFileThatIsCutShortMeanwhileIsRefused) {
   LoadOptions options;
   options.progress = [&](double) { std::filesystem::resize_file(path_, 100'000); };
   const std::string told = complaint(options);
-  EXPECT_NE(told.find(fmt::format("ended at byte 100000 of {} while it was read", text.size())), std::string::npos) << told;
+  EXPECT_NE(told.find(fmt::format("ended at byte 100000 of {} while it was read", text.size())), std::string::npos)
+      << told;
 }
 
 }  // namespace

@@ -17,9 +17,7 @@ TEST(IntakeObj, CornerFormsAndNegativeNumbersNameTheSameVertices) {
                            "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 3/1/1\nf -4 -3 -2\n";
   const Scene scene = load("square.obj", text).scene;
   ASSERT_EQ(scene.mesh.triangles.size(), 5u);
-  for (const TriangleCorners& corners : scene.mesh.triangles) {
-    EXPECT_EQ(corners, (TriangleCorners{0, 1, 2}));
-  }
+  for (const TriangleCorners& corners : scene.mesh.triangles) { EXPECT_EQ(corners, (TriangleCorners{0, 1, 2})); }
 }
 
 TEST(IntakeObj, NegativeNumbersCountFromWhereTheyStand) {
@@ -182,7 +180,8 @@ TEST(IntakeObj, ManyChunksGiveWhatOneGives) {
   EXPECT_NE(complaint("strip.obj", text).find("vertex number 3000000 of 120000"), std::string::npos);
   const auto line_count = static_cast<long>(std::count(text.begin(), text.end(), '\n'));
   EXPECT_NE(complaint("strip.obj", text).find("line " + std::to_string(line_count) + ":"), std::string::npos);
-  EXPECT_NE(complaint("strip.obj", text + "v 1 2 \\\nx\n").find("line " + std::to_string(line_count + 2) + ":"), std::string::npos);
+  EXPECT_NE(complaint("strip.obj", text + "v 1 2 \\\nx\n").find("line " + std::to_string(line_count + 2) + ":"),
+            std::string::npos);
 }
 
 }  // namespace

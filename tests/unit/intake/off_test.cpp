@@ -51,7 +51,9 @@ TEST(IntakeOff, ComplaintsNameThePlace) {
 TEST(IntakeOff, EachNumberIsReadAtItsPlace) {
   for (const char* head : {"OFF\n", "COFF\n", "STCNOFF\n", "NOFF\n", ""}) {
     const std::string more = std::string_view(head) == "OFF\n" || *head == '\0' ? "" : " 9 9 9";
-    const Scene scene = load("a.off", std::string(head) + "4 2 0\n1 2 3" + more + "\n4 5 6" + more + "\n7 8 10" + more + "\n11 13 12" + more + "\n3 2 0 1\n3 3 1 0\n").scene;
+    const Scene scene = load("a.off", std::string(head) + "4 2 0\n1 2 3" + more + "\n4 5 6" + more + "\n7 8 10" + more +
+                                          "\n11 13 12" + more + "\n3 2 0 1\n3 3 1 0\n")
+                            .scene;
     EXPECT_EQ(scene.mesh.vertices, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 10}, {11, 13, 12}})) << head;
     EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{2, 0, 1}, {3, 1, 0}})) << head;
   }
@@ -75,7 +77,8 @@ TEST(IntakeOff, ProgressRisesWithVerticesAndThenWithFaces) {
   std::vector<double> told;
   load("a.off", text, {.progress = [&](double fraction) { told.push_back(fraction); }});
   ASSERT_GE(told.size(), 6u);
-  EXPECT_EQ(std::vector<double>(told.begin(), told.begin() + 5), (std::vector<double>{0, 0, 0.3 * 65536 / 70000, 0.3, 0.3 + 0.5 * 65536 / 70000}));
+  EXPECT_EQ(std::vector<double>(told.begin(), told.begin() + 5),
+            (std::vector<double>{0, 0, 0.3 * 65536 / 70000, 0.3, 0.3 + 0.5 * 65536 / 70000}));
   EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
   EXPECT_EQ(told.back(), 1);
 }

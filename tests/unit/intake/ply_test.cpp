@@ -43,18 +43,12 @@ std::string binary_ply(bool big) {
     put(static_cast<float>(p[1]));
     put(p[0]);
   }
-  for (int i = 0; i < 4; ++i) {
-    put(std::int32_t{i});
-  }
+  for (int i = 0; i < 4; ++i) { put(std::int32_t{i}); }
   put(std::uint32_t{3});
-  for (const std::uint32_t i : {0u, 1u, 2u}) {
-    put(i);
-  }
+  for (const std::uint32_t i : {0u, 1u, 2u}) { put(i); }
   put(std::uint8_t{0});
   put(std::uint32_t{3});
-  for (const std::uint32_t i : {0u, 2u, 3u}) {
-    put(i);
-  }
+  for (const std::uint32_t i : {0u, 2u, 3u}) { put(i); }
   put(std::uint8_t{0});
   return bytes;
 }
@@ -192,7 +186,8 @@ TEST(IntakePly, StripsAndFacesBeforeTheirVerticesStayWhatTheyAre) {
   const std::string vertices = "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
   const std::string text =
       "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list uchar int vertex_indices\nelement face 1\n"
-      "property list uchar int vertex_indices\n" + vertices + "end_header\n9 0 1 3 2 -1 0 1 2 -1\n4 0 1 2 3\n" + kSquare;
+      "property list uchar int vertex_indices\n" +
+      vertices + "end_header\n9 0 1 3 2 -1 0 1 2 -1\n4 0 1 2 3\n" + kSquare;
   EXPECT_EQ(load("s.ply", text).scene.mesh.triangles,
             (std::vector<TriangleCorners>{{0, 1, 3}, {3, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
 }

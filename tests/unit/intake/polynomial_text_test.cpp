@@ -14,9 +14,7 @@ namespace {
 std::string complaint(const std::string& text) {
   try {
     read_implicit_surface(text);
-  } catch (const std::invalid_argument& wrong) {
-    return wrong.what();
-  }
+  } catch (const std::invalid_argument& wrong) { return wrong.what(); }
   return "taken";
 }
 
@@ -38,12 +36,13 @@ TEST(IntakePolynomialText, OperatorsBindAsInMathematics) {
 }
 
 TEST(IntakePolynomialText, WhatIsWrongIsSaidWithItsColumn) {
+  EXPECT_EQ(complaint("x/2"),
+            "column 2: '/': a quotient is no polynomial; of a number, write 0.5*x; expected + - * ^, 'in' and a box, "
+            "or the end");
   EXPECT_EQ(
-      complaint("x/2"),
-      "column 2: '/': a quotient is no polynomial; of a number, write 0.5*x; expected + - * ^, 'in' and a box, or the end");
-  EXPECT_EQ(complaint("2x"),
-            "column 2: 'x' without an operator before it: products are written with *; expected + - * ^, 'in' and a box, or "
-            "the end");
+      complaint("2x"),
+      "column 2: 'x' without an operator before it: products are written with *; expected + - * ^, 'in' and a box, or "
+      "the end");
   EXPECT_EQ(complaint("x+w"), "column 3: 'w'; a number, x, y, z or '(' is needed");
   EXPECT_EQ(complaint("(x+y"), "column 5: the end; expected + - * ^ or ')'");
   EXPECT_EQ(complaint("3*2"), "column 4: there is no x, y or z in it: a constant has no surface");
@@ -83,15 +82,16 @@ TEST(IntakePolynomialText, LimitsAreWhereTheyAreStated) {
 }
 
 TEST(IntakePolynomialText, AScenesImplicitLinesAreCheckedAndLeftOut) {
-  const test::Loaded loaded =
-      test::load("a.surfaces", "globe sphere 1 count 16 9\nring implicit x^2+y^2 \\\n - 1 in 0 0 0 1 1 1 # a quarter\n");
+  const test::Loaded loaded = test::load(
+      "a.surfaces", "globe sphere 1 count 16 9\nring implicit x^2+y^2 \\\n - 1 in 0 0 0 1 1 1 # a quarter\n");
   EXPECT_EQ(loaded.scene.parts.size(), 1u);
   ASSERT_EQ(loaded.report.refused.size(), 1u);
   EXPECT_EQ(loaded.report.refused[0],
             "'ring': an implicit surface is not cut into triangles and left out here; 'collide implicit' asks it");
-  EXPECT_EQ(test::complaint("a.surfaces", "ring implicit x^\n"),
-            "a.surfaces: line 1: polynomial, column 3: the end after ^; a whole number from 0 to 8 is needed. Nothing was "
-            "loaded.");
+  EXPECT_EQ(
+      test::complaint("a.surfaces", "ring implicit x^\n"),
+      "a.surfaces: line 1: polynomial, column 3: the end after ^; a whole number from 0 to 8 is needed. Nothing was "
+      "loaded.");
 }
 
 }  // namespace

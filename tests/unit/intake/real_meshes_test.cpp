@@ -44,9 +44,7 @@ std::vector<std::map<std::string, std::string>> read_table(const fs::path& path)
         row[heads.at(column)] = cell;
       }
     }
-    if (!row.empty()) {
-      rows.push_back(row);
-    }
+    if (!row.empty()) { rows.push_back(row); }
   }
   return rows;
 }
@@ -67,9 +65,7 @@ class IntakeRealMeshes : public testing::Test {
  protected:
   void SetUp() override {
     data_ = data_folder();
-    if (data_.empty()) {
-      GTEST_SKIP() << "no real data; COLLIDED_DATA may name the folder";
-    }
+    if (data_.empty()) { GTEST_SKIP() << "no real data; COLLIDED_DATA may name the folder"; }
   }
   fs::path data_;
 };
@@ -79,16 +75,12 @@ TEST_F(IntakeRealMeshes, CountsOfDefectsAreThoseOfTheIndex) {
   int compared = 0;
   for (auto& row : read_table(data_ / "meshes/index.csv")) {
     const std::string ending = fs::path(row["file"]).extension();
-    if (ending != ".obj" && ending != ".stl") {
-      continue;
-    }
+    if (ending != ".obj" && ending != ".stl") { continue; }
     LoadReport report;
     const Scene scene = load_scene((data_ / "meshes" / row["file"]).string(), {}, report);
     EXPECT_EQ(scene.mesh.triangles.size(), std::stoull(row["triangles"])) << row["file"];
     ++compared;
-    if (ending == ".stl") {
-      continue;
-    }
+    if (ending == ".stl") { continue; }
     const MeshHealth health = examine(scene.mesh);
     EXPECT_EQ(health.vertex_count - health.equal_vertex_count, std::stoull(row["vertices_welded"])) << row["file"];
     EXPECT_EQ(health.zero_area_count, std::stoull(row["degenerate"])) << row["file"];
@@ -122,7 +114,8 @@ TriangleMesh welded(TriangleMesh mesh) {
   for (TriangleCorners& corners : mesh.triangles) {
     for (std::uint32_t& corner : corners) {
       const Vec3& v = mesh.vertices[corner];
-      const std::array<double, 3> place{std::nearbyint(v[0] * 1e7), std::nearbyint(v[1] * 1e7), std::nearbyint(v[2] * 1e7)};
+      const std::array<double, 3> place{std::nearbyint(v[0] * 1e7), std::nearbyint(v[1] * 1e7),
+                                        std::nearbyint(v[2] * 1e7)};
       corner = places.try_emplace(place, corner).first->second;
     }
   }
@@ -164,7 +157,8 @@ TEST_F(IntakeRealMeshes, RaysOntoTheRoofsOfDelftHitThem) {
   const auto offset = read_table(data_ / "city_delft/offset.csv").at(0);
   int rays = 0;
   for (auto& row : read_table(data_ / "city_delft/expected_down_rays.csv")) {
-    const Vec3 from(std::stod(row["x"]) + std::stod(offset.at("dx")), std::stod(row["y"]) + std::stod(offset.at("dy")), 100);
+    const Vec3 from(std::stod(row["x"]) + std::stod(offset.at("dx")), std::stod(row["y"]) + std::stod(offset.at("dy")),
+                    100);
     double nearest = 1e9;
     std::uint32_t met = 0;
     for (std::uint32_t i = 0; i < scene.mesh.triangles.size(); ++i) {
@@ -173,7 +167,8 @@ TEST_F(IntakeRealMeshes, RaysOntoTheRoofsOfDelftHitThem) {
       nearest = hit.distance_m;
       met = i;
     }
-    const auto part = std::find_if(scene.parts.begin(), scene.parts.end(), [&](const Part& p) { return met < p.first_triangle + p.triangle_count; });
+    const auto part = std::find_if(scene.parts.begin(), scene.parts.end(),
+                                   [&](const Part& p) { return met < p.first_triangle + p.triangle_count; });
     EXPECT_EQ(part->name, "delft/" + row["hit_object"]);
     EXPECT_NEAR(100 - nearest, std::stod(row["hit_z"]), 1e-6);
     ++rays;
@@ -190,7 +185,8 @@ TEST_F(IntakeRealMeshes, TheRobotsOwnFileGivesTheLinksThatItsLogWasRecordedWith)
   const Scene scene = load_scene((folder / "panda.urdf").string(), {}, report);
   fs::remove_all(folder);
   EXPECT_EQ(scene.objects.size(), 11u);
-  const auto hand = std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& o) { return o.name == "panda/panda_hand"; });
+  const auto hand = std::find_if(scene.objects.begin(), scene.objects.end(),
+                                 [](const SceneObject& o) { return o.name == "panda/panda_hand"; });
   ASSERT_NE(hand, scene.objects.end());
   // The arm at zero reaches 0.088 m forward and stands 0.926 m high at its flange.
   EXPECT_NEAR((hand->pose.position - Vec3(0.088, 0, 0.926)).norm(), 0, 1e-9);
@@ -206,7 +202,8 @@ TEST_F(IntakeRealMeshes, TheOfficesWallsAndTheLabsTablesAreRead) {
 void load_all(const fs::path& folder, int& loaded, int& refused) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     std::string ending = entry.path().extension();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return static_cast<char>(std::tolower(c)); });
     const std::set<std::string> ours{".obj", ".stl", ".ply", ".off", ".gltf", ".glb"};
     if (!entry.is_regular_file() || !ours.contains(ending)) continue;
     LoadReport report;
@@ -231,7 +228,8 @@ TEST(IntakeSampleModels, EveryFileOfAssimpsInOurFormatsLoadsOrSaysWhyNot) {
   std::printf("%d loaded, %d refused with a reason\n", loaded, refused);
   EXPECT_GE(loaded, 60);
   LoadReport report;
-  const Scene engine = load_scene((folder / "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb").string(), {}, report);
+  const Scene engine =
+      load_scene((folder / "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb").string(), {}, report);
   EXPECT_EQ(engine.mesh.triangles.size(), 121496u);
   EXPECT_EQ(engine.parts.size(), 67u);
 }
@@ -261,9 +259,7 @@ TEST(IntakeOctomapSample, TheCorridorOfBuilding79IsRead) {
 
 TEST(IntakeBunny, IsOneClosedSurface) {
   const std::string path = "/usr/share/glmark2/models/bunny.obj";
-  if (!fs::exists(path)) {
-    GTEST_SKIP() << "needs the package glmark2-data";
-  }
+  if (!fs::exists(path)) { GTEST_SKIP() << "needs the package glmark2-data"; }
   LoadReport report;
   const Scene scene = load_scene(path, {}, report);
   EXPECT_EQ(scene.mesh.triangles.size(), 69666u);

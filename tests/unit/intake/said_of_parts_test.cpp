@@ -38,7 +38,8 @@ TEST(IntakeChildProcess, OnceCancelledItStaysCancelledAndIsNotAskedAgain) {
 TEST(IntakeChildProcess, OfWhatItPrintsOnlySoMuchIsKept) {
   for (const std::size_t count : {std::size_t{5}, kMaxChildText, kMaxChildText + 1, 3 * kMaxChildText + 5}) {
     // The first letters are read by themselves, so that what is kept does not end where a piece that is read does.
-    const std::string both = fmt::format("printf 'a\\na'; printf 'b\\nb' >&2; sleep 0.1; yes '' | head -c {0}; yes '' | head -c {0} >&2", count - 3);
+    const std::string both = fmt::format(
+        "printf 'a\\na'; printf 'b\\nb' >&2; sleep 0.1; yes '' | head -c {0}; yes '' | head -c {0} >&2", count - 3);
     const ChildResult result = run_child({"/bin/sh", "-c", both}, std::chrono::seconds(60), [] { return false; });
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_EQ(result.output.size(), std::min(count, kMaxChildText));
@@ -141,7 +142,8 @@ TEST(IntakeSimplify, ProgressRisesFromNothingToAllOfWhatWasAskedFor) {
   for (const std::size_t target : {std::size_t{0}, mesh.triangles.size() / 2}) {
     std::vector<double> told;
     SimplifyReport report;
-    simplify(mesh, {.triangles_at_most = target, .progress = [&](double fraction) { told.push_back(fraction); }}, report);
+    simplify(mesh, {.triangles_at_most = target, .progress = [&](double fraction) { told.push_back(fraction); }},
+             report);
     ASSERT_GT(told.size(), 1u) << target;
     EXPECT_EQ(told.front(), 0) << target;
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << target;
@@ -178,7 +180,8 @@ TEST(IntakeTessellate, TheAxisAndTheCentreHaveTheParametersOfAPole) {
   EXPECT_EQ(sphere_parameters({0, 0, 2}).colatitude_rad, 0);
   EXPECT_EQ(sphere_parameters({0, 0, -2}).colatitude_rad, std::numbers::pi);
   EXPECT_EQ(sphere_parameters(Vec3::Zero()).colatitude_rad, 0) << "the one up";
-  for (const Vec3& point : {Vec3(0, 0, 2), Vec3(0, 0, -2), Vec3(0, 0, 0)}) EXPECT_EQ(sphere_parameters(point).longitude_rad, 0);
+  for (const Vec3& point : {Vec3(0, 0, 2), Vec3(0, 0, -2), Vec3(0, 0, 0)})
+    EXPECT_EQ(sphere_parameters(point).longitude_rad, 0);
 }
 
 }  // namespace

@@ -21,9 +21,7 @@ bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.da
 
 void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
   ASSERT_EQ(a.vertices.size(), b.vertices.size());
-  for (std::size_t i = 0; i < a.vertices.size(); ++i) {
-    ASSERT_TRUE(same_bits(a.vertices[i], b.vertices[i])) << i;
-  }
+  for (std::size_t i = 0; i < a.vertices.size(); ++i) { ASSERT_TRUE(same_bits(a.vertices[i], b.vertices[i])) << i; }
   EXPECT_EQ(a.triangles, b.triangles);
 }
 
@@ -45,13 +43,9 @@ void expect_same(const Primitive& a, const Primitive& b) {
 
 void expect_same(const Shape& a, const Shape& b) {
   ASSERT_EQ(a.primitives.size(), b.primitives.size());
-  for (std::size_t i = 0; i < a.primitives.size(); ++i) {
-    expect_same(a.primitives[i], b.primitives[i]);
-  }
+  for (std::size_t i = 0; i < a.primitives.size(); ++i) { expect_same(a.primitives[i], b.primitives[i]); }
   ASSERT_EQ(a.mesh == nullptr, b.mesh == nullptr);
-  if (a.mesh) {
-    expect_same(*a.mesh, *b.mesh);
-  }
+  if (a.mesh) { expect_same(*a.mesh, *b.mesh); }
 }
 
 void expect_same(const Filter& a, const Filter& b) {
@@ -119,9 +113,7 @@ class IntakeSceneFile : public testing::Test {
   std::string save_complaint(const Scene& scene) const {
     try {
       save_scene(path_, scene);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "saved";
   }
 
@@ -143,11 +135,13 @@ TEST_F(IntakeSceneFile, TheOrderOfCollapsesComesBackAndOneThatCannotBeTakenIsRef
   LoadReport report;
   const CollapseOrder loaded = load_scene(path_, {}, report).collapses;
   ASSERT_EQ(loaded.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(loaded[i].removed == scene.collapses[i].removed && loaded[i].kept == scene.collapses[i].kept);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_TRUE(loaded[i].removed == scene.collapses[i].removed && loaded[i].kept == scene.collapses[i].kept);
   scene.collapses[1] = {1'000'000, 1};
   EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 1000000 of "), std::string::npos) << save_complaint(scene);
   scene.collapses[1] = {0, 1};
-  EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 0 is gone already"), std::string::npos) << save_complaint(scene);
+  EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 0 is gone already"), std::string::npos)
+      << save_complaint(scene);
 }
 
 TEST_F(IntakeSceneFile, AnEmptySceneIsAScene) {
@@ -168,7 +162,9 @@ TEST_F(IntakeSceneFile, VerticesThatNoTriangleHasComeBackToo) {
 TEST_F(IntakeSceneFile, MoreCollapsesThanVerticesAreRefused) {
   Scene scene = embedded_scene();
   scene.collapses.assign(scene.mesh.vertices.size() + 1, {0, 1});
-  EXPECT_NE(save_complaint(scene).find("402 numbers of collapses, allowed are twos, at most one for each of 200 vertices"), std::string::npos)
+  EXPECT_NE(
+      save_complaint(scene).find("402 numbers of collapses, allowed are twos, at most one for each of 200 vertices"),
+      std::string::npos)
       << save_complaint(scene);
 }
 
@@ -346,13 +342,17 @@ TEST_F(IntakeSceneFile, TheTrianglesOfAllMeshesCountTogether) {
   const std::string bytes = bytes_of(scene);
   EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 3 * count}), "loaded");
   EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 3 * count - 1}),
-            "two.cscene: object 'b': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) + " more are allowed. Nothing was loaded.");
+            "two.cscene: object 'b': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) +
+                " more are allowed. Nothing was loaded.");
   EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 2 * count - 1}),
-            "two.cscene: object 'a': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) + " more are allowed. Nothing was loaded.");
+            "two.cscene: object 'a': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) +
+                " more are allowed. Nothing was loaded.");
 }
 
 TEST(IntakeShape, PrimitivesOfEveryKindCountTogether) {
-  const Shape shape{{Sphere{{0, 0, 0}, 1}, Sphere{{1, 0, 0}, 1}, Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}}, Capsule{{0, 0, 0}, {0, 0, 1}, 1}}, nullptr};
+  const Shape shape{{Sphere{{0, 0, 0}, 1}, Sphere{{1, 0, 0}, 1}, Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}},
+                     Capsule{{0, 0, 0}, {0, 0, 1}, 1}},
+                    nullptr};
   const std::vector<std::byte> bytes = encode_shape(shape);
   EXPECT_TRUE(decode_shape(bytes, {.max_primitives = 4}).shape);
   for (const std::uint64_t most : {3, 2, 1}) {

@@ -20,7 +20,9 @@ TEST(IntakeScene, UnitsAndAxesAreTurnedToMetresWithZUp) {
 }
 
 /// Where a point of an object is in the world.
-Vec3 placed(const SceneObject& object, const Vec3& point) { return object.pose.position + object.pose.rotation * point; }
+Vec3 placed(const SceneObject& object, const Vec3& point) {
+  return object.pose.position + object.pose.rotation * point;
+}
 
 // An object that is turned already: the up axis is the world's, not its own.
 TEST(IntakeScene, UpTurnsATurnedObjectAboutTheWorldsAxes) {
@@ -37,7 +39,8 @@ TEST(IntakeScene, UpTurnsATurnedObjectAboutTheWorldsAxes) {
 
 // Its links stand turned to each other; each turns about the world's x and none about its own.
 TEST(IntakeScene, UpAndUnitPlaceEachLinkOfARobot) {
-  const std::string robot = R"(<robot name="r"><link name="a"><collision><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>
+  const std::string robot =
+      R"(<robot name="r"><link name="a"><collision><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>
     <geometry><box size="2 4 6"/></geometry></collision></link><link name="b"><collision><origin xyz="0.5 0 0"/>
     <geometry><cylinder radius="0.25" length="4"/></geometry></collision></link>
     <joint name="j" type="fixed"><origin xyz="7 8 9" rpy="0 1.5707963267948966 0"/><parent link="a"/><child link="b"/></joint></robot>)";
@@ -74,12 +77,8 @@ TEST(IntakeScene, OdditiesAreCountedAndKept) {
 
 TEST(IntakeScene, ProgressRisesToOneAndCancellingEndsTheLoad) {
   std::string text;
-  for (int i = 0; i < 200'000; ++i) {
-    text += "v " + std::to_string(i) + " 0 0.125\n";
-  }
-  for (int i = 3; i < 200'000; ++i) {
-    text += "f -1 -2 -3\n";
-  }
+  for (int i = 0; i < 200'000; ++i) { text += "v " + std::to_string(i) + " 0 0.125\n"; }
+  for (int i = 3; i < 200'000; ++i) { text += "f -1 -2 -3\n"; }
   double last = -1;
   int calls = 0;
   LoadOptions options{.progress = [&](double fraction) {
@@ -122,9 +121,7 @@ class IntakeFiles : public testing::Test {
     LoadReport report;
     try {
       load_scene(path, options, report);
-    } catch (const LoadError& error) {
-      return error.what();
-    }
+    } catch (const LoadError& error) { return error.what(); }
     return "loaded";
   }
 

@@ -49,9 +49,10 @@ TEST(IntakeSceneFileTables, ASharedMeshIsHeldOnce) {
 // file.
 TEST(IntakeSceneFileTables, SharedTablesCannotGrowBeyondTheFile) {
   EXPECT_EQ(test::load("one.cscene", scene_of_one_heap_of_balls(1, 10'000)).scene.objects.size(), 1u);
-  EXPECT_EQ(test::complaint("many.cscene", scene_of_one_heap_of_balls(10'000, 10'000)),
-            "many.cscene: object '1': tables share their numbers, so that it would grow beyond its own size. Nothing was "
-            "loaded.");
+  EXPECT_EQ(
+      test::complaint("many.cscene", scene_of_one_heap_of_balls(10'000, 10'000)),
+      "many.cscene: object '1': tables share their numbers, so that it would grow beyond its own size. Nothing was "
+      "loaded.");
 }
 
 /// Buffers that are one, of so many vertices and indices, all of them the vertex 0.
@@ -59,8 +60,9 @@ std::string scene_of_one_buffer(std::size_t times, std::size_t vertex_count, std
   return scene_of_one_shape(1, [&](flatbuffers::FlatBufferBuilder& builder) {
     const std::vector<std::uint8_t> vertices(12 * vertex_count, 0);
     const std::vector<std::uint8_t> indices(4 * index_count, 0);
-    const auto buffer = format::CreateVertexBuffer(builder, format::BufferKind::points, false, 12, 0, builder.CreateVector(vertices),
-                                                   index_count == 0 ? 0 : 4, builder.CreateVector(indices), 0.5);
+    const auto buffer =
+        format::CreateVertexBuffer(builder, format::BufferKind::points, false, 12, 0, builder.CreateVector(vertices),
+                                   index_count == 0 ? 0 : 4, builder.CreateVector(indices), 0.5);
     const std::vector<flatbuffers::Offset<format::VertexBuffer>> buffers(times, buffer);
     const auto all = builder.CreateVector(buffers);
     format::ShapeBuilder shape(builder);
@@ -72,9 +74,12 @@ std::string scene_of_one_buffer(std::size_t times, std::size_t vertex_count, std
 // The larger of its two tables is what a buffer grows by, each time that it is named.
 TEST(IntakeSceneFileTables, ABufferThatIsNamedAgainAndAgainCannotGrowBeyondTheFile) {
   const std::string refusal =
-      "buffers.cscene: object '0': tables share their numbers, so that it would grow beyond its own size. Nothing was loaded.";
-  EXPECT_EQ(test::load("buffers.cscene", scene_of_one_buffer(1, 1, 10'000)).scene.objects[0].shape.primitives.size(), 10'000u);
-  EXPECT_EQ(test::load("buffers.cscene", scene_of_one_buffer(1, 10'000, 0)).scene.objects[0].shape.primitives.size(), 10'000u);
+      "buffers.cscene: object '0': tables share their numbers, so that it would grow beyond its own size. Nothing was "
+      "loaded.";
+  EXPECT_EQ(test::load("buffers.cscene", scene_of_one_buffer(1, 1, 10'000)).scene.objects[0].shape.primitives.size(),
+            10'000u);
+  EXPECT_EQ(test::load("buffers.cscene", scene_of_one_buffer(1, 10'000, 0)).scene.objects[0].shape.primitives.size(),
+            10'000u);
   EXPECT_EQ(test::complaint("buffers.cscene", scene_of_one_buffer(3, 1, 10'000)), refusal);
   EXPECT_EQ(test::complaint("buffers.cscene", scene_of_one_buffer(3, 10'000, 0)), refusal);
   EXPECT_EQ(test::complaint("buffers.cscene", scene_of_one_buffer(3, 10'000, 1)), refusal);

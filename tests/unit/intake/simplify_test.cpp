@@ -29,7 +29,8 @@ std::size_t crossing_pairs(const TriangleMesh& mesh) {
     for (std::uint32_t k = 0; k < i; ++k) {
       const TriangleCorners& a = mesh.triangles[i];
       const TriangleCorners& b = mesh.triangles[k];
-      const bool joined = std::any_of(a.begin(), a.end(), [&](std::uint32_t c) { return std::count(b.begin(), b.end(), c) > 0; });
+      const bool joined =
+          std::any_of(a.begin(), a.end(), [&](std::uint32_t c) { return std::count(b.begin(), b.end(), c) > 0; });
       if (!joined && overlaps(boxes[i], boxes[k]) && overlaps(mesh.triangle(i), mesh.triangle(k)).yes()) ++count;
     }
   }
@@ -178,11 +179,13 @@ TEST(IntakeSimplify, VerticesBetweenPartsStay) {
   std::set_intersection(first.begin(), first.end(), second.begin(), second.end(), std::inserter(both, both.end()));
   ASSERT_GT(both.size(), 10u);
   SimplifyReport report;
-  for (const Collapse& step : simplify(mesh, {.part_ends = part_ends}, report)) EXPECT_FALSE(both.contains(step.removed));
+  for (const Collapse& step : simplify(mesh, {.part_ends = part_ends}, report))
+    EXPECT_FALSE(both.contains(step.removed));
 }
 
 TEST(IntakeSimplify, OddMeshesComeThroughWhole) {
-  for (const TriangleMesh& mesh : {TriangleMesh{}, scenes::degenerate(500, 3), scenes::scattered(300, 0.1, 4), scenes::box({1, 1, 1})}) {
+  for (const TriangleMesh& mesh :
+       {TriangleMesh{}, scenes::degenerate(500, 3), scenes::scattered(300, 0.1, 4), scenes::box({1, 1, 1})}) {
     SimplifyReport report;
     const CollapseOrder order = simplify(mesh, {}, report);
     EXPECT_EQ(flaw_of(order, mesh.vertices.size()), "");

@@ -66,7 +66,8 @@ TEST(IntakeGrowingTree, FindsTheBoxesAsTheyAreNowAndNoOthers) {
       }
       ASSERT_EQ(found_by(tree, asked), expected);
       if (boxes.empty()) break;
-      const std::uint32_t changed = std::next(boxes.begin(), static_cast<std::ptrdiff_t>(random() % boxes.size()))->first;
+      const std::uint32_t changed =
+          std::next(boxes.begin(), static_cast<std::ptrdiff_t>(random() % boxes.size()))->first;
       if (random() % 3 == 0) {
         tree.remove(changed);
         boxes.erase(changed);
@@ -99,7 +100,9 @@ TEST(IntakeGrowingTree, BoxesThatTouchOnceTheyAreRoundedAreFound) {
 /// A JSON text with what its views refer to.
 struct JsonText {
   explicit JsonText(const std::string& text)
-      : bytes(text), reading{.file = "a.json", .bytes = bytes, .options = options, .report = report}, value(parse_json(reading, bytes)) {}
+      : bytes(text),
+        reading{.file = "a.json", .bytes = bytes, .options = options, .report = report},
+        value(parse_json(reading, bytes)) {}
   JsonView root() const { return {reading, value}; }
 
   std::string bytes;
@@ -113,9 +116,7 @@ template <class Ask>
 std::string complaint_of(const Ask& ask) {
   try {
     ask();
-  } catch (const LoadError& error) {
-    return error.what();
-  }
+  } catch (const LoadError& error) { return error.what(); }
   return "taken";
 }
 
@@ -126,18 +127,23 @@ TEST(IntakeJsonView, ANumberOfSomethingIsWholeAndBelowItsEnd) {
   EXPECT_EQ(index(1, 8), 0u);
   EXPECT_EQ(index(2, 9223372036854775809u), 9223372036854775808u);
   EXPECT_EQ(complaint_of([&] { index(0, 7); }), "a.json: /0 is 7, allowed are numbers below 7. Nothing was loaded.");
-  EXPECT_EQ(complaint_of([&] { index(2, 7); }), "a.json: /2 is 9223372036854775808, allowed are numbers below 7. Nothing was loaded.");
+  EXPECT_EQ(complaint_of([&] { index(2, 7); }),
+            "a.json: /2 is 9223372036854775808, allowed are numbers below 7. Nothing was loaded.");
   for (const std::size_t i : {3u, 4u, 5u}) {
-    EXPECT_EQ(complaint_of([&] { index(i, 7); }), "a.json: /" + std::to_string(i) + " is not a whole number of 0 or more. Nothing was loaded.");
+    EXPECT_EQ(complaint_of([&] { index(i, 7); }),
+              "a.json: /" + std::to_string(i) + " is not a whole number of 0 or more. Nothing was loaded.");
   }
 }
 
 TEST(IntakeJsonView, ComplaintsNameTheWayFromTheRoot) {
   const JsonText text(R"({"a": [{"b": 1}, {"b": "c"}], "n": 2})");
   const JsonView root = text.root();
-  EXPECT_EQ(complaint_of([&] { root.at("a").at(1).at("b").number(); }), "a.json: /a/1/b is not a number. Nothing was loaded.");
-  EXPECT_EQ(complaint_of([&] { root.at("a").at(std::size_t{0}).at("b").text(); }), "a.json: /a/0/b is not text. Nothing was loaded.");
-  EXPECT_EQ(complaint_of([&] { root.element("a", 2); }), "a.json: /a has 2 elements, number 2 is asked for. Nothing was loaded.");
+  EXPECT_EQ(complaint_of([&] { root.at("a").at(1).at("b").number(); }),
+            "a.json: /a/1/b is not a number. Nothing was loaded.");
+  EXPECT_EQ(complaint_of([&] { root.at("a").at(std::size_t{0}).at("b").text(); }),
+            "a.json: /a/0/b is not text. Nothing was loaded.");
+  EXPECT_EQ(complaint_of([&] { root.element("a", 2); }),
+            "a.json: /a has 2 elements, number 2 is asked for. Nothing was loaded.");
   EXPECT_EQ(complaint_of([&] { root.at("a").at("b"); }), "a.json: /a is not an object. Nothing was loaded.");
   EXPECT_EQ(complaint_of([&] { root.at("d"); }), "a.json: the root has no member \"d\". Nothing was loaded.");
   EXPECT_EQ(complaint_of([&] { root.at(std::size_t{0}); }), "a.json: the root is not an array. Nothing was loaded.");
@@ -157,25 +163,33 @@ TEST(IntakeJsonView, ComplaintsNameTheWayFromTheRoot) {
 TEST(IntakeParallel, AfterATaskThatFailedNothingIsTold) {
   std::vector<std::size_t> told;
   const auto tell = [&](std::size_t done) { told.push_back(done); };
-  EXPECT_THROW(run_in_parallel(1, [](std::size_t) { throw std::runtime_error("0"); }, tell), std::runtime_error);
+  EXPECT_THROW(run_in_parallel(
+                   1, [](std::size_t) { throw std::runtime_error("0"); }, tell),
+               std::runtime_error);
   EXPECT_TRUE(told.empty());
-  run_in_parallel(1, [](std::size_t) {}, tell);
+  run_in_parallel(
+      1, [](std::size_t) {}, tell);
   EXPECT_EQ(told, std::vector<std::size_t>{1});
-  run_in_parallel(0, [](std::size_t) { ADD_FAILURE(); }, tell);
+  run_in_parallel(
+      0, [](std::size_t) { ADD_FAILURE(); }, tell);
   EXPECT_EQ(told.size(), 1u);
 }
 
 TEST(IntakeParallel, EveryTaskRunsOnceAndOfThoseThatFailTheFirstIsThrown) {
   std::vector<std::atomic<int>> runs(100);
-  run_in_parallel(runs.size(), [&](std::size_t i) { ++runs[i]; }, [](std::size_t) {});
+  run_in_parallel(
+      runs.size(), [&](std::size_t i) { ++runs[i]; }, [](std::size_t) {});
   for (const auto& count : runs) EXPECT_EQ(count, 1);
   for (int round = 0; round < 50; ++round) {
     try {
-      run_in_parallel(40, [](std::size_t i) { if (i % 7 == 5) throw std::runtime_error(std::to_string(i)); }, [](std::size_t) {});
+      run_in_parallel(
+          40,
+          [](std::size_t i) {
+            if (i % 7 == 5) throw std::runtime_error(std::to_string(i));
+          },
+          [](std::size_t) {});
       ADD_FAILURE() << "nothing was thrown";
-    } catch (const std::runtime_error& error) {
-      EXPECT_STREQ(error.what(), "5");
-    }
+    } catch (const std::runtime_error& error) { EXPECT_STREQ(error.what(), "5"); }
   }
 }
 
@@ -188,7 +202,9 @@ std::vector<SceneObject> links(std::size_t count) {
 TEST(IntakeSrdf, ThirtyOneLinksAreToldApartAndNoMore) {
   std::vector<SceneObject> robot = links(31);
   std::uint64_t unknown_count = 0;
-  EXPECT_EQ(allow_pairs({{"link_0", "link_30"}, {"link_4", "nobody"}, {"nobody", "link_4"}, {"link_5", "link_2"}}, robot, unknown_count), "");
+  EXPECT_EQ(allow_pairs({{"link_0", "link_30"}, {"link_4", "nobody"}, {"nobody", "link_4"}, {"link_5", "link_2"}},
+                        robot, unknown_count),
+            "");
   EXPECT_EQ(unknown_count, 2u);
   for (std::size_t i = 0; i < robot.size(); ++i) {
     EXPECT_TRUE(may_meet(robot[i].filter, Filter{})) << "everything else meets " << i;
@@ -217,7 +233,8 @@ TEST(IntakeSegmentGrid, NeverMissesASegmentInReachAndNamesNoneTwice) {
     Aabb bounds;
     for (int i = 0; i < 400; ++i) {
       const Vec3 a = anywhere();
-      segments.push_back({a, a + std::ldexp(1.0, -static_cast<int>(random() % 50)) * (i % 9 == 0 ? Vec3::Zero() : anywhere())});
+      segments.push_back(
+          {a, a + std::ldexp(1.0, -static_cast<int>(random() % 50)) * (i % 9 == 0 ? Vec3::Zero() : anywhere())});
       bounds.extend(segments.back().a);
       bounds.extend(segments.back().b);
     }
@@ -251,26 +268,38 @@ std::string refusal_of(std::vector<Primitive> primitives, const Vec3& factor) {
 TEST(IntakeShapeScale, TheFirstReasonIsTheOneThatIsSaid) {
   const Sphere sphere{{0, 0, 0}, 1};
   const Capsule capsule{{0, 0, 0}, {1, 0, 0}, 1};
-  EXPECT_EQ(refusal_of({sphere, capsule}, {1, 2, 1}), "scale (1, 2, 1): a sphere would become an ellipsoid; one factor for all axes is allowed");
-  EXPECT_EQ(refusal_of({capsule, sphere}, {1, 1, 2}), "scale (1, 1, 2): a capsule would become no capsule; one factor for all axes is allowed");
-  EXPECT_EQ(refusal_of({Sphere{{1e300, 0, 0}, 1e300}}, Vec3::Constant(1e300)), "scale (1e+300, 1e+300, 1e+300): a coordinate would be too large for a double");
-  EXPECT_EQ(refusal_of({Sphere{{0, 0, 0}, 1e300}}, Vec3::Constant(1e300)), "scale (1e+300, 1e+300, 1e+300): a length would be too large for a double");
+  EXPECT_EQ(refusal_of({sphere, capsule}, {1, 2, 1}),
+            "scale (1, 2, 1): a sphere would become an ellipsoid; one factor for all axes is allowed");
+  EXPECT_EQ(refusal_of({capsule, sphere}, {1, 1, 2}),
+            "scale (1, 1, 2): a capsule would become no capsule; one factor for all axes is allowed");
+  EXPECT_EQ(refusal_of({Sphere{{1e300, 0, 0}, 1e300}}, Vec3::Constant(1e300)),
+            "scale (1e+300, 1e+300, 1e+300): a coordinate would be too large for a double");
+  EXPECT_EQ(refusal_of({Sphere{{0, 0, 0}, 1e300}}, Vec3::Constant(1e300)),
+            "scale (1e+300, 1e+300, 1e+300): a length would be too large for a double");
   const std::string one_factor = "; one factor for all axes is allowed";
   const std::string scale_text = "scale (2, 1, 1): ";
-  EXPECT_EQ(refusal_of({Cylinder{{0, 0, 0}, {1, 0, 0}, 1}}, {2, 1, 1}), scale_text + "a cylinder would become no cylinder" + one_factor);
-  EXPECT_EQ(refusal_of({Cone{{0, 0, 0}, {1, 0, 0}, 1}}, {2, 1, 1}), scale_text + "a cone would become no cone" + one_factor);
-  EXPECT_EQ(refusal_of({HalfSpace{{0, 0, 0}, {0, 0, 1}}}, {2, 1, 1}), scale_text + "a half-space would become another normal" + one_factor);
+  EXPECT_EQ(refusal_of({Cylinder{{0, 0, 0}, {1, 0, 0}, 1}}, {2, 1, 1}),
+            scale_text + "a cylinder would become no cylinder" + one_factor);
+  EXPECT_EQ(refusal_of({Cone{{0, 0, 0}, {1, 0, 0}, 1}}, {2, 1, 1}),
+            scale_text + "a cone would become no cone" + one_factor);
+  EXPECT_EQ(refusal_of({HalfSpace{{0, 0, 0}, {0, 0, 1}}}, {2, 1, 1}),
+            scale_text + "a half-space would become another normal" + one_factor);
   const Mat3 turned = Quat(0.8, 0.6, 0, 0).toRotationMatrix();
-  EXPECT_EQ(refusal_of({Box{.center = {0, 0, 0}, .axes = turned, .half_m = {1, 2, 3}}}, {2, 1, 1}), scale_text + "a turned box would become no box" + one_factor);
+  EXPECT_EQ(refusal_of({Box{.center = {0, 0, 0}, .axes = turned, .half_m = {1, 2, 3}}}, {2, 1, 1}),
+            scale_text + "a turned box would become no box" + one_factor);
   EXPECT_EQ(refusal_of({Ellipsoid{.center = {0, 0, 0}, .axes = turned, .half_m = {1, 2, 3}}}, {2, 1, 1}),
             scale_text + "a turned ellipsoid would get other axes" + one_factor);
   const std::string tiny = "scale (1e-200, 1e-200, 1e-200): ";
-  EXPECT_EQ(refusal_of({Cylinder{{1e-200, 0, 0}, {2e-200, 0, 0}, 1}}, Vec3::Constant(1e-200)), tiny + "a cylinder would have no length");
-  EXPECT_EQ(refusal_of({Cone{{1e-200, 0, 0}, {2e-200, 0, 0}, 1}}, Vec3::Constant(1e-200)), tiny + "a cone would have no height");
-  EXPECT_EQ(refusal_of({Ellipsoid{.center = {0, 0, 0}, .axes = Mat3::Identity(), .half_m = {1, 1, 1e-200}}}, Vec3::Constant(1e-200)),
+  EXPECT_EQ(refusal_of({Cylinder{{1e-200, 0, 0}, {2e-200, 0, 0}, 1}}, Vec3::Constant(1e-200)),
+            tiny + "a cylinder would have no length");
+  EXPECT_EQ(refusal_of({Cone{{1e-200, 0, 0}, {2e-200, 0, 0}, 1}}, Vec3::Constant(1e-200)),
+            tiny + "a cone would have no height");
+  EXPECT_EQ(refusal_of({Ellipsoid{.center = {0, 0, 0}, .axes = Mat3::Identity(), .half_m = {1, 1, 1e-200}}},
+                       Vec3::Constant(1e-200)),
             tiny + "an ellipsoid would have no thickness");
   for (const Vec3& factor : {Vec3(0, 1, 1), Vec3(1, -1, 1), Vec3(1, 1, std::numeric_limits<double>::infinity())}) {
-    EXPECT_NE(refusal_of({sphere}, factor).find("factors must be finite and above 0; mirror images are not offered"), std::string::npos);
+    EXPECT_NE(refusal_of({sphere}, factor).find("factors must be finite and above 0; mirror images are not offered"),
+              std::string::npos);
   }
 }
 
@@ -278,7 +307,9 @@ TEST(IntakeShapeScale, TheFirstReasonIsTheOneThatIsSaid) {
 TEST(IntakeShapeScale, ABoxAlongTheAxesTakesTheFactorOfTheAxisThatEachSideLiesAlong) {
   Mat3 quarter;
   quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-  Shape shape{{Box{.center = {1, 1, 1}, .axes = quarter, .half_m = {1, 2, 3}}, Ellipsoid{.center = {1, 2, 3}, .axes = quarter, .half_m = {1, 2, 3}}}, nullptr};
+  Shape shape{{Box{.center = {1, 1, 1}, .axes = quarter, .half_m = {1, 2, 3}},
+               Ellipsoid{.center = {1, 2, 3}, .axes = quarter, .half_m = {1, 2, 3}}},
+              nullptr};
   ASSERT_EQ(scale(shape, {2, 5, 11}), "");
   const Box box = std::get<Box>(shape.primitives[0]);
   EXPECT_EQ(box.center, Vec3(2, 5, 11));
@@ -290,8 +321,10 @@ TEST(IntakeShapeScale, ABoxAlongTheAxesTakesTheFactorOfTheAxisThatEachSideLiesAl
 
 TEST(IntakeShapeScale, OneFactorMultipliesEveryPlaceAndSize) {
   const Mat3 turned = Quat(0.8, 0.6, 0, 0).toRotationMatrix();
-  Shape shape{{Sphere{{1, 2, 3}, 4}, Capsule{{1, 2, 3}, {4, 5, 6}, 7}, Cylinder{{1, 2, 3}, {4, 5, 6}, 7}, Cone{{1, 2, 3}, {4, 5, 6}, 7},
-               Box{.center = {1, 2, 3}, .axes = turned, .half_m = {4, 5, 6}}, HalfSpace{{1, 2, 3}, {0, 0, 1}}}, nullptr};
+  Shape shape{{Sphere{{1, 2, 3}, 4}, Capsule{{1, 2, 3}, {4, 5, 6}, 7}, Cylinder{{1, 2, 3}, {4, 5, 6}, 7},
+               Cone{{1, 2, 3}, {4, 5, 6}, 7}, Box{.center = {1, 2, 3}, .axes = turned, .half_m = {4, 5, 6}},
+               HalfSpace{{1, 2, 3}, {0, 0, 1}}},
+              nullptr};
   ASSERT_EQ(scale(shape, Vec3::Constant(2)), "");
   const auto& sphere = std::get<Sphere>(shape.primitives[0]);
   EXPECT_EQ(sphere.center, Vec3(2, 4, 6));
@@ -318,8 +351,10 @@ TEST(IntakeObjSplitter, ChunksAreWholeLinesInOrderAndTheFileIsAskedForPieceByPie
   LoadReport report;
   const LoadOptions options;
   std::vector<std::size_t> asked{0};
-  const Reading reading{.file = "a.obj", .bytes = text, .options = options, .report = report,
-                        .fetch = [&](const char* end) { asked.push_back(static_cast<std::size_t>(end - text.data())); }};
+  const Reading reading{
+      .file = "a.obj", .bytes = text, .options = options, .report = report, .fetch = [&](const char* end) {
+        asked.push_back(static_cast<std::size_t>(end - text.data()));
+      }};
   ObjSplitter splitter(reading);
   std::size_t begin = 0;
   std::int64_t lines = 0;

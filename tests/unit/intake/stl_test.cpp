@@ -18,9 +18,7 @@ std::string binary_stl(const std::vector<std::array<float, 9>>& triangles, const
   append(bytes, static_cast<std::uint32_t>(triangles.size()) + surplus_claim);
   for (const auto& corners : triangles) {
     bytes.append(12, '\0');
-    for (const float value : corners) {
-      append(bytes, value);
-    }
+    for (const float value : corners) { append(bytes, value); }
     bytes.append(2, '\0');
   }
   return bytes;
@@ -101,7 +99,10 @@ TEST(IntakeStl, EachNumberOfATriangleIsReadAtItsPlace) {
   EXPECT_EQ(scene.mesh.triangle(0).c, Vec3(7, 8, 10));
   EXPECT_EQ(scene.mesh.triangle(1).a, Vec3(101, 102, 103));
   EXPECT_EQ(scene.mesh.triangle(1).c, Vec3(107, 108, 110));
-  const Scene text = load("t.stl", "solid\nfacet normal 50 51 52\nouter loop\nvertex 1 2 3\nvertex 4 5 6\nvertex 7 8 10\nendloop\nendfacet\nendsolid\n").scene;
+  const Scene text = load("t.stl",
+                          "solid\nfacet normal 50 51 52\nouter loop\nvertex 1 2 3\nvertex 4 5 6\nvertex 7 8 "
+                          "10\nendloop\nendfacet\nendsolid\n")
+                         .scene;
   EXPECT_EQ(text.mesh.triangle(0).a, Vec3(1, 2, 3));
   EXPECT_EQ(text.mesh.triangle(0).b, Vec3(4, 5, 6));
   EXPECT_EQ(text.mesh.triangle(0).c, Vec3(7, 8, 10));

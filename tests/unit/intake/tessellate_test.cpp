@@ -19,7 +19,8 @@ constexpr double kPi = std::numbers::pi;
 
 double distance_m(const Vec3& p, const TriangleMesh& mesh) {
   double nearest = INFINITY;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) nearest = std::min(nearest, closest(p, mesh.triangle(i)).distance_m);
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    nearest = std::min(nearest, closest(p, mesh.triangle(i)).distance_m);
   return nearest;
 }
 
@@ -34,10 +35,12 @@ double volume_of(const TriangleMesh& mesh) {
 
 /// Both ways by samples: points of the surface to the mesh, and points of the mesh to the surface.
 template <class Point, class Distance>
-void expect_bound_holds(const Tessellation& surface, const Point& surface_point, const Distance& from_surface_m, std::mt19937_64& random) {
+void expect_bound_holds(const Tessellation& surface, const Point& surface_point, const Distance& from_surface_m,
+                        std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   double farthest = 0;
-  for (int i = 0; i < 300; ++i) farthest = std::max(farthest, distance_m(surface_point(unit(random), unit(random)), surface.mesh));
+  for (int i = 0; i < 300; ++i)
+    farthest = std::max(farthest, distance_m(surface_point(unit(random), unit(random)), surface.mesh));
   for (int i = 0; i < 3000; ++i) {
     const Triangle t = surface.mesh.triangle(static_cast<std::uint32_t>(random() % surface.mesh.triangles.size()));
     double u = unit(random), v = unit(random);
@@ -54,7 +57,8 @@ void expect_closed(const Tessellation& surface, double volume, int sphere_or_tor
   EXPECT_TRUE(health.is_consistently_oriented);
   EXPECT_EQ(health.equal_vertex_count, 0u) << "seams and poles are shared";
   EXPECT_EQ(health.zero_area_count, 0u);
-  const auto euler = static_cast<int>(health.vertex_count) - static_cast<int>(health.edge_count) + static_cast<int>(health.triangle_count);
+  const auto euler = static_cast<int>(health.vertex_count) - static_cast<int>(health.edge_count) +
+                     static_cast<int>(health.triangle_count);
   EXPECT_EQ(euler, sphere_or_torus);
   EXPECT_NEAR(volume_of(surface.mesh), volume, 0.05 * volume);
 }
@@ -64,8 +68,12 @@ TEST(IntakeTessellate, SpheresAndEllipsoids) {
   const Tessellation ball = tessellate_sphere(2, {16, 9});
   EXPECT_EQ(ball.mesh.triangles.size(), 256u);
   expect_closed(tessellate_sphere(2, {64, 33}), 4 * kPi / 3 * 8, 2);
-  expect_bound_holds(ball, [](double u, double v) { return sphere_point({2 * kPi * u, kPi * v}, 2); },
-                     [](const Vec3& p) { return std::abs(p.norm() - 2); }, random);
+  expect_bound_holds(
+      ball,
+      [](double u, double v) {
+        return sphere_point({2 * kPi * u, kPi * v}, 2);
+      },
+      [](const Vec3& p) { return std::abs(p.norm() - 2); }, random);
   const Vec3 half(1, 2, 3);
   const Tessellation egg = tessellate_ellipsoid(half, {24, 13});
   expect_closed(tessellate_ellipsoid(half, {64, 33}), 4 * kPi / 3 * 6, 2);
@@ -82,27 +90,34 @@ TEST(IntakeTessellate, CylindersAndCones) {
   std::mt19937_64 random = oracle::seeded(102);
   const Tessellation can = tessellate_cylinder(0.5, 2, {12});
   expect_closed(tessellate_cylinder(0.5, 2, {48}), kPi * 0.25 * 2, 2);
-  expect_bound_holds(can, [](double u, double v) { return Vec3(0.5 * std::cos(2 * kPi * u), 0.5 * std::sin(2 * kPi * u), 2 * v - 1); },
-                     [](const Vec3& p) { return std::min(0.5 - std::hypot(p[0], p[1]), 1 - std::abs(p[2])); }, random);
+  expect_bound_holds(
+      can, [](double u, double v) { return Vec3(0.5 * std::cos(2 * kPi * u), 0.5 * std::sin(2 * kPi * u), 2 * v - 1); },
+      [](const Vec3& p) { return std::min(0.5 - std::hypot(p[0], p[1]), 1 - std::abs(p[2])); }, random);
   const Tessellation hat = tessellate_cone(1, 2, {10});
   expect_closed(tessellate_cone(1, 2, {48}), kPi * 2 / 3, 2);
   const auto from_cone_m = [](const Vec3& p) {
     const double slant = std::sqrt(5.0);
     return std::min(p[2] + 1, (1 - p[2] - 2 * std::hypot(p[0], p[1])) / slant);  // inside of it
   };
-  expect_bound_holds(hat, [](double u, double v) { return Vec3((1 - v) * std::cos(2 * kPi * u), (1 - v) * std::sin(2 * kPi * u), 2 * v - 1); }, from_cone_m, random);
+  expect_bound_holds(
+      hat,
+      [](double u, double v) {
+        return Vec3((1 - v) * std::cos(2 * kPi * u), (1 - v) * std::sin(2 * kPi * u), 2 * v - 1);
+      },
+      from_cone_m, random);
 }
 
 TEST(IntakeTessellate, TorusAndWaves) {
   std::mt19937_64 random = oracle::seeded(103);
   const Tessellation ring = tessellate_torus(2, 0.5, {32, 16});
   expect_closed(ring, 2 * kPi * kPi * 2 * 0.25, 0);
-  expect_bound_holds(ring,
-                     [](double u, double v) {
-                       const double out = 2 + 0.5 * std::cos(2 * kPi * v);
-                       return Vec3(out * std::cos(2 * kPi * u), out * std::sin(2 * kPi * u), 0.5 * std::sin(2 * kPi * v));
-                     },
-                     [](const Vec3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 2, p[2]) - 0.5); }, random);
+  expect_bound_holds(
+      ring,
+      [](double u, double v) {
+        const double out = 2 + 0.5 * std::cos(2 * kPi * v);
+        return Vec3(out * std::cos(2 * kPi * u), out * std::sin(2 * kPi * u), 0.5 * std::sin(2 * kPi * v));
+      },
+      [](const Vec3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 2, p[2]) - 0.5); }, random);
   const HeightFunction saddle{[](double x, double y) { return x * x - y * y; }, {-1, -1}, {1, 1}, {2, 0, 2}};
   const Tessellation sheet = tessellate_heights(saddle, {8, 8});
   EXPECT_EQ(sheet.mesh.triangles.size(), 128u);
@@ -115,7 +130,9 @@ TEST(IntakeTessellate, TorusAndWaves) {
 
 /// Bernstein's form: nothing of the product's recurrence.
 Vec3 bezier_point(const std::vector<Vec3>& p, double u, double v) {
-  const auto weight = [](int i, double t) { return (i == 0 || i == 3 ? 1 : 3) * std::pow(t, i) * std::pow(1 - t, 3 - i); };
+  const auto weight = [](int i, double t) {
+    return (i == 0 || i == 3 ? 1 : 3) * std::pow(t, i) * std::pow(1 - t, 3 - i);
+  };
   Vec3 sum = Vec3::Zero();
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) sum += weight(column, u) * weight(row, v) * p[4 * row + column];
@@ -127,9 +144,11 @@ Vec3 bezier_point(const std::vector<Vec3>& p, double u, double v) {
 double basis(int i, int degree, int count, double t) {
   const auto knot = [&](int k) { return static_cast<double>(std::clamp(k - degree, 0, count - degree)); };
   const std::function<double(int, int)> n = [&](int k, int d) -> double {
-    if (d == 0) return (knot(k) <= t && t < knot(k + 1)) || (t == count - degree && knot(k + 1) == t && knot(k) < t) ? 1 : 0;
+    if (d == 0)
+      return (knot(k) <= t && t < knot(k + 1)) || (t == count - degree && knot(k + 1) == t && knot(k) < t) ? 1 : 0;
     const double left = knot(k + d) > knot(k) ? (t - knot(k)) / (knot(k + d) - knot(k)) * n(k, d - 1) : 0;
-    const double right = knot(k + d + 1) > knot(k + 1) ? (knot(k + d + 1) - t) / (knot(k + d + 1) - knot(k + 1)) * n(k + 1, d - 1) : 0;
+    const double right =
+        knot(k + d + 1) > knot(k + 1) ? (knot(k + d + 1) - t) / (knot(k + d + 1) - knot(k + 1)) * n(k + 1, d - 1) : 0;
     return left + right;
   };
   return n(i, degree);
@@ -142,7 +161,8 @@ TEST(IntakeTessellate, PatchesAreTheSplinesThatTheirBasesSay) {
     SplinePatch patch{static_cast<unsigned>(1 + random() % 4), static_cast<unsigned>(1 + random() % 4), 0, {}};
     patch.columns = patch.first_degree + 1 + static_cast<unsigned>(random() % 3);
     const unsigned rows = patch.second_degree + 1 + static_cast<unsigned>(random() % 3);
-    for (unsigned i = 0; i < rows * patch.columns; ++i) patch.points.emplace_back(unit(random), unit(random), unit(random));
+    for (unsigned i = 0; i < rows * patch.columns; ++i)
+      patch.points.emplace_back(unit(random), unit(random), unit(random));
     const auto spans_u = static_cast<double>(patch.columns - patch.first_degree);
     const auto spans_v = static_cast<double>(rows - patch.second_degree);
     const Tessellation surface = tessellate_patch(patch, {5, 4});
@@ -153,8 +173,10 @@ TEST(IntakeTessellate, PatchesAreTheSplinesThatTheirBasesSay) {
       Vec3 expected = Vec3::Zero();
       for (unsigned row = 0; row < rows; ++row) {
         for (unsigned column = 0; column < patch.columns; ++column) {
-          expected += basis(static_cast<int>(column), static_cast<int>(patch.first_degree), static_cast<int>(patch.columns), u) *
-                      basis(static_cast<int>(row), static_cast<int>(patch.second_degree), static_cast<int>(rows), v) * patch.points[row * patch.columns + column];
+          expected += basis(static_cast<int>(column), static_cast<int>(patch.first_degree),
+                            static_cast<int>(patch.columns), u) *
+                      basis(static_cast<int>(row), static_cast<int>(patch.second_degree), static_cast<int>(rows), v) *
+                      patch.points[row * patch.columns + column];
         }
       }
       ASSERT_NEAR((patch.at(u, v) - expected).norm(), 0, 1e-12) << round;
@@ -167,7 +189,8 @@ TEST(IntakeTessellate, ABezierPatchIsTheSplineOfOneSpan) {
   std::mt19937_64 random = oracle::seeded(105);
   std::uniform_real_distribution<double> unit(-1, 1);
   SplinePatch patch{3, 3, 4, {}};
-  for (int i = 0; i < 16; ++i) patch.points.emplace_back(i % 4 + 0.3 * unit(random), i / 4 + 0.3 * unit(random), unit(random));
+  for (int i = 0; i < 16; ++i)
+    patch.points.emplace_back(i % 4 + 0.3 * unit(random), i / 4 + 0.3 * unit(random), unit(random));
   const Tessellation surface = tessellate_patch(patch, {.error_m = 0.02});
   EXPECT_LE(surface.off_by_m, 0.02 + 1e-9);
   for (int i = 0; i < 200; ++i) {
@@ -184,7 +207,8 @@ TEST(IntakeTessellate, AFlatPatchIsOffByRoundingsAlone) {
   const SplinePatch patch{1, 1, 2, {origin, origin + along, origin + across, origin + along + across}};
   const Tessellation surface = tessellate_patch(patch, {7, 11});
   double farthest = 0;
-  for (int i = 0; i < 300; ++i) farthest = std::max(farthest, distance_m(origin + unit(random) * along + unit(random) * across, surface.mesh));
+  for (int i = 0; i < 300; ++i)
+    farthest = std::max(farthest, distance_m(origin + unit(random) * along + unit(random) * across, surface.mesh));
   EXPECT_GT(farthest, 0);
   EXPECT_LE(farthest, surface.off_by_m);
   EXPECT_LT(surface.off_by_m, 1e-10);
@@ -204,7 +228,9 @@ TEST(IntakeTessellate, TheErrorFallsByFourWhenThePiecesDouble) {
   falls([](const Fineness& f) { return tessellate_cylinder(1, 2, f); });
   falls([](const Fineness& f) { return tessellate_cone(1, 2, f); });
   falls([](const Fineness& f) { return tessellate_torus(2, 0.5, f); });
-  falls([](const Fineness& f) { return tessellate_heights({[](double x, double y) { return std::sin(x) * y; }, {0, 0}, {1, 1}, {1, 1, 0}}, f); });
+  falls([](const Fineness& f) {
+    return tessellate_heights({[](double x, double y) { return std::sin(x) * y; }, {0, 0}, {1, 1}, {1, 1, 0}}, f);
+  });
 }
 
 TEST(IntakeTessellate, NonsenseIsRefused) {
@@ -227,7 +253,7 @@ TEST(IntakeTessellate, RayHitsOnTheExplicitSphereComeBackByTheirParameters) {
     const Sphere sphere{Vec3::Zero(), radius_m};
     for (int i = 0; i < 3000; ++i) {
       Vec3 aim(unit(random), unit(random), unit(random));
-      if (i % 10 == 0) aim = {0, 0, i % 20 == 0 ? 1.0 : -1.0};              // a pole
+      if (i % 10 == 0) aim = {0, 0, i % 20 == 0 ? 1.0 : -1.0};                      // a pole
       if (i % 10 == 1) aim = {std::abs(aim[0]), i % 20 == 1 ? 0.0 : -0.0, aim[2]};  // the seam
       if (i % 10 == 2) aim = {std::abs(aim[0]), -1e-17, aim[2]};
       RayHit hit;
@@ -245,14 +271,18 @@ TEST(IntakeTessellate, RayHitsOnTheExplicitSphereComeBackByTheirParameters) {
 }
 
 TEST(IntakeSurfaceFile, SurfacesBecomePartsAndTheReportSaysTheirError) {
-  const test::Loaded loaded = test::load("a.surfaces", "# two\nglobe sphere 1 at 0 0 3 count 16 9\nring torus 2 0.5 error 0.1\n");
+  const test::Loaded loaded =
+      test::load("a.surfaces", "# two\nglobe sphere 1 at 0 0 3 count 16 9\nring torus 2 0.5 error 0.1\n");
   ASSERT_EQ(loaded.scene.parts.size(), 2u);
   EXPECT_EQ(loaded.scene.parts[0].name, "a/globe");
   EXPECT_EQ(loaded.scene.parts[0].triangle_count, 256u);
   ASSERT_EQ(loaded.report.notes.size(), 2u);
   EXPECT_EQ(loaded.report.notes[0], "'globe': sphere as 256 triangles, off by at most 0.0343 of the file's units");
-  EXPECT_EQ(test::complaint("a.surfaces", "a sphere 1\n"), "a.surfaces: line 1: how finely is not said: 'count N', 'count N M' or 'error E' ends the line. Nothing was loaded.");
-  EXPECT_NE(test::complaint("a.surfaces", "a sphere 1 2 count 4\n").find("2 numbers, this kind takes 1"), std::string::npos);
+  EXPECT_EQ(test::complaint("a.surfaces", "a sphere 1\n"),
+            "a.surfaces: line 1: how finely is not said: 'count N', 'count N M' or 'error E' ends the line. Nothing "
+            "was loaded.");
+  EXPECT_NE(test::complaint("a.surfaces", "a sphere 1 2 count 4\n").find("2 numbers, this kind takes 1"),
+            std::string::npos);
   EXPECT_NE(test::complaint("a.surfaces", "a sphere x count 4\n").find("'x' is no number"), std::string::npos);
   EXPECT_NE(test::complaint("a.surfaces", "a blob 1 count 4\n").find("surface 'blob', allowed are"), std::string::npos);
 }
@@ -260,9 +290,11 @@ TEST(IntakeSurfaceFile, SurfacesBecomePartsAndTheReportSaysTheirError) {
 // No kind stands on its side, no place or number changes with another, no surface takes another's corners.
 TEST(IntakeSurfaceFile, EachSurfaceStandsAtItsPlaceWithItsOwnSizes) {
   const Scene scene = test::load("a.surfaces",
-                                 "egg ellipsoid 1 2 3 at 10 -20 30 count 64 32\ncan cylinder 0.5 4 at 1 2 3 count 8\nhat cone 2 3 at -7 5 1 count 8\n"
+                                 "egg ellipsoid 1 2 3 at 10 -20 30 count 64 32\ncan cylinder 0.5 4 at 1 2 3 count "
+                                 "8\nhat cone 2 3 at -7 5 1 count 8\n"
                                  "ring torus 3 0.5 at 0 0 9 count 8 8\nsea waves 4 2 0.5 0.25 3 at 1 2 3 count 8 4\n"
-                                 "sheet patch 1 1 2 2 0 0 0 4 0 1 0 6 2 4 6 3 at 100 200 300 count 1\n").scene;
+                                 "sheet patch 1 1 2 2 0 0 0 4 0 1 0 6 2 4 6 3 at 100 200 300 count 1\n")
+                          .scene;
   const auto bounds = [&](std::size_t part) {
     Aabb box;
     for (std::uint32_t i = 0; i < scene.parts.at(part).triangle_count; ++i) {
@@ -295,9 +327,7 @@ TEST(IntakeSurfaceFile, EachSurfaceStandsAtItsPlaceWithItsOwnSizes) {
   for (std::uint32_t i = 0; i < scene.parts[2].triangle_count; ++i) {
     const Triangle t = scene.mesh.triangle(scene.parts[2].first_triangle + i);
     for (const Vec3& p : {t.a, t.b, t.c}) {
-      if (p[2] > 1) {
-        EXPECT_LT((p - Vec3(-7, 5, 2.5)).norm(), 1e-12);
-      }
+      if (p[2] > 1) { EXPECT_LT((p - Vec3(-7, 5, 2.5)).norm(), 1e-12); }
     }
   }
 }

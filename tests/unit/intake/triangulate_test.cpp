@@ -31,9 +31,7 @@ Wide twice_area(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
 
 Wide twice_area(const std::vector<GridPoint>& polygon) {
   Wide sum = 0;
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    sum += twice_area(polygon[0], polygon[i - 1], polygon[i]);
-  }
+  for (std::size_t i = 2; i < polygon.size(); ++i) { sum += twice_area(polygon[0], polygon[i - 1], polygon[i]); }
   return sum;
 }
 
@@ -48,9 +46,7 @@ Vec3 lifted(const GridPoint& p, int renaming) {
 /// Triangles that all turn the polygon's way and whose areas sum to the polygon's cover it once: no gap, no overlap.
 void expect_exact_cover(const std::vector<GridPoint>& polygon, int renaming) {
   std::vector<Vec3> vertices;
-  for (const GridPoint& p : polygon) {
-    vertices.push_back(lifted(p, renaming));
-  }
+  for (const GridPoint& p : polygon) { vertices.push_back(lifted(p, renaming)); }
   std::vector<std::uint32_t> corners(polygon.size());
   std::iota(corners.begin(), corners.end(), 0u);
   std::vector<TriangleCorners> triangles;
@@ -79,9 +75,7 @@ bool crosses(const GridPoint& a, const GridPoint& b, const GridPoint& c, const G
 std::vector<GridPoint> random_simple_polygon(std::mt19937_64& random, std::size_t count) {
   std::uniform_int_distribution<std::int64_t> coordinate(-1'000'000, 1'000'000);
   std::vector<GridPoint> p(count);
-  for (GridPoint& point : p) {
-    point = {coordinate(random), coordinate(random)};
-  }
+  for (GridPoint& point : p) { point = {coordinate(random), coordinate(random)}; }
   for (bool is_tangled = true; is_tangled;) {
     is_tangled = false;
     for (std::size_t i = 0; i < count; ++i) {
@@ -106,9 +100,7 @@ TEST(IntakeTriangulate, RandomSimplePolygonsAreCoveredExactlyOnce) {
     expect_exact_cover(polygon, i);
     std::reverse(polygon.begin(), polygon.end());
     expect_exact_cover(polygon, i);
-    if (HasFailure()) {
-      FAIL() << "seed " << seed << ", polygon " << i;
-    }
+    if (HasFailure()) { FAIL() << "seed " << seed << ", polygon " << i; }
   }
 }
 
@@ -266,21 +258,19 @@ TEST(IntakeSweep, LatticesWithHolesAreCoveredExactlyOnce) {
     for (std::int64_t side = 0; side < 4; ++side) {  // a square with a corner every 3
       for (std::int64_t k = side == 0 ? 1 : 0; k < n; ++k) {
         const std::int64_t at = 3 * k;
-        rings[0].push_back(side == 0 ? GridPoint{at, 0} : side == 1 ? GridPoint{3 * n, at} : side == 2 ? GridPoint{3 * (n - k), 3 * n} : GridPoint{0, 3 * n - at});
+        rings[0].push_back(side == 0   ? GridPoint{at, 0}
+                           : side == 1 ? GridPoint{3 * n, at}
+                           : side == 2 ? GridPoint{3 * (n - k), 3 * n}
+                                       : GridPoint{0, 3 * n - at});
       }
     }
     for (std::int64_t x = 0; x < n; ++x) {
       for (std::int64_t y = 0; y < n; ++y) {
         const GridPoint low{3 * x + 1, 3 * y + 1};
         switch (random() % 4) {
-          case 0:
-            rings.push_back({low, {low.x + 1, low.y}, {low.x + 1, low.y + 1}, {low.x, low.y + 1}});
-            break;
-          case 1:
-            rings.push_back({low, {low.x, low.y + 1}, {low.x + 1, low.y}});
-            break;
-          default:
-            break;
+          case 0: rings.push_back({low, {low.x + 1, low.y}, {low.x + 1, low.y + 1}, {low.x, low.y + 1}}); break;
+          case 1: rings.push_back({low, {low.x, low.y + 1}, {low.x + 1, low.y}}); break;
+          default: break;
         }
       }
     }
@@ -295,7 +285,8 @@ bool touches_itself(const std::vector<GridPoint>& p) {
     return area > 0 ? 1 : area < 0 ? -1 : 0;
   };
   const auto on = [&](const GridPoint& a, const GridPoint& b, const GridPoint& q) {
-    return side(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y && q.y <= std::max(a.y, b.y);
+    return side(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y &&
+           q.y <= std::max(a.y, b.y);
   };
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < n; ++k) {
@@ -316,7 +307,8 @@ TEST(IntakeSweep, AFlawIsFoundExactlyWhereThereIsOne) {
     const std::size_t count = 3 + random() % 7;
     std::vector<GridPoint> polygon(count);
     const std::uint64_t reach = 4 + random() % 20;
-    for (GridPoint& p : polygon) p = {static_cast<std::int64_t>(random() % reach), static_cast<std::int64_t>(random() % reach)};
+    for (GridPoint& p : polygon)
+      p = {static_cast<std::int64_t>(random() % reach), static_cast<std::int64_t>(random() % reach)};
     std::vector<TriangleCorners> triangles;
     const std::vector<std::uint32_t> ends{static_cast<std::uint32_t>(count)};
     const bool has_flaw = triangulate_by_sweep(plane_points(polygon), ends, triangles).has_value();
@@ -345,7 +337,8 @@ TEST(IntakeSweep, AHoleOutsideOrOverTheBorderIsRefused) {
 }
 
 TEST(IntakeTriangulate, HolesInSpaceKeepTheOuterRingsSide) {
-  const std::vector<Vec3> v{{0, 0, 1}, {0, 6, 1}, {6, 6, 1}, {6, 0, 1}, {2, 2, 1}, {4, 2, 1}, {4, 4, 1}, {2, 4, 1}};  // seen from above: to the right
+  const std::vector<Vec3> v{{0, 0, 1}, {0, 6, 1}, {6, 6, 1}, {6, 0, 1},
+                            {2, 2, 1}, {4, 2, 1}, {4, 4, 1}, {2, 4, 1}};  // seen from above: to the right
   const std::vector<std::uint32_t> corners{0, 1, 2, 3, 4, 5, 6, 7};
   const std::vector<std::uint32_t> ends{4, 8};
   std::vector<TriangleCorners> triangles;
@@ -379,7 +372,8 @@ TEST(IntakeBowtie, IsSplitAtTheCrossing) {
   for (const TriangleCorners& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
   }
-  for (const auto& edge : {std::pair{0u, 4u}, {4u, 1u}, {1u, 2u}, {2u, 4u}, {4u, 3u}, {3u, 0u}}) EXPECT_TRUE(edges.contains(edge)) << edge.first << edge.second;
+  for (const auto& edge : {std::pair{0u, 4u}, {4u, 1u}, {1u, 2u}, {2u, 4u}, {4u, 3u}, {3u, 0u}})
+    EXPECT_TRUE(edges.contains(edge)) << edge.first << edge.second;
 }
 
 TEST(IntakeBowtie, AStarAndAnAsymmetricOneKeepTheirLobes) {
@@ -416,11 +410,15 @@ TEST(IntakeBowtie, TheReportSaysWhatWasGuessedAndStrictRefuses) {
   for (const auto& [file, text] : {std::pair{std::string("bowtie.obj"), obj}, {std::string("bowtie.off"), off}}) {
     const test::Loaded loaded = test::load(file, text);
     ASSERT_EQ(loaded.report.mended.size(), 1u) << file;
-    EXPECT_NE(loaded.report.mended[0].find("1 polygons that cross themselves split at 1 crossings; a guess"), std::string::npos) << file;
+    EXPECT_NE(loaded.report.mended[0].find("1 polygons that cross themselves split at 1 crossings; a guess"),
+              std::string::npos)
+        << file;
     ASSERT_FALSE(loaded.report.warnings.empty());
-    EXPECT_NE(loaded.report.warnings[0].find("1 polygons are not flat, the worst by 0.1"), std::string::npos) << loaded.report.warnings[0];
+    EXPECT_NE(loaded.report.warnings[0].find("1 polygons are not flat, the worst by 0.1"), std::string::npos)
+        << loaded.report.warnings[0];
     EXPECT_EQ(loaded.scene.mesh.vertices.size(), 7u);
-    const auto [left, right] = areas(loaded.scene.mesh.vertices, {loaded.scene.mesh.triangles.begin() + 2, loaded.scene.mesh.triangles.end()});
+    const auto [left, right] =
+        areas(loaded.scene.mesh.vertices, {loaded.scene.mesh.triangles.begin() + 2, loaded.scene.mesh.triangles.end()});
     EXPECT_EQ(left, 8);
     EXPECT_EQ(right, -8);
     EXPECT_NE(test::complaint(file, text, {.strict = true}).find("crosses or touches itself"), std::string::npos);

@@ -74,7 +74,8 @@ TEST(IntakeUrdf, AnSrdfFileSaysWhichPairsMayTouch) {
 }
 
 TEST(IntakeUrdf, MeshesAreFoundFromTheRobotsFolderUpwards) {
-  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "robot_package";
+  const std::filesystem::path root =
+      std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "robot_package";
   std::filesystem::create_directories(root / "urdf");
   std::filesystem::create_directories(root / "meshes");
   std::ofstream(root / "meshes/t.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -133,7 +134,8 @@ std::string one_link(std::string_view collision) {
 // Roll about x first, then pitch about y, then yaw about z, all of them the parent's axes.
 TEST(IntakeUrdf, RollPitchAndYawTurnInTheirOrder) {
   const auto turned = [](std::string_view rpy) {
-    const auto loaded = load("r.urdf", one_link(fmt::format(R"(<origin rpy="{}"/><geometry><box size="1 1 1"/></geometry>)", rpy)));
+    const auto loaded =
+        load("r.urdf", one_link(fmt::format(R"(<origin rpy="{}"/><geometry><box size="1 1 1"/></geometry>)", rpy)));
     return Vec3(std::get<Box>(loaded.scene.objects.at(0).shape.primitives.at(0)).axes * Vec3(1, 2, 3));
   };
   constexpr const char* kQuarter = "1.5707963267948966";
@@ -152,7 +154,9 @@ TEST(IntakeUrdf, TurnedJointsPlaceTurnedShapes) {
 <joint name="one" type="fixed"><origin xyz="10 20 30" rpy="0 0 1.5707963267948966"/><parent link="a"/><child link="b"/></joint>
 <joint name="two" type="fixed"><origin xyz="1 0 4" rpy="1.5707963267948966 0 0"/><parent link="b"/><child link="c"/></joint></robot>)";
   const auto loaded = load("r.urdf", kRobot);
-  const auto placed = [](const SceneObject& link, const Vec3& point) { return Vec3(link.pose.position + link.pose.rotation * point); };
+  const auto placed = [](const SceneObject& link, const Vec3& point) {
+    return Vec3(link.pose.position + link.pose.rotation * point);
+  };
   const SceneObject& b = find(loaded.scene, "r/b");
   const Capsule capsule = std::get<Capsule>(b.shape.primitives.at(0));
   EXPECT_EQ(capsule.radius_m, 0.5);
@@ -169,7 +173,8 @@ TEST(IntakeUrdf, TurnedJointsPlaceTurnedShapes) {
 
 // Scaled along its own axes, then turned, then moved; a second mesh of the link keeps its own corners.
 TEST(IntakeUrdf, AMeshIsScaledThenTurnedThenMoved) {
-  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "scaled_robot";
+  const std::filesystem::path root =
+      std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "scaled_robot";
   std::filesystem::create_directories(root);
   std::ofstream(root / "t.obj") << "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 2 3 1\n";
   std::ofstream(root / "r.urdf") << R"(<robot name="r"><link name="l">

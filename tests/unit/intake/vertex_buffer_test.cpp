@@ -29,8 +29,8 @@ struct Bytes {
     bytes.insert(bytes.end(), raw, raw + sizeof(Number));
   }
 
-  Bytes(BufferKind kind, const std::vector<Vec3>& points, const std::vector<std::uint32_t>& sequence, std::size_t index_bytes,
-        std::size_t stride, std::size_t offset, bool is_double) {
+  Bytes(BufferKind kind, const std::vector<Vec3>& points, const std::vector<std::uint32_t>& sequence,
+        std::size_t index_bytes, std::size_t stride, std::size_t offset, bool is_double) {
     for (const Vec3& p : points) {
       const std::size_t begin = vertices.size();
       vertices.resize(begin + offset, std::byte{0xff});
@@ -44,7 +44,8 @@ struct Bytes {
       if (index_bytes == 2) append(indices, static_cast<std::uint16_t>(i));
       if (index_bytes == 4) append(indices, i);
     }
-    buffer = {kind, is_double, stride, offset, std::span(vertices).subspan(1), index_bytes, std::span(indices).subspan(1)};
+    buffer = {
+        kind, is_double, stride, offset, std::span(vertices).subspan(1), index_bytes, std::span(indices).subspan(1)};
   }
 };
 
@@ -91,7 +92,8 @@ TEST(IntakeVertexBuffer, StridesOffsetsAndWidthsGiveTheSameMesh) {
           const Bytes bytes(BufferKind::strip, kSix, {0, 1, 2, 3, 4, 5}, index_bytes, stride, offset, is_double);
           VertexBuffer buffer = bytes.buffer;
           if (index_bytes == 0) buffer.indices = {};
-          for (const std::size_t cut : {std::size_t{0}, stride - position - offset}) {  // the tail of the last vertex may be missing
+          for (const std::size_t cut :
+               {std::size_t{0}, stride - position - offset}) {  // the tail of the last vertex may be missing
             buffer.vertices = bytes.buffer.vertices.first(bytes.buffer.vertices.size() - cut);
             const DecodedBuffer same = decoded(buffer);
             ASSERT_EQ(same.mesh.vertices, plain.mesh.vertices) << stride;
@@ -106,9 +108,12 @@ TEST(IntakeVertexBuffer, StridesOffsetsAndWidthsGiveTheSameMesh) {
 TEST(IntakeVertexBuffer, WhatDoesNotFitIsRefusedByName) {
   const Bytes list(BufferKind::triangles, kSix, {0, 1, 2, 3, 4, 9}, 2, 16, 4, false);
   EXPECT_EQ(refusal(list.buffer), "triangle 1: index 5 is vertex 9 of 6");
-  EXPECT_EQ(refusal(Bytes(BufferKind::fan, kSix, {0, 1, 2, 65535}, 4, 16, 4, false).buffer), "triangle 1: index 3 is vertex 65535 of 6");
-  EXPECT_EQ(refusal(Bytes(BufferKind::strip, kSix, {7, 1, 2, 3}, 4, 16, 4, false).buffer), "triangle 0: index 0 is vertex 7 of 6");
-  EXPECT_EQ(refusal(Bytes(BufferKind::segments, kSix, {0, 1, 2, 6}, 2, 16, 4, false).buffer), "segment 1: index 3 is vertex 6 of 6");
+  EXPECT_EQ(refusal(Bytes(BufferKind::fan, kSix, {0, 1, 2, 65535}, 4, 16, 4, false).buffer),
+            "triangle 1: index 3 is vertex 65535 of 6");
+  EXPECT_EQ(refusal(Bytes(BufferKind::strip, kSix, {7, 1, 2, 3}, 4, 16, 4, false).buffer),
+            "triangle 0: index 0 is vertex 7 of 6");
+  EXPECT_EQ(refusal(Bytes(BufferKind::segments, kSix, {0, 1, 2, 6}, 2, 16, 4, false).buffer),
+            "segment 1: index 3 is vertex 6 of 6");
   const auto changed = [&](auto change) {
     VertexBuffer buffer = list.buffer;
     buffer.indices = buffer.indices.first(6);
@@ -121,13 +126,16 @@ TEST(IntakeVertexBuffer, WhatDoesNotFitIsRefusedByName) {
   EXPECT_NE(changed([](VertexBuffer& b) { b.offset_bytes = 5; }).find("offset 5"), std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.offset_bytes = SIZE_MAX; }).find("does not fit"), std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.vertices = b.vertices.first(6 * 16 - 1); }), "taken");
-  EXPECT_NE(changed([](VertexBuffer& b) { b.vertices = b.vertices.first(5 * 16 + 3); }).find("breaks off"), std::string::npos);
+  EXPECT_NE(changed([](VertexBuffer& b) { b.vertices = b.vertices.first(5 * 16 + 3); }).find("breaks off"),
+            std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.index_bytes = 3; }).find("indices of 3 bytes"), std::string::npos);
-  EXPECT_NE(changed([](VertexBuffer& b) { b.indices = b.indices.first(5); }).find("5 bytes of indices"), std::string::npos);
+  EXPECT_NE(changed([](VertexBuffer& b) { b.indices = b.indices.first(5); }).find("5 bytes of indices"),
+            std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.indices = b.indices.first(4); }).find("2 corners"), std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.kind = static_cast<BufferKind>(6); }).find("kind 6"), std::string::npos);
   EXPECT_NE(changed([](VertexBuffer& b) { b.kind = static_cast<BufferKind>(6), b.is_double = true; }), "taken");
-  EXPECT_NE(changed([](VertexBuffer& b) { b.offset_bytes = 0; }).find("vertex 0 is"), std::string::npos) << "0xff.. is no number";
+  EXPECT_NE(changed([](VertexBuffer& b) { b.offset_bytes = 0; }).find("vertex 0 is"), std::string::npos)
+      << "0xff.. is no number";
 }
 
 // A12: what a buffer takes in memory is the formula, so that a server can say so ahead.
@@ -137,16 +145,23 @@ TEST(IntakeVertexBuffer, TooFewCornersForOnePieceAreRefusedAndJustEnoughAreTaken
     std::size_t count;
     std::string piece;
   };
-  for (const Fewest& fewest : {Fewest{BufferKind::points, 1, "point"}, {BufferKind::segments, 2, "segment"}, {BufferKind::polyline, 2, "segment"},
-                               {BufferKind::triangles, 3, "triangle"}, {BufferKind::fan, 3, "triangle"}, {BufferKind::strip, 3, "triangle"}}) {
+  for (const Fewest& fewest : {Fewest{BufferKind::points, 1, "point"},
+                               {BufferKind::segments, 2, "segment"},
+                               {BufferKind::polyline, 2, "segment"},
+                               {BufferKind::triangles, 3, "triangle"},
+                               {BufferKind::fan, 3, "triangle"},
+                               {BufferKind::strip, 3, "triangle"}}) {
     std::vector<std::uint32_t> sequence(fewest.count);
     for (std::uint32_t i = 0; i < sequence.size(); ++i) sequence[i] = i;
-    for (; ; sequence.pop_back()) {
+    for (;; sequence.pop_back()) {
       const std::string told = refusal(Bytes(fewest.kind, kSix, sequence, 2, 12, 0, false).buffer);
       if (sequence.size() == fewest.count) {
         EXPECT_EQ(told, "taken");
       } else {
-        EXPECT_EQ(told.find(std::to_string(sequence.size()) + " corners, a " + fewest.piece + " takes " + std::to_string(fewest.count)), 0u) << told;
+        EXPECT_EQ(told.find(std::to_string(sequence.size()) + " corners, a " + fewest.piece + " takes " +
+                            std::to_string(fewest.count)),
+                  0u)
+            << told;
       }
       if (sequence.empty()) break;
     }
@@ -155,7 +170,8 @@ TEST(IntakeVertexBuffer, TooFewCornersForOnePieceAreRefusedAndJustEnoughAreTaken
 
 TEST(IntakeVertexBuffer, MemoryIsTheFormula) {
   const DecodedBuffer d = decoded(Bytes(BufferKind::fan, kSix, {0, 1, 2, 3}, 2, 12, 0, false).buffer);
-  EXPECT_EQ(d.mesh.vertices.size() * sizeof(Vec3) + d.mesh.triangles.size() * sizeof(TriangleCorners), 6u * 24 + 2u * 12);
+  EXPECT_EQ(d.mesh.vertices.size() * sizeof(Vec3) + d.mesh.triangles.size() * sizeof(TriangleCorners),
+            6u * 24 + 2u * 12);
 }
 
 void expect_same_triangles(const TriangleMesh& mesh) {
@@ -174,7 +190,8 @@ TEST(IntakeVertexBuffer, FansAndStripsCarryTheSameOrientedTriangles) {
   expect_same_triangles(latitude_longitude_sphere(1, 12, 7));
   expect_same_triangles(scenes::icosphere(3, 1));
   expect_same_triangles(scenes::terrain(9, 1, 2));
-  expect_same_triangles({kSix, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {1, 0, 5}, {0, 1, 2}}});  // edges of five, doubled triangles
+  expect_same_triangles(
+      {kSix, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {1, 0, 5}, {0, 1, 2}}});  // edges of five, doubled triangles
   expect_same_triangles({kSix, {{0, 1, 2}}});
 }
 
@@ -194,7 +211,8 @@ TEST(IntakeVertexBuffer, NormalsOfStripsOfAClosedSurfacePointOut) {
 TEST(IntakeVertexBuffer, TheMeshIsTheSmallestEncodingOfASphere) {
   const TriangleMesh mesh = latitude_longitude_sphere(1, 64, 33);
   const std::vector<EncodingSize> sizes = encoding_sizes(mesh);
-  for (const EncodingSize& size : sizes) std::printf("%-7s %8zu bytes, %5.1f a triangle\n", size.name.c_str(), size.bytes, size.bytes_a_triangle);
+  for (const EncodingSize& size : sizes)
+    std::printf("%-7s %8zu bytes, %5.1f a triangle\n", size.name.c_str(), size.bytes, size.bytes_a_triangle);
   ASSERT_EQ(sizes.back().name, "mesh");
   for (std::size_t i = 0; i + 1 < sizes.size(); ++i) EXPECT_LT(sizes.back().bytes, sizes[i].bytes) << sizes[i].name;
   EXPECT_LT(sizes[2].bytes, sizes[0].bytes / 2) << "strips carry each vertex about once a triangle";
@@ -216,7 +234,7 @@ TEST(IntakeVertexBuffer, AllSixKindsAreCollidable) {
     object.shape = std::get<Shape>(shape);
     world.define(object);
     world.step(0, 1, {});
-        int hits = 0;
+    int hits = 0;
     for (const QuestionKind query : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::near}) {
       std::vector<double> numbers;
       for (int i = 0; i < 200; ++i) {
@@ -234,7 +252,8 @@ TEST(IntakeVertexBuffer, AllSixKindsAreCollidable) {
       oracle::answer(*world.newest(), questions, slow);
       ASSERT_EQ(fast.answers, slow.answers) << kind;
       ASSERT_EQ(fast.hits.size(), slow.hits.size()) << kind;
-      for (std::size_t i = 0; i < fast.hits.size(); ++i) EXPECT_EQ(fast.hits[i].distance_m, slow.hits[i].distance_m) << kind;
+      for (std::size_t i = 0; i < fast.hits.size(); ++i)
+        EXPECT_EQ(fast.hits[i].distance_m, slow.hits[i].distance_m) << kind;
       hits += static_cast<int>(fast.hits.size());
     }
     EXPECT_GT(hits, 200) << kind;

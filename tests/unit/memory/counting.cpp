@@ -20,12 +20,12 @@ std::atomic<std::size_t> most{0};
 void hold(std::size_t bytes) {
   const std::size_t now = held.fetch_add(bytes) + bytes;
   std::size_t before = most.load();
-  while (before < now && !most.compare_exchange_weak(before, now)) {
-  }
+  while (before < now && !most.compare_exchange_weak(before, now)) {}
 }
 
 void* allocate(std::size_t size, std::size_t alignment) {
-  void* const memory = alignment == 0 ? std::malloc(size) : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  void* const memory = alignment == 0 ? std::malloc(size)
+                                      : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
   hold(::malloc_usable_size(memory));
   return memory;
@@ -70,8 +70,12 @@ using namespace collided::test;
 
 void* operator new(std::size_t size) { return allocate(size, 0); }
 void* operator new[](std::size_t size) { return allocate(size, 0); }
-void* operator new(std::size_t size, std::align_val_t alignment) { return allocate(size, static_cast<std::size_t>(alignment)); }
-void* operator new[](std::size_t size, std::align_val_t alignment) { return allocate(size, static_cast<std::size_t>(alignment)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
 void operator delete(void* memory) noexcept { release(memory); }
 void operator delete[](void* memory) noexcept { release(memory); }
 void operator delete(void* memory, std::size_t) noexcept { release(memory); }
@@ -99,7 +103,8 @@ void* mmap(void* address, std::size_t bytes, int protection, int flags, int file
 // The reader makes what it has reserved usable from the begin on.
 int mprotect(void* address, std::size_t bytes, int protection) noexcept {
   const int result = static_cast<int>(::syscall(SYS_mprotect, address, bytes, protection));
-  if (result == 0 && mapping.begin != nullptr && address == mapping.begin + mapping.held_bytes && (protection & PROT_WRITE) != 0) {
+  if (result == 0 && mapping.begin != nullptr && address == mapping.begin + mapping.held_bytes &&
+      (protection & PROT_WRITE) != 0) {
     hold(bytes);
     mapping.held_bytes += bytes;
   }

@@ -12,7 +12,6 @@
 namespace collided::engine::service {
 namespace {
 
-
 class ServiceBackgroundAudit : public testing::Test {
  protected:
   void SetUp() override {
@@ -87,7 +86,8 @@ TEST_F(ServiceBackgroundAudit, TheFirstAndThenEachOneInSoManyIsChosen) {
 // used again at once.
 TEST_F(ServiceBackgroundAudit, AnAnswerIsComparedWithItsOwnQuestion) {
   BackgroundAudit audit(1, {});
-  for (const auto& [only, skip] : {std::pair("", ""), std::pair("right", ""), std::pair("", "ri*"), std::pair("l*", "left")}) {
+  for (const auto& [only, skip] :
+       {std::pair("", ""), std::pair("right", ""), std::pair("", "ri*"), std::pair("l*", "left")}) {
     std::string only_here = only, skip_here = skip;
     ask(2, only_here, skip_here);
     audit.consider(state, asked, given);

@@ -8,7 +8,9 @@ namespace {
 // Publishers stamp by the machine's clock; world time must be of the same years, and never go back.
 TEST(WorldClock, IsThatOfTheMachineWhenItStarted) {
   using std::chrono::system_clock;
-  const auto machine_ns = [] { return std::chrono::duration_cast<std::chrono::nanoseconds>(system_clock::now().time_since_epoch()).count(); };
+  const auto machine_ns = [] {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(system_clock::now().time_since_epoch()).count();
+  };
   constexpr std::int64_t kSecondNs = 1'000'000'000;
   const WorldClock clock;
   EXPECT_GT(clock.now_ns(), machine_ns() - kSecondNs);

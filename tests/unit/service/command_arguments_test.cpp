@@ -12,9 +12,7 @@ std::string refusal(const std::string& text, const std::function<void(const Argu
   try {
     read(Arguments(text));
     return "taken";
-  } catch (const BadCommand& bad) {
-    return bad.what() + (bad.hint.empty() ? "" : "; " + bad.hint);
-  }
+  } catch (const BadCommand& bad) { return bad.what() + (bad.hint.empty() ? "" : "; " + bad.hint); }
 }
 
 TEST(CommandArguments, AreReadAsTheyWereSaid) {
@@ -46,13 +44,18 @@ TEST(CommandArguments, ARefusalSaysWhatWasSaidAndWhatIsAllowed) {
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.number("x", 0); }), said + "a finite number");
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.whole("x", 0, 9); }), said + "a whole number from 0 to 9");
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.vector("x"); }), said + "three numbers");
-  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.boxes("x"); }), said + "at most 10000 boxes of six numbers, the lower corner first");
-  EXPECT_NE(refusal(odd, [](const Arguments& a) { a.pose("x"); }).find("; a pose is [x, y, z, qw, qx, qy, qz]"), std::string::npos);
+  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.boxes("x"); }),
+            said + "at most 10000 boxes of six numbers, the lower corner first");
+  EXPECT_NE(refusal(odd, [](const Arguments& a) { a.pose("x"); }).find("; a pose is [x, y, z, qw, qx, qy, qz]"),
+            std::string::npos);
   EXPECT_EQ(refusal(R"({"command": "do", "n": 10})", [](const Arguments& a) { a.whole("n", 0, 9); }),
             "do: 'n' is 10; allowed: a whole number from 0 to 9");
   EXPECT_EQ(refusal(R"({"command": "do", "n": -1})", [](const Arguments& a) { a.whole("n", 0, 9); }),
             "do: 'n' is -1; allowed: a whole number from 0 to 9");
-  EXPECT_EQ(refusal(R"({"command": "do", "limt": 1})", [](const Arguments& a) { a.allow_only({"name", "limit"}); }),
+  EXPECT_EQ(refusal(R"({"command": "do", "limt": 1})",
+                    [](const Arguments& a) {
+                      a.allow_only({"name", "limit"});
+                    }),
             "do: unknown argument 'limt'; did you mean 'limit'?");
   EXPECT_EQ(refusal("no json", [](const Arguments&) {}), "a command's text is not a JSON object");
   EXPECT_EQ(refusal("[]", [](const Arguments&) {}), "a command's text is not a JSON object");
@@ -62,15 +65,21 @@ TEST(CommandArguments, ARefusalSaysWhatWasSaidAndWhatIsAllowed) {
 // Of words only the two that JSON has no number for; nothing, a word, a truth or a corner below the other is no box.
 TEST(CommandArguments, OnlyNumbersAndTheTwoInfinitiesMakeABox) {
   for (const char* const wrong : {R"("nan")", R"("far")", R"("")", "null", "true", "[0]", "4"}) {
-    for (const char* const box : {"[%, 0, 0, 3, 1, 1]", "[0, %, 0, 1, 3, 1]", "[0, 0, %, 1, 1, 3]", "[0, 0, 0, 1, 1, %, 1]"}) {
+    for (const char* const box :
+         {"[%, 0, 0, 3, 1, 1]", "[0, %, 0, 1, 3, 1]", "[0, 0, %, 1, 1, 3]", "[0, 0, 0, 1, 1, %, 1]"}) {
       std::string text = box;
       text.replace(text.find('%'), 1, wrong);
-      EXPECT_NE(refusal(R"({"command": "do", "x": [)" + text + "]}", [](const Arguments& a) { a.boxes("x"); }), "taken") << text;
+      EXPECT_NE(refusal(R"({"command": "do", "x": [)" + text + "]}", [](const Arguments& a) { a.boxes("x"); }), "taken")
+          << text;
     }
   }
-  EXPECT_EQ(refusal(R"({"command": "do", "x": [["inf", 0, 0, "-inf", 1, 1]]})", [](const Arguments& a) { a.boxes("x"); }),
-            "do: 'x' is [[\"inf\",0,0,\"-inf\",1,1]]; allowed: at most 10000 boxes of six numbers, the lower corner first");
-  EXPECT_EQ(Arguments(R"({"command": "do", "x": [["-inf", "-inf", "-inf", "inf", "inf", "inf"], [2, 2, 2, 2, 2, 2]]})").boxes("x").size(), 2U);
+  EXPECT_EQ(
+      refusal(R"({"command": "do", "x": [["inf", 0, 0, "-inf", 1, 1]]})", [](const Arguments& a) { a.boxes("x"); }),
+      "do: 'x' is [[\"inf\",0,0,\"-inf\",1,1]]; allowed: at most 10000 boxes of six numbers, the lower corner first");
+  EXPECT_EQ(Arguments(R"({"command": "do", "x": [["-inf", "-inf", "-inf", "inf", "inf", "inf"], [2, 2, 2, 2, 2, 2]]})")
+                .boxes("x")
+                .size(),
+            2U);
   EXPECT_TRUE(Arguments(R"({"command": "do"})").boxes("x").empty());
 }
 
@@ -81,7 +90,9 @@ TEST(CommandArguments, WhatWasNotSaidIsWhatIsTakenOtherwise) {
   EXPECT_EQ(silent.whole("x", 3, 9), 3U);
   EXPECT_EQ(silent.vector("x"), std::nullopt);
   EXPECT_FALSE(silent.pose("x").has_value());
-  const auto read = [](const char* value, const auto& how) { return refusal(std::string(R"({"command": "do", "x": )") + value + "}", how); };
+  const auto read = [](const char* value, const auto& how) {
+    return refusal(std::string(R"({"command": "do", "x": )") + value + "}", how);
+  };
   const auto three = [](const Arguments& a) { a.vector("x"); };
   EXPECT_EQ(read("[1, 2]", three), "do: 'x' is [1,2]; allowed: three numbers");
   EXPECT_EQ(read(R"([1, 2, "3"])", three), "do: 'x' is [1,2,\"3\"]; allowed: three numbers");

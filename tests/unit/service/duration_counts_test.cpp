@@ -24,7 +24,8 @@ TEST(DurationCounts, AStepIsAtMostAnEighthWide) {
 
 TEST(DurationCounts, WhatIsOutOfRangeCountsAtTheEnd) {
   DurationCounts counts;
-  for (const std::int64_t ns : {INT64_MIN, std::int64_t{-1}, std::int64_t{0}, DurationCounts::kLongest_ns, INT64_MAX}) counts.add(ns);
+  for (const std::int64_t ns : {INT64_MIN, std::int64_t{-1}, std::int64_t{0}, DurationCounts::kLongest_ns, INT64_MAX})
+    counts.add(ns);
   std::map<std::int64_t, std::uint64_t> seen;
   counts.for_each([&](std::int64_t longest_ns, std::uint64_t count) { seen[longest_ns] = count; });
   EXPECT_EQ(seen, (std::map<std::int64_t, std::uint64_t>{{0, 3}, {DurationCounts::kLongest_ns, 2}}));

@@ -36,7 +36,8 @@ TEST(FairQueue, KeepsTheOrderOfEachClient) {
   for (int i = 0; i < 5'000; ++i) {
     const int client = static_cast<int>(random() % 7);
     if (random() % 2 == 0) {
-      ASSERT_TRUE(push(queue, static_cast<std::uint64_t>(client), 1.0 + static_cast<double>(random() % 50), client * 10'000 + pushed[client]++));
+      ASSERT_TRUE(push(queue, static_cast<std::uint64_t>(client), 1.0 + static_cast<double>(random() % 50),
+                       client * 10'000 + pushed[client]++));
     } else if (queue.waiting() > 0) {
       const int item = *queue.pop();
       EXPECT_EQ(item % 10'000, popped[item / 10'000]++);
@@ -52,7 +53,8 @@ TEST(FairQueue, WorkIsSharedByCost) {
   for (int round = 0; round < 2'000; ++round) {
     for (std::size_t client = 0; client < cost.size(); ++client) {
       const int pieces = static_cast<int>(1'000 / cost[client]);
-      for (int i = 0; i < std::min(pieces, 20); ++i) static_cast<void>(push(queue, client, cost[client], static_cast<int>(client)));
+      for (int i = 0; i < std::min(pieces, 20); ++i)
+        static_cast<void>(push(queue, client, cost[client], static_cast<int>(client)));
     }
   }
   std::vector<double> done(cost.size(), 0);
@@ -83,8 +85,7 @@ TEST(FairQueue, NobodyFillsTheRoomOfOthers) {
   int kept = 501;
   while (push(queue, 1, 1, 0, true)) ++kept;
   EXPECT_LE(kept, 750) << "but a quarter is never one client's";
-  while (push(queue, 4, 1, 0, true)) {
-  }
+  while (push(queue, 4, 1, 0, true)) {}
   EXPECT_FALSE(queue.has_room());
 }
 

@@ -37,7 +37,12 @@ class ServiceFrames : public testing::Test {
     return std::get<ObjectId>(world.define(definition));
   }
   static OpenContact contact_of(ObjectId a, ObjectId b) {
-    return {.a = a, .b = b, .a_triangle = 3, .b_triangle = 5, .episode = 11, .began_ns = 13,
+    return {.a = a,
+            .b = b,
+            .a_triangle = 3,
+            .b_triangle = 5,
+            .episode = 11,
+            .began_ns = 13,
             .contact = {.point = {1, 2, 3}, .normal = {4, 5, 6}, .depth_m = 7, .depth_error_m = 8},
             .surface = {.point = {1, 2, 3}, .normal = {9, 10, 11}, .depth_m = 12, .depth_error_m = 13}};
   }
@@ -48,8 +53,14 @@ class ServiceFrames : public testing::Test {
 TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
-  const Event event{.kind = EventKind::ended, .reason = EndReason::teleported, .sequence = 21,
-                    .of = contact_of(a, b), .bracket_low_s = 14, .bracket_high_s = 15, .relative_velocity = {16, 17, 18}, .velocity_error = 19};
+  const Event event{.kind = EventKind::ended,
+                    .reason = EndReason::teleported,
+                    .sequence = 21,
+                    .of = contact_of(a, b),
+                    .bracket_low_s = 14,
+                    .bracket_high_s = 15,
+                    .relative_velocity = {16, 17, 18},
+                    .velocity_error = 19};
   book.note(event.of, world);
   EventColumns columns;
   columns.add(event, book);
@@ -69,7 +80,8 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>(2, 5));
   EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>(2, 11));
   ASSERT_EQ(columns.numbers.size(), 2U * wire::width_of<wire::EventFrame>(wire::kEventColumns));
-  for (std::size_t i = 0; i < wire::width_of<wire::EventFrame>(wire::kEventColumns); ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
+  for (std::size_t i = 0; i < wire::width_of<wire::EventFrame>(wire::kEventColumns); ++i)
+    EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
   EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{a, b})) << "each once";
   EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
   columns.clear();
@@ -145,8 +157,14 @@ TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
   const ObjectId head = define("head", {0, 0, 3});
   const ObjectId wall = define("wall", {0, 0, 0});
   ProbeColumns columns;
-  columns.add("nozzle", {.object = head, .state = ProbeState::collision, .clearance_m = 1, .error_m = 2, .met = wall,
-                         .triangle = 5, .point = {3, 4, 5}, .normal = {6, 7, 8}});
+  columns.add("nozzle", {.object = head,
+                         .state = ProbeState::collision,
+                         .clearance_m = 1,
+                         .error_m = 2,
+                         .met = wall,
+                         .triangle = 5,
+                         .point = {3, 4, 5},
+                         .normal = {6, 7, 8}});
   columns.add("other", {.object = head, .state = ProbeState::nothing});
   columns.add("none", {.state = ProbeState::absent});
   columns.named.fill([&](ObjectId id) { return world.info(id)->name; });
@@ -155,7 +173,8 @@ TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
   EXPECT_EQ(columns.met, (std::vector<std::uint64_t>{wall, 0, 0}));
   EXPECT_EQ(columns.triangles[0], 5U);
   EXPECT_EQ(columns.triangles[1], kNoTriangle);
-  EXPECT_EQ(std::vector<double>(columns.numbers.begin(), columns.numbers.begin() + 8), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(std::vector<double>(columns.numbers.begin(), columns.numbers.begin() + 8),
+            (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(columns.numbers.size(), 24U);
   EXPECT_EQ(split(columns.probe_names), (Names{"nozzle", "other", "none"}));
   EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{head, wall}));
@@ -167,17 +186,25 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
   world.step(1, 1, {});
-      Answers answers;
+  Answers answers;
   answers.answers = {Verdict::hit, Verdict::miss, Verdict::undecided, Verdict::invalid};
   answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
   answers.levels = {2, 0, 1, 0};
   answers.hit_counts = {2, 0, 2, 0};
   answers.nodes = {10, 11, 12, 13};
   answers.exact_tests = {20, 21, 22, 23};
-  const AnswerHit hit{.object = b, .triangle = 5, .flags = kInside, .distance_m = 1, .error_m = 2, .exit_m = 3,
-                      .point = {4, 5, 6}, .point_error_m = 13, .normal = {7, 8, 9}, .weights = {10, 11, 12}};
-  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale},
-                  {.flags = kUncovered, .distance_m = 6}};
+  const AnswerHit hit{.object = b,
+                      .triangle = 5,
+                      .flags = kInside,
+                      .distance_m = 1,
+                      .error_m = 2,
+                      .exit_m = 3,
+                      .point = {4, 5, 6},
+                      .point_error_m = 13,
+                      .normal = {7, 8, 9},
+                      .weights = {10, 11, 12}};
+  answers.hits = {
+      hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}, {.flags = kUncovered, .distance_m = 6}};
   std::vector<std::uint64_t> named_in;
   std::uint64_t reply_number = 0;
   for (int reply = 0; reply < 2; ++reply) {
@@ -197,7 +224,8 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.triangles[0], 5U);
     EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{kInside, 0, kStale}));
     ASSERT_EQ(columns.numbers.size(), 3U * wire_contract::kHitNumbers);
-    for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
+    for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i)
+      EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
     EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);
     EXPECT_EQ(columns.uncovered_questions, std::vector<std::uint32_t>{2});
     EXPECT_EQ(columns.uncovered, (std::vector<double>{0, 0, 0, 6}));

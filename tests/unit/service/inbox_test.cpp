@@ -108,7 +108,8 @@ TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
   EXPECT_EQ(merged.incarnation, 2U);
   EXPECT_EQ(merged.sequence, 4U);
   EXPECT_EQ(merged.flags, 0) << "it was the earlier life that jumped";
-  EXPECT_EQ(merged.object_numbers, (std::vector<std::uint32_t>{2, 3, 4})) << "the room of the earlier life's is free again";
+  EXPECT_EQ(merged.object_numbers, (std::vector<std::uint32_t>{2, 3, 4}))
+      << "the room of the earlier life's is free again";
   EXPECT_EQ(inbox.counts().poses_superseded, 3U);
   EXPECT_EQ(inbox.counts().poses_dropped, 0U);
 }
@@ -127,7 +128,8 @@ TEST(Inbox, NothingOvertakesWhatWasMerged) {
   inbox.push(batch(5, {{2, 5}}));
   const std::vector<Arrival> next = drain(inbox);
   ASSERT_EQ(next.size(), 1U);
-  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(next[0])->object_numbers, std::vector<std::uint32_t>{2}) << "1 and 3 were told already";
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(next[0])->object_numbers, std::vector<std::uint32_t>{2})
+      << "1 and 3 were told already";
   EXPECT_EQ(inbox.counts().poses_superseded, 1U);
 }
 
@@ -181,7 +183,8 @@ TEST(Inbox, EveryRoundHasTheWholeRoom) {
     const std::vector<Arrival> arrivals = drain(inbox);
     ASSERT_EQ(arrivals.size(), 5U) << round;
     EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[2])->sequence, first);
-    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[3])->sequence, first + 1) << "merged before there was need";
+    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[3])->sequence, first + 1)
+        << "merged before there was need";
   }
 }
 

@@ -124,7 +124,9 @@ struct Book {
       entries.push_back(entry);
     }
   }
-  void erase(const std::string& key) { std::erase_if(entries, [&](const Journal::Entry& e) { return e.key == key; }); }
+  void erase(const std::string& key) {
+    std::erase_if(entries, [&](const Journal::Entry& e) { return e.key == key; });
+  }
 };
 
 /// Some changes; every state on the way, the last one last.
@@ -219,7 +221,8 @@ TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
   ASSERT_EQ(damage_of(whole), "");
   // Every cut, those exactly between two records included.
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    ASSERT_NE(damage_of(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "") << "cut at " << size;
+    ASSERT_NE(damage_of(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "")
+        << "cut at " << size;
   }
   for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 1 + random() % 16) {
     Bytes content = whole;
@@ -265,7 +268,9 @@ TEST(ServiceJournal, AFileOfBeforeThereWereCountsIsReadAndCountedFromThenOn) {
   std::mt19937_64 random = oracle::seeded(97);
   Platter platter;
   Bytes& content = platter.files["it"].content;
-  const auto append = [&](std::span<const std::byte> bytes) { content.insert(content.end(), bytes.begin(), bytes.end()); };
+  const auto append = [&](std::span<const std::byte> bytes) {
+    content.insert(content.end(), bytes.begin(), bytes.end());
+  };
   append(std::as_bytes(std::span(journal_layout::kMagicWithoutSlots)));
   Book book;
   for (std::uint64_t i = 0; i < 4; ++i) {
@@ -400,7 +405,8 @@ TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
   EXPECT_EQ(live(true)->commands_left().size(), 1u) << "the hall";
   {
     const auto next = live(true);
-    for (const char* name : {"front", "rear"}) next->probe_set(name, {.text = std::string("probe ") + name, .blob = {}});
+    for (const char* name : {"front", "rear"})
+      next->probe_set(name, {.text = std::string("probe ") + name, .blob = {}});
     next->probes_removed({"front", "none"});
   }
   ASSERT_EQ(live(true)->commands_left().size(), 2u);

@@ -76,9 +76,7 @@ TEST(Options, NumbersAreNeverOptions) {
   try {
     parse({"--unit", "-.5"});
     FAIL();
-  } catch (const OptionsError& error) {
-    EXPECT_EQ(std::string(error.what()).substr(0, 23), "world.unit is '-.5'; al");
-  }
+  } catch (const OptionsError& error) { EXPECT_EQ(std::string(error.what()).substr(0, 23), "world.unit is '-.5'; al"); }
 }
 
 // Each word of the configuration lands in the one field that it is about, by flag and by variable.
@@ -94,7 +92,10 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.threads", "3", [](const Options& o) { return o.threads == 3; }},
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
-      {"world.scenes", "a.obj,b.obj", [](const Options& o) { return o.scenes == std::vector<std::string>{"a.obj", "b.obj"}; }},
+      {"world.scenes", "a.obj,b.obj",
+       [](const Options& o) {
+         return o.scenes == std::vector<std::string>{"a.obj", "b.obj"};
+       }},
       {"world.unit", "mm", [](const Options& o) { return o.unit_m == 1e-3; }},
       {"world.up", "y", [](const Options& o) { return o.up == 'y'; }},
       {"world.mend", "2mm", [](const Options& o) { return o.mend_m == 2e-3; }},
@@ -109,19 +110,24 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"recorder.last", "10s", [](const Options& o) { return o.flight_recorder_ns == 10'000'000'000; }},
       {"dds.domain", "13", [](const Options& o) { return o.domain == 13; }},
       {"dds.interface", "eth7", [](const Options& o) { return o.interface == "eth7"; }},
-      {"dds.peers", "h1,h2", [](const Options& o) { return o.peers == std::vector<std::string>{"h1", "h2"}; }},
+      {"dds.peers", "h1,h2",
+       [](const Options& o) {
+         return o.peers == std::vector<std::string>{"h1", "h2"};
+       }},
       {"log.level", "warn", [](const Options& o) { return o.log_level == "warn"; }},
       {"log.json", "true", [](const Options& o) { return o.log_json; }},
   };
   EXPECT_EQ(std::size(rows), settings().size()) << "a setting without a row here";
   for (const Row& row : rows) {
-    const auto setting = std::find_if(settings().begin(), settings().end(), [&](const Setting& s) { return s.key == std::string(row.key); });
+    const auto setting = std::find_if(settings().begin(), settings().end(),
+                                      [&](const Setting& s) { return s.key == std::string(row.key); });
     ASSERT_NE(setting, settings().end()) << row.key;
     EXPECT_FALSE(row.is_set(plain)) << row.key;
     std::vector<ParsedOptions> given{parse({}, {{setting->variable, row.text}})};
     if (*setting->flag && *setting->value) given.push_back(parse({setting->flag, row.text}));
     for (const ParsedOptions& parsed : given) {
-      for (const Row& other : rows) EXPECT_EQ(other.is_set(parsed.options), &other == &row) << other.key << " by " << row.key;
+      for (const Row& other : rows)
+        EXPECT_EQ(other.is_set(parsed.options), &other == &row) << other.key << " by " << row.key;
     }
   }
 }
@@ -177,7 +183,8 @@ TEST(Options, CoversAreBoxes) {
   EXPECT_EQ(options.covers[0].low, Vec3(-1, 0, 0));
   EXPECT_EQ(options.covers[0].high, Vec3(1e-3, 2, 3));
   EXPECT_EQ(options.covers[1].high[0], HUGE_VAL);
-  for (const char* wrong : {"1,2,3", "0,0,0:1,1", "0,0,0:1,1,1,1", "0,0,0:-1,1,1", "0,0,nan:1,1,1", "0,0,0:1,1,1x", "0,0:0,1,1,1"}) {
+  for (const char* wrong :
+       {"1,2,3", "0,0,0:1,1", "0,0,0:1,1,1,1", "0,0,0:-1,1,1", "0,0,nan:1,1,1", "0,0,0:1,1,1x", "0,0:0,1,1,1"}) {
     EXPECT_THROW(parse({"--covers", wrong}), OptionsError) << wrong;
   }
 }
@@ -216,7 +223,8 @@ std::size_t edits_by_definition(std::string_view a, std::string_view b) {
   std::size_t fewest = std::min({edits_by_definition(a1, b) + 1, edits_by_definition(a, b1) + 1,
                                  edits_by_definition(a1, b1) + (a.back() == b.back() ? 0 : 1)});
   const bool are_swapped = a.size() > 1 && b.size() > 1 && a.back() == b[b.size() - 2] && b.back() == a[a.size() - 2];
-  if (are_swapped) fewest = std::min(fewest, edits_by_definition(a.substr(0, a.size() - 2), b.substr(0, b.size() - 2)) + 1);
+  if (are_swapped)
+    fewest = std::min(fewest, edits_by_definition(a.substr(0, a.size() - 2), b.substr(0, b.size() - 2)) + 1);
   return fewest;
 }
 
@@ -238,7 +246,8 @@ TEST(NearestWord, IsTheOneOfFewestEditsByDefinition) {
       fewest = edits;
       nearest = one;
     }
-    ASSERT_EQ(nearest_word(typed, words), nearest) << typed << " among " << words[0] << ", " << words[1] << ", " << words[2];
+    ASSERT_EQ(nearest_word(typed, words), nearest)
+        << typed << " among " << words[0] << ", " << words[1] << ", " << words[2];
   }
 }
 

@@ -175,7 +175,8 @@ TEST_F(PublishersTest, StampsThatJumpOrAreMissingAreCounted) {
   };
   constexpr std::int64_t kHourNs = 3'600'000'000'000;
   say(2, now_ns, 1);
-  EXPECT_EQ(publishers.counts().stamps_jumped + publishers.counts().stamps_missing + publishers.counts().stamps_late, 0U);
+  EXPECT_EQ(publishers.counts().stamps_jumped + publishers.counts().stamps_missing + publishers.counts().stamps_late,
+            0U);
   say(3, now_ns + kHourNs, 2);
   EXPECT_EQ(publishers.counts().stamps_jumped, 1U);
   say(4, now_ns + kHourNs, 3);
@@ -544,7 +545,8 @@ TEST_F(PublishersTest, AWriterThatIsBackCountsAsAlive) {
 
 // What waits is dropped from its old end; what is applied at last is the newest of what was kept, in order.
 TEST_F(PublishersTest, AFullWaitingRoomKeepsTheNewestPoses) {
-  for (std::uint64_t i = 0; i < 4; ++i) move(pose(5 + i, {{1, static_cast<double>(2 + i)}, {static_cast<std::uint32_t>(2 + i), 9}}, 4));
+  for (std::uint64_t i = 0; i < 4; ++i)
+    move(pose(5 + i, {{1, static_cast<double>(2 + i)}, {static_cast<std::uint32_t>(2 + i), 9}}, 4));
   EXPECT_EQ(publishers.counts().batches_dropped, 2U);
   define(definition(1, 4, "ball"));
   step();

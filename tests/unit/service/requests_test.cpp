@@ -106,12 +106,15 @@ TEST(SourceClock, WhatANetworkHeldBackIsNoJump) {
   const std::int64_t start = 1'700'000'000 * kSecond;
   clock.stamp(start, start);
   EXPECT_EQ(clock.stamp(start + kSecond / 10, start + 3 * kSecond).kind, StampKind::good) << "held back for 3 s";
-  EXPECT_EQ(clock.stamp(start + 3 * kSecond, start + 3 * kSecond + 1).kind, StampKind::good) << "the next was not sent for as long";
-  EXPECT_EQ(clock.stamp(start + 4 * kSecond, start + 3 * kSecond + 2).kind, StampKind::jumped) << "a second that is to come";
+  EXPECT_EQ(clock.stamp(start + 3 * kSecond, start + 3 * kSecond + 1).kind, StampKind::good)
+      << "the next was not sent for as long";
+  EXPECT_EQ(clock.stamp(start + 4 * kSecond, start + 3 * kSecond + 2).kind, StampKind::jumped)
+      << "a second that is to come";
   SourceClock simulated;
   simulated.stamp(start, start);
   for (int i = 1; i <= 20; ++i) simulated.stamp(start + i * kSecond / 4, start + i * kSecond / 40);
-  EXPECT_EQ(simulated.stamp(start + 6 * kSecond, start + 2 * kSecond).kind, StampKind::good) << "ahead already, and paused";
+  EXPECT_EQ(simulated.stamp(start + 6 * kSecond, start + 2 * kSecond).kind, StampKind::good)
+      << "ahead already, and paused";
 }
 
 // Nanoseconds since boot count from where the first batch came, and go on as the publisher's clock does.
@@ -287,7 +290,8 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
   using wire_contract::kMaxQuestionsPerRequest;
   EXPECT_EQ(refusal([](wire::Query&) {}), "");
   EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 3; }), "");
-  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 4; }).find("they count from 0"), std::string::npos);
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 4; }).find("they count from 0"),
+            std::string::npos);
   EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 0; }), "");
   EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest + 1; }), "");
@@ -365,7 +369,8 @@ TEST_F(ReplyFilling, AQuestionThatMeetsTheSameObjectsAgainHasRoom) {
   constexpr std::uint32_t kObjects = 320;
   fill(kObjects, 1, wire_contract::kMaxNameBytes);
   ASSERT_EQ(answers.hits.size(), kObjects);
-  while (answers.hits.size() < wire_contract::kMaxHitsPerChunk) answers.hits.push_back(answers.hits[answers.hits.size() % kObjects]);
+  while (answers.hits.size() < wire_contract::kMaxHitsPerChunk)
+    answers.hits.push_back(answers.hits[answers.hits.size() % kObjects]);
   answers.hit_counts[0] = static_cast<std::uint32_t>(answers.hits.size());
   const auto state = world.newest();
   ReplyFiller filler(*state, answers, named_in, reply_number);

@@ -28,7 +28,8 @@ class ServiceStartScenes : public testing::Test {
     return testing::internal::GetCapturedStdout();
   }
   World world_{WorldOptions{}};
-  const std::filesystem::path folder_ = std::filesystem::temp_directory_path() / ("collided_start_scenes_" + std::to_string(getpid()));
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("collided_start_scenes_" + std::to_string(getpid()));
 };
 
 TEST_F(ServiceStartScenes, TheirUnitAndWhatPointsUpAreThoseOfTheOptions) {
@@ -63,7 +64,8 @@ TEST_F(ServiceStartScenes, TheSecondsOfALoadAreNoMoreThanPassedAroundItAndNotNon
 
 TEST_F(ServiceStartScenes, AllThatAreNamedAreThereInOrder) {
   Options options;
-  options.scenes = {file("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
+  options.scenes = {file("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+                    file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   load(options);
   const SnapshotRing::Lease state = world_.newest();
   ASSERT_EQ(state->scenes.size(), 2U);

@@ -105,7 +105,8 @@ class WorldLoopTest : public ::testing::Test {
   void start(const LoopOptions& options = {}) {
     loop = std::make_unique<WorldLoop>(
         WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions,
-                          [this](AskPointer) { ++admitted; }, [] {}, [this](const std::string& sentence) { books.note(sentence); }},
+                                 [this](AskPointer) { ++admitted; }, [] {},
+                                 [this](const std::string& sentence) { books.note(sentence); }},
         options);
     thread = std::thread([this] { loop->run(); });
   }
@@ -239,7 +240,8 @@ TEST_F(WorldLoopTest, AFenceOpensWhenTheSampleIsInAState) {
   EXPECT_TRUE(books.wait([&] { return admitted.load() == 1; }));
   const SnapshotRing::Lease state = world.newest();
   const auto& objects = *state->objects;
-  const auto ball = std::find_if(objects.begin(), objects.end(), [](const auto& info) { return info && info->name == "ball1"; });
+  const auto ball =
+      std::find_if(objects.begin(), objects.end(), [](const auto& info) { return info && info->name == "ball1"; });
   ASSERT_NE(ball, objects.end());
   EXPECT_EQ(state->poses[slot_of((*ball)->id)].position.x(), 1);
 }
@@ -321,7 +323,8 @@ TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
   EXPECT_TRUE(books.wait([&] { return books.statuses > statuses; })) << "what was taken in is counted after it";
   const StepSums& sums = loop->sums();
   const std::uint64_t taken_ns = sums.take_ns.get();
-  const std::uint64_t stepped_ns = sums.update_ns.get() + sums.index_ns.get() + sums.test_ns.get() + sums.publish_ns.get();
+  const std::uint64_t stepped_ns =
+      sums.update_ns.get() + sums.index_ns.get() + sums.test_ns.get() + sums.publish_ns.get();
   const std::chrono::nanoseconds elapsed = std::chrono::steady_clock::now() - before;
   EXPECT_GE(sums.steps.get(), kRounds) << "each of the poses is looked at";
   EXPECT_GT(taken_ns, 0U);
@@ -332,8 +335,18 @@ TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
 TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
   std::atomic<bool> adding{true};
   loop = std::make_unique<WorldLoop>(
-      WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions, [](AskPointer) {}, [] {},
-                        [this](const std::string& sentence) { books.note(sentence); }, {}, [&] { return adding.load(); }},
+      WorldLoop::Collaborators{world,
+                               clock,
+                               inbox,
+                               books,
+                               write_barriers,
+                               leases,
+                               questions,
+                               [](AskPointer) {},
+                               [] {},
+                               [this](const std::string& sentence) { books.note(sentence); },
+                               {},
+                               [&] { return adding.load(); }},
       LoopOptions{.step_ns = 0, .recovery_ns = 1, .limits = {}});
   thread = std::thread([this] { loop->run(); });
   EXPECT_TRUE(books.wait([&] { return books.statuses > 4; }));
@@ -358,7 +371,8 @@ TEST_F(WorldLoopTest, AWayThatCannotBeFollowedIsSaid) {
   define(1, {0, 0, 0}, false, {{}, std::make_shared<const TriangleMesh>(scenes::icosphere(2, 1))});
   define(2, {-1e300, 0, 0}, false, {{Box{.center = Vec3::Zero(), .half_m = {1, 2, 1}}}, nullptr});
   move(2, {1e300, 0, 0});
-  EXPECT_TRUE(books.wait([&] { return books.notices.find("could not be followed from pose to pose") != std::string::npos; }));
+  EXPECT_TRUE(
+      books.wait([&] { return books.notices.find("could not be followed from pose to pose") != std::string::npos; }));
 }
 
 // Every pose that came is in one of the two counts, and every object in those that it belongs to.
@@ -373,24 +387,25 @@ TEST_F(WorldLoopTest, TheStatusCountsEverything) {
   questions.undecided = 33;
   define(1, {0, 0, 0});
   define(2, {5, 0, 0});
-  move(9, {0, 0, 1});                                                 // of nobody
-  move(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});          // refused
+  move(9, {0, 0, 1});                                         // of nobody
+  move(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});  // refused
   move(1, {0, 0, 1});
   sequence -= 1;
-  move(1, {0, 0, 2});                                                 // the same number again: late
+  move(1, {0, 0, 2});  // the same number again: late
   const std::size_t batches = InboxLimits{}.batches;
   for (std::size_t i = 4; i < batches; ++i) move(1, {0, 0, 3});
-  for (int i = 0; i < 3; ++i) move(1, {0, 0, 4});                     // two of them are superseded
+  for (int i = 0; i < 3; ++i) move(1, {0, 0, 4});  // two of them are superseded
   auto malformed = inbox.spare();
   malformed->publisher = 7;
   malformed->incarnation = 1;
   malformed->object_numbers = {1, 2};
   malformed->poses.clear();
-  inbox.push(std::move(malformed));                                   // two dropped
+  inbox.push(std::move(malformed));  // two dropped
   start();
   // What was merged leaves a gap of numbers, which is waited for before it is given up.
   const std::vector<std::uint64_t> applied{sequence};
-  EXPECT_TRUE(books.wait([&] { return books.status.poses_applied == batches - 2 && books.status.applied_sequences == applied; }));
+  EXPECT_TRUE(books.wait(
+      [&] { return books.status.poses_applied == batches - 2 && books.status.applied_sequences == applied; }));
   const std::lock_guard lock(books.mutex);
   EXPECT_EQ(books.status.poses_dropped, 7U);
   EXPECT_EQ(books.status.object_count, 3U);

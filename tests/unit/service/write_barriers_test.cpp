@@ -6,7 +6,8 @@
 namespace collided::engine::service {
 namespace {
 
-AskPointer fenced(std::uint64_t publisher, std::uint64_t sequence, std::int64_t taken_ns = 0, std::int64_t deadline_ns = 0) {
+AskPointer fenced(std::uint64_t publisher, std::uint64_t sequence, std::int64_t taken_ns = 0,
+                  std::int64_t deadline_ns = 0) {
   auto ask = std::make_unique<Ask>();
   ask->query->fence_publisher = publisher;
   ask->query->fence_sequence = sequence;
@@ -17,7 +18,9 @@ AskPointer fenced(std::uint64_t publisher, std::uint64_t sequence, std::int64_t 
 
 WriteBarriers::Outcome pass(WriteBarriers& write_barriers, AskPointer ask) { return write_barriers.pass(ask); }
 
-std::size_t overdue(WriteBarriers& write_barriers, std::int64_t now_ns) { return write_barriers.take_overdue(now_ns).size(); }
+std::size_t overdue(WriteBarriers& write_barriers, std::int64_t now_ns) {
+  return write_barriers.take_overdue(now_ns).size();
+}
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
@@ -67,7 +70,8 @@ TEST(WriteBarriers, WhoNamesNoPublisherPassesAndWhoHasPassedDoesAgain) {
 // Another publisher's samples, however many, are not those that were waited for.
 TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
   WriteBarriers write_barriers;
-  for (const std::uint64_t publisher : {6, 7, 8}) ASSERT_EQ(pass(write_barriers, fenced(publisher, 5)), WriteBarriers::Outcome::parked);
+  for (const std::uint64_t publisher : {6, 7, 8})
+    ASSERT_EQ(pass(write_barriers, fenced(publisher, 5)), WriteBarriers::Outcome::parked);
   write_barriers.update({{6, 4}, {8, 100}, {9, 100}});
   const std::vector<AskPointer> ready = write_barriers.take_ready();
   ASSERT_EQ(ready.size(), 1U);
@@ -82,7 +86,8 @@ TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
 
 TEST(WriteBarriers, SoManyWaitAndNoMore) {
   WriteBarriers write_barriers;
-  for (std::size_t i = 0; i < WriteBarriers::kMost; ++i) ASSERT_EQ(pass(write_barriers, fenced(7, 5)), WriteBarriers::Outcome::parked);
+  for (std::size_t i = 0; i < WriteBarriers::kMost; ++i)
+    ASSERT_EQ(pass(write_barriers, fenced(7, 5)), WriteBarriers::Outcome::parked);
   AskPointer one_more = fenced(7, 5);
   EXPECT_EQ(write_barriers.pass(one_more), WriteBarriers::Outcome::full);
   EXPECT_TRUE(one_more) << "whoever is turned away is to be told";

@@ -16,15 +16,16 @@
 namespace collided::engine {
 namespace {
 
-
 class WorldByHand : public testing::Test {
  protected:
   void load(TriangleMesh mesh, const Filter& filter = {}) {
     Scene scene;
     scene.name = "scene";
     scene.mesh = std::move(mesh);
-    scene.parts = {{.name = "part", .first_triangle = 0,
-                    .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()), .filter = filter}};
+    scene.parts = {{.name = "part",
+                    .first_triangle = 0,
+                    .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()),
+                    .filter = filter}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
     ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
   }
@@ -71,7 +72,8 @@ class WorldByHand : public testing::Test {
 };
 
 TriangleMesh square(double half_m, double z) {
-  return {{{-half_m, -half_m, z}, {half_m, -half_m, z}, {half_m, half_m, z}, {-half_m, half_m, z}}, {{0, 1, 2}, {0, 2, 3}}};
+  return {{{-half_m, -half_m, z}, {half_m, -half_m, z}, {half_m, half_m, z}, {-half_m, half_m, z}},
+          {{0, 1, 2}, {0, 2, 3}}};
 }
 
 TEST_F(WorldByHand, ARayMeetsNothingOfASceneThatMayNotAnswer) {
@@ -117,7 +119,8 @@ TEST_F(WorldByHand, WhatIsPlacedOntoTheFirstObjectTouchesIt) {
 // Few that move among many that never do: each is looked for, whatever stood there before it.
 TEST_F(WorldByHand, EveryOneOfAFewMoversMeetsWhatWasThereFirst) {
   std::vector<ObjectId> posts;
-  for (int i = 0; i < 60; ++i) posts.push_back(define("post" + std::to_string(i), {10.0 + 2 * i, 0, 0}, ball(0.5), false));
+  for (int i = 0; i < 60; ++i)
+    posts.push_back(define("post" + std::to_string(i), {10.0 + 2 * i, 0, 0}, ball(0.5), false));
   const ObjectId one = define("one", {16.75, 0, 0}, ball(0.5));
   const ObjectId other = define("other", {24.75, 0, 0}, ball(0.5));
   step();
@@ -220,11 +223,13 @@ TEST_F(WorldByHand, NothingIsNearerThanWhatHoldsThePointWhateverErrorIsAsked) {
   define("ball", {0, 0, 0}, ball(1));
   define("other", {5, 0, 0}, ball(1));
   step();
-  const Answers inside = ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {0.25, 0, 0, 9});
+  const Answers inside =
+      ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {0.25, 0, 0, 9});
   ASSERT_EQ(inside.hits.size(), 1U);
   EXPECT_TRUE(inside.hits[0].is_at_start());
   EXPECT_TRUE(std::isfinite(inside.hits[0].point_error_m));
-  const Answers outside = ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {2.25, 0, 0, 9});
+  const Answers outside =
+      ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {2.25, 0, 0, 9});
   ASSERT_EQ(outside.hits.size(), 1U);
   EXPECT_NEAR(outside.hits[0].distance_m, 1.25, outside.hits[0].error_m);
   EXPECT_GT(outside.hits[0].error_m, 1e-3) << "half of it may lie nearer";
@@ -278,7 +283,9 @@ TEST_F(WorldByHand, AnAnswerSaysHowExactlyItHadToBeDecided) {
   define("box", {0, 0, 0}, box);
   step();
   const double k = 0.5 + 0x1p-31;
-  const auto level_of = [&](double x) { return ask({.kind = QuestionKind::sphere, .numbers = {}}, {x, 4 * k, 0, 5 * k}).levels.at(0); };
+  const auto level_of = [&](double x) {
+    return ask({.kind = QuestionKind::sphere, .numbers = {}}, {x, 4 * k, 0, 5 * k}).levels.at(0);
+  };
   EXPECT_GT(level_of(3 * k), 0) << "exactly";
   EXPECT_EQ(level_of(0.125), 0) << "far inside";
   EXPECT_EQ(level_of(2), 0) << "far outside";
@@ -306,7 +313,8 @@ TEST_F(WorldByHand, AStepCountsItsExactTests) {
 }
 
 TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
-  for (int i = 0; i < 8; ++i) define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
+  for (int i = 0; i < 8; ++i)
+    define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
   step();
   const SnapshotRing::Lease lease = world.newest();
   const std::vector<MenuRow> menu = menu_of(*lease, {.questions = 200, .seed = 7, .cancelled = {}});
@@ -329,7 +337,8 @@ TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
 }
 
 TEST_F(WorldByHand, ThePriceListSaysTheSameOfTheSameQuestions) {
-  for (int i = 0; i < 8; ++i) define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
+  for (int i = 0; i < 8; ++i)
+    define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
   step();
   const SnapshotRing::Lease lease = world.newest();
   const std::vector<MenuRow> first = menu_of(*lease, {.questions = 200, .seed = 7, .cancelled = {}});
@@ -352,7 +361,8 @@ TEST_F(WorldByHand, ThePlanSaysWhatATriangleOfTheIndexCosts) {
   const SnapshotRing::Lease lease = world.newest();
   const StaticScene& scene = *lease->scenes[0];
   char bytes[64];
-  std::snprintf(bytes, sizeof bytes, " references and %.1f bytes a triangle, ", static_cast<double>(scene.bytes()) / 128);
+  std::snprintf(bytes, sizeof bytes, " references and %.1f bytes a triangle, ",
+                static_cast<double>(scene.bytes()) / 128);
   ASSERT_EQ(scene.mesh.triangles.size(), 128U);
   const PlanRow tree = plan_of(*lease, false)[0];
   EXPECT_EQ(tree.structure, "bvh (static)");
@@ -419,7 +429,8 @@ TEST_F(WorldByHand, OneSureHitIsEnoughForWhoAsksForAnyAlone) {
   wall.mesh = std::make_shared<const TriangleMesh>(TriangleMesh{{a, b, {-1, 1, 2}}, {{0, 1, 2}}});
   define("wall", {0, 0, 0}, wall);
   step();
-  const std::vector<double> ray{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
+  const std::vector<double> ray{origin.x(),    origin.y(),    origin.z(), direction.x(),
+                                direction.y(), direction.z(), INFINITY};
   const auto asked = [&](HitMode mode, Level highest) {
     return ask({.kind = QuestionKind::ray, .mode = mode, .highest = highest, .numbers = {}}, ray);
   };

@@ -83,7 +83,8 @@ TEST_P(WorldAskedAgain, EachFilterIsThatOfItsOwnQuestion) {
       ASSERT_TRUE(asked.agrees(*state, first)) << before;
       const Answers of_first = asked.last;
       ASSERT_TRUE(asked.agrees(*state, second)) << now << " after " << before;
-      EXPECT_TRUE(&first == &second || !are_same(asked.last, of_first)) << now << " and " << before << " show no difference";
+      EXPECT_TRUE(&first == &second || !are_same(asked.last, of_first))
+          << now << " and " << before << " show no difference";
     }
   }
 }
@@ -124,7 +125,8 @@ TEST_P(WorldAskedAgain, WhatCameOrWentSinceIsSeen) {
     }
     (*mixed).step(++time_ns, 1, {});
     ASSERT_TRUE(asked.agrees(*(*mixed).newest(), questions));
-    const bool is_found = std::any_of(asked.last.hits.begin(), asked.last.hits.end(), [&](const AnswerHit& hit) { return giant && hit.object == *giant; });
+    const bool is_found = std::any_of(asked.last.hits.begin(), asked.last.hits.end(),
+                                      [&](const AnswerHit& hit) { return giant && hit.object == *giant; });
     EXPECT_EQ(is_found, is_there);
   }
   (*mixed).remove_scene("sheet");
@@ -171,7 +173,9 @@ TEST_P(WorldAskedAgain, AnOlderStateIsAnsweredAsItWas) {
   EXPECT_TRUE(are_same(first, asked.last));
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryKind, WorldAskedAgain, testing::Values(QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near),
+INSTANTIATE_TEST_SUITE_P(EveryKind, WorldAskedAgain,
+                         testing::Values(QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
+                                         QuestionKind::near),
                          [](const auto& kind) { return std::string(name_of(kind.param)); });
 
 }  // namespace

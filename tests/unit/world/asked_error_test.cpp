@@ -50,7 +50,8 @@ TEST(WorldAskedError, RaysAreNeverOffByMoreThanAsked) {
   std::vector<double> numbers;
   for (int i = 0; i < 500; ++i) {
     const Vec3 origin = mixed.point(6), direction = mixed.point(3) - origin;
-    numbers.insert(numbers.end(), {origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY});
+    numbers.insert(numbers.end(),
+                   {origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY});
   }
   const auto state = (*mixed).newest();
   for (const double error_m : kErrors_m) {
@@ -69,12 +70,11 @@ TEST(WorldAskedError, NearestDistancesAreNeverOffByMoreThanAskedAndCostLess) {
   const auto state = (*mixed).newest();
   for (const std::uint32_t nearest : {1u, 4u}) {
     for (const double error_m : kErrors_m) {
-      const Asked asked = ask_both(*state, {.kind = QuestionKind::near, .max_hits = nearest, .numbers = numbers}, error_m);
+      const Asked asked =
+          ask_both(*state, {.kind = QuestionKind::near, .max_hits = nearest, .numbers = numbers}, error_m);
       expect_promise_kept(asked, error_m);
       EXPECT_LE(asked.loose_nodes, asked.exact_nodes);
-      if (error_m >= 2) {
-        EXPECT_LT(asked.loose_nodes, asked.exact_nodes) << "half a scene of slack saves nothing";
-      }
+      if (error_m >= 2) { EXPECT_LT(asked.loose_nodes, asked.exact_nodes) << "half a scene of slack saves nothing"; }
     }
   }
 }
@@ -112,7 +112,8 @@ TEST(WorldAskedError, AGrazingDistanceIsSharpenedOnlyForWhoNeedsIt) {
   const Vec3 target = (mesh->vertices[0] + mesh->vertices[1] + mesh->vertices[2]) / 3;
   const Vec3 direction = along - 1e-9 * normal;
   const Vec3 origin = target - 100 * direction;
-  const std::vector<double> numbers{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
+  const std::vector<double> numbers{origin.x(),    origin.y(),    origin.z(), direction.x(),
+                                    direction.y(), direction.z(), INFINITY};
   const Asked asked = ask_both(*world.newest(), {.kind = QuestionKind::ray, .numbers = numbers}, 1e-2);
   ASSERT_EQ(asked.exact.answers[0], Verdict::hit);
   expect_promise_kept(asked, 1e-2);

@@ -87,7 +87,8 @@ TEST_F(WorldAudit, ADistanceOutsideItsBoundIsSeen) {
   for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::near}) {
     for (const bool is_solid : {true, false}) {
       do ask(kind);
-      while (given_.hits.empty() || given_.hits[0].is_at_start() || is_solid != (given_.hits[0].triangle == kNoTriangle));
+      while (given_.hits.empty() || given_.hits[0].is_at_start() ||
+             is_solid != (given_.hits[0].triangle == kNoTriangle));
       const double told_m = given_.hits[0].distance_m;
       for (const double side : {1.0, -1.0}) {
         given_.hits[0].distance_m = told_m + side * (3 * given_.hits[0].error_m + 1e-14 * told_m);

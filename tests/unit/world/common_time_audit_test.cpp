@@ -17,7 +17,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr std::int64_t kStart = 1'000'000'000'000;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr double kRadius_m = 0.5;
@@ -41,11 +40,14 @@ struct Ball {
   Vec3 at(std::int64_t time_ns, bool before_jump = false) const {
     Vec3 place = start;
     for (const Way& displacement : motions) {
-      if (time_ns < displacement.from_ns || (before_jump && displacement.from_ns == displacement.to_ns && time_ns == displacement.to_ns)) break;
+      if (time_ns < displacement.from_ns ||
+          (before_jump && displacement.from_ns == displacement.to_ns && time_ns == displacement.to_ns))
+        break;
       if (time_ns >= displacement.to_ns) {
         place = displacement.to;
       } else {
-        const double share = static_cast<double>(time_ns - displacement.from_ns) / static_cast<double>(displacement.to_ns - displacement.from_ns);
+        const double share = static_cast<double>(time_ns - displacement.from_ns) /
+                             static_cast<double>(displacement.to_ns - displacement.from_ns);
         place = displacement.from + share * (displacement.to - displacement.from);
       }
     }
@@ -70,7 +72,8 @@ struct PairState {
 class Audit {
  public:
   explicit Audit(std::mt19937_64& random) : random_(random) {
-    for (std::uint64_t publisher = 1; publisher <= kPublishers; ++publisher) lag_ns_[publisher] = up_to(200 * kMs) - 50 * kMs;
+    for (std::uint64_t publisher = 1; publisher <= kPublishers; ++publisher)
+      lag_ns_[publisher] = up_to(200 * kMs) - 50 * kMs;
     step();
   }
 
@@ -175,10 +178,13 @@ class Audit {
     for (const auto& [id, ball] : balls_) {
       if (ball.publisher == publisher && chance(share)) posed.push_back(id);
     }
-    if (std::any_of(posed.begin(), posed.end(), [&](ObjectId id) { return world_.has_moved(id) && balls_.at(id).birth_ns != 0; })) step();
+    if (std::any_of(posed.begin(), posed.end(),
+                    [&](ObjectId id) { return world_.has_moved(id) && balls_.at(id).birth_ns != 0; }))
+      step();
     const bool is_late = chance(0.05);
     std::int64_t time_ns = now_ns_ - lag_ns_[publisher] - (is_late ? up_to(500 * kMs) : 0);
-    if (voices_.contains(publisher)) time_ns = std::max(time_ns, voices_[publisher].known_ns - (is_late ? 100 * kMs : -1));
+    if (voices_.contains(publisher))
+      time_ns = std::max(time_ns, voices_[publisher].known_ns - (is_late ? 100 * kMs : -1));
     for (const ObjectId id : posed) {
       if (posed_.insert(id).second) pose(id, time_ns, chance(0.1));
     }
@@ -217,7 +223,8 @@ class Audit {
     EXPECT_TRUE(world_.move(id, {.position = to}, time_ns, teleport));
     time_ns = admitted(voice, time_ns);
     std::int64_t since_ns = std::max({ball.posed_ns, ball.birth_ns, voice.settled_ns});
-    if (voice.is_timed && ball.birth_ns != 0) since_ns = std::max(since_ns, time_ns > voice.known_ns ? voice.known_ns : voice.before_ns);
+    if (voice.is_timed && ball.birth_ns != 0)
+      since_ns = std::max(since_ns, time_ns > voice.known_ns ? voice.known_ns : voice.before_ns);
     time_ns = std::max(time_ns, ball.posed_ns);
     if (teleport || ball.birth_ns == 0) since_ns = time_ns;
     ball.motions.push_back({std::min(since_ns, time_ns), time_ns, ball.end, to});
@@ -257,7 +264,8 @@ class Audit {
   }
 
   bool any_of_silently(std::uint64_t publisher) const {
-    return std::any_of(balls_.begin(), balls_.end(), [&](const auto& entry) { return entry.second.publisher == publisher; });
+    return std::any_of(balls_.begin(), balls_.end(),
+                       [&](const auto& entry) { return entry.second.publisher == publisher; });
   }
 
   void judge(const Pair& pair, const Ball& a, const Ball& b, const std::map<Pair, int>& told) {
@@ -271,7 +279,8 @@ class Audit {
       const bool begins_here = begin_ns > state.decided_ns;
       passed_by_floor += begins_here && state.decided_ns > std::max(a.birth_ns, b.birth_ns) ? 1 : 0;
       if (begins_here) instant(a, b, begin_ns, state, expected);
-      if (to_ns > std::max(begin_ns, state.decided_ns)) go(a, b, std::max(begin_ns, state.decided_ns), to_ns, state, expected);
+      if (to_ns > std::max(begin_ns, state.decided_ns))
+        go(a, b, std::max(begin_ns, state.decided_ns), to_ns, state, expected);
       state.decided_ns = std::max(state.decided_ns, to_ns);
     } else {
       ++waited;
@@ -285,9 +294,10 @@ class Audit {
     ++checked;
     begins += expected;
     if (holds == state.is_held && told_begins == expected) return;
-    fault = world_.info(pair.first)->name + " of " + std::to_string(a.publisher) + " and " + world_.info(pair.second)->name + " of " +
-            std::to_string(b.publisher) + (holds ? " are" : " are not") + " in contact, begun " + std::to_string(told_begins) +
-            " times, expected " + (state.is_held ? "contact, " : "none, ") + std::to_string(expected) + "; known to " +
+    fault = world_.info(pair.first)->name + " of " + std::to_string(a.publisher) + " and " +
+            world_.info(pair.second)->name + " of " + std::to_string(b.publisher) + (holds ? " are" : " are not") +
+            " in contact, begun " + std::to_string(told_begins) + " times, expected " +
+            (state.is_held ? "contact, " : "none, ") + std::to_string(expected) + "; known to " +
             std::to_string(to_ns - kStart) + ", both there from " + std::to_string(begin_ns - kStart) + ", floor " +
             std::to_string(floor_ns_ - kStart) + ", now " + std::to_string(now_ns_ - kStart);
   }
@@ -318,7 +328,8 @@ class Audit {
   /// The distance of two straight ways has one minimum: they meet at most once.
   static void piece(const Vec3& from, const Vec3& to, PairState& state, int& expected) {
     const Vec3 displacement = to - from;
-    const double share = displacement.squaredNorm() > 0 ? std::clamp(-from.dot(displacement) / displacement.squaredNorm(), 0.0, 1.0) : 0;
+    const double share =
+        displacement.squaredNorm() > 0 ? std::clamp(-from.dot(displacement) / displacement.squaredNorm(), 0.0, 1.0) : 0;
     const double gap_m = (from + share * displacement).norm() - 2 * kRadius_m;
     state.is_doubtful = state.is_doubtful || std::abs(gap_m) < 1e-9;
     expected += gap_m <= 0 && !state.is_held ? 1 : 0;

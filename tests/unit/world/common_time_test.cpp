@@ -53,7 +53,8 @@ class Arrivals {
   explicit Arrivals(std::vector<std::pair<std::size_t, MovingBody>> bodies, bool streamed = false)
       : bodies_(std::move(bodies)), streamed_(streamed) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      for (const Instant& instant : bodies_[i].second.instants) batches_[bodies_[i].first][instant.time_ns].push_back(i);
+      for (const Instant& instant : bodies_[i].second.instants)
+        batches_[bodies_[i].first][instant.time_ns].push_back(i);
     }
   }
 
@@ -101,7 +102,8 @@ class Arrivals {
     std::vector<Pose> poses;
     for (const std::size_t i : members) {
       const auto& instants = bodies_[i].second.instants;
-      const auto at = std::find_if(instants.begin(), instants.end(), [&](const Instant& x) { return x.time_ns == time_ns; });
+      const auto at =
+          std::find_if(instants.begin(), instants.end(), [&](const Instant& x) { return x.time_ns == time_ns; });
       // Who rests may be left out.
       if (at != instants.begin() && at->position == std::prev(at)->position) continue;
       moved_ids.push_back(ids[i]);
@@ -114,7 +116,10 @@ class Arrivals {
 
   static void note(const World& world, const Event& event, std::int64_t now_ns, Story& story) {
     const auto time = [&](double seconds_ago) { return now_ns - std::llround(seconds_ago * 1e9); };
-    Told told{.kind = event.kind, .reason = event.reason, .low_ns = time(event.bracket_low_s), .high_ns = time(event.bracket_high_s)};
+    Told told{.kind = event.kind,
+              .reason = event.reason,
+              .low_ns = time(event.bracket_low_s),
+              .high_ns = time(event.bracket_high_s)};
     told.depth_bits = std::bit_cast<std::uint64_t>(event.of.contact.depth_m);
     for (int k = 0; k < 3; ++k) {
       told.velocity_bits[static_cast<std::size_t>(k)] = std::bit_cast<std::uint64_t>(event.relative_velocity[k] + 0.0);
@@ -155,8 +160,9 @@ Story two_flights(const MovingBody& a, const MovingBody& b, double step_chance =
 TEST(WorldCommonTime, TwoPublishersBallsThatMeetBetweenTheirPosesAreTold) {
   for (const std::int64_t apart_ns : {std::int64_t{0}, 2 * kMs, 5 * kMs, 9 * kMs}) {
     const std::int64_t meet_ns = kStart + 105 * kMs;
-    const std::vector<Told> told = only_story(two_flights(flight(0.1, {0, 0, 50}, {200, 0, 0}, meet_ns, 0, 10 * kMs, 21),
-                                                          flight(0.1, {0, 0, 50}, {0, 200, 0}, meet_ns, apart_ns, 10 * kMs, 21)));
+    const std::vector<Told> told =
+        only_story(two_flights(flight(0.1, {0, 0, 50}, {200, 0, 0}, meet_ns, 0, 10 * kMs, 21),
+                               flight(0.1, {0, 0, 50}, {0, 200, 0}, meet_ns, apart_ns, 10 * kMs, 21)));
     ASSERT_EQ(told.size(), 2u) << apart_ns;
     EXPECT_EQ(told[0].kind, EventKind::began);
     EXPECT_EQ(told[1].kind, EventKind::ended);
@@ -185,7 +191,8 @@ TEST(WorldCommonTime, OnePublishersStreamedObjectsMoveBetweenTheirOwnPoses) {
   const std::int64_t meet_ns = kStart + 105 * kMs;
   for (const double beside_m : {0.0, 0.6}) {
     Arrivals arrivals({{0, flight(0.1, {0, 0, 50}, {200, 0, 0}, meet_ns, 0, 10 * kMs, 21)},
-                       {0, flight(0.1, {0, beside_m, 50}, {0, 200, 0}, meet_ns, 2 * kMs, 10 * kMs, 21)}}, true);
+                       {0, flight(0.1, {0, beside_m, 50}, {0, 200, 0}, meet_ns, 2 * kMs, 10 * kMs, 21)}},
+                      true);
     std::mt19937_64 random(1);
     const Story story = arrivals.tell(std::vector<std::size_t>(42, 0), random, 0.5);
     EXPECT_EQ(story.size(), beside_m == 0 ? 1u : 0u);
@@ -196,8 +203,9 @@ TEST(WorldCommonTime, OnePublishersStreamedObjectsMoveBetweenTheirOwnPoses) {
 TEST(WorldCommonTime, RelativeVelocityIsThatOfTheContact) {
   const std::int64_t meet_ns = kStart + 105 * kMs;
   for (const std::int64_t apart_ns : {std::int64_t{0}, 3 * kMs}) {
-    const std::vector<Told> told = only_story(two_flights(flight(0.3, {0, 0, 5}, {2, 0, 0}, meet_ns, 0, 10 * kMs, 21),
-                                                          flight(0.3, {0.4, 0, 5}, {-2, 0, 0}, meet_ns, apart_ns, 10 * kMs, 21)));
+    const std::vector<Told> told =
+        only_story(two_flights(flight(0.3, {0, 0, 5}, {2, 0, 0}, meet_ns, 0, 10 * kMs, 21),
+                               flight(0.3, {0.4, 0, 5}, {-2, 0, 0}, meet_ns, apart_ns, 10 * kMs, 21)));
     ASSERT_FALSE(told.empty());
     EXPECT_NEAR(std::bit_cast<double>(told[0].velocity_bits[0]), -4, 1e-9);
   }
@@ -427,7 +435,8 @@ Crossing random_crossing(std::mt19937_64& random, bool boxes) {
     double time_ns = 2'000 + in(0, period_ns);
     while (time_ns < 0.5e9 || body.instants.size() < 2) {
       const double s = 1e-9 * time_ns - 0.25;
-      body.instants.push_back({kStart + static_cast<std::int64_t>(time_ns), summand + velocity * s + bend * std::abs(s)});
+      body.instants.push_back(
+          {kStart + static_cast<std::int64_t>(time_ns), summand + velocity * s + bend * std::abs(s)});
       time_ns += period_ns * in(0.7, 1.3);
     }
     crossing.bodies.emplace_back(publisher, std::move(body));
@@ -468,11 +477,12 @@ TEST(WorldCommonTime, GeneratedCrossingsAreToldAsTheOracleFindsThem) {
       Arrivals arrivals(crossing.bodies);
       const Story story = arrivals.tell(shuffled(arrivals.publishers(), random), random, 0.5);
       oracle::compare(crossing.bodies[0].second, crossing.bodies[1].second, meetings_of(story), tally);
-      ASSERT_EQ(tally.lies(), 0) << "crossing " << i << (boxes ? " of boxes: " : " of balls: ") << tally.missed << " missed, "
-                                 << tally.invented << " invented, " << tally.wrong_brackets << " brackets beside the truth";
+      ASSERT_EQ(tally.lies(), 0) << "crossing " << i << (boxes ? " of boxes: " : " of balls: ") << tally.missed
+                                 << " missed, " << tally.invented << " invented, " << tally.wrong_brackets
+                                 << " brackets beside the truth";
     }
-    std::printf("%s=%d meetings=%d missed=%d invented=%d wrong_brackets=%d too_near=%d\n", boxes ? "boxes" : "balls", count, tally.meetings,
-                tally.missed, tally.invented, tally.wrong_brackets, tally.too_near);
+    std::printf("%s=%d meetings=%d missed=%d invented=%d wrong_brackets=%d too_near=%d\n", boxes ? "boxes" : "balls",
+                count, tally.meetings, tally.missed, tally.invented, tally.wrong_brackets, tally.too_near);
     EXPECT_GT(tally.meetings, count / 5) << "crossings must be worth it";
     EXPECT_LT(tally.too_near, 10 + count / 100);
   }
@@ -503,7 +513,8 @@ std::vector<std::pair<std::size_t, MovingBody>> framed_crowd(std::mt19937_64& ra
       const Vec3 velocity = vector(in(0.1, 3));
       for (const std::int64_t stamp : stamps[publisher]) {
         const bool is_left_out = !body.instants.empty() && stamp < stamps[publisher].back() && in(0, 1) < 0.25;
-        const Vec3 at = is_left_out ? body.instants.back().position : near + velocity * (1e-9 * static_cast<double>(stamp - kStart) - 0.5);
+        const Vec3 at = is_left_out ? body.instants.back().position
+                                    : near + velocity * (1e-9 * static_cast<double>(stamp - kStart) - 0.5);
         body.instants.push_back({stamp, at});
       }
       bodies.emplace_back(publisher, std::move(body));
@@ -524,10 +535,12 @@ TEST(WorldCommonTime, WhatIsLeftOutOfFlushesMeetsAsTheOracleFindsIt) {
       const Story story = arrivals.tell(shuffled(arrivals.publishers(), random), random, 0.5);
       for (std::size_t a = 0; a < bodies.size(); a += 2) {
         const auto told = story.find("body" + std::to_string(a) + " body" + std::to_string(a + 1));
-        oracle::compare(bodies[a].second, bodies[a + 1].second, told == story.end() ? std::vector<oracle::ToldMeeting>() : meetings_of(Story{*told}), tally);
+        oracle::compare(bodies[a].second, bodies[a + 1].second,
+                        told == story.end() ? std::vector<oracle::ToldMeeting>() : meetings_of(Story{*told}), tally);
       }
-      ASSERT_EQ(tally.lies(), 0) << "crowd " << i << (boxes ? " of boxes: " : " of balls: ") << tally.missed << " missed, "
-                                 << tally.invented << " invented, " << tally.wrong_brackets << " brackets beside the truth";
+      ASSERT_EQ(tally.lies(), 0) << "crowd " << i << (boxes ? " of boxes: " : " of balls: ") << tally.missed
+                                 << " missed, " << tally.invented << " invented, " << tally.wrong_brackets
+                                 << " brackets beside the truth";
     }
     EXPECT_GT(tally.meetings, count / 2);
   }

@@ -5,7 +5,6 @@
 namespace collided::engine {
 namespace {
 
-
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_everything_unfound(ContactLedger& ledger) {
@@ -96,9 +95,14 @@ TEST(ContactLedger, PersistedIsSaidOnRequestAndTakesNoSequence) {
 }
 
 FoundContact told_in_full(ObjectId a, ObjectId b) {
-  return {.a = a, .b = b, .a_triangle = 3, .b_triangle = 5,
+  return {.a = a,
+          .b = b,
+          .a_triangle = 3,
+          .b_triangle = 5,
           .contact = {.point = {1, 2, 3}, .normal = {0, 0.6, 0.8}, .depth_m = 0.25, .depth_error_m = 0.0625},
-          .bracket_low_s = 0.75, .bracket_high_s = 0.5, .relative_velocity = {7, 8, 9}};
+          .bracket_low_s = 0.75,
+          .bracket_high_s = 0.5,
+          .relative_velocity = {7, 8, 9}};
 }
 
 void expect_told(const Event& event, const FoundContact& found) {

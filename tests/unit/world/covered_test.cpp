@@ -17,15 +17,20 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 ObjectDefinition ball(const std::string& name, const Vec3& position, double radius_m) {
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius_m});
-  return {.name = name, .scene = {}, .shape = shape, .pose = {.position = position}, .filter = {}, .moving = false,
-          .lost_policy = LostPolicy::freeze, .publisher = 0};
+  return {.name = name,
+          .scene = {},
+          .shape = shape,
+          .pose = {.position = position},
+          .filter = {},
+          .moving = false,
+          .lost_policy = LostPolicy::freeze,
+          .publisher = 0};
 }
 
 Aabb box(const Vec3& low, const Vec3& high) { return {.low = low, .high = high}; }
@@ -39,13 +44,16 @@ struct Covered {
     step();
   }
   void step() { ASSERT_TRUE(world.step(++seconds * kSecond, 1, {})); }
-  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest, const ObjectInfo* mover = nullptr,
-              std::uint32_t max_hits = 1'000) {
+  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
+              const ObjectInfo* mover = nullptr, std::uint32_t max_hits = 1'000) {
     Answers answers;
-    answer(*world.newest(), {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers, .mover = mover}, answers, scratch);
+    answer(*world.newest(), {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers, .mover = mover},
+           answers, scratch);
     return answers;
   }
-  Verdict verdict(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest) { return ask(kind, std::move(numbers), mode).answers[0]; }
+  Verdict verdict(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest) {
+    return ask(kind, std::move(numbers), mode).answers[0];
+  }
   World world{WorldOptions{}};
   QueryScratch scratch;
   std::int64_t seconds = 0;
@@ -89,7 +97,8 @@ TEST(Covered, AHitStaysWhereNothingUnknownCouldBeBeforeIt) {
   expect_not_covered(world.ask(QuestionKind::ray, {0, 0, 5, 0, 0, -1, 16}, HitMode::all), {0, 0, -10}, 1);
   EXPECT_EQ(world.verdict(QuestionKind::sphere, {9, 0, 0, 8.5}), Verdict::hit);
   EXPECT_EQ(world.ask(QuestionKind::near, {5, 0, 0, kInfinity}, HitMode::closest, nullptr, 1).answers[0], Verdict::hit);
-  EXPECT_EQ(world.ask(QuestionKind::near, {8, 0, 0, kInfinity}, HitMode::closest, nullptr, 1).answers[0], Verdict::undecided);
+  EXPECT_EQ(world.ask(QuestionKind::near, {8, 0, 0, kInfinity}, HitMode::closest, nullptr, 1).answers[0],
+            Verdict::undecided);
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
   const ObjectInfo mover = without_world(shape);
@@ -117,8 +126,10 @@ TEST(Covered, TheBorderIsExact) {
   // Where a direction's own length is rounded coarsely, or overflows.
   Covered slim({box({0, -9, -9}, {0.1, 9, 9})});
   const double least = std::numeric_limits<double>::denorm_min();
-  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided) << "it ends at 0.102";
-  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided) << "it ends at 0.144";
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided)
+      << "it ends at 0.102";
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided)
+      << "it ends at 0.144";
   EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Verdict::miss);
 }
 
@@ -159,9 +170,15 @@ TEST(Covered, AProbeThatLooksOutOfItIsUndecided) {
   world.step();
   Probes probes;
   const auto state = [&](double reach_m, const Vec3& direction) {
-    EXPECT_FALSE(probes.set({.name = "eye", .object = "carrier", .origin = {0, 0, 0}, .direction = direction, .reach_m = reach_m, .back_m = 0}));
+    EXPECT_FALSE(probes.set({.name = "eye",
+                             .object = "carrier",
+                             .origin = {0, 0, 0},
+                             .direction = direction,
+                             .reach_m = reach_m,
+                             .back_m = 0}));
     std::vector<ProbeReading> readings;
-    probes.read(*world.world.newest(), [&](std::string_view name) { return world.world.find(name); }, readings);
+    probes.read(
+        *world.world.newest(), [&](std::string_view name) { return world.world.find(name); }, readings);
     return readings.at(0).state;
   };
   EXPECT_EQ(state(3, {1, 0, 0}), ProbeState::nothing);
@@ -217,7 +234,8 @@ TEST(Covered, PiecesThatTouchAreAsGoodAsTheWhole) {
   const ObjectInfo mover = without_world(shape);
   Covered whole;
   int covered = 0, not_covered = 0;
-  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
+                                     QuestionKind::sweep};
   for (int cut = 0; cut < 30; ++cut) {
     Covered parts(pieces(random, true));
     for (int i = 0; i < 200; ++i) {
@@ -246,15 +264,21 @@ TEST(Covered, SeamsLetNothingThroughAndHoldNothingUp) {
     tiles.push_back(box(low, low + Vec3::Ones()));
   }
   Covered world(tiles);
-  const std::vector<double> within[] = {{0, 0, 0, 4, 4, 4, 6.928}, {0.5, 2, 1.5, 3, 0, 0.25, 3}, {2, 2, 0, 0, 0, 1, 4},
-                                        {0.25, 1, 0.5, 0.3, 0, 0.4, 3}, {0.1, 0.2, 0.3, 1, 1, 1, 6}, {4, 4, 0.5, -1, -1, 0, 5.6}};
-  for (const std::vector<double>& ray : within) EXPECT_EQ(world.ask(QuestionKind::ray, ray, HitMode::all).reasons[0], UndecidedReason::none) << ray[3] << ' ' << ray[4];
-  EXPECT_EQ(world.verdict(QuestionKind::sphere, {2, 2, 2, 0.99999}), world.verdict(QuestionKind::sphere, {2, 2, 2, 0.5}));
+  const std::vector<double> within[] = {{0, 0, 0, 4, 4, 4, 6.928},   {0.5, 2, 1.5, 3, 0, 0.25, 3},
+                                        {2, 2, 0, 0, 0, 1, 4},       {0.25, 1, 0.5, 0.3, 0, 0.4, 3},
+                                        {0.1, 0.2, 0.3, 1, 1, 1, 6}, {4, 4, 0.5, -1, -1, 0, 5.6}};
+  for (const std::vector<double>& ray : within)
+    EXPECT_EQ(world.ask(QuestionKind::ray, ray, HitMode::all).reasons[0], UndecidedReason::none)
+        << ray[3] << ' ' << ray[4];
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {2, 2, 2, 0.99999}),
+            world.verdict(QuestionKind::sphere, {2, 2, 2, 0.5}));
   // Without one of them.
   tiles.erase(tiles.begin() + 21);  // from 1, 1, 1
   Covered holed(tiles);
-  EXPECT_EQ(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).reasons[0], UndecidedReason::not_covered);
-  EXPECT_NEAR(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).hits.back().distance_m, std::sqrt(3.0), 1e-9);
+  EXPECT_EQ(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).reasons[0],
+            UndecidedReason::not_covered);
+  EXPECT_NEAR(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).hits.back().distance_m,
+              std::sqrt(3.0), 1e-9);
   EXPECT_EQ(holed.ask(QuestionKind::near, {1.5, 1.5, 3, 0.9}).reasons[0], UndecidedReason::none);
   expect_not_covered(holed.ask(QuestionKind::sphere, {2.5, 2.5, 1.5, 0.75}), {2, 2, 1.5}, 0);
 }
@@ -275,10 +299,12 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
       const Vec3 center(coordinate(random), coordinate(random), coordinate(random));
       const Aabb around = bounds(Sphere{center, 1});
       const auto& covers = *world.world.newest()->covers;
-      if (std::none_of(covers.begin(), covers.end(), [&](const Aabb& cover) { return overlaps(around, cover); })) return center;
+      if (std::none_of(covers.begin(), covers.end(), [&](const Aabb& cover) { return overlaps(around, cover); }))
+        return center;
     }
   };
-  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
+                                     QuestionKind::sweep};
   int contradicted = 0, doubted = 0, sure = 0, changed = 0;
   for (int place = 0; place < 1'000; ++place) {
     there.world.move(stranger, {.position = outside()}, (place + 1) * kSecond, true);
@@ -290,7 +316,8 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
       const Answers truth = there.ask(kind, numbers, HitMode::closest, &mover, 1);
       const bool is_of_stranger = !truth.hits.empty() && truth.hits[0].object == stranger;
       const bool is_overlap = kind == QuestionKind::sphere || kind == QuestionKind::box;
-      const bool differs = truth.answers[0] == Verdict::hit && is_of_stranger && (!is_overlap || given.hits.empty() || given.answers[0] != Verdict::hit);
+      const bool differs = truth.answers[0] == Verdict::hit && is_of_stranger &&
+                           (!is_overlap || given.hits.empty() || given.answers[0] != Verdict::hit);
       changed += differs ? 1 : 0;
       doubted += given.reasons[0] == UndecidedReason::not_covered ? 1 : 0;
       sure += given.answers[0] != Verdict::undecided ? 1 : 0;

@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_unfound(ContactLedger& ledger) {
@@ -93,7 +92,8 @@ TEST(Doubt, EndsWithItsObject) {
 Shape sheet(std::uint32_t squares) {
   auto mesh = std::make_shared<TriangleMesh>();
   for (std::uint32_t y = 0; y <= squares; ++y) {
-    for (std::uint32_t x = 0; x <= squares; ++x) mesh->vertices.push_back(Vec3(2.0 * x / squares - 1, 2.0 * y / squares - 1, 0));
+    for (std::uint32_t x = 0; x <= squares; ++x)
+      mesh->vertices.push_back(Vec3(2.0 * x / squares - 1, 2.0 * y / squares - 1, 0));
   }
   for (std::uint32_t y = 0; y < squares; ++y) {
     for (std::uint32_t x = 0; x < squares; ++x) {
@@ -153,7 +153,8 @@ TEST(Doubt, WhateverTouchesALostPublishersObjectIsInDoubtUntilItIsFoundAgain) {
   std::int64_t now_ns = kStart;
   const auto step = [&](std::vector<std::pair<ObjectId, double>> moves) {
     now_ns += kTick;
-    for (const auto& [id, x] : moves) world.move(id, {.position = {x, 0, 0}, .rotation = Quat::Identity()}, now_ns, false);
+    for (const auto& [id, x] : moves)
+      world.move(id, {.position = {x, 0, 0}, .rotation = Quat::Identity()}, now_ns, false);
     for (const std::uint64_t publisher : {1, 2}) world.advance(publisher, now_ns);
     EXPECT_TRUE(world.step(now_ns, 1, {}));
     std::vector<std::tuple<EventKind, Doubt, EndReason>> told;
@@ -168,7 +169,8 @@ TEST(Doubt, WhateverTouchesALostPublishersObjectIsInDoubtUntilItIsFoundAgain) {
   EXPECT_EQ(step({{lost, 0}, {near, 1.5}, {other, -9}}), Told({{EventKind::began, Doubt::none, EndReason::none}}));
   world.set_stale(lost, true);
   world.lose(1);
-  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::none, EndReason::publisher_lost}, {EventKind::began, Doubt::publisher_lost, EndReason::none}}));
+  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::none, EndReason::publisher_lost},
+                            {EventKind::began, Doubt::publisher_lost, EndReason::none}}));
   EXPECT_EQ(world.doubt_count(), 1u);
   EXPECT_EQ(step({{near, 4}}), kNothing) << "who knows what it has left";
   EXPECT_EQ(world.doubt_count(), 1u);
@@ -176,11 +178,13 @@ TEST(Doubt, WhateverTouchesALostPublishersObjectIsInDoubtUntilItIsFoundAgain) {
   EXPECT_EQ(step({{other, -1.6}}), kNothing);
   EXPECT_EQ(world.doubt_count(), 2u);
   world.set_stale(lost, false);
-  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::publisher_lost, EndReason::decided}, {EventKind::ended, Doubt::publisher_lost, EndReason::decided},
+  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::publisher_lost, EndReason::decided},
+                            {EventKind::ended, Doubt::publisher_lost, EndReason::decided},
                             {EventKind::began, Doubt::none, EndReason::none}}))
       << "nobody has moved since, and now it is known";
   EXPECT_EQ(world.doubt_count(), 0u);
-  EXPECT_EQ(step({{lost, 3}}), Told({{EventKind::ended, Doubt::none, EndReason::separated}, {EventKind::began, Doubt::none, EndReason::none}}));
+  EXPECT_EQ(step({{lost, 3}}), Told({{EventKind::ended, Doubt::none, EndReason::separated},
+                                     {EventKind::began, Doubt::none, EndReason::none}}));
   world.set_stale(lost, true);
   EXPECT_EQ(step({}).size(), 2u);
   EXPECT_EQ(world.doubt_count(), 1u);

@@ -52,7 +52,9 @@ TEST(FlatFloorQuestion, GivesOnlyTheFloorsNormal) {
       expect_floor(stage.ask(QuestionKind::sphere, {at.x(), at.y(), radius_m - depth_m, radius_m}), depth_m);
       const double half = any(generator);
       const Quat turn = Quat(1, 0, 0, half).normalized();
-      expect_floor(stage.ask(QuestionKind::box, {at.x(), at.y(), 0.5 - depth_m, radius_m, 0.3, 0.5, turn.w(), 0, 0, turn.z()}), depth_m);
+      expect_floor(
+          stage.ask(QuestionKind::box, {at.x(), at.y(), 0.5 - depth_m, radius_m, 0.3, 0.5, turn.w(), 0, 0, turn.z()}),
+          depth_m);
       if (testing::Test::HasFatalFailure()) FAIL() << "at " << at.transpose() << " question " << i;
     }
   }

@@ -37,8 +37,10 @@ class Drift {
     Scene scene;
     scene.name = "ground";
     scene.mesh = ground_ = scenes::terrain(8, 12, 5);
-    scene.parts = {{.name = "ground", .first_triangle = 0,
-                    .triangle_count = static_cast<std::uint32_t>(ground_.triangles.size()), .filter = {}}};
+    scene.parts = {{.name = "ground",
+                    .first_triangle = 0,
+                    .triangle_count = static_cast<std::uint32_t>(ground_.triangles.size()),
+                    .filter = {}}};
     EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(scene, World::index_scene(scene, {}))));
     for (std::uint64_t i = 0; i < 4; ++i) add(i);
     world_.step(next_ns(), 1, {});

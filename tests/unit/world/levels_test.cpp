@@ -17,7 +17,6 @@
 namespace collided::engine {
 namespace {
 
-
 struct Surface {
   TriangleMesh mesh;
   Bvh tree = Bvh::build(mesh);
@@ -25,7 +24,8 @@ struct Surface {
   PartedSurface parted() const { return {mesh, tree, part_of}; }
   double distance_m(const Vec3& p) const {
     double nearest = INFINITY;
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) nearest = std::min(nearest, closest(p, mesh.triangle(i)).distance_m);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+      nearest = std::min(nearest, closest(p, mesh.triangle(i)).distance_m);
     return nearest;
   }
 };
@@ -42,7 +42,8 @@ Vec3 random_point(const TriangleMesh& mesh, std::mt19937_64& random) {
 double sampled_m(const Surface& a, const Surface& b, std::mt19937_64& random, int count) {
   double farthest = 0;
   for (int i = 0; i < count; ++i) {
-    farthest = std::max({farthest, b.distance_m(random_point(a.mesh, random)), a.distance_m(random_point(b.mesh, random))});
+    farthest =
+        std::max({farthest, b.distance_m(random_point(a.mesh, random)), a.distance_m(random_point(b.mesh, random))});
   }
   return farthest;
 }
@@ -67,7 +68,8 @@ TEST(WorldSurfaceDistance, IsAtLeastWhatSamplesFindAndNotMuchMore) {
 TEST(WorldSurfaceDistance, KnownByHand) {
   // A square and the same square with a tent of height 1/4 over it: a quarter, whichever way it is asked.
   const Surface flat{{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}, {0, 2, 3}}}};
-  const Surface tent{{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 0.25}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}}};
+  const Surface tent{
+      {{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 0.25}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}}};
   EXPECT_NEAR(surface_distance(flat.parted(), tent.parted()), 0.25, 0.01);
   EXPECT_GE(surface_distance(flat.parted(), tent.parted()), 0.25);
   // A triangle less leaves a hole, whose middle is as far from the rest as its inscribed circle is wide.
@@ -84,7 +86,8 @@ TEST(WorldSurfaceDistance, SheetsThatFoldOrEndAreNotTakenForACover) {
   for (int i = 0; i < 300; ++i) {
     const auto soup = [&](int count) {
       TriangleMesh mesh;
-      for (int k = 0; k < 6; ++k) mesh.vertices.emplace_back(coordinate(random), coordinate(random), 0.2 * coordinate(random));
+      for (int k = 0; k < 6; ++k)
+        mesh.vertices.emplace_back(coordinate(random), coordinate(random), 0.2 * coordinate(random));
       for (int k = 0; k < count; ++k) {
         const auto a = static_cast<std::uint32_t>(random() % 6);
         const auto b = static_cast<std::uint32_t>((a + 1 + random() % 5) % 6);
@@ -148,10 +151,12 @@ struct LevelledWorld {
   }
 };
 
-Answers asked_near(const LevelledWorld& levelled, const std::vector<double>& numbers, std::uint32_t nearest, double error_m) {
+Answers asked_near(const LevelledWorld& levelled, const std::vector<double>& numbers, std::uint32_t nearest,
+                   double error_m) {
   Answers answers;
   QueryScratch scratch;
-  answer(*levelled.world.newest(), {.kind = QuestionKind::near, .max_hits = nearest, .error_m = error_m, .numbers = numbers}, answers, scratch);
+  answer(*levelled.world.newest(),
+         {.kind = QuestionKind::near, .max_hits = nearest, .error_m = error_m, .numbers = numbers}, answers, scratch);
   return answers;
 }
 
@@ -186,14 +191,17 @@ TEST(WorldLevels, DistancesHoldTheirBoundAndReachIsExact) {
     ASSERT_EQ(simpler.hit_counts, exact.hit_counts) << round;
     for (std::size_t i = 0; i < simpler.hits.size(); ++i) {
       EXPECT_LE(simpler.hits[i].error_m, error_m * (1 + 1e-9));
-      EXPECT_LE(std::abs(simpler.hits[i].distance_m - exact.hits[i].distance_m), simpler.hits[i].error_m + exact.hits[i].error_m) << i;
+      EXPECT_LE(std::abs(simpler.hits[i].distance_m - exact.hits[i].distance_m),
+                simpler.hits[i].error_m + exact.hits[i].error_m)
+          << i;
     }
     for (const std::uint32_t n : loose.nodes) nodes_plain += n;
     for (const std::uint32_t n : simpler.nodes) nodes_levelled += n;
     if (HasFailure()) FAIL() << "round " << round;
   }
   EXPECT_LT(nodes_levelled, nodes_plain) << "levels must save work";
-  std::printf("nodes of a question: %.1f without levels, %.1f with\n", static_cast<double>(nodes_plain) / question_count(),
+  std::printf("nodes of a question: %.1f without levels, %.1f with\n",
+              static_cast<double>(nodes_plain) / question_count(),
               static_cast<double>(nodes_levelled) / question_count());
 }
 
@@ -203,7 +211,8 @@ TEST(WorldLevels, AnswersAskedExactlyComeFromTheScene) {
   std::mt19937_64 random = oracle::seeded(152);
   std::uniform_real_distribution<double> coordinate(-11, 11);
   std::vector<double> numbers;
-  for (int i = 0; i < 100; ++i) numbers.insert(numbers.end(), {coordinate(random), coordinate(random), coordinate(random), INFINITY});
+  for (int i = 0; i < 100; ++i)
+    numbers.insert(numbers.end(), {coordinate(random), coordinate(random), coordinate(random), INFINITY});
   for (const double error_m : {0.0, levelled.finest_m}) {
     const Answers a = asked_near(plain, numbers, 3, error_m);
     const Answers b = asked_near(levelled, numbers, 3, error_m);
@@ -220,8 +229,10 @@ TEST(WorldLevels, TheAuditAgrees) {
   std::mt19937_64 random = oracle::seeded(153);
   std::uniform_real_distribution<double> coordinate(-11, 11);
   for (int i = 0; i < 30; ++i) {
-    const std::vector<double> numbers{coordinate(random), coordinate(random), coordinate(random), i % 2 == 0 ? INFINITY : 2.0};
-    const Questions question{.kind = QuestionKind::near, .max_hits = 2, .error_m = 4.1 * levelled.coarsest_m, .numbers = numbers};
+    const std::vector<double> numbers{coordinate(random), coordinate(random), coordinate(random),
+                                      i % 2 == 0 ? INFINITY : 2.0};
+    const Questions question{
+        .kind = QuestionKind::near, .max_hits = 2, .error_m = 4.1 * levelled.coarsest_m, .numbers = numbers};
     Answers answers;
     QueryScratch scratch;
     answer(*levelled.world.newest(), question, answers, scratch);

@@ -9,7 +9,6 @@
 namespace collided::engine {
 namespace {
 
-
 class WorldMaxContacts : public ::testing::Test {
  protected:
   void add(std::size_t count, const Primitive& shape) {
@@ -80,7 +79,8 @@ TEST_F(WorldMaxContacts, WhatHoldsOutlastsASearchCutShortWhicheverOfTheTwoMoves)
   step();
   const auto before = told_;
   for (std::size_t round = 0; round < 12; ++round) {
-    for (std::size_t i = round % 2; i < ids_.size(); i += 2) put(i, Vec3(static_cast<double>((i * 7 + round * 3) % 20) * 0.05, 0, 0));
+    for (std::size_t i = round % 2; i < ids_.size(); i += 2)
+      put(i, Vec3(static_cast<double>((i * 7 + round * 3) % 20) * 0.05, 0, 0));
     step();
     EXPECT_EQ(told_, before) << round;
     EXPECT_TRUE(world_.cost().truncated);

@@ -14,7 +14,8 @@ using extreme::Stage;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Answers ask(const Stage& stage, QuestionKind kind, const std::vector<double>& numbers, HitMode mode = HitMode::closest) {
+Answers ask(const Stage& stage, QuestionKind kind, const std::vector<double>& numbers,
+            HitMode mode = HitMode::closest) {
   Answers answers;
   QueryScratch scratch;
   answer(*stage.world.newest(), {.kind = kind, .mode = mode, .max_hits = 100, .numbers = numbers}, answers, scratch);
@@ -47,11 +48,13 @@ TEST(NumberMeaning, WhatIsEquallyFarStandsByName) {
 TEST(NumberMeaning, OfTwoHitsAtOneDistanceTheFirstByNameIsTheClosest) {
   for (const bool is_first : {true, false}) {
     Stage stage;
-    for (const std::string name : {is_first ? "left" : "right", is_first ? "right" : "left"}) stage.block(name, {0, 0, 0}, {1, 1, 1});
+    for (const std::string name : {is_first ? "left" : "right", is_first ? "right" : "left"})
+      stage.block(name, {0, 0, 0}, {1, 1, 1});
     stage.step();
     const std::vector<double> down{0.25, 0.5, 3, 0, 0, -1, 10};
     EXPECT_EQ(names(stage, ask(stage, QuestionKind::ray, down)), std::vector<std::string>{"left"});
-    EXPECT_EQ(names(stage, ask(stage, QuestionKind::ray, down, HitMode::all)), (std::vector<std::string>{"left", "right"}));
+    EXPECT_EQ(names(stage, ask(stage, QuestionKind::ray, down, HitMode::all)),
+              (std::vector<std::string>{"left", "right"}));
   }
 }
 
@@ -87,7 +90,8 @@ TEST(NumberMeaning, BoundsHoldWhereLengthsUnderflow) {
     const PairReport pair = report_pair(*stage.world.newest(), a, b, {});
     ASSERT_EQ(pair.touches, Decision::no);
     ++apart;
-    EXPECT_LE(std::abs(static_cast<long double>(pair.separation.distance_m) - static_cast<long double>(gap) * unit), pair.separation.error_m);
+    EXPECT_LE(std::abs(static_cast<long double>(pair.separation.distance_m) - static_cast<long double>(gap) * unit),
+              pair.separation.error_m);
     const Answers answers = ask(stage, QuestionKind::near, {-gap * unit, 0, 0, kInfinity});
     ASSERT_EQ(answers.hits.size(), 2u);
     const long double to_a = static_cast<long double>(gap - radius_a) * unit;

@@ -14,15 +14,14 @@
 namespace collided::engine {
 namespace {
 
-
 using oracle::MixedWorld;
 
 void expect_same_bits(const AnswerHit& a, const AnswerHit& b) {
   EXPECT_EQ(a.object, b.object);
   EXPECT_EQ(a.triangle, b.triangle);
   EXPECT_EQ(a.flags, b.flags);
-  for (const auto& [x, y] : {std::pair(a.distance_m, b.distance_m), std::pair(a.error_m, b.error_m),
-                             std::pair(a.exit_m, b.exit_m)}) {
+  for (const auto& [x, y] :
+       {std::pair(a.distance_m, b.distance_m), std::pair(a.error_m, b.error_m), std::pair(a.exit_m, b.exit_m)}) {
     EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << x << " " << y;
   }
   EXPECT_EQ(a.point, b.point);

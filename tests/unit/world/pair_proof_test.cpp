@@ -62,15 +62,17 @@ TEST_P(PairProofs, AreThereForWhatRationalsCanSay) {
         if (report.proof) {
           ASSERT_EQ(report.proof->touches, touches);
           Certificate certificate = certified(*report.proof);
-          ASSERT_TRUE(proves(certificate)) << "kinds " << i << " and " << j << ": the client's judge, with its own arithmetic";
+          ASSERT_TRUE(proves(certificate))
+              << "kinds " << i << " and " << j << ": the client's judge, with its own arithmetic";
           certificate.touches = !touches;
           ASSERT_FALSE(proves(certificate)) << "the other answer";
         }
       }
     }
   }
-  std::printf("%s: touching %d of %d flat, %d of %d round; apart %d of %d have a proof\n", oracle::name(GetParam()), flat_touching.proved,
-              flat_touching.asked, round_touching.proved, round_touching.asked, apart.proved, apart.asked);
+  std::printf("%s: touching %d of %d flat, %d of %d round; apart %d of %d have a proof\n", oracle::name(GetParam()),
+              flat_touching.proved, flat_touching.asked, round_touching.proved, round_touching.asked, apart.proved,
+              apart.asked);
   // Corners of a turned box in tenths are no doubles, and a ball that just touches one makes numbers beyond their range.
   const double least = GetParam() == oracle::Family::tenths ? 0.95 : 1;
   EXPECT_GE(flat_touching.proved, flat_touching.asked * least);

@@ -21,7 +21,9 @@ PairReport report(const World& world, ObjectId a, ObjectId b, const PairAsk& ask
 }
 
 Placed placed(const Snapshot& state, ObjectId id) {
-  return {.info = (*state.objects)[slot_of(id)].get(), .frame = &state.frames[slot_of(id)], .bounds = state.bounds[slot_of(id)]};
+  return {.info = (*state.objects)[slot_of(id)].get(),
+          .frame = &state.frames[slot_of(id)],
+          .bounds = state.bounds[slot_of(id)]};
 }
 
 /// The slow twin: every part of the one with every part of the other.
@@ -48,7 +50,8 @@ struct Twin {
 /// One part of each kind a side: what an object may be made of.
 std::vector<Shape> shapes_of_all_forms() {
   Shape balls;
-  for (int i = 0; i < 40; ++i) balls.primitives.emplace_back(Sphere{{0.2 * (i % 5), 0.2 * (i / 5 % 4), 0.3 * (i / 20)}, 0.3});
+  for (int i = 0; i < 40; ++i)
+    balls.primitives.emplace_back(Sphere{{0.2 * (i % 5), 0.2 * (i / 5 % 4), 0.3 * (i / 20)}, 0.3});
   Shape mesh;
   mesh.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(2, 1));
   Shape both = mesh;
@@ -71,7 +74,9 @@ TEST(WorldPartPairs, AWalkEndsWhereItsVisitorSaysSo) {
       for (int wanted = 1; wanted < 20; wanted += 6) {
         int told = 0;
         WalkCost cost;
-        visit_part_pairs(placed(*state, a), placed(*state, b), 0, [&](const PlacedPart&, const PlacedPart&) { return ++told < wanted; }, cost);
+        visit_part_pairs(
+            placed(*state, a), placed(*state, b), 0,
+            [&](const PlacedPart&, const PlacedPart&) { return ++told < wanted; }, cost);
         EXPECT_LE(told, wanted) << first << " with " << second;
         EXPECT_GT(told, 0) << first << " with " << second;
       }
@@ -91,8 +96,10 @@ TEST(WorldTouch, ThePairOfAMeshAndASolidSaysHowExactlyItWasDecided) {
       floor.mesh = mesh;
       const Shape ball = extreme::ball_shape(0.2);
       // 0.3 is a little less than 0.1 + 0.2, by a rounding alone.
-      const ObjectId a = mesh_first ? stage.add("floor", floor, {}, false) : stage.add("ball", ball, extreme::at({0, 0, height_m}), false);
-      const ObjectId b = mesh_first ? stage.add("ball", ball, extreme::at({0, 0, height_m}), false) : stage.add("floor", floor, {}, false);
+      const ObjectId a = mesh_first ? stage.add("floor", floor, {}, false)
+                                    : stage.add("ball", ball, extreme::at({0, 0, height_m}), false);
+      const ObjectId b = mesh_first ? stage.add("ball", ball, extreme::at({0, 0, height_m}), false)
+                                    : stage.add("floor", floor, {}, false);
       stage.step();
       const SnapshotRing::Lease state = stage.world.newest();
       ContactSearch touch;
@@ -152,8 +159,9 @@ Pose random_pose(std::mt19937_64& generator, double spread_m) {
 std::vector<Shape> shapes_of_all_kinds(std::mt19937_64& generator) {
   oracle::RandomShapes random(generator, oracle::Family::random);
   std::vector<Shape> shapes;
-  for (const Primitive& primitive : {Primitive(random.sphere()), Primitive(random.box()), Primitive(random.capsule()), Primitive(random.cylinder()),
-                                     Primitive(random.cone()), Primitive(random.ellipsoid()), Primitive(random.hull())}) {
+  for (const Primitive& primitive :
+       {Primitive(random.sphere()), Primitive(random.box()), Primitive(random.capsule()), Primitive(random.cylinder()),
+        Primitive(random.cone()), Primitive(random.ellipsoid()), Primitive(random.hull())}) {
     shapes.push_back({.primitives = {primitive}, .mesh = nullptr});
   }
   shapes.push_back(extreme::mesh_shape(latitude_longitude_sphere(0.6, 10, 6)));
@@ -183,16 +191,16 @@ TEST(PairReports, AreAsEveryPairOfPartsSays) {
           ++apart;
           ASSERT_LE(std::abs(found.separation.distance_m - twin.least_m), found.separation.error_m + 1e-12);
           const Vec3 displacement = found.separation.on_b - found.separation.on_a;
-          ASSERT_NEAR(displacement.norm(), found.separation.distance_m, found.separation.error_m + 2 * found.separation.point_error_m + 1e-12);
+          ASSERT_NEAR(displacement.norm(), found.separation.distance_m,
+                      found.separation.error_m + 2 * found.separation.point_error_m + 1e-12);
           continue;
         }
         ++touching;
         ASSERT_GE(found.manifold.size(), 1u);
         ASSERT_LE(found.manifold.size(), 4u);
         if (!first.mesh || !second.mesh) continue;
-        std::erase_if(twin.triangles, [](const auto& pair) {
-          return pair.first == kNoTriangle || pair.second == kNoTriangle;
-        });
+        std::erase_if(twin.triangles,
+                      [](const auto& pair) { return pair.first == kNoTriangle || pair.second == kNoTriangle; });
         std::set<std::pair<std::uint32_t, std::uint32_t>> told;
         for (const TriangleCrossing& c : found.crossings) told.emplace(c.a, c.b);
         ASSERT_EQ(told, twin.triangles);
@@ -208,9 +216,12 @@ TEST(PairReports, NormalsPointsAndTrianglesAreThoseOfTheFirstAndTheSecondAsked) 
   TriangleMesh floor{{{-9, -9, 0}, {9, 9, 0}, {-9, 9, 0}, {9, -9, 0}}, {{0, 1, 2}, {0, 3, 1}}};
   for (const bool floor_named_first : {true, false}) {
     Stage stage;
-    const ObjectId ground = stage.add(floor_named_first ? "a" : "z", extreme::mesh_shape(floor), extreme::at({0, 0, 0}));
-    const ObjectId high = stage.add("high", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 2}));
-    const ObjectId low = stage.add("low", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 0.25}));
+    const ObjectId ground =
+        stage.add(floor_named_first ? "a" : "z", extreme::mesh_shape(floor), extreme::at({0, 0, 0}));
+    const ObjectId high =
+        stage.add("high", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 2}));
+    const ObjectId low =
+        stage.add("low", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 0.25}));
     stage.step();
     const PairReport up = report(stage.world, ground, high);
     ASSERT_EQ(up.touches, Decision::no);
@@ -249,8 +260,10 @@ TEST(PairReports, CountAllCrossingsAndTellWhatFits) {
 
 TEST(PairReports, OneMeshWithinAnother) {
   Stage stage;
-  const ObjectId outer = stage.add("outer", extreme::mesh_shape(latitude_longitude_sphere(2, 12, 8)), extreme::at({1, 2, 3}));
-  const ObjectId inner = stage.add("inner", extreme::mesh_shape(latitude_longitude_sphere(0.3, 8, 6)), extreme::at({1.1, 2, 3}));
+  const ObjectId outer =
+      stage.add("outer", extreme::mesh_shape(latitude_longitude_sphere(2, 12, 8)), extreme::at({1, 2, 3}));
+  const ObjectId inner =
+      stage.add("inner", extreme::mesh_shape(latitude_longitude_sphere(0.3, 8, 6)), extreme::at({1.1, 2, 3}));
   const ObjectId ball = stage.ball("ball", {1, 2.5, 3}, 0.2);
   const ObjectId summand = stage.ball("beside", {2.9, 3.9, 3}, 0.1);  // in its bounds, not in it
   stage.step();

@@ -17,7 +17,9 @@ class WorldPlacedBounds : public testing::Test {
  protected:
   double any(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
   Vec3 point(double size) { return {any(-size, size), any(-size, size), any(-size, size)}; }
-  Pose pose(double size) { return {.position = point(size), .rotation = Quat(any(-1, 1), any(-1, 1), any(-1, 1), any(-1, 1)).normalized()}; }
+  Pose pose(double size) {
+    return {.position = point(size), .rotation = Quat(any(-1, 1), any(-1, 1), any(-1, 1), any(-1, 1)).normalized()};
+  }
   static ObjectInfo mesh_object(TriangleMesh mesh) {
     auto shared = std::make_shared<const TriangleMesh>(std::move(mesh));
     ObjectInfo info;
@@ -27,17 +29,21 @@ class WorldPlacedBounds : public testing::Test {
   std::mt19937_64 random = oracle::seeded(81);
 };
 
-bool contains(const Aabb& box, const Vec3& p) { return (box.low.array() <= p.array()).all() && (p.array() <= box.high.array()).all(); }
+bool contains(const Aabb& box, const Vec3& p) {
+  return (box.low.array() <= p.array()).all() && (p.array() <= box.high.array()).all();
+}
 bool contains(const Aabb& box, const Aabb& inner) { return contains(box, inner.low) && contains(box, inner.high); }
 
 // The corners of a box-shaped mesh lie on its own bounds, so a turned corner lies on the placed ones, or a rounding beyond.
 TEST_F(WorldPlacedBounds, ATurnedMeshLiesWithinItsBoundsToTheLastBit) {
   for (int i = 0; i < 2'000; ++i) {
-    const ObjectInfo info = mesh_object(scenes::box({any(0.1, 1), any(0.1, 1), any(0.1, 1)}, point(i % 2 == 0 ? 0 : 3)));
+    const ObjectInfo info =
+        mesh_object(scenes::box({any(0.1, 1), any(0.1, 1), any(0.1, 1)}, point(i % 2 == 0 ? 0 : 3)));
     const Frame frame = frame_of(pose(i % 3 == 0 ? 1 : std::pow(10, i % 7)));
     const Aabb bounds = bounds_of(info, frame);
     for (const Vec3& vertex : info.mesh->mesh->vertices) ASSERT_TRUE(contains(bounds, place(frame, vertex))) << i;
-    EXPECT_LT((bounds.high - bounds.low).maxCoeff(), 2 * info.mesh->radius_m + 1e-3) << "no more than a rounding too large";
+    EXPECT_LT((bounds.high - bounds.low).maxCoeff(), 2 * info.mesh->radius_m + 1e-3)
+        << "no more than a rounding too large";
   }
 }
 
@@ -110,7 +116,8 @@ TEST_F(WorldPlacedBounds, AnObjectUnderWayLiesWithinItsBoundsAtEveryTime) {
   for (int i = 0; i < 300; ++i) {
     const ObjectInfo info = mesh_object(scenes::box({any(0.1, 1), any(0.1, 1), any(0.1, 1)}, point(1)));
     const Frame from = frame_of(pose(3));
-    const Frame to{Mat3(Eigen::AngleAxisd(any(0, 3.1), point(1).normalized()) * from.rotation), from.position + point(1)};
+    const Frame to{Mat3(Eigen::AngleAxisd(any(0, 3.1), point(1).normalized()) * from.rotation),
+                   from.position + point(1)};
     const BodyMotion motion(from, to);
     const Aabb all = bounds(info, motion, reach_of(info));
     const Aabb quick = quick_bounds(info, from, to, bounds_of(info, to), reach_of(info));

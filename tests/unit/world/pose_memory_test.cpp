@@ -12,7 +12,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kStart = 1'000 * kSecond;
 constexpr std::int64_t kTick = 10'000'000;
@@ -30,7 +29,8 @@ class WorldPoseMemory : public testing::Test {
     definition.moving = publisher != 0;
     return std::get<ObjectId>(world.define(definition));
   }
-  void say(std::uint64_t publisher, std::int64_t time_ns, const std::map<ObjectId, Pose>& poses, bool teleport = false) {
+  void say(std::uint64_t publisher, std::int64_t time_ns, const std::map<ObjectId, Pose>& poses,
+           bool teleport = false) {
     for (const auto& [id, pose] : poses) ASSERT_TRUE(world.move(id, pose, time_ns, teleport));
     world.advance(publisher, time_ns);
     now_ns = std::max(now_ns, time_ns);
@@ -42,7 +42,8 @@ class WorldPoseMemory : public testing::Test {
   }
   bool was_there(std::int64_t time_ns, ObjectId id) const {
     const std::shared_ptr<const Snapshot> state = world.memory().at(time_ns);
-    return state && slot_of(id) < state->objects->size() && (*state->objects)[slot_of(id)] && (*state->objects)[slot_of(id)]->id == id;
+    return state && slot_of(id) < state->objects->size() && (*state->objects)[slot_of(id)] &&
+           (*state->objects)[slot_of(id)]->id == id;
   }
   Answers ray_down(std::int64_t time_ns, double x) const {
     const std::vector<double> numbers{x, 0, 10, 0, 0, -1, INFINITY};
@@ -123,7 +124,8 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
   ASSERT_TRUE(world.step(kStart, 1, {}));
   for (int i = 0; i < 600; ++i) {
     const std::uint64_t publisher = 1 + random() % 3;
-    const std::int64_t time_ns = std::max(last[publisher], now_ns - kTick) + 1 + static_cast<std::int64_t>(random() % kTick);
+    const std::int64_t time_ns =
+        std::max(last[publisher], now_ns - kTick) + 1 + static_cast<std::int64_t>(random() % kTick);
     std::vector<ObjectId>& objects = own[publisher];
     const bool teleport = random() % 9 == 0;
     std::map<ObjectId, Pose> poses;
@@ -140,7 +142,8 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
       const Pose pose = at(place_of(random), place_of(random), place_of(random));
       const ObjectId id = ball("ball" + std::to_string(named++), publisher, pose);
       objects.push_back(id);
-      truths[id] = {.name = "ball" + std::to_string(named - 1), .born_ns = time_ns, .first = pose.position, .moves = {}};
+      truths[id] = {
+          .name = "ball" + std::to_string(named - 1), .born_ns = time_ns, .first = pose.position, .moves = {}};
       ASSERT_TRUE(world.step(now_ns, 1, {}));
     } else if (objects.size() > 2 && random() % 20 == 0) {
       ASSERT_TRUE(world.remove(objects.back(), EndReason::removed));
@@ -152,7 +155,8 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
   const std::int64_t settled_ns = world.newest()->settled_ns;
   int compared = 0;
   for (int i = 0; i < 300; ++i) {
-    const std::int64_t time_ns = kStart + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(settled_ns - kStart));
+    const std::int64_t time_ns =
+        kStart + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(settled_ns - kStart));
     const std::shared_ptr<const Snapshot> state = world.memory().at(time_ns);
     ASSERT_TRUE(state);
     EXPECT_TRUE(state->stale_objects.empty()) << "all is known of what is settled";
@@ -164,10 +168,12 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
       for (const Told& move : truth.moves) {
         if (move.to_ns <= time_ns) expected = move.pose;
         if (move.to_ns <= time_ns || move.from_ns >= time_ns) continue;
-        const double part = static_cast<double>(static_cast<long double>(time_ns - move.from_ns) / static_cast<long double>(move.to_ns - move.from_ns));
+        const double part = static_cast<double>(static_cast<long double>(time_ns - move.from_ns) /
+                                                static_cast<long double>(move.to_ns - move.from_ns));
         expected = expected + part * (move.pose - expected);
       }
-      const auto found = std::find_if(state->objects->begin(), state->objects->end(), [&](const auto& info) { return info && info->name == truth.name; });
+      const auto found = std::find_if(state->objects->begin(), state->objects->end(),
+                                      [&](const auto& info) { return info && info->name == truth.name; });
       ASSERT_NE(found, state->objects->end()) << truth.name;
       const auto slot = static_cast<std::size_t>(found - state->objects->begin());
       EXPECT_EQ(slot_of((*found)->id), slot);
@@ -175,7 +181,8 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
       ++compared;
     }
     const auto is_object = [](const auto& info) { return info != nullptr; };
-    EXPECT_EQ(static_cast<std::size_t>(std::count_if(state->objects->begin(), state->objects->end(), is_object)), there);
+    EXPECT_EQ(static_cast<std::size_t>(std::count_if(state->objects->begin(), state->objects->end(), is_object)),
+              there);
   }
   EXPECT_GT(compared, 1000);
 }

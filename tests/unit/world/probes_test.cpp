@@ -12,7 +12,8 @@ using extreme::Stage;
 
 std::vector<ProbeReading> read(Probes& probes, const World& world) {
   std::vector<ProbeReading> readings;
-  probes.read(*world.newest(), [&](std::string_view name) { return world.find(name); }, readings);
+  probes.read(
+      *world.newest(), [&](std::string_view name) { return world.find(name); }, readings);
   return readings;
 }
 
@@ -24,8 +25,12 @@ void set(Probes& probes, const ProbeDefinition& probe) {
 void add_wheels(Probes& probes, const std::string& object, double reach_m = 10, double back_m = 2) {
   const Vec3 wheel[4] = {{1.2, 0.7, -0.5}, {1.2, -0.7, -0.5}, {-1.2, 0.7, -0.5}, {-1.2, -0.7, -0.5}};
   for (int i = 0; i < 4; ++i) {
-    set(probes, {.name = object + "/wheel" + std::to_string(i), .object = object, .origin = wheel[i],
-                 .direction = -Vec3::UnitZ(), .reach_m = reach_m, .back_m = back_m});
+    set(probes, {.name = object + "/wheel" + std::to_string(i),
+                 .object = object,
+                 .origin = wheel[i],
+                 .direction = -Vec3::UnitZ(),
+                 .reach_m = reach_m,
+                 .back_m = back_m});
   }
 }
 
@@ -51,7 +56,9 @@ TriangleMesh hillside(double slope_x, double slope_y) {
 }
 
 /// Signed distance along the unit direction from p to the plane n . x = h.
-double along_to_plane(const Vec3& p, const Vec3& direction, const Vec3& n, double h) { return (h - n.dot(p)) / n.dot(direction); }
+double along_to_plane(const Vec3& p, const Vec3& direction, const Vec3& n, double h) {
+  return (h - n.dot(p)) / n.dot(direction);
+}
 
 struct Terrain {
   const char* name;

@@ -119,7 +119,13 @@ TEST_F(WorldSameBits, AloneOrInAnyBatch) {
     Answers whole;
     answer(state(), question_of(kind, all), whole, scratch);
     Digest expected;
-    expected.add({.answers = {}, .reasons = {}, .levels = {}, .hit_counts = {}, .nodes = {}, .exact_tests = {}, .hits = whole.hits});
+    expected.add({.answers = {},
+                  .reasons = {},
+                  .levels = {},
+                  .hit_counts = {},
+                  .nodes = {},
+                  .exact_tests = {},
+                  .hits = whole.hits});
     for (const std::size_t batch : {std::size_t{1}, std::size_t{7}, std::size_t{64}}) {
       std::vector<AnswerHit> hits;
       for (std::size_t i = 0; i < kQuestions; i += batch) {
@@ -129,7 +135,8 @@ TEST_F(WorldSameBits, AloneOrInAnyBatch) {
         hits.insert(hits.end(), part.hits.begin(), part.hits.end());
       }
       Digest given;
-      given.add({.answers = {}, .reasons = {}, .levels = {}, .hit_counts = {}, .nodes = {}, .exact_tests = {}, .hits = hits});
+      given.add(
+          {.answers = {}, .reasons = {}, .levels = {}, .hit_counts = {}, .nodes = {}, .exact_tests = {}, .hits = hits});
       EXPECT_EQ(given.value(), expected.value()) << name_of(kind) << " by " << batch;
     }
   }
@@ -143,7 +150,9 @@ TEST_P(WorldRaysTogether, GiveTheBitsOfEachAlone) {
   Scene scene;
   scene.name = "terrain";
   scene.mesh = scenes::terrain(300, 300, random());
-  scene.parts = {{.name = "terrain", .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
+  scene.parts = {{.name = "terrain",
+                  .first_triangle = 0,
+                  .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
   World world(WorldOptions{});
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
   const Aabb bounds = indexed->tree.bounds();
@@ -153,13 +162,16 @@ TEST_P(WorldRaysTogether, GiveTheBitsOfEachAlone) {
   ASSERT_GT(state->scenes[0]->tree.report().bytes, 4u << 20);
   std::uniform_real_distribution<double> part(0, 1);
   std::vector<double> numbers;
-  const auto place = [&] { return Vec3(bounds.low + Vec3(part(random), part(random), part(random)).cwiseProduct(bounds.high - bounds.low)); };
+  const auto place = [&] {
+    return Vec3(bounds.low + Vec3(part(random), part(random), part(random)).cwiseProduct(bounds.high - bounds.low));
+  };
   for (std::size_t i = 0; i < 1'000; ++i) {
     const bool is_camera = GetParam();
     const Vec3 p = is_camera ? Vec3(bounds.high.cwiseProduct(Vec3(0, 0, 1)) + Vec3(0, 0, 30)) : place();
     const Vec3 d = is_camera ? Vec3(0.3 + 1e-4 * static_cast<double>(i), 0.2, -1) : Vec3(place() - p);
     // Some are no questions, some end early.
-    numbers.insert(numbers.end(), {p.x(), p.y(), i % 97 == 0 ? NAN : p.z(), d.x(), d.y(), d.z(), i % 5 == 0 ? 10 : INFINITY});
+    numbers.insert(numbers.end(),
+                   {p.x(), p.y(), i % 97 == 0 ? NAN : p.z(), d.x(), d.y(), d.z(), i % 5 == 0 ? 10 : INFINITY});
   }
   for (const auto mode : {HitMode::closest, HitMode::any, HitMode::all}) {
     Answers together, alone;
@@ -175,9 +187,7 @@ TEST_P(WorldRaysTogether, GiveTheBitsOfEachAlone) {
       joined.answers.push_back(alone.answers[0]);
       joined.hit_counts.push_back(alone.hit_counts[0]);
       joined.hits.insert(joined.hits.end(), alone.hits.begin(), alone.hits.end());
-      if (!GetParam()) {
-        ASSERT_EQ(together.nodes[i], alone.nodes[0]);
-      }
+      if (!GetParam()) { ASSERT_EQ(together.nodes[i], alone.nodes[0]); }
     }
     expected.add(joined);
     EXPECT_EQ(given.value(), expected.value());

@@ -9,9 +9,7 @@
 namespace collided::engine {
 namespace {
 
-std::vector<TrianglePair> found(const TriangleMesh& mesh) {
-  return self_intersections(mesh, Bvh::build(mesh)).pairs;
-}
+std::vector<TrianglePair> found(const TriangleMesh& mesh) { return self_intersections(mesh, Bvh::build(mesh)).pairs; }
 
 TEST(WorldSelfIntersections, ClosedSurfacesWithoutFoldsHaveNone) {
   EXPECT_TRUE(found(box_mesh({0, 0, 0}, {1, 2, 3})).empty());
@@ -25,9 +23,7 @@ TEST(WorldSelfIntersections, AFlatGridHasNoneInAnyPlane) {
     TriangleMesh grid = scenes::terrain(8, 1, 3);
     for (Vec3& v : grid.vertices) v[2] = slope[0] * v[0] + slope[1] * v[1];
     EXPECT_EQ(found(grid), oracle::self_intersections(grid));
-    if (slope[0] != 0.1) {
-      EXPECT_TRUE(found(grid).empty());
-    }
+    if (slope[0] != 0.1) { EXPECT_TRUE(found(grid).empty()); }
   }
 }
 

@@ -47,7 +47,8 @@ DecodedShape field_of(std::uint32_t columns, double dx, double dy, const std::ve
 }
 
 ObjectId added(World& world, const std::string& name, const Shape& shape, bool moving = false) {
-  const auto defined = world.define({.name = name, .scene = {}, .shape = shape, .pose = {}, .filter = {}, .moving = moving});
+  const auto defined =
+      world.define({.name = name, .scene = {}, .shape = shape, .pose = {}, .filter = {}, .moving = moving});
   EXPECT_TRUE(std::holds_alternative<ObjectId>(defined));
   return std::get<ObjectId>(defined);
 }
@@ -71,7 +72,8 @@ DecodedShape buffers_of(const std::vector<format::BufferKind>& kinds, std::uint3
   const std::vector<std::uint8_t> indices{0, 0, 2, 0, 1, 0, 3, 0};
   return decoded([&](fb::FlatBufferBuilder& b) {
     std::vector<fb::Offset<format::VertexBuffer>> tables;
-    for (const format::BufferKind kind : kinds) tables.push_back(format::CreateVertexBufferDirect(b, kind, false, stride, 0, &vertices, 2, &indices, 0.25));
+    for (const format::BufferKind kind : kinds)
+      tables.push_back(format::CreateVertexBufferDirect(b, kind, false, stride, 0, &vertices, 2, &indices, 0.25));
     const auto buffers = b.CreateVector(tables);
     format::ShapeBuilder shape(b);
     shape.add_buffers(buffers);
@@ -80,7 +82,8 @@ DecodedShape buffers_of(const std::vector<format::BufferKind>& kinds, std::uint3
 }
 
 TEST(VertexBuffers, AreShapesOnTheWire) {
-  const DecodedShape strip = buffers_of({format::BufferKind::strip, format::BufferKind::points, format::BufferKind::polyline}, 16);
+  const DecodedShape strip =
+      buffers_of({format::BufferKind::strip, format::BufferKind::points, format::BufferKind::polyline}, 16);
   ASSERT_TRUE(strip.shape) << strip.refusal;
   EXPECT_EQ(strip.shape->mesh->triangles.size(), 2u);
   EXPECT_EQ(strip.shape->primitives.size(), 4u + 3u);
@@ -91,7 +94,8 @@ TEST(VertexBuffers, AreShapesOnTheWire) {
   ASSERT_EQ(answers.hits.size(), 1u);
   EXPECT_EQ(answers.hits[0].distance_m, 2);
   EXPECT_NE(buffers_of({format::BufferKind::strip}, 11).refusal.find("buffer 0: stride 11"), std::string::npos);
-  EXPECT_EQ(buffers_of({format::BufferKind::strip, format::BufferKind::fan}, 12).refusal, "buffer 1: a second surface; a shape holds one");
+  EXPECT_EQ(buffers_of({format::BufferKind::strip, format::BufferKind::fan}, 12).refusal,
+            "buffer 1: a second surface; a shape holds one");
 }
 
 /// A hundred thousand balls of 4 mm in a metre; what a ray meets is counted, since a clock says nothing on a busy machine.
@@ -108,7 +112,8 @@ TEST(PointCloud, AHundredThousandPointsAnswerThroughTheirIndex) {
   world.step(0, 1, {});
   std::vector<double> rays;
   for (int i = 0; i < 200; ++i) {
-    for (const double x : {place(random), place(random), -1.0, place(random) - 0.5, place(random) - 0.5, 1.0, 10.0}) rays.push_back(x);
+    for (const double x : {place(random), place(random), -1.0, place(random) - 0.5, place(random) - 0.5, 1.0, 10.0})
+      rays.push_back(x);
   }
   const Answers answers = asked(world, QuestionKind::ray, rays);
   std::size_t hits = 0;
@@ -153,7 +158,8 @@ TEST(HeightField, BecomesTheSurfaceOverItsGrid) {
   const Answers down = asked(world, QuestionKind::ray, {3, 2.5, 100, 0, 0, -1, INFINITY});
   ASSERT_EQ(down.hits.size(), 1u);
   EXPECT_NEAR(down.hits[0].distance_m, 100 - (1.5 + 1.5), down.hits[0].error_m + 1e-13);
-  EXPECT_EQ(field_of(3, 2, 5, {0, 1, 2, 3}).refusal, "height field of 4 heights in 3 columns, needed are whole rows, 2 of 2 at least");
+  EXPECT_EQ(field_of(3, 2, 5, {0, 1, 2, 3}).refusal,
+            "height field of 4 heights in 3 columns, needed are whole rows, 2 of 2 at least");
   EXPECT_EQ(field_of(2, 0, 5, {0, 1, 2, 3}).refusal, "height field: spacing 0 m, allowed are finite lengths above 0");
   EXPECT_EQ(field_of(2, 1, 1, {0, 1, NAN, 3}).refusal, "height field: height 2 is nan");
 }
@@ -161,7 +167,8 @@ TEST(HeightField, BecomesTheSurfaceOverItsGrid) {
 TEST(HalfSpaceShape, StandsAloneAndDoesNotMove) {
   World world({});
   const Shape ground{{HalfSpace{{0, 0, 0}, {0, 0, 1}}}, nullptr};
-  const auto refused = world.define({.name = "ground", .scene = {}, .shape = ground, .pose = {}, .filter = {}, .moving = true});
+  const auto refused =
+      world.define({.name = "ground", .scene = {}, .shape = ground, .pose = {}, .filter = {}, .moving = true});
   ASSERT_TRUE(std::holds_alternative<Refusal>(refused));
   EXPECT_NE(std::get<Refusal>(refused).reason.find("half-space that moves"), std::string::npos);
   added(world, "ground", ground);
@@ -175,7 +182,8 @@ TEST(HalfSpaceShape, StandsAloneAndDoesNotMove) {
   company.primitives.push_back(Sphere{{0, 0, 0}, 1});
   EXPECT_NE(decode_shape(encode_shape(company)).refusal.find("makes an object of its own"), std::string::npos);
   const Shape nowhere{{HalfSpace{{0, 0, 0}, {0, 0, 0}}}, nullptr};
-  EXPECT_EQ(decode_shape(encode_shape(nowhere)).refusal, "half-space 0: normal of length 0, allowed 1e-30 to 9.999999999999999e+29");
+  EXPECT_EQ(decode_shape(encode_shape(nowhere)).refusal,
+            "half-space 0: normal of length 0, allowed 1e-30 to 9.999999999999999e+29");
   const DecodedShape again = decode_shape(encode_shape(ground));
   ASSERT_TRUE(again.shape);
   EXPECT_EQ(std::get<HalfSpace>(again.shape->primitives[0]).normal, Vec3(0, 0, 1));
@@ -197,10 +205,12 @@ TEST(ScaledShape, KeepsItsKindOrIsRefusedByName) {
   Shape ball = one_of(Sphere{{1, 0, 0}, 2});
   EXPECT_EQ(scale(ball, {3, 3, 3}), "");
   EXPECT_EQ(std::get<Sphere>(ball.primitives[0]).radius_m, 6);
-  EXPECT_EQ(refusal(ball, {1, 2, 1}), "scale (1, 2, 1): a sphere would become an ellipsoid; one factor for all axes is allowed");
+  EXPECT_EQ(refusal(ball, {1, 2, 1}),
+            "scale (1, 2, 1): a sphere would become an ellipsoid; one factor for all axes is allowed");
   EXPECT_EQ(refusal(one_of(Capsule{{0, 0, 0}, {1, 0, 0}, 1}), {1, 2, 1}),
             "scale (1, 2, 1): a capsule would become no capsule; one factor for all axes is allowed");
-  EXPECT_EQ(refusal(ball, {1, -1, 1}), "scale (1, -1, 1): factors must be finite and above 0; mirror images are not offered");
+  EXPECT_EQ(refusal(ball, {1, -1, 1}),
+            "scale (1, -1, 1): factors must be finite and above 0; mirror images are not offered");
   EXPECT_EQ(refusal(one_of(Sphere{{1e300, 0, 0}, 1}), Vec3::Constant(1e10)),
             "scale (10000000000, 10000000000, 10000000000): a coordinate would be too large for a double");
   Mat3 skew = Eigen::AngleAxisd(0.3, Vec3::UnitZ()).toRotationMatrix();

@@ -12,7 +12,6 @@
 namespace collided::engine {
 namespace {
 
-
 class WorldSplitIndex : public testing::Test {
  protected:
   /// Long slanted triangles among dust; a moving ball of triangles.
@@ -25,7 +24,8 @@ class WorldSplitIndex : public testing::Test {
     EXPECT_EQ(indexed->tree.report().split_triangles > 0, form == BvhForm::best);
     ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, std::move(indexed))));
     const auto ball = std::make_shared<const TriangleMesh>(scenes::icosphere(2, 0.4));
-    ball_ = std::get<ObjectId>(world.define({.name = "ball", .scene = {}, .shape = {{}, ball}, .pose = {}, .filter = {}}));
+    ball_ =
+        std::get<ObjectId>(world.define({.name = "ball", .scene = {}, .shape = {{}, ball}, .pose = {}, .filter = {}}));
     world.step(1, 1, {});
   }
   void SetUp() override {

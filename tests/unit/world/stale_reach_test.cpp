@@ -13,14 +13,19 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 ObjectDefinition ball(const std::string& name, const Vec3& position, double radius_m = 0.5) {
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius_m});
-  return {.name = name, .scene = {}, .shape = shape, .pose = {.position = position}, .filter = {}, .moving = true,
-          .lost_policy = LostPolicy::freeze, .publisher = 1};
+  return {.name = name,
+          .scene = {},
+          .shape = shape,
+          .pose = {.position = position},
+          .filter = {},
+          .moving = true,
+          .lost_policy = LostPolicy::freeze,
+          .publisher = 1};
 }
 
 /// A ball that went from `from` to `to` within a second, and whose publisher was lost then.
@@ -34,7 +39,8 @@ struct LostBall {
     step(11 * kSecond);
   }
   void step(std::int64_t time_ns) { ASSERT_TRUE(world.step(time_ns, 1, {})); }
-  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest, const ObjectInfo* mover = nullptr) {
+  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
+              const ObjectInfo* mover = nullptr) {
     Answers answers;
     answer(*world.newest(), {.kind = kind, .mode = mode, .numbers = numbers, .mover = mover}, answers, scratch);
     return answers;
@@ -76,7 +82,8 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
   lost.step(21 * kSecond);
   for (const bool turned : {false, true}) {
     const auto report = [&](ObjectId other) {
-      return report_pair(*lost.world.newest(), turned ? other : lost.id, turned ? lost.id : other, {.certificate = true});
+      return report_pair(*lost.world.newest(), turned ? other : lost.id, turned ? lost.id : other,
+                         {.certificate = true});
     };
     EXPECT_EQ(report(near).touches, Decision::undecided);
     EXPECT_TRUE(report(near).is_stale);
@@ -91,7 +98,8 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
   LostBall still({1, 0, 0}, {1, 0, 0});
   const ObjectId summand = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
   still.step(21 * kSecond);
-  EXPECT_EQ(report_pair(*still.world.newest(), still.id, summand, {}).touches, Decision::no) << "what stood still is where it was";
+  EXPECT_EQ(report_pair(*still.world.newest(), still.id, summand, {}).touches, Decision::no)
+      << "what stood still is where it was";
   EXPECT_FALSE(report_pair(*still.world.newest(), still.id, summand, {}).is_stale);
 }
 
@@ -127,7 +135,8 @@ TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
   expect_stale(behind);
   ASSERT_EQ(behind.hit_counts[0], 1U) << "what is known is told";
   EXPECT_EQ(lost.ask(QuestionKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, HitMode::any).answers[0], Verdict::hit);
-  EXPECT_EQ(lost.ask(QuestionKind::sphere, {0, 0, 30, 25}).answers[0], Verdict::hit) << "it meets something in any case";
+  EXPECT_EQ(lost.ask(QuestionKind::sphere, {0, 0, 30, 25}).answers[0], Verdict::hit)
+      << "it meets something in any case";
   Questions masked{.kind = QuestionKind::ray, .skip = "lost", .numbers = {}};
   const std::vector<double> ray{3, 0, -50, 0, 0, 1, 100};
   masked.numbers = ray;
@@ -160,7 +169,8 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = {0, 0, 0}, .radius_m = 1});
   const ObjectInfo mover = without_world(shape);
-  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
+                                     QuestionKind::sweep};
   int doubted = 0;
   int changed = 0;
   for (int round = 0; round < 300; ++round) {
@@ -181,13 +191,16 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
       doubted += given.reasons[0] == UndecidedReason::stale_object ? 1 : 0;
       for (int place = 0; place < 20; ++place) {
         const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized() * reach_m;
-        there.world.move(elsewhere, {.position = to + out * std::cbrt(std::uniform_real_distribution<double>()(random))}, 12 * kSecond, true);
+        there.world.move(elsewhere,
+                         {.position = to + out * std::cbrt(std::uniform_real_distribution<double>()(random))},
+                         12 * kSecond, true);
         there.step(12 * kSecond);
         const Answers truth = there.ask(kind, numbers, HitMode::closest, &mover);
         const bool names_it = !given.hits.empty() && given.hits[0].object == lost.id;
-        const bool differs = truth.answers[0] != given.answers[0] ||
-                             (!truth.hits.empty() && kind != QuestionKind::sphere && kind != QuestionKind::box &&
-                              truth.hits[0].distance_m + truth.hits[0].error_m < given.hits[0].distance_m - given.hits[0].error_m);
+        const bool differs =
+            truth.answers[0] != given.answers[0] ||
+            (!truth.hits.empty() && kind != QuestionKind::sphere && kind != QuestionKind::box &&
+             truth.hits[0].distance_m + truth.hits[0].error_m < given.hits[0].distance_m - given.hits[0].error_m);
         if (given.answers[0] == Verdict::undecided || names_it || !differs) continue;
         ++changed;
       }

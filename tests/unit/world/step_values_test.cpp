@@ -9,7 +9,6 @@
 namespace collided::engine {
 namespace {
 
-
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 ObjectDefinition object(const std::string& name, const Primitive& primitive, const Vec3& at) {
@@ -43,9 +42,9 @@ class WorldStepValues : public testing::Test {
 
 struct Passing {
   const char* name;
-  bool ball;           // else a box, which is swept as a body
-  bool mover_first;    // has the lower id
-  bool sheet_moves;    // else the mover does
+  bool ball;         // else a box, which is swept as a body
+  bool mover_first;  // has the lower id
+  bool sheet_moves;  // else the mover does
 };
 
 class WorldPassing : public WorldStepValues, public testing::WithParamInterface<Passing> {};
@@ -53,7 +52,8 @@ class WorldPassing : public WorldStepValues, public testing::WithParamInterface<
 // From 1 m above a sheet to 3 m below it within a second: first contact after 0.75 m of 4 m, 0.8125 s before the end.
 TEST_P(WorldPassing, TellsWhereWhenHowFastAndInWhichDirection) {
   const Passing& how = GetParam();
-  const Primitive shape = how.ball ? Primitive(Sphere{Vec3::Zero(), 0.25}) : Primitive(Box{.center = Vec3::Zero(), .half_m = {0.25, 0.125, 0.25}});
+  const Primitive shape = how.ball ? Primitive(Sphere{Vec3::Zero(), 0.25})
+                                   : Primitive(Box{.center = Vec3::Zero(), .half_m = {0.25, 0.125, 0.25}});
   const ObjectDefinition mover = object("mover", shape, {3, 1, 1});
   const ObjectId first = define(how.mover_first ? mover : sheet("sheet"));
   const ObjectId second = define(how.mover_first ? sheet("sheet") : mover);
@@ -75,7 +75,8 @@ TEST_P(WorldPassing, TellsWhereWhenHowFastAndInWhichDirection) {
     EXPECT_EQ(event(i).of.b, second);
     EXPECT_EQ(event(i).of.a_triangle, how.mover_first ? kNoTriangle : 1u);
     EXPECT_EQ(event(i).of.b_triangle, how.mover_first ? 1u : kNoTriangle);
-    EXPECT_NEAR((event(i).of.contact.normal - Vec3(0, 0, down)).norm(), 0, 1e-6) << event(i).of.contact.normal.transpose();
+    EXPECT_NEAR((event(i).of.contact.normal - Vec3(0, 0, down)).norm(), 0, 1e-6)
+        << event(i).of.contact.normal.transpose();
     if (how.ball && !how.sheet_moves) {
       EXPECT_NEAR(event(i).of.contact.point.x(), 3, 1e-6);
       EXPECT_NEAR(event(i).of.contact.point.y(), 1, 1e-6);
@@ -111,7 +112,8 @@ TEST_F(WorldStepValues, AStaticPartIsToldWithItsOwnTriangleInBothOrders) {
     for (const auto& [passes, is_box] : {std::pair(true, false), std::pair(false, false), std::pair(true, true)}) {
       World here(WorldOptions{});
       ObjectId ball = 0;
-      const Primitive shape = is_box ? Primitive(Box{.center = Vec3::Zero(), .half_m = {0.125, 0.25, 0.25}}) : Primitive(Sphere{Vec3::Zero(), 0.25});
+      const Primitive shape = is_box ? Primitive(Box{.center = Vec3::Zero(), .half_m = {0.125, 0.25, 0.25}})
+                                     : Primitive(Sphere{Vec3::Zero(), 0.25});
       const auto define_ball = [&] { ball = std::get<ObjectId>(here.define(object("ball", shape, {3, 1, 1}))); };
       if (!is_part_first) define_ball();
       Scene scene{.name = "hall"};
@@ -148,8 +150,11 @@ TEST_F(WorldStepValues, TwoThatMeetOnTheirWaysAreToldInTheOrderOfTheirIds) {
   for (const bool left_first : {true, false}) {
     for (const bool has_boxes : {true, false}) {
       World here(WorldOptions{});
-      const Primitive shape = has_boxes ? Primitive(Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(0.5)}) : Primitive(Sphere{Vec3::Zero(), 0.5});
-      const auto define_at = [&](double x) { return std::get<ObjectId>(here.define(object(x < 0 ? "left" : "right", shape, {x, 0, 0}))); };
+      const Primitive shape = has_boxes ? Primitive(Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(0.5)})
+                                        : Primitive(Sphere{Vec3::Zero(), 0.5});
+      const auto define_at = [&](double x) {
+        return std::get<ObjectId>(here.define(object(x < 0 ? "left" : "right", shape, {x, 0, 0})));
+      };
       const ObjectId first = define_at(left_first ? -8 : 8);
       const ObjectId second = define_at(left_first ? 8 : -8);
       const ObjectId left = left_first ? first : second;
@@ -263,12 +268,15 @@ TEST_F(WorldStepValues, AnAnswerIsAsOldAsTheOldestPoseThatDecidedIt) {
 TEST_F(WorldStepValues, ABladeThatTurnsFastMeetsWhatStandsBetweenItsPoses) {
   for (const double angle : {0.02, 0.1, 0.5, M_PI / 2, 3.0}) {
     World here(WorldOptions{});
-    ObjectDefinition post = object("post", Sphere{Vec3::Zero(), 1e-6}, {2 * std::cos(angle / 2), 2 * std::sin(angle / 2), 0});
+    ObjectDefinition post =
+        object("post", Sphere{Vec3::Zero(), 1e-6}, {2 * std::cos(angle / 2), 2 * std::sin(angle / 2), 0});
     post.moving = false;
     here.define(post);
-    const ObjectId blade = std::get<ObjectId>(here.define(object("blade", Box{.center = {1.5, 0, 0}, .half_m = {0.6, 0.002, 0.01}}, {0, 0, 0})));
+    const ObjectId blade = std::get<ObjectId>(
+        here.define(object("blade", Box{.center = {1.5, 0, 0}, .half_m = {0.6, 0.002, 0.01}}, {0, 0, 0})));
     here.step(1 * kSecond, 1, {});
-    here.move(blade, {.position = Vec3::Zero(), .rotation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))}, 2 * kSecond, false);
+    here.move(blade, {.position = Vec3::Zero(), .rotation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))}, 2 * kSecond,
+              false);
     here.step(2 * kSecond, 1, {});
     ASSERT_EQ(here.events().size(), 2u) << angle;
     EXPECT_GT(here.events()[0].bracket_low_s, 0.5) << "half way, less half of the blade";

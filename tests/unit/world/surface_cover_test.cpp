@@ -21,11 +21,13 @@ double height_at_most(const TriangleMesh& sheet, const Triangle& table) {
 
 // Five triangles at one edge: two of a part, whose corners are equal by place alone, and three of another.
 TEST(WorldSurfaceCover, NeighboursAreThePairsOfOnePart) {
-  const TriangleMesh fan{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}, {0, 1, 1}, {0, 0, 0}, {1, 0, 0}},
-                         {{0, 1, 2}, {0, 1, 3}, {8, 7, 4}, {1, 0, 5}, {6, 0, 1}}};
+  const TriangleMesh fan{
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}, {0, 1, 1}, {0, 0, 0}, {1, 0, 0}},
+      {{0, 1, 2}, {0, 1, 3}, {8, 7, 4}, {1, 0, 5}, {6, 0, 1}}};
   const auto neighbours_of = [&](std::vector<std::uint32_t> part_of) {
     const TriangleNeighbours neighbours(fan, part_of);
-    return std::vector{neighbours.across(0, 0), neighbours.across(1, 0), neighbours.across(2, 0), neighbours.across(3, 0), neighbours.across(4, 1)};
+    return std::vector{neighbours.across(0, 0), neighbours.across(1, 0), neighbours.across(2, 0),
+                       neighbours.across(3, 0), neighbours.across(4, 1)};
   };
   constexpr std::uint32_t kNone = TriangleNeighbours::kNone;
   EXPECT_EQ(neighbours_of({0, 1, 0, 1, 1}), (std::vector{2u, kNone, 0u, kNone, kNone}));
@@ -45,7 +47,8 @@ TEST(WorldSurfaceCover, AnEqualSheetWhoseBorderIsTheTablesCoversIt) {
 
 using Rational3 = std::array<mpq_class, 3>;
 Rational3 motion(const Vec3& to, const Vec3& from) {
-  return {mpq_class(to[0]) - mpq_class(from[0]), mpq_class(to[1]) - mpq_class(from[1]), mpq_class(to[2]) - mpq_class(from[2])};
+  return {mpq_class(to[0]) - mpq_class(from[0]), mpq_class(to[1]) - mpq_class(from[1]),
+          mpq_class(to[2]) - mpq_class(from[2])};
 }
 mpq_class dot(const Rational3& a, const Rational3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -71,7 +74,8 @@ TEST(WorldSurfaceCover, TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize) {
     const Vec3 across = normal.cross(along);
     // All but parallel to the table, and about it.
     const TriangleMesh sheet{{along + unit(random) * 1e-4 * normal, across - along + unit(random) * 1e-4 * normal,
-                              -along - across + unit(random) * 1e-4 * normal}, {{0, 1, 2}}};
+                              -along - across + unit(random) * 1e-4 * normal},
+                             {{0, 1, 2}}};
     const double bound_m = height_at_most(sheet, table);
     if (!std::isfinite(bound_m)) continue;
     ++bound_count;

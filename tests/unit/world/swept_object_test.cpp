@@ -123,7 +123,8 @@ TEST(WorldSweptObject, ATurningBladeMeetsAWireHalfWay) {
 TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold) {
   const ObjectInfo box = primitive_object(Box{.center = Vec3::Zero(), .half_m = {0.5, 2, 2}});
   for (const double side : {1.0, -1.0}) {
-    const std::vector<Vec3> corners{{5, side, -1}, {5, side, 1}, {5, 1.5 * side, 0}, {5, -side, -1}, {5, -side, 1}, {5, -1.5 * side, 0}};
+    const std::vector<Vec3> corners{{5, side, -1},  {5, side, 1},  {5, 1.5 * side, 0},
+                                    {5, -side, -1}, {5, -side, 1}, {5, -1.5 * side, 0}};
     const Scene both{{corners, {{0, 1, 2}, {3, 4, 5}}}};
     const Scene first{{corners, {{0, 1, 2}}}};
     const SweptTouch touch = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}));

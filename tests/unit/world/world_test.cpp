@@ -8,7 +8,6 @@
 namespace collided::engine {
 namespace {
 
-
 Scene floor_scene(const std::string& name, double height_m) {
   Scene scene;
   scene.name = name;
@@ -252,7 +251,8 @@ TEST_F(WorldTest, FarFromOriginAMovingMeshIsStillFound) {
     const Vec3 aim = placed.a + u * (placed.b - placed.a) + 0.25 * (placed.c - placed.a);
     const Vec3 from = aim + Vec3(3, 1 + u, 2);
     const Vec3 d = aim - from;
-    const Answers answers = ask(world, QuestionKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
+    const Answers answers =
+        ask(world, QuestionKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
     EXPECT_EQ(answers.answers[0], Verdict::hit) << i;
   }
   const Answers corner = ask(world, QuestionKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), 0});

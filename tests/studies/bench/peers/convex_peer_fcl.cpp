@@ -16,7 +16,9 @@ namespace {
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
 Geometry geometry_of(const Sphere& s) { return std::make_shared<fcl::Sphered>(s.radius_m); }
-Geometry geometry_of(const Box& b) { return std::make_shared<fcl::Boxd>(2 * b.half_m[0], 2 * b.half_m[1], 2 * b.half_m[2]); }
+Geometry geometry_of(const Box& b) {
+  return std::make_shared<fcl::Boxd>(2 * b.half_m[0], 2 * b.half_m[1], 2 * b.half_m[2]);
+}
 Geometry geometry_of(const Cylinder& c) { return std::make_shared<fcl::Cylinderd>(c.radius_m, c.b[2] - c.a[2]); }
 Geometry geometry_of(const Cone& c) { return std::make_shared<fcl::Coned>(c.radius_m, c.apex[2] - c.base[2]); }
 Geometry geometry_of(const Ellipsoid& e) {

@@ -54,8 +54,7 @@ class BulletSweep final : public FramePeer {
     sweep_ = std::make_unique<bt32BitAxisSweep3>(point(world.low - margin), point(world.high + margin),
                                                  static_cast<unsigned>(boxes.size() + 2));
     for (const Aabb& box : boxes) {
-      proxies_.push_back(
-          sweep_->createProxy(point(box.low), point(box.high), 0, nullptr, 1, 1, nullptr));
+      proxies_.push_back(sweep_->createProxy(point(box.low), point(box.high), 0, nullptr, 1, 1, nullptr));
     }
   }
   std::string name() const override { return "Bullet bt32BitAxisSweep3"; }

@@ -16,7 +16,8 @@ class Cgal final : public FramePeer {
   std::string name() const override { return "CGAL box_intersection"; }
   std::size_t frame(std::span<const Aabb> boxes) override {
     boxes_.clear();
-    for (const Aabb& box : boxes) boxes_.emplace_back(const_cast<double*>(box.low.data()), const_cast<double*>(box.high.data()));
+    for (const Aabb& box : boxes)
+      boxes_.emplace_back(const_cast<double*>(box.low.data()), const_cast<double*>(box.high.data()));
     std::size_t count = 0;
     CGAL::box_self_intersection_d(boxes_.begin(), boxes_.end(), [&](const Box3&, const Box3&) { ++count; });
     return count;

@@ -29,7 +29,8 @@ class Cgal final : public MeshPairPeer {
   std::string name() const override { return "CGAL"; }
   void move(const Frame& frame) override {
     placed_.clear();
-    for (std::uint32_t i = 0; i < b_.triangles.size(); ++i) placed_.push_back(cgal_triangle(place(frame, b_.triangle(i))));
+    for (std::uint32_t i = 0; i < b_.triangles.size(); ++i)
+      placed_.push_back(cgal_triangle(place(frame, b_.triangle(i))));
   }
   void all_pairs(TrianglePairs& out) override {
     for (std::size_t j = 0; j < placed_.size(); ++j) {

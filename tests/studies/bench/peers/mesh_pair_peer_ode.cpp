@@ -15,7 +15,8 @@ class Ode final : public MeshPairPeer {
   void move(const Frame& frame) override {
     dMatrix3 rotation{};
     for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) rotation[4 * row + column] = static_cast<dReal>(frame.rotation(row, column));
+      for (int column = 0; column < 3; ++column)
+        rotation[4 * row + column] = static_cast<dReal>(frame.rotation(row, column));
     }
     dGeomSetRotation(b_.geometry, rotation);
     const Vec3& p = frame.position;

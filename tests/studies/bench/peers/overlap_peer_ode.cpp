@@ -39,7 +39,9 @@ class Ode final : public OverlapPeer {
     dGeomSetPosition(geometry, static_cast<dReal>(c[0]), static_cast<dReal>(c[1]), static_cast<dReal>(c[2]));
     if (!any) return kCannot;
     dContactGeom contact;
-    return dCollide(mesh_->geometry, geometry, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0 ? 1 : 0;
+    return dCollide(mesh_->geometry, geometry, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0
+               ? 1
+               : 0;
   }
 
   OdeRuns runs_;

@@ -30,8 +30,8 @@ class Cgal final : public RayPeer {
   std::string name() const override { return "CGAL exact predicates"; }
   std::uint32_t nearest(const Ray& ray) override {
     const Vec3& d = ray.direction;
-    const auto met = tree_.first_intersected_primitive(
-        Kernel::Ray_3(point_of(ray.origin), Kernel::Vector_3(d[0], d[1], d[2])));
+    const auto met =
+        tree_.first_intersected_primitive(Kernel::Ray_3(point_of(ray.origin), Kernel::Vector_3(d[0], d[1], d[2])));
     return met ? static_cast<std::uint32_t>(*met - triangles_.cbegin()) : 0xffffffffu;
   }
 

@@ -9,8 +9,7 @@ namespace {
 
 class Ode final : public RayPeer {
  public:
-  explicit Ode(const TriangleMesh& mesh)
-      : mesh_(mesh), ray_(dCreateRay(nullptr, static_cast<dReal>(beyond(mesh)))) {
+  explicit Ode(const TriangleMesh& mesh) : mesh_(mesh), ray_(dCreateRay(nullptr, static_cast<dReal>(beyond(mesh)))) {
     dGeomRaySetClosestHit(ray_, 1);
     dGeomRaySetBackfaceCull(ray_, 0);
   }

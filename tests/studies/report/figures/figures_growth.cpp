@@ -31,10 +31,11 @@ draw::Plot over_knob(const std::string& scene, const std::string& what, const st
 }  // namespace
 
 std::vector<Figure> growth_figures(const std::vector<Row>& all) {
-  Figure figure{"growth", "How cost grows",
-                "Wall time of a ray (first hit on a terrain, decided exactly, through the whole question path) and, for "
-                "moving objects, of one object's share of a frame: grid rebuilt and all overlapping pairs. ",
-                ""};
+  Figure figure{
+      "growth", "How cost grows",
+      "Wall time of a ray (first hit on a terrain, decided exactly, through the whole question path) and, for "
+      "moving objects, of one object's share of a frame: grid rebuilt and all overlapping pairs. ",
+      ""};
   for (const auto& [scene, what] : {std::pair<std::string, std::string>{"triangles", "a ray"},
                                     {"rays a batch", "a ray"},
                                     {"threads", "a ray"},

@@ -10,7 +10,7 @@ using draw::Paint;
 using draw::Scale;
 
 draw::Plot over_triangles(const std::string& title, const std::string& what, const std::vector<Row>& rows,
-                          double Row::* value) {
+                          double Row::*value) {
   draw::Plot plot{.title = title,
                   .x = {.label = "triangles", .scale = Scale::logarithmic},
                   .y = {.label = what, .scale = Scale::logarithmic}};

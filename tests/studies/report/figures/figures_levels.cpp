@@ -44,14 +44,18 @@ Figure level_figure(const std::vector<Row>& all, const std::string& study, const
 
 /// The proved bound of each level over its triangles, a line a cost.
 Figure cost_figure(const std::vector<Row>& all) {
-  Figure figure{"simplification-costs", "Two costs of a collapse",
-                "How far a level is from the whole mesh at most, proved, over its triangles: edges collapsed by how far the vertex "
-                "ends from the planes it stood for (quadric), and by how far it goes (edge length). The same guards for both.", ""};
+  Figure figure{
+      "simplification-costs", "Two costs of a collapse",
+      "How far a level is from the whole mesh at most, proved, over its triangles: edges collapsed by how far the "
+      "vertex "
+      "ends from the planes it stood for (quadric), and by how far it goes (edge length). The same guards for both.",
+      ""};
   draw::Plot plot{.title = "Two costs of a collapse",
                   .x = {.label = "triangles", .scale = Scale::logarithmic},
                   .y = {.label = "proved distance of the two surfaces, m", .scale = Scale::logarithmic}};
   std::vector<Row> both;
-  for (const auto& [study, name] : {std::pair{"simplification", "quadric"}, std::pair{"simplification by length", "edge length"}}) {
+  for (const auto& [study, name] :
+       {std::pair{"simplification", "quadric"}, std::pair{"simplification by length", "edge length"}}) {
     draw::Series series{.name = name, .paint = both.empty() ? Paint::accent : Paint::palette};
     for (Row row : of_study(all, study)) {
       if (bound_of(row) > 0) series.points.push_back({row.knob, bound_of(row)});

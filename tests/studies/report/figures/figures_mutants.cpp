@@ -13,11 +13,13 @@ struct Score {
   int harmless = 0;
   int survived = 0;
 
-  void count(const std::string& outcome) { ++(outcome == "killed" ? killed : outcome == "harmless" ? harmless : survived); }
+  void count(const std::string& outcome) {
+    ++(outcome == "killed" ? killed : outcome == "harmless" ? harmless : survived);
+  }
   std::string cells() const {
     const int judged = killed + survived;
-    return fmt::format("<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>", judged + harmless, killed, harmless, survived,
-                       judged == 0 ? "" : fmt::format("{:.1f} %", 100.0 * killed / judged));
+    return fmt::format("<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>", judged + harmless, killed, harmless,
+                       survived, judged == 0 ? "" : fmt::format("{:.1f} %", 100.0 * killed / judged));
   }
 };
 
@@ -31,7 +33,8 @@ std::string score_table(const Csv& mutants) {
   std::string html =
       "<table><thead><tr><th class=\"t\">room</th><th>bugs</th><th>killed</th><th>harmless</th><th>survived</th>"
       "<th>killed of those that can be</th></tr></thead><tbody>\n";
-  for (const auto& [room, score] : by_room) html += "<tr><td class=\"t\">" + draw::escaped(room) + "</td>" + score.cells() + "</tr>\n";
+  for (const auto& [room, score] : by_room)
+    html += "<tr><td class=\"t\">" + draw::escaped(room) + "</td>" + score.cells() + "</tr>\n";
   return html + "<tr><td class=\"t\">all</td>" + all.cells() + "</tr>\n</tbody></table>\n";
 }
 
@@ -53,10 +56,11 @@ std::string bug_table(const Csv& mutants) {
 }  // namespace
 
 Figure mutant_figure(const Csv& mutants) {
-  Figure figure{"mutants", "Planted bugs that the tests notice",
-                "Single bugs planted by rule and seed all over the product, each run against the default tests that reach its "
-                "line. Harmless: nobody can notice, with the reason. Rows of the program tests/mutants/mutants.py.",
-                ""};
+  Figure figure{
+      "mutants", "Planted bugs that the tests notice",
+      "Single bugs planted by rule and seed all over the product, each run against the default tests that reach its "
+      "line. Harmless: nobody can notice, with the reason. Rows of the program tests/mutants/mutants.py.",
+      ""};
   if (!mutants.rows.empty()) {
     figure.body = score_table(mutants);
     figure.rows = bug_table(mutants);

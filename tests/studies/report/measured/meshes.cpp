@@ -8,8 +8,7 @@ using namespace engine;
 NamedMesh report_mesh(bool small) {
   NamedMesh result{"bunny (glmark2-data)", bench::read_obj("/usr/share/glmark2/models/bunny.obj")};
   if (result.mesh.triangles.empty() || small) {
-    result = {small ? "icosphere" : "icosphere",
-              scenes::icosphere(small ? 3 : 6, 1)};
+    result = {small ? "icosphere" : "icosphere", scenes::icosphere(small ? 3 : 6, 1)};
   }
   for (Vec3& vertex : result.mesh.vertices) {
     for (int k = 0; k < 3; ++k) vertex[k] = static_cast<double>(static_cast<float>(vertex[k]));

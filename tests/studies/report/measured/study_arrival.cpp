@@ -27,7 +27,8 @@ std::pair<MovingBody, MovingBody> crossing(std::mt19937_64& random, std::int64_t
     MovingBody moving{.form = kRadius_m, .instants = {}};
     for (int i = 0; i < kInstants; ++i) {
       const std::int64_t time_ns = i * kPeriodNs + phase;
-      moving.instants.push_back({kStart + time_ns, offset + velocity * (1e-9 * (static_cast<double>(time_ns) - middle_ns))});
+      moving.instants.push_back(
+          {kStart + time_ns, offset + velocity * (1e-9 * (static_cast<double>(time_ns) - middle_ns))});
     }
     return moving;
   };
@@ -45,11 +46,14 @@ bool tells_against_last_pose(const MovingBody& a, const MovingBody& b) {
   const MovingBody* const bodies[2] = {&a, &b};
   std::size_t said[2] = {0, 0};
   while (said[0] + 1 < kInstants || said[1] + 1 < kInstants) {
-    const auto next_ns = [&](int i) { return said[i] + 1 < kInstants ? bodies[i]->instants[said[i] + 1].time_ns : INT64_MAX; };
+    const auto next_ns = [&](int i) {
+      return said[i] + 1 < kInstants ? bodies[i]->instants[said[i] + 1].time_ns : INT64_MAX;
+    };
     const int mover = next_ns(0) <= next_ns(1) ? 0 : 1;
     const auto& displacement = bodies[mover]->instants;
     const Vec3& other = bodies[1 - mover]->instants[said[1 - mover]].position;
-    if (nearest_m(displacement[said[mover]].position, displacement[said[mover] + 1].position, other) <= 2 * kRadius_m) return true;
+    if (nearest_m(displacement[said[mover]].position, displacement[said[mover] + 1].position, other) <= 2 * kRadius_m)
+      return true;
     ++said[mover];
   }
   return false;
@@ -88,7 +92,11 @@ bool tells_on_common_time(const MovingBody& a, const MovingBody& b) {
 std::vector<Row> study_arrival(const Setting& setting) {
   std::vector<Row> rows;
   for (const double phase_ms : {0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 9.0}) {
-    Row last{.study = "arrival", .scene = "two balls at 100 Hz, 200 m/s", .series = "against the last pose", .label = short_number(phase_ms) + " ms", .knob = phase_ms};
+    Row last{.study = "arrival",
+             .scene = "two balls at 100 Hz, 200 m/s",
+             .series = "against the last pose",
+             .label = short_number(phase_ms) + " ms",
+             .knob = phase_ms};
     Row common = last;
     common.series = "collided";
     std::mt19937_64 random(setting.seed);

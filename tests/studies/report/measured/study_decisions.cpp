@@ -62,12 +62,14 @@ std::vector<Row> study_decisions(const Setting& setting) {
     const std::vector<Truth> truth(rays.size(), Truth{true, 0});
     const auto method = [&](const std::string& series, Decide decide) {
       return Method{series, "", kUnknown, each(rays, [&, decide](const Ray& ray) {
-        Any any{ray};
-        WalkCost cost;
-        const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) { return decide(any, t, limit); };
-        tree.walk_ray(ray, INFINITY, 0, mesh, candidate, cost);
-        return Answer{any.hit, 0};
-      })};
+                      Any any{ray};
+                      WalkCost cost;
+                      const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) {
+                        return decide(any, t, limit);
+                      };
+                      tree.walk_ray(ray, INFINITY, 0, mesh, candidate, cost);
+                      return Answer{any.hit, 0};
+                    })};
     };
     std::vector<Method> methods{method("ours", exactly_so), method("plain double", plainly<double>),
                                 method("plain float", plainly<float>)};

@@ -102,9 +102,15 @@ std::vector<Row> measure_points(const std::vector<Point>& points, int repeats) {
   std::vector<Row> rows;
   for (std::size_t p = 0; p < points.size(); ++p) {
     std::sort(ns[p].begin(), ns[p].end());
-    rows.push_back({.study = "growth", .scene = points[p].scene, .series = "collided",
-                    .label = short_number(points[p].knob, 3), .knob = points[p].knob, .ns = ns[p][ns[p].size() / 2],
-                    .ns_low = ns[p].front(), .ns_high = ns[p].back(), .n = static_cast<long>(points[p].n),
+    rows.push_back({.study = "growth",
+                    .scene = points[p].scene,
+                    .series = "collided",
+                    .label = short_number(points[p].knob, 3),
+                    .knob = points[p].knob,
+                    .ns = ns[p][ns[p].size() / 2],
+                    .ns_low = ns[p].front(),
+                    .ns_high = ns[p].back(),
+                    .n = static_cast<long>(points[p].n),
                     .missed = missed[p]});
   }
   return rows;
@@ -122,9 +128,8 @@ std::vector<Row> over_triangles(const Setting& setting, const std::vector<double
   std::vector<Point> points;
   for (std::uint32_t triangles = 2'000; triangles <= most; triangles *= 4) {
     const Hills& h = *hills.emplace_back(std::make_unique<Hills>(triangles, setting.seed));
-    points.push_back({"triangles", h.triangles(), asked.size() / kNumbers, [&h, &asked, truth = h.ask(asked, 1, 1)] {
-                        return different(h.ask(asked, 256, 1), truth);
-                      }});
+    points.push_back({"triangles", h.triangles(), asked.size() / kNumbers,
+                      [&h, &asked, truth = h.ask(asked, 1, 1)] { return different(h.ask(asked, 256, 1), truth); }});
   }
   return measure_points(points, setting.repeats());
 }
@@ -135,7 +140,8 @@ std::vector<Row> over_batches_and_threads(const Setting& setting, const std::vec
   std::vector<Point> points;
   const std::size_t count = asked.size() / kNumbers;
   const auto point = [&](const char* scene, double knob, std::size_t batch, unsigned threads) {
-    points.push_back({scene, knob, count, [&, batch, threads] { return different(hills.ask(asked, batch, threads), truth); }});
+    points.push_back(
+        {scene, knob, count, [&, batch, threads] { return different(hills.ask(asked, batch, threads), truth); }});
   };
   for (std::size_t batch = 1; batch <= count; batch *= 4) point("rays a batch", static_cast<double>(batch), batch, 1);
   const unsigned most = std::max(1U, std::thread::hardware_concurrency());
@@ -160,7 +166,8 @@ class Swarm {
   }
   /// All overlapping pairs after a move.
   std::size_t frame() {
-    for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = {boxes_[i].low + velocities_[i], boxes_[i].high + velocities_[i]};
+    for (std::size_t i = 0; i < boxes_.size(); ++i)
+      boxes_[i] = {boxes_[i].low + velocities_[i], boxes_[i].high + velocities_[i]};
     grid_.rebuild(boxes_);
     return pairs_of_grid();
   }

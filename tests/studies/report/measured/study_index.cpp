@@ -48,7 +48,8 @@ Form wide(const TriangleMesh& mesh) {
   const auto start = std::chrono::steady_clock::now();
   const auto tree = std::make_shared<const Bvh>(Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   const BvhReport& report = tree->report();
-  return {"ours: wide tree", [&mesh, tree](const Ray& ray, PlainCost& cost) { return ask_tree(*tree, mesh, ray, cost); },
+  return {"ours: wide tree",
+          [&mesh, tree](const Ray& ray, PlainCost& cost) { return ask_tree(*tree, mesh, ray, cost); },
           static_cast<double>(report.references), static_cast<double>(report.bytes), milliseconds_since(start)};
 }
 
@@ -99,8 +100,12 @@ std::vector<Row> compare(const std::string& scene, const TriangleMesh& mesh, con
         for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = form.ask(rays[i], cost);
       });
       ns[f].push_back(1e9 * seconds / questions);
-      Row row{.study = "index", .scene = scene, .series = form.series, .label = short_number(triangles, 3),
-              .knob = triangles, .n = static_cast<long>(rays.size())};
+      Row row{.study = "index",
+              .scene = scene,
+              .series = form.series,
+              .label = short_number(triangles, 3),
+              .knob = triangles,
+              .n = static_cast<long>(rays.size())};
       for (std::size_t i = 0; i < rays.size(); ++i) row.missed += answers[i] == truth[i] ? 0 : 1;
       row.nodes = static_cast<double>(cost.nodes) / questions;
       row.tests = static_cast<double>(cost.tests) / questions;
@@ -128,8 +133,9 @@ std::vector<Row> study_index(const Setting& setting) {
   for (std::uint32_t triangles = 500; triangles <= most; triangles *= 4) {
     const auto cells = static_cast<std::uint32_t>(std::sqrt(triangles / 2.0));
     const double gap = 1.5 / std::cbrt(triangles);
-    for (const auto& found : {compare("terrain", scenes::terrain(cells, 2, setting.seed), setting, random),
-                              compare("loose triangles", scenes::scattered(triangles, gap, setting.seed), setting, random)}) {
+    for (const auto& found :
+         {compare("terrain", scenes::terrain(cells, 2, setting.seed), setting, random),
+          compare("loose triangles", scenes::scattered(triangles, gap, setting.seed), setting, random)}) {
       rows.insert(rows.end(), found.begin(), found.end());
     }
   }

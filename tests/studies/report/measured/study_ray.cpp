@@ -133,13 +133,15 @@ class RayStudy {
     for (const Ray& ray : rays_) truth_.push_back(truth_of(scene.mesh, ray));
   }
 
-  Method method(const std::string& series, const std::string& label, Decide decide,
-                const Precision& precision = {}, double knob = kUnknown) const {
+  Method method(const std::string& series, const std::string& label, Decide decide, const Precision& precision = {},
+                double knob = kUnknown) const {
     return {series, label, knob, each(rays_, [this, decide, precision](const Ray& ray) {
               const PrecisionScope scope(precision);
               Walk walk{ray, ray.direction.norm(), {}};
               WalkCost cost;
-              const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) { return decide(walk, t, limit); };
+              const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) {
+                return decide(walk, t, limit);
+              };
               tree_.walk_ray(ray, kInfinity, 0, scene_.mesh, candidate, cost);
               return walk.best;
             })};

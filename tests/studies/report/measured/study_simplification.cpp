@@ -49,8 +49,8 @@ std::vector<Row> study_simplification(const Setting& setting) {
       if (level.triangles.size() == last_count) break;
       last_count = level.triangles.size();
       Row row = level_row(is_first ? "simplification" : "simplification by length", subject.scene.name,
-                          divisor == 1 ? "full" : "1/" + std::to_string(divisor), level, subject.points, subject.truth_m,
-                          divisor == 1 ? 0 : subject.bound_m(level), setting.repeats());
+                          divisor == 1 ? "full" : "1/" + std::to_string(divisor), level, subject.points,
+                          subject.truth_m, divisor == 1 ? 0 : subject.bound_m(level), setting.repeats());
       if (divisor == 1) row.note = "simplified as far as it goes in " + short_number(simplify_s, 3) + " s";
       rows.push_back(row);
     }

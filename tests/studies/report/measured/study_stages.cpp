@@ -29,9 +29,14 @@ class Balls {
       for (int axis = 0; axis < 3; ++axis) places_[i][axis] = place(random), motions_[i][axis] = motion(random);
       Shape shape;
       shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius(random)});
-      ids_.push_back(std::get<ObjectId>(world_.define({.name = std::to_string(i), .scene = {}, .shape = shape,
-                                                       .pose = {.position = places_[i]}, .filter = {}, .moving = true,
-                                                       .lost_policy = LostPolicy::remove, .publisher = 1})));
+      ids_.push_back(std::get<ObjectId>(world_.define({.name = std::to_string(i),
+                                                       .scene = {},
+                                                       .shape = shape,
+                                                       .pose = {.position = places_[i]},
+                                                       .filter = {},
+                                                       .moving = true,
+                                                       .lost_policy = LostPolicy::remove,
+                                                       .publisher = 1})));
     }
     step();
   }
@@ -80,9 +85,14 @@ std::vector<Row> study_stages(const Setting& setting) {
     }
     for (std::size_t stage = 0; stage < stages.size(); ++stage) {
       std::sort(stages[stage].begin(), stages[stage].end());
-      rows.push_back({.study = "stages", .scene = std::to_string(count) + " balls", .series = kStages[stage],
-                      .knob = static_cast<double>(count), .ns = stages[stage][stages[stage].size() / 2],
-                      .ns_low = stages[stage].front(), .ns_high = stages[stage].back(), .n = balls.contacts()});
+      rows.push_back({.study = "stages",
+                      .scene = std::to_string(count) + " balls",
+                      .series = kStages[stage],
+                      .knob = static_cast<double>(count),
+                      .ns = stages[stage][stages[stage].size() / 2],
+                      .ns_low = stages[stage].front(),
+                      .ns_high = stages[stage].back(),
+                      .n = balls.contacts()});
     }
   }
   return rows;

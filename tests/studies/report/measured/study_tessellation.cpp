@@ -35,8 +35,12 @@ std::vector<Row> study_tessellation(const Setting& setting) {
     rows.push_back(level_row("tessellation", scene, std::to_string(mesh.triangles.size()), mesh, outside, truth_m,
                              deviation_m + 0x1p-50, setting.repeats()));
   }
-  Row sphere{.study = "tessellation", .scene = scene, .series = "the sphere itself", .label = "closed form",
-             .knob = kUnknown, .n = static_cast<long>(outside.size())};
+  Row sphere{.study = "tessellation",
+             .scene = scene,
+             .series = "the sphere itself",
+             .label = "closed form",
+             .knob = kUnknown,
+             .n = static_cast<long>(outside.size())};
   double worst = 0;
   double sum = 0;
   const double seconds = timed([&] {

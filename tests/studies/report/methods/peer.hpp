@@ -18,9 +18,9 @@ using namespace engine;
 // for each line on its input and prints the seconds; at the end of its input it writes the answers and leaves.
 
 struct PeerProblem {
-  std::string kind;               // "ray", "nearest", "sphere_triangle", "box_box", ...
-  TriangleMesh mesh;              // may be empty
-  std::size_t numbers_each = 0;   // of one question
+  std::string kind;              // "ray", "nearest", "sphere_triangle", "box_box", ...
+  TriangleMesh mesh;             // may be empty
+  std::size_t numbers_each = 0;  // of one question
   std::vector<double> numbers;
 
   std::size_t count() const { return numbers.size() / numbers_each; }

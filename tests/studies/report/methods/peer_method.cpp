@@ -22,15 +22,15 @@ void add_peer(std::vector<Method>& methods, const Setting& setting, const std::s
   };
   auto state = std::make_shared<State>(State{*peer, setting.repeats()});
   methods.push_back({series, label, kUnknown, [state](std::vector<Answer>& answers) {
-    if (state->dead) return 0.0;
-    const std::optional<double> seconds = state->peer.pass();
-    state->dead = !seconds;
-    // The answers come with the last pass.
-    if (--state->passes_left == 0 && !state->dead) {
-      for (const PeerAnswer& a : state->peer.finish()) answers.push_back({a.yes != 0, a.value});
-    }
-    return seconds.value_or(0);
-  }});
+                       if (state->dead) return 0.0;
+                       const std::optional<double> seconds = state->peer.pass();
+                       state->dead = !seconds;
+                       // The answers come with the last pass.
+                       if (--state->passes_left == 0 && !state->dead) {
+                         for (const PeerAnswer& a : state->peer.finish()) answers.push_back({a.yes != 0, a.value});
+                       }
+                       return seconds.value_or(0);
+                     }});
 }
 
 }  // namespace collided::report

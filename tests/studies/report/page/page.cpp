@@ -78,11 +78,12 @@ std::string rows_table(const std::vector<Row>& rows) {
 }
 
 Heading report_heading() {
-  return {"Collided: error against run time",
-          "What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
-          "that ran in turn with every other method of the figure, with their range; errors are against rational or "
-          "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so.",
-          "rows.csv"};
+  return {
+      "Collided: error against run time",
+      "What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
+      "that ran in turn with every other method of the figure, with their range; errors are against rational or "
+      "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so.",
+      "rows.csv"};
 }
 
 std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date,
@@ -109,8 +110,7 @@ std::string page(const std::vector<Figure>& figures, const Provenance& from, con
     if (!figure.rows.empty()) html += "<details><summary>the numbers</summary>\n" + figure.rows + "</details>\n";
     html += "</section>\n";
   }
-  return html +
-         "<p class=\"from\">All rows, each with machine, commit and seed: <code>" + escaped(heading.rows_file) +
+  return html + "<p class=\"from\">All rows, each with machine, commit and seed: <code>" + escaped(heading.rows_file) +
          "</code> beside this page.</p>\n</body></html>\n";
 }
 

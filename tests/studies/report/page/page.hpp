@@ -9,7 +9,7 @@ namespace collided::report {
 
 /// One numbered figure or table of the page.
 struct Figure {
-  std::string id;       // of the anchor
+  std::string id;  // of the anchor
   std::string title;
   std::string caption;  // what is plotted, on what, how
   std::string body;     // SVG or a table; empty: nothing was measured, and the page says so

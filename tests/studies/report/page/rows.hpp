@@ -20,7 +20,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One method on one set of questions. NaN: not measured, or has no meaning here.
 struct Row {
-  std::string study{};   // the figure it belongs to
+  std::string study{};  // the figure it belongs to
   std::string scene{};
   std::string series{};  // the line of the figure
   std::string label{};   // the point on the line
