@@ -1,0 +1,140 @@
+// Springs between spheres that a server tells of: from 1e2 to 1e12 N/m, at any frame rate, however late it is heard.
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "client/cli/publish/bounce.hpp"
+
+namespace collided::cli {
+namespace {
+
+using response::Answer;
+using response::Touch;
+using response::Vec3;
+
+struct Hearing {
+  double rate_hz = 60;
+  int late_frames = 0;     // an event is heard so many frames after the one that it is about
+  double bracket_s = 1e-6;  // its width
+};
+
+/// Two spheres as a publisher moves them and a server sees them: it knows of a touch from straight ways between frames.
+class TwoSpheres {
+ public:
+  TwoSpheres(double stiffness, const Vec3& offset_m, const Hearing& hearing, double restitution = 1) : hearing_(hearing), stiffness_(stiffness) {
+    response::SphereOptions options{.answer = Answer::compliant, .half_side_m = 100, .restitution = restitution, .stiffness_n_m = stiffness};
+    response::Sphere a{.radius_m = 0.3, .position = {-0.41, 0, 0}, .velocity = {0.7, 0.1, 0}, .spin = Vec3::Zero()};
+    response::Sphere b{.radius_m = 0.2, .position = Vec3(0.32, 0, 0) + offset_m, .velocity = {-0.5, 0.1, 0}, .spin = Vec3::Zero()};
+    spheres_ = response::Spheres(options, {a, b});
+    reduced_kg_ = 1 / (1 / mass(a) + 1 / mass(b));
+    const Vec3 place = b.position - a.position, velocity = b.velocity - a.velocity;
+    const double length = a.radius_m + b.radius_m, closing = -place.dot(velocity), speed2 = velocity.squaredNorm();
+    touch_s_ = (closing - std::sqrt(closing * closing - speed2 * (place.squaredNorm() - length * length))) / speed2;
+    const Vec3 touch = place + touch_s_ * velocity;
+    approach_m_s_ = -velocity.dot(touch) / length;
+  }
+
+  void run(double seconds) {
+    const int frames = static_cast<int>(std::round(seconds * hearing_.rate_hz));
+    for (int frame = 0; frame < frames; ++frame) {
+      hear(frame_++);
+      spheres_.step(1 / hearing_.rate_hz);
+    }
+  }
+  /// Of a spring that fills the real overlap, joule; true once the contact is known.
+  double energy() const {
+    const double depth = std::max(0.0, 0.5 - place().norm());
+    const response::Sphere& a = spheres_.spheres()[0];
+    const response::Sphere& b = spheres_.spheres()[1];
+    return 0.5 * (mass(a) * a.velocity.squaredNorm() + mass(b) * b.velocity.squaredNorm() + stiffness_ * depth * depth);
+  }
+  Vec3 place() const { return spheres_.spheres()[1].position - spheres_.spheres()[0].position; }
+  Vec3 velocity() const { return spheres_.spheres()[1].velocity - spheres_.spheres()[0].velocity; }
+  bool is_told() const { return is_told_; }
+  /// v sqrt(m / k)
+  double law_m() const { return approach_m_s_ * std::sqrt(reduced_kg_ / stiffness_); }
+  double contact_s() const { return 3.14159265358979324 * std::sqrt(reduced_kg_ / stiffness_); }
+  double touch_s() const { return touch_s_; }
+  response::SphereLedger ledger() const { return spheres_.ledger(); }
+
+ private:
+  void hear(int frame) {
+    const double now = frame / hearing_.rate_hz;
+    const double seen = (frame - hearing_.late_frames) / hearing_.rate_hz;
+    if (is_told_ || seen < touch_s_) return;
+    is_told_ = true;
+    // Until it was told, the two flew on: the depth is that of straight ways.
+    const double depth = 0.5 - (place() - (now - seen) * velocity()).norm();
+    const double middle = now - touch_s_;
+    spheres_.contact_began(0, 1, {.earliest_s = middle + 0.3 * hearing_.bracket_s, .latest_s = std::max(0.0, middle - 0.7 * hearing_.bracket_s), .seen_s = now - seen, .depth_m = depth});
+  }
+
+  Hearing hearing_;
+  double stiffness_;
+  response::Spheres spheres_;
+  double reduced_kg_ = 0, touch_s_ = 0, approach_m_s_ = 0;
+  int frame_ = 0;
+  bool is_told_ = false;
+};
+
+const Hearing kHearings[]{{60, 0}, {120, 0}, {240, 0}, {60, 1}, {240, 7}, {60, 0, 1.0 / 60}, {240, 2, 1.0 / 240}};
+
+// Ten decades. A tenth is asked for; head-on the law is exact, and what differs is rounding.
+TEST(PublishSprings, PenetrationIsSpeedTimesRootOfMassOverStiffness) {
+  for (double stiffness = 1e2; stiffness < 2e12; stiffness *= 10) {
+    for (const Hearing& hearing : kHearings) {
+      TwoSpheres pair(stiffness, Vec3::Zero(), hearing);
+      pair.run(2);
+      EXPECT_NEAR(pair.ledger().penetration_m / pair.law_m(), 1, 1e-6) << stiffness << ' ' << hearing.rate_hz << ' ' << hearing.late_frames;
+    }
+  }
+}
+
+// The line of centres turns while they touch, which eases the spring: within the tenth, at any stiffness and rate.
+TEST(PublishSprings, AnObliqueTouchIsWithinATenthOfTheLaw) {
+  for (double stiffness = 1e2; stiffness < 2e12; stiffness *= 10) {
+    for (const Hearing& hearing : kHearings) {
+      TwoSpheres pair(stiffness, {0, 0.3, 0.1}, hearing);
+      pair.run(2);
+      EXPECT_NEAR(pair.ledger().penetration_m / pair.law_m(), 1, 0.1) << stiffness << ' ' << hearing.rate_hz << ' ' << hearing.late_frames;
+    }
+  }
+}
+
+// The contact begins where the two touched and not where that was heard: afterwards they are where the closed form has them.
+TEST(PublishSprings, TheContactBeginsInsideTheBracketWhateverTheFrames) {
+  for (double stiffness = 1e2; stiffness < 2e12; stiffness *= 10) {
+    for (const Hearing& hearing : kHearings) {
+      TwoSpheres pair(stiffness, Vec3::Zero(), hearing);
+      pair.run(2);
+      ASSERT_TRUE(pair.is_told());
+      EXPECT_NEAR(pair.place().x(), 0.5 + 1.2 * (2 - pair.touch_s() - pair.contact_s()), 1e-8) << stiffness << ' ' << hearing.rate_hz;
+      EXPECT_NEAR(pair.velocity().x(), 1.2, 1e-8) << stiffness << ' ' << hearing.rate_hz;
+    }
+  }
+}
+
+// Kinetic and k d^2 / 2 of the overlap that there really is, frame by frame, not of what the spring believes.
+TEST(PublishSprings, TheRealSpringKeepsItsEnergy) {
+  for (double stiffness = 1e2; stiffness < 2e12; stiffness *= 10) {
+    for (const Vec3& offset_m : {Vec3(0, 0, 0), Vec3(0, 0.3, 0.1)}) {
+      for (const Hearing& hearing : kHearings) {
+        TwoSpheres pair(stiffness, offset_m, hearing);
+        const double before = pair.energy();
+        int told = 0;
+        for (int frame = 0; frame < 240; ++frame) {
+          pair.run(1 / hearing.rate_hz);
+          if (!pair.is_told()) continue;
+          ++told;
+          ASSERT_NEAR(pair.energy() / before, 1, 1e-9) << stiffness << ' ' << hearing.rate_hz << ' ' << frame;
+        }
+        EXPECT_GT(told, 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collided::cli
