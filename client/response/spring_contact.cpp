@@ -99,7 +99,7 @@ SpringRun move_between_springs(const Spring& spring, double mass_kg, double most
   SpringRun run{.free_s = seconds};
   double left = seconds;
   bool is_let_go = false;  // with a force of 0 but for rounding, which must not be taken for a new contact
-  for (int round = 0; round < kMostRounds && left > 0; ++round) {
+  for (int round = 0; round < kMostBounces && left > 0; ++round) {
     double side = position_m < 0 ? -1 : 1;
     double depth = side * position_m - most_m;
     if (is_let_go || !pushes(spring, mass_kg, depth, side * velocity_m_s)) {

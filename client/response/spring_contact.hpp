@@ -32,7 +32,7 @@ struct SpringRun {
 SpringRun move_on_spring(const Spring& spring, double reduced_mass_kg, double length_m, RelativeMotion& motion, double seconds);
 
 /// Moves a body on between springs that begin at -most and most: flights and contacts in closed form, in turn.
-/// cost     a closed form a contact, at most kMostRounds of them; what then is left of the time is not moved
+/// cost     a closed form a contact, at most kMostBounces of them; what then is left of the time is not moved
 SpringRun move_between_springs(const Spring& spring, double mass_kg, double most_m, double& position_m, double& velocity_m_s, double seconds);
 
 }  // namespace collided::response

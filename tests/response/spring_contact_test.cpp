@@ -130,5 +130,14 @@ TEST(ResponseSpringContact, BetweenWallsEveryBounceHasItsTime) {
   }
 }
 
+TEST(ResponseSpringContact, AStepOfAMillionMillionBouncesEnds) {
+  for (const double restitution : {1.0, 0.999}) {
+    double position = 0.1, velocity = 1e12;
+    move_between_springs({.stiffness_n_m = 1e12, .damping_ratio = damping_of_restitution(restitution)}, 0.01, 0.25, position, velocity, 1);
+    EXPECT_TRUE(std::isfinite(position));
+    EXPECT_LE(std::abs(velocity), 1.0001e12);
+  }
+}
+
 }  // namespace
 }  // namespace collided::response

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/response/contact_solve.hpp"
+#include "tests/studies/response/contact_solve.hpp"
 #include "client/response/damper.hpp"
-#include "client/response/episodes.hpp"
-#include "client/response/line.hpp"
+#include "tests/studies/response/episodes.hpp"
+#include "tests/studies/response/line.hpp"
 
 namespace collided::response {
 
