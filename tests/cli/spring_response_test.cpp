@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/publish/bounce.hpp"
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
 
 namespace collided::cli {
 namespace {
@@ -134,6 +136,76 @@ TEST(PublishSprings, TheRealSpringKeepsItsEnergy) {
       }
     }
   }
+}
+
+/// A server that has followed the two spheres' poses finds their first touch between two stamps, and says so two frames late, with
+/// a clock of its own that is 1.7 ms on.
+class LateServer {
+ public:
+  void hears(fake::Published& published) {
+    const std::size_t newest = published.batches.size() - 1;
+    if (newest == 0) return;
+    if (told_at_ == 0 && distance(published, newest) <= length(published)) find(published, newest);
+    if (told_at_ == newest) fake::server().events.push_back(event_);
+  }
+  double touch_s() const { return touch_s_; }  // after the first stamp
+  std::size_t told_at() const { return told_at_; }
+  static Vec3 place(const fake::Published& published, std::size_t batch) {
+    return published.batches[batch].at(3).position - published.batches[batch].at(2).position;
+  }
+  static double length(const fake::Published& published) {
+    return std::get<SphereShape>(published.objects.at(2).shape[0]).radius_m + std::get<SphereShape>(published.objects.at(3).shape[0]).radius_m;
+  }
+
+ private:
+  static double distance(const fake::Published& published, std::size_t batch) { return place(published, batch).norm(); }
+
+  void find(const fake::Published& published, std::size_t newest) {
+    const Vec3 before = place(published, newest - 1), after = place(published, newest);
+    double low = 0, high = 1;
+    for (int round = 0; round < 60; ++round) {
+      const double middle = (low + high) / 2;
+      ((before + middle * (after - before)).norm() > length(published) ? low : high) = middle;
+    }
+    const std::chrono::nanoseconds from = published.stamps[newest - 1], to = published.stamps[newest];
+    const double since_s = high * std::chrono::duration<double>(to - from).count();
+    touch_s_ = std::chrono::duration<double>(from - published.stamps[0]).count() + since_s;
+    event_.kind = EventKind::began;
+    event_.a = "spheres/0";
+    event_.b = "spheres/1";
+    event_.world_time = to + std::chrono::microseconds(1'700);
+    const double ago_s = std::chrono::duration<double>(event_.world_time - from).count() - since_s;
+    event_.bracket_low_s = ago_s + 2e-9;
+    event_.bracket_high_s = ago_s - 2e-9;
+    event_.depth_m = length(published) - after.norm();
+    told_at_ = newest + 2;
+  }
+
+  Event event_;
+  double touch_s_ = 0;
+  std::size_t told_at_ = 0;
+};
+
+// All the way: stamps, an event in world time, and poses that go on as if the contact had been where and when it was.
+TEST(PublishSprings, ThePublisherFindsTheTouchInItsOwnTime) {
+  constexpr double kRate = 2'000, kStiffness = 1e9;
+  fake::reset();
+  LateServer late;
+  fake::server().on_flush = [&](fake::Published& published) { late.hears(published); };
+  collide("publish --spheres 2 --round --size 0.4 --speed 5 --seed 11 --bounce --response compliant --stiffness 1e9 --rate 2000 --steps 1000 --json");
+  const fake::Published& published = fake::server().publishers.at(0);
+  ASSERT_GT(late.told_at(), 0U) << "the two never met: another seed";
+  const std::size_t after = late.told_at() + 1;
+  ASSERT_LT(after + 1, published.batches.size());
+  const Vec3 place = LateServer::place(published, after);
+  const Vec3 velocity = (LateServer::place(published, after + 1) - place) * kRate;
+  const double reduced_kg = 1e-3;  // about: the contact takes 3 us
+  const double left_s = late.touch_s() + 3.14159265358979324 * std::sqrt(reduced_kg / kStiffness);
+  const Vec3 parted = place - (static_cast<double>(after) / kRate - left_s) * velocity;
+  EXPECT_NEAR(parted.norm(), LateServer::length(published), 5e-5);
+  EXPECT_GT(parted.dot(velocity), 0);
+  EXPECT_GT(LateServer::length(published) - LateServer::place(published, late.told_at()).norm(), 1e-3) << "or nothing was put right";
+  fake::reset();  // which knows `late`
 }
 
 }  // namespace
