@@ -70,7 +70,10 @@ class TwoSpheres {
     // Until it was told, the two flew on: the depth is that of straight ways.
     const double depth = 0.5 - (place() - (now - seen) * velocity()).norm();
     const double middle = now - touch_s_;
-    spheres_.contact_began(0, 1, {.earliest_s = middle + 0.3 * hearing_.bracket_s, .latest_s = std::max(0.0, middle - 0.7 * hearing_.bracket_s), .seen_s = now - seen, .depth_m = depth});
+    spheres_.contact_began(0, 1, {.earliest_s = middle + 0.3 * hearing_.bracket_s,
+                                  .latest_s = std::max(0.0, middle - 0.7 * hearing_.bracket_s),
+                                  .seen_s = now - seen,
+                                  .depth_m = depth});
   }
 
   Hearing hearing_;

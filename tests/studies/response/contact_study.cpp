@@ -106,7 +106,8 @@ void run_spheres(Worst& worst, const Start& start, double rate_hz) {
   const double frame_s = 1 / rate_hz;
   const auto frames = static_cast<int>(std::ceil(2 * kFrame_s * rate_hz));
   Spheres spheres({.answer = Answer::compliant, .half_side_m = 100, .stiffness_n_m = start.pair.stiffness_n_m},
-                  {sphere_of(kRadius_m[0], Vec3::Zero(), -0.5 * start.motion.velocity_m_s), sphere_of(kRadius_m[1], start.motion.place_m, 0.5 * start.motion.velocity_m_s)});
+                  {sphere_of(kRadius_m[0], Vec3::Zero(), -0.5 * start.motion.velocity_m_s),
+                   sphere_of(kRadius_m[1], start.motion.place_m, 0.5 * start.motion.velocity_m_s)});
   const auto between = [&]() -> RelativeMotion {
     const Sphere& a = spheres.spheres()[0];
     const Sphere& b = spheres.spheres()[1];
@@ -121,7 +122,8 @@ void run_spheres(Worst& worst, const Start& start, double rate_hz) {
     if (!is_told && now >= start.touch_s) {
       is_told = true;
       const double ago = now - start.touch_s;
-      spheres.contact_began(0, 1, {.earliest_s = ago + 5e-7, .latest_s = std::max(0.0, ago - 5e-7), .seen_s = 0, .depth_m = start.pair.length_m - between().place_m.norm()});
+      const double depth_m = start.pair.length_m - between().place_m.norm();
+      spheres.contact_began(0, 1, {.earliest_s = ago + 5e-7, .latest_s = std::max(0.0, ago - 5e-7), .seen_s = 0, .depth_m = depth_m});
     }
     spheres.step(frame_s);
     if (is_told) drift = std::max(drift, std::abs(start.pair.energy(between()) / before - 1));
