@@ -27,7 +27,7 @@ bool mirror_between_walls(double& position_m, double& velocity_m_s, double most_
   double& at = position_m;
   if (restitution == 1 && std::abs(at) > 4 * most_m) at = std::remainder(at, 4 * most_m);
   bool turned = false;
-  for (int turn = 0; turn < kMostRounds && std::abs(at) > most_m; ++turn) {
+  for (int turn = 0; turn < kMostBounces && std::abs(at) > most_m; ++turn) {
     const double wall = at > 0 ? most_m : -most_m;
     at = restitution == 1 ? 2 * wall - at : wall - restitution * (at - wall);
     velocity_m_s *= -restitution;

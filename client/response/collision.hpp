@@ -31,7 +31,7 @@ bool restitute(Vec3& velocity_a, Vec3& velocity_b, InverseMasses masses, const V
 /// velocity_m_s   comes back turned once for each wall met, restitution times as fast each time
 /// returns        whether a wall was met
 /// cost           two turns where restitution is 1, since whole periods go at once; else a turn for each crossing, of
-///                which a loss leaves few, and at most kMostRounds
+///                which a loss leaves few, and at most kMostBounces
 bool mirror_between_walls(double& position_m, double& velocity_m_s, double most_m, double restitution);
 
 }  // namespace collided::response

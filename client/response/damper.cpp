@@ -57,38 +57,42 @@ double damping_of_restitution(double restitution) {
   return bisect([&](double ratio) { return restitution_of_damping(ratio) - restitution; }, 0, kLargestDampingRatio);
 }
 
-ContactPhase::ContactPhase(const Spring& spring, double reduced_mass_kg, double approach_m_s, double load_n) {
+ContactPhase::ContactPhase(const Spring& spring, double reduced_mass_kg, double approach_m_s, double load_n,
+                           double depth_m)
+    : start_m_(depth_m), approach_m_s_(approach_m_s) {
   frequency_ = spring.frequency(reduced_mass_kg);
   decay_ = spring.damping_ratio * frequency_;
   const double off = off_critical(spring.damping_ratio);
   oscillates_ = off > 0;
   turn_ = frequency_ * std::sqrt(std::abs(off));
   rest_ = load_n / spring.stiffness_n_m;
-  sine_ = (approach_m_s - decay_ * rest_) / turn_;
+  cosine_ = depth_m - rest_;
+  sine_ = (approach_m_s + decay_ * cosine_) / turn_;
   duration_s_ = find_end();
 }
 
 double ContactPhase::depth(double seconds) const {
   if (oscillates_) {
     const double half = std::sin(turn_ * seconds / 2);
+    const double kept = std::exp(-decay_ * seconds);
     // 1 - e^(-a) cos b without the cancellation of a start near 0.
-    const double risen = -std::expm1(-decay_ * seconds) + std::exp(-decay_ * seconds) * 2 * half * half;
-    return rest_ * risen + std::exp(-decay_ * seconds) * sine_ * std::sin(turn_ * seconds);
+    const double risen = -std::expm1(-decay_ * seconds) + kept * 2 * half * half;
+    return rest_ * risen + kept * (start_m_ * std::cos(turn_ * seconds) + sine_ * std::sin(turn_ * seconds));
   }
   const double slow = std::exp((turn_ - decay_) * seconds) / 2;
   const double fast = std::exp((-turn_ - decay_) * seconds) / 2;
-  return rest_ - rest_ * (slow + fast) + sine_ * (slow - fast);
+  return rest_ + cosine_ * (slow + fast) + sine_ * (slow - fast);
 }
 
 double ContactPhase::depth_rate(double seconds) const {
-  // d/dt of e^(-at) (C cos + S sin), with C = -rest.
+  // d/dt of e^(-at) (C cos + S sin).
   if (oscillates_) {
-    return std::exp(-decay_ * seconds) * ((sine_ * turn_ + decay_ * rest_) * std::cos(turn_ * seconds) +
-                                          (rest_ * turn_ - decay_ * sine_) * std::sin(turn_ * seconds));
+    return std::exp(-decay_ * seconds) * ((sine_ * turn_ - decay_ * cosine_) * std::cos(turn_ * seconds) -
+                                          (cosine_ * turn_ + decay_ * sine_) * std::sin(turn_ * seconds));
   }
   const double slow = std::exp((turn_ - decay_) * seconds) / 2;
   const double fast = std::exp((-turn_ - decay_) * seconds) / 2;
-  return (turn_ - decay_) * slow * (sine_ - rest_) + (turn_ + decay_) * fast * (sine_ + rest_);
+  return (turn_ - decay_) * slow * (sine_ + cosine_) + (turn_ + decay_) * fast * (sine_ - cosine_);
 }
 
 double ContactPhase::force_over_mass(double seconds) const {
@@ -98,14 +102,15 @@ double ContactPhase::force_over_mass(double seconds) const {
 double ContactPhase::find_end() const {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   if (decay_ == 0) {
-    // y = rest (1 - cos) + sine sin = 0 at tan(theta / 2) = -sine / rest.
-    return sine_ == 0 && rest_ >= 0 ? kEndless : 2 * (kPi - std::atan2(sine_, rest_)) / turn_;
+    // y = rest + A cos(theta - phase), which falls through 0 where theta - phase has the cosine -rest / A.
+    const double sine2 = sine_ * sine_ + start_m_ * (start_m_ - 2 * rest_);  // A^2 - rest^2
+    if (sine2 < 0 || (sine2 == 0 && rest_ >= 0)) return kEndless;
+    return (std::atan2(sine_, cosine_) + std::atan2(std::sqrt(sine2), -rest_)) / turn_;
   }
   // The force is its value at rest plus e^(-at) times a wave; where it stands still, tan(theta) is the quotient below.
   const double w2 = frequency_ * frequency_;
-  const double v0 = sine_ * turn_ + decay_ * rest_;
-  const double p = 2 * decay_ * v0 - w2 * rest_;
-  const double q = w2 * sine_ + 2 * decay_ * ((oscillates_ ? rest_ : -rest_) * turn_ - decay_ * sine_);
+  const double p = 2 * decay_ * approach_m_s_ + w2 * cosine_;
+  const double q = w2 * sine_ + 2 * decay_ * ((oscillates_ ? -cosine_ : cosine_) * turn_ - decay_ * sine_);
   const auto force = [this](double seconds) { return force_over_mass(seconds); };
   if (oscillates_) {
     double first = std::atan2(q * turn_ - decay_ * p, p * turn_ + decay_ * q);
@@ -126,19 +131,18 @@ double ContactPhase::find_end() const {
 }
 
 double ContactPhase::deepest() const {
-  // Where the rate is 0 for the first time: (sine turn + decay rest) cos + (rest turn - decay sine) sin = 0.
-  const double start = std::max(0.0, sine_ * turn_ + decay_ * rest_);  // the approach, which rounding must not turn
+  // The rate is the approach times the cosine less this times the sine: 0 and falling at atan2 of the two.
   if (oscillates_) {
-    double angle = std::atan2(start, decay_ * sine_ - rest_ * turn_);
-    if (angle <= 0) angle += kPi;
-    return depth(std::min(angle / turn_, duration_s_));
+    double angle = std::atan2(approach_m_s_, cosine_ * turn_ + decay_ * sine_);
+    if (angle < 0) angle += 2 * kPi;
+    return std::max(start_m_, depth(std::min(angle / turn_, duration_s_)));
   }
-  const double slow = (turn_ - decay_) * (sine_ - rest_);
-  const double fast = (turn_ + decay_) * (sine_ + rest_);
+  const double slow = (turn_ - decay_) * (sine_ + cosine_);
+  const double fast = (turn_ + decay_) * (sine_ - cosine_);
   const double quotient = -fast / slow;
+  const double ends = std::max({rest_, start_m_, 0.0});
   // Without approach the quotient is 1: a rounding above it is the beginning, where the rate is 0 too.
-  if (quotient > 1) return std::max(depth(std::min(std::log(quotient) / (2 * turn_), duration_s_)), rest_);
-  return std::max(rest_, 0.0);
+  return quotient > 1 ? std::max(depth(std::min(std::log(quotient) / (2 * turn_), duration_s_)), ends) : ends;
 }
 
 }  // namespace collided::response

@@ -8,7 +8,6 @@ namespace collided::response {
 namespace {
 
 constexpr std::uint64_t kStickingAnswers = 3;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void count_episode(SphereLedger& ledger, std::uint64_t answers) {
   if (answers >= kStickingAnswers) ++ledger.sticking;
@@ -23,8 +22,7 @@ Spheres::Spheres(const SphereOptions& options, std::vector<Sphere> spheres)
     : options_(options),
       spheres_(std::move(spheres)),
       spring_{.stiffness_n_m = options.stiffness_n_m},
-      between_{{1}, {0}},
-      motion_{{0}, {0}} {
+      free_s_(spheres_.size(), 0) {
   if (!(options.restitution >= 0 && options.restitution <= 1)) throw std::invalid_argument("restitution: 0 to 1");
   if (options.answer == Answer::compliant) spring_.damping_ratio = damping_of_restitution(options.restitution);
   ledger_.energy_before = energy();
@@ -37,25 +35,34 @@ double Spheres::gap(const Pair& pair) const {
   return (b.position - a.position).norm() - (a.radius_m + b.radius_m);
 }
 
-Vec3 Spheres::normal(const Pair& pair) const {
-  const Vec3 along = spheres_[pair.second].position - spheres_[pair.first].position;
-  const double distance = along.norm();
-  // Of one place there is no line of centres: x, so that every run agrees.
-  return distance > 0 ? Vec3(along / distance) : Vec3::UnitX();
+RelativeMotion Spheres::between(const Pair& pair) const {
+  const Sphere& a = spheres_[pair.first];
+  const Sphere& b = spheres_[pair.second];
+  return {b.position - a.position, b.velocity - a.velocity};
 }
 
-void Spheres::contact_began(std::size_t a, std::size_t b) {
+void Spheres::contact_began(std::size_t a, std::size_t b, const Touch& touch) {
   if (a == b) return;
   const Pair pair = std::minmax(a, b);
-  const bool is_new = open_.emplace(pair, Episode{}).second;
-  if (is_new) ++ledger_.contacts;
+  const auto [found, is_new] = open_.try_emplace(pair);
+  Episode& episode = found->second;
+  episode.has_ended = false;
+  if (!is_new) return;
+  ++ledger_.contacts;
+  ledger_.seen_overlap_m = std::max(ledger_.seen_overlap_m, -gap(pair));
+  if (options_.answer == Answer::compliant) catch_up(pair, episode, touch);
 }
 
 void Spheres::contact_ended(std::size_t a, std::size_t b) {
   const auto found = open_.find(std::minmax(a, b));
   if (found == open_.end()) return;
-  count_episode(ledger_, found->second.answers);
-  open_.erase(found);
+  found->second.has_ended = true;
+  if (found->second.depth_m == 0) close(found);
+}
+
+void Spheres::close(std::map<Pair, Episode>::iterator episode) {
+  count_episode(ledger_, episode->second.answers);
+  open_.erase(episode);
 }
 
 void Spheres::touched_cube(std::size_t sphere, const Vec3& normal) {
@@ -76,42 +83,64 @@ bool Spheres::answer(const Pair& pair, Episode& episode, double seconds) {
       if (!options_.every_frame && episode.answers > 0) return false;
       flip(a.velocity, b.velocity);
       return true;
-    case Answer::impulse:
-      return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal(pair), options_.restitution);
+    case Answer::impulse: {
+      const Vec3 along = b.position - a.position;
+      // Of one place there is no line of centres: x, so that every run agrees.
+      const Vec3 normal = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitX());
+      return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal, options_.restitution);
+    }
     case Answer::compliant: break;
   }
-  return push(pair, episode, seconds);
+  const double distance = between(pair).place_m.norm();
+  // A spring that has let go starts afresh: at its length, or where the two have come nearer in the meantime.
+  const double length_m = episode.depth_m > 0 ? distance + episode.depth_m : std::min(distance, episode.touch_m);
+  return push(pair, episode, length_m, 0, seconds);
 }
 
-/// One step of the pair's distance on its spring. The velocities take the whole impulse; what the two would then travel
-/// too far or too little, because it came early or late in the step, goes into their places.
-bool Spheres::push(const Pair& pair, Episode& episode, double seconds) {
+/// From the touch to now. The depth was that of the two at `seen_s`, on a straight way: it touched when the distance was that
+/// much more, if what brackets the instant allows that.
+void Spheres::catch_up(const Pair& pair, Episode& episode, const Touch& touch) {
+  const RelativeMotion now = between(pair);
+  const double flown_s = std::min(free_s_[pair.first], free_s_[pair.second]);
+  const double speed2 = now.velocity_m_s.squaredNorm();
+  double ago_s = touch.seen_s;
+  if (speed2 > 0) {
+    const Vec3 seen = now.place_m - touch.seen_s * now.velocity_m_s;
+    const double along = seen.dot(now.velocity_m_s);
+    const double farther2 = touch.depth_m * (touch.depth_m + 2 * seen.norm());
+    if (farther2 > 0) ago_s = touch.seen_s + farther2 / (std::sqrt(along * along + speed2 * farther2) - along);
+  }
+  ago_s = std::clamp(ago_s, touch.latest_s, std::max(touch.latest_s, touch.earliest_s));
+  ago_s = std::clamp(ago_s, 0.0, flown_s);
+  episode.touch_m = (now.place_m - ago_s * now.velocity_m_s).norm();
+  if (push(pair, episode, episode.touch_m, ago_s, 0)) {
+    ++episode.answers;
+    ++ledger_.flips;
+  }
+}
+
+/// The pair on its spring, from `back_s` ago to `seconds` from now. The velocities take the whole impulse; what the two would
+/// then travel too far or too little, because it came early or late, goes into their places.
+bool Spheres::push(const Pair& pair, Episode& episode, double length_m, double back_s, double seconds) {
   Sphere& a = spheres_[pair.first];
   Sphere& b = spheres_[pair.second];
-  const Vec3 along = normal(pair);
   const InverseMasses masses{1 / mass(a), 1 / mass(b)};
-  const double start_m = episode.deflection_m;
-  const double start_m_s = along.dot(b.velocity - a.velocity);
-  const double overlap_m = -gap(pair);
-  between_.mass_kg[0] = 1 / masses.sum();
-  between_.low_wall_m = 0;
-  between_.high_wall_m = kInfinity;
-  motion_.position_m[0] = start_m;
-  motion_.velocity_m_s[0] = start_m_s;
-  stepper_.use(between_, {.method = Method::compliant, .spring = spring_});
-  stepper_.step(motion_, seconds);
-  const double change_m_s = motion_.velocity_m_s[0] - start_m_s;
-  const double shift_m = motion_.position_m[0] - start_m - motion_.velocity_m_s[0] * seconds;
-  a.velocity -= masses.a / masses.sum() * change_m_s * along;
-  b.velocity += masses.b / masses.sum() * change_m_s * along;
-  shift(a, -masses.a / masses.sum() * shift_m * along);
-  shift(b, masses.b / masses.sum() * shift_m * along);
-  // A spring that has let go starts afresh, wherever the two are then.
-  episode.deflection_m = std::min(motion_.position_m[0], 0.0);
-  ledger_.penetration_m =
-      std::max(ledger_.penetration_m, overlap_m + std::max(stepper_.counts().deepest_m + start_m, 0.0));
+  const RelativeMotion now = between(pair);
+  RelativeMotion motion{now.place_m - back_s * now.velocity_m_s, now.velocity_m_s};
+  const SpringRun run = move_on_spring(spring_, 1 / masses.sum(), length_m, motion, back_s + seconds);
+  if (!run.pushed) return false;
+  const Vec3 change = motion.velocity_m_s - now.velocity_m_s;
+  const Vec3 moved = motion.place_m - now.place_m - seconds * motion.velocity_m_s;
+  a.velocity -= masses.a / masses.sum() * change;
+  b.velocity += masses.b / masses.sum() * change;
+  shift(a, -masses.a / masses.sum() * moved);
+  shift(b, masses.b / masses.sum() * moved);
+  episode.depth_m = run.depth_m;
+  ledger_.penetration_m = std::max(ledger_.penetration_m, run.deepest_m);
+  // move() adds the step.
+  free_s_[pair.first] = free_s_[pair.second] = run.free_s - seconds;
   // However many steps a contact on a spring takes, it is one answer.
-  return change_m_s != 0 && episode.answers == 0;
+  return episode.answers == 0;
 }
 
 /// Not into a wall: its spring would take the way for work that nobody did.
@@ -123,34 +152,19 @@ void Spheres::shift(Sphere& sphere, const Vec3& by) const {
   }
 }
 
-bool Spheres::move_on_springs(Sphere& sphere, int axis, double seconds) {
-  const double most = options_.half_side_m - sphere.radius_m;
-  double& at = sphere.position[axis];
-  double& velocity = sphere.velocity[axis];
-  if (std::abs(at) + std::abs(velocity) * seconds < most) {
-    at += velocity * seconds;
-    return false;
-  }
-  between_.mass_kg[0] = mass(sphere);
-  between_.low_wall_m = -most;
-  between_.high_wall_m = most;
-  motion_.position_m[0] = at;
-  motion_.velocity_m_s[0] = velocity;
-  stepper_.use(between_, {.method = Method::compliant, .spring = spring_});
-  stepper_.step(motion_, seconds);
-  at = motion_.position_m[0];
-  velocity = motion_.velocity_m_s[0];
-  ledger_.penetration_m = std::max(ledger_.penetration_m, stepper_.counts().deepest_m);
-  return stepper_.episodes().began() > 0;
-}
-
-void Spheres::move(Sphere& sphere, double seconds) {
+void Spheres::move(std::size_t index, double seconds) {
+  Sphere& sphere = spheres_[index];
   const double most = options_.half_side_m - sphere.radius_m;
   std::size_t components = 0;
+  free_s_[index] += seconds;
   for (int axis = 0; axis < 3; ++axis) {
     bool turned = false;
     if (options_.answer == Answer::compliant) {
-      turned = move_on_springs(sphere, axis, seconds);
+      const SpringRun run =
+          move_between_springs(spring_, mass(sphere), most, sphere.position[axis], sphere.velocity[axis], seconds);
+      ledger_.penetration_m = std::max(ledger_.penetration_m, run.deepest_m);
+      if (run.pushed) free_s_[index] = std::min(free_s_[index], run.free_s);
+      turned = run.began;
     } else {
       sphere.position[axis] += sphere.velocity[axis] * seconds;
       turned = mirror_between_walls(sphere.position[axis], sphere.velocity[axis], most, options_.restitution);
@@ -166,13 +180,18 @@ void Spheres::move(Sphere& sphere, double seconds) {
 
 void Spheres::step(double seconds) {
   ++ledger_.steps;
-  for (auto& [pair, episode] : open_) {
-    ledger_.penetration_m = std::max(ledger_.penetration_m, -gap(pair));
-    if (!answer(pair, episode, seconds)) continue;
-    ++episode.answers;
-    ++ledger_.flips;
+  for (auto at = open_.begin(); at != open_.end();) {
+    auto& [pair, episode] = *at;
+    ledger_.seen_overlap_m = std::max(ledger_.seen_overlap_m, -gap(pair));
+    if (answer(pair, episode, seconds)) {
+      ++episode.answers;
+      ++ledger_.flips;
+    }
+    const auto answered = at++;
+    if (answered->second.has_ended && answered->second.depth_m == 0) close(answered);
   }
-  for (Sphere& sphere : spheres_) move(sphere, seconds);
+  if (options_.answer != Answer::compliant) ledger_.penetration_m = ledger_.seen_overlap_m;
+  for (std::size_t index = 0; index < spheres_.size(); ++index) move(index, seconds);
 }
 
 double Spheres::energy() const {
@@ -182,7 +201,7 @@ double Spheres::energy() const {
   const auto stored = [this](double depth_m) {
     return 0.5 * spring_.stiffness_n_m * std::max(depth_m, 0.0) * std::max(depth_m, 0.0);
   };
-  for (const auto& [pair, episode] : open_) sum += stored(-episode.deflection_m);
+  for (const auto& [pair, episode] : open_) sum += stored(episode.depth_m);
   for (const Sphere& sphere : spheres_) {
     for (int axis = 0; axis < 3; ++axis)
       sum += stored(std::abs(sphere.position[axis]) + sphere.radius_m - options_.half_side_m);

@@ -37,7 +37,9 @@ class Bounce {
   /// Spheres that had to be placed over another one.
   std::size_t overlapping_at_start() const { return overlapping_at_start_; }
 
-  void contact_began(std::size_t a, std::size_t b) { response_.contact_began(a, b); }
+  void contact_began(std::size_t a, std::size_t b, const response::Touch& touch = {}) {
+    response_.contact_began(a, b, touch);
+  }
   void contact_ended(std::size_t a, std::size_t b) { response_.contact_ended(a, b); }
   /// The server saw a sphere touch the cube; `normal` is the face's, either way.
   void touched_cube(std::size_t sphere, const Vec3& normal) { response_.touched_cube(sphere, normal); }

@@ -1,5 +1,6 @@
 #include "client/cli/publish/bounce_source.hpp"
 
+#include <cmath>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@ namespace collided::cli {
 namespace {
 
 constexpr std::size_t kMostEventsPerFrame = 100'000;
+// A publisher's clock that is farther off than this is not world time (the lease of its signs of life).
+constexpr double kMostClockOff_s = 0.5;
 
 std::string escaped_glob(std::string_view name) {
   std::string glob;
@@ -52,6 +55,8 @@ class BounceSource : public Source {
     return objects_.size();
   }
 
+  void sent(std::chrono::nanoseconds instant) override { newest_ = instant; }
+
   bool restart() override { return false; }
 
   void report(Record& record, std::vector<std::string>& lines) const override {
@@ -72,6 +77,7 @@ class BounceSource : public Source {
     record.push_back({"response", std::string(answer_name())});
     record.push_back({"energy_drift", ledger.energy_drift()});
     record.push_back({"penetration_m", ledger.penetration_m});
+    record.push_back({"seen_overlap_m", ledger.seen_overlap_m});
     record.push_back({"events_lost", watch_ ? watch_->lost() : 0});
     add_lines(ledger, lines);
   }
@@ -106,13 +112,27 @@ class BounceSource : public Source {
       const auto b = index_of_.find(event->b);
       const bool pair = a != index_of_.end() && b != index_of_.end();
       const bool begins = event->kind == EventKind::began || event->kind == EventKind::open;
-      if (pair && begins) bounce_.contact_began(a->second, b->second);
+      if (pair && begins) bounce_.contact_began(a->second, b->second, touch_of(*event));
       if (pair && event->kind == EventKind::ended) bounce_.contact_ended(a->second, b->second);
       if (pair || !begins) continue;
       const std::string cube = options_.name + "/cube";
       if (a != index_of_.end() && event->b == cube) bounce_.touched_cube(a->second, event->normal);
       if (b != index_of_.end() && event->a == cube) bounce_.touched_cube(b->second, event->normal);
     }
+  }
+
+  /// World time is this publisher's own, to the nanosecond, so an event's bracket is a time of these spheres, however late it is
+  /// heard. Where the two clocks are so far apart that the server counts by its own, depth and velocity have to tell.
+  response::Touch touch_of(const Event& event) const {
+    const double told_s = std::chrono::duration<double>(newest_ - event.world_time).count();
+    if (!(std::abs(told_s) < kMostClockOff_s)) return {.earliest_s = kMostClockOff_s, .depth_m = event.depth_m};
+    const double latest_s = std::max(0.0, told_s + event.bracket_high_s);
+    // The depth is that of the first frame after the touch; a bracket that ends with a frame ends a nanosecond to either side.
+    const double seen_s = std::floor(latest_s * options_.rate_hz + 1e-6) / options_.rate_hz;
+    return {.earliest_s = std::max(0.0, told_s + event.bracket_low_s),
+            .latest_s = latest_s,
+            .seen_s = seen_s,
+            .depth_m = event.depth_m};
   }
 
   void add_lines(const BounceLedger& ledger, std::vector<std::string>& lines) const {
@@ -129,8 +149,9 @@ class BounceSource : public Source {
     lines.push_back(fmt::format("  energy {} before, {} after; momentum {} before, {} after",
                                 format_number(ledger.energy_before), format_number(ledger.energy_after),
                                 format_vector(ledger.momentum_before), format_vector(ledger.momentum_after)));
-    lines.push_back(fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m", answer_name(),
-                                ledger.energy_drift(), ledger.penetration_m));
+    lines.push_back(
+        fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m, in sent poses {:.3g} m",
+                    answer_name(), ledger.energy_drift(), ledger.penetration_m, ledger.seen_overlap_m));
     if (bounce_.overlapping_at_start() > 0)
       lines.push_back(fmt::format("  {} spheres found no free place at the start", bounce_.overlapping_at_start()));
   }
@@ -155,6 +176,7 @@ class BounceSource : public Source {
   std::vector<Publisher::Object> objects_;
   std::unordered_map<std::string, std::size_t> index_of_;
   std::uint64_t frame_ = 0;
+  std::chrono::nanoseconds newest_{0};  // frame, since 1970
 };
 
 }  // namespace

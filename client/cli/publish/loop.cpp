@@ -75,7 +75,9 @@ class Loop {
   void send() {
     poses_ += source_.move(publisher_);
     if (source_.has_own_instants()) publisher_.stream();
-    const Result<std::uint64_t> sent = publisher_.flush(instant());
+    const std::chrono::nanoseconds at = instant();
+    const Result<std::uint64_t> sent = publisher_.flush(at);
+    source_.sent(at);
     ++frames_;
     if (!sent) lose(sent.error());
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -36,6 +37,8 @@ class Source {
   virtual std::optional<double> next_time() = 0;
   /// Moves what moves in that frame; returns how many poses it gave.
   virtual std::size_t move(Publisher& publisher) = 0;
+  /// Which instant the frame of the last move() was sent as, since 1970: what the server's events count from.
+  virtual void sent(std::chrono::nanoseconds /*instant*/) {}
   /// Its objects have instants of their own, so that a frame says nothing of those that it leaves out.
   virtual bool has_own_instants() const { return false; }
   /// Back to the first frame; false where a source cannot.

@@ -238,7 +238,7 @@ class PublishCommand : public Command {
       {"--as-asked", {Kind::spheres}, "On contact: flip on every frame, as the homework words it"},
       {"--response", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
       {"--restitution", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
-      {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6)"},
+      {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6); pressed by v sqrt(m/k)"},
       {"--path", {Kind::path}, "One object along the points of this file: x,y,z"},
       {"--waypoints", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
       {"--face", {Kind::path}, "Its x axis points along the way"},

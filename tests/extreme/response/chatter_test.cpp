@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/response/episodes.hpp"
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/episodes.hpp"
+#include "tests/studies/response/stepper.hpp"
 
 namespace collided::response {
 namespace {

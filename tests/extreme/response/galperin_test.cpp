@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/response/event_driven.hpp"
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/event_driven.hpp"
+#include "tests/studies/response/stepper.hpp"
 
 namespace collided::response {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client/response/collision.hpp"
-#include "client/response/event_driven.hpp"
+#include "tests/studies/response/event_driven.hpp"
 
 namespace collided::response {
 namespace {

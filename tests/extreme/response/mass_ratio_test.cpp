@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "client/response/collision.hpp"
-#include "client/response/reference.hpp"
-#include "client/response/stepper.hpp"
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/reference.hpp"
+#include "tests/studies/response/stepper.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 namespace {

@@ -1,6 +1,6 @@
 // Measures, and writes the page.
 //   collided_report --out DIR [--quick | --full] [--only STUDY] [--seed N] [--peers DIR] [--census FILE] [--mutants FILE]
-//                   [--response FILE] [--commit TEXT] [--command TEXT]
+//                   [--response FILE] [--contact FILE] [--commit TEXT] [--command TEXT]
 #include <fmt/core.h>
 #include <xmmintrin.h>
 
@@ -23,6 +23,7 @@ struct Arguments {
   std::string only;
   std::string census;
   std::string response;
+  std::string contact;
   std::string mutants;
   report::Setting setting;
   report::Provenance from;
@@ -36,6 +37,7 @@ Arguments parse(int argc, char** argv) {
                                             {"--census", &a.census},
                                             {"--response", &a.response},
                                             {"--mutants", &a.mutants},
+                                            {"--contact", &a.contact},
                                             {"--commit", &a.from.commit},
                                             {"--command", &a.from.command},
                                             {"--peers", &a.setting.peers}};
@@ -102,8 +104,12 @@ int main(int argc, char** argv) {
     }
     std::filesystem::remove_all(a.setting.scratch);
     report::write_rows(a.out + "/rows.csv", rows, a.from);
-    const report::Tables tables{rows, report::pinned(report::pair_cells(a.setting.seed, a.setting.quick ? 8 : 48)),
-                                report::read_csv(a.census), report::read_csv(a.response), report::read_csv(a.mutants)};
+    const report::Tables tables{rows,
+                                report::pinned(report::pair_cells(a.setting.seed, a.setting.quick ? 8 : 48)),
+                                report::read_csv(a.census),
+                                report::read_csv(a.response),
+                                report::read_csv(a.contact),
+                                report::read_csv(a.mutants)};
     std::ofstream(a.out + "/index.html") << report::page(report::figures(tables), a.from, report::today());
     fmt::print("{}/index.html\n", a.out);
   } catch (const std::exception& error) {

@@ -110,8 +110,8 @@ std::vector<Figure> figures(const Tables& tables) {
   std::vector<Figure> result = work_precision_figures(tables.rows);
   for (const auto& more :
        {level_figures(tables.rows), index_figures(tables.rows), growth_figures(tables.rows), stage_figures(tables.rows),
-        arrival_figures(tables.rows), response_figures(tables.response), map_figures(tables.rows),
-        decision_figures(tables.rows, tables.census), pair_figures(tables.pairs)}) {
+        arrival_figures(tables.rows), response_figures(tables.response), contact_figures(tables.contact),
+        map_figures(tables.rows), decision_figures(tables.rows, tables.census), pair_figures(tables.pairs)}) {
     result.insert(result.end(), more.begin(), more.end());
   }
   result.push_back(mutant_figure(tables.mutants));

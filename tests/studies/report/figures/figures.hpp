@@ -11,6 +11,7 @@ struct Tables {
   std::vector<PinnedCell> pairs{};
   Csv census{};    // columns query, family, method, n, missed, false, uncertain, exact, ns
   Csv response{};  // columns scene, method, stiffness, step, ...: see the response study
+  Csv contact{};   // columns integrator, stiffness, step, ...: see the study of one contact
   Csv mutants{};   // columns room, file, line, bug, outcome, by: see tests/mutants
 };
 
@@ -20,6 +21,7 @@ std::vector<Figure> figures(const Tables& tables);
 std::vector<Figure> work_precision_figures(const std::vector<Row>& rows);
 std::vector<Figure> level_figures(const std::vector<Row>& rows);
 std::vector<Figure> response_figures(const Csv& response);
+std::vector<Figure> contact_figures(const Csv& contact);
 std::vector<Figure> map_figures(const std::vector<Row>& rows);
 std::vector<Figure> decision_figures(const std::vector<Row>& rows, const Csv& census);
 std::vector<Figure> index_figures(const std::vector<Row>& rows);

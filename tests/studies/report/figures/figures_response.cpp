@@ -99,12 +99,12 @@ Figure stability(const Csv& csv) {
 
 Figure step_size(const Csv& csv) {
   Figure figure{
-      "steps", "Step size of the sample simulation",
+      "steps", "Step size of ways to step contacts",
       "Error of positions at the end against the reference, and the processor time of a simulated second; a point "
       "a step size (beside it, in seconds), the median over scenes and stiffnesses where the method did not "
       "explode. Rows of response_study.",
       ""};
-  draw::Plot plot{.title = "Error against run time of the sample simulation",
+  draw::Plot plot{.title = "Error against run time of ways to step contacts",
                   .x = {.label = "time of a simulated second, ns", .scale = Scale::logarithmic},
                   .y = {.label = "error of positions, m (median)", .scale = Scale::logarithmic}};
   name_methods(plot, csv);

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "client/response/damper.hpp"
-#include "client/response/line.hpp"
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/line.hpp"
+#include "tests/studies/response/stepper.hpp"
 
 namespace collided::response {
 

@@ -1,9 +1,9 @@
-#include "client/response/line.hpp"
+#include "tests/studies/response/line.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 

@@ -1,6 +1,6 @@
 #include "client/response/collision.hpp"
-#include "client/response/stepper.hpp"
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/stepper.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 

@@ -1,10 +1,10 @@
-#include "client/response/event_driven.hpp"
+#include "tests/studies/response/event_driven.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/stepper.hpp"
 
 namespace collided::response {
 

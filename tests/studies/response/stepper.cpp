@@ -1,9 +1,9 @@
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/stepper.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/response/contact_solve.hpp"
+#include "tests/studies/response/contact_solve.hpp"
 #include "client/response/damper.hpp"
-#include "client/response/episodes.hpp"
-#include "client/response/line.hpp"
+#include "tests/studies/response/episodes.hpp"
+#include "tests/studies/response/line.hpp"
 
 namespace collided::response {
 
@@ -15,8 +15,8 @@ enum class Method {
   explicit_euler,       // blows up at any k dt^2 / m in the end: each step multiplies the energy by 1 + k dt^2 / m
   semi_implicit_euler,  // blows up from k dt^2 / m = 4 on, and gains or loses energy in a contact below
   implicit_euler,       // never gains energy; loses a bounce that it does not resolve
-  compliant,            // the one to use: onset found, contact resolved by an L-stable method that checks its own error
-  impulse,              // rigid: restitution for what touches at the start of a step
+  compliant,  // of those that step the one to use: onset found, contact resolved by an L-stable method that checks its own error
+  impulse,  // rigid: restitution for what touches at the start of a step
 };
 
 std::string_view name(Method method);

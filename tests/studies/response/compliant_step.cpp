@@ -3,8 +3,8 @@
 #include <limits>
 #include <numbers>
 
-#include "client/response/stepper.hpp"
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/stepper.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 namespace {

@@ -1,9 +1,9 @@
-#include "tests/response/study_scenes.hpp"
+#include "tests/studies/response/study_scenes.hpp"
 
 #include <cmath>
 
-#include "client/response/event_driven.hpp"
-#include "client/response/reference.hpp"
+#include "tests/studies/response/event_driven.hpp"
+#include "tests/studies/response/reference.hpp"
 
 namespace collided::response {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/response/episodes.hpp"
+#include "tests/studies/response/episodes.hpp"
 
 namespace collided::response {
 

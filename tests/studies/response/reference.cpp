@@ -1,4 +1,4 @@
-#include "client/response/reference.hpp"
+#include "tests/studies/response/reference.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "client/response/contact_solve.hpp"
-#include "client/response/stepper.hpp"
+#include "tests/studies/response/contact_solve.hpp"
+#include "tests/studies/response/stepper.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::response {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/response/contact_solve.hpp"
-#include "client/response/line.hpp"
+#include "tests/studies/response/contact_solve.hpp"
+#include "tests/studies/response/line.hpp"
 
 namespace collided::response {
 

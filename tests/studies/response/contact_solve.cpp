@@ -1,4 +1,4 @@
-#include "client/response/contact_solve.hpp"
+#include "tests/studies/response/contact_solve.hpp"
 
 #include <algorithm>
 #include <cmath>

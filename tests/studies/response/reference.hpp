@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/response/damper.hpp"
-#include "client/response/line.hpp"
+#include "tests/studies/response/line.hpp"
 
 namespace collided::response {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/response/line.hpp"
-#include "client/response/tolerance.hpp"
+#include "tests/studies/response/line.hpp"
+#include "tests/studies/response/tolerance.hpp"
 
 namespace collided::response {
 

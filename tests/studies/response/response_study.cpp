@@ -1,4 +1,4 @@
-#include "tests/response/response_study.hpp"
+#include "tests/studies/response/response_study.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "client/response/event_driven.hpp"
-#include "tests/response/study_scenes.hpp"
+#include "tests/studies/response/event_driven.hpp"
+#include "tests/studies/response/study_scenes.hpp"
 
 namespace collided::response {
 namespace {

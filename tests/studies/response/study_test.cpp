@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/response/response_study.hpp"
+#include "tests/studies/response/response_study.hpp"
 
 namespace collided::response {
 namespace {
