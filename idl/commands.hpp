@@ -83,8 +83,9 @@ inline constexpr const char* kPair = "pair";
 /// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
 inline constexpr const char* kRecording = "recording";
 
-/// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
-/// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
+/// questions (of each kind), seed -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those,
+/// compared with rationals over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"),
+/// p50_ns, p99_ns}], seed, version. Takes seconds.
 inline constexpr const char* kMenu = "menu";
 
 /// What viewers ask for. The answers are no JSON but FlatBuffers of idl/geometry.fbs; all but that of kPoses come as a

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::chrono::seconds kCommandTimeout{10};
 constexpr std::chrono::minutes kLoadTimeout{10};
+constexpr std::chrono::minutes kMenuTimeout{2};  // seven kinds of question, two seconds of exact comparison each
 constexpr std::uint64_t kMostNamesCompared = 100'000;
 
 nlohmann::json object_from(const std::string& text, std::string_view command) {
@@ -47,8 +48,10 @@ std::string text_of_arguments(const nlohmann::json& arguments) {
 
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
                               const Shape& shape, std::function<void(double)> progress) {
-  const bool may_take_long = name == wire_contract::command::kLoad;
-  const std::chrono::nanoseconds timeout = timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
+  std::chrono::seconds usual = kCommandTimeout;
+  if (name == wire_contract::command::kLoad) usual = kLoadTimeout;
+  if (name == wire_contract::command::kMenu) usual = kMenuTimeout;
+  const std::chrono::nanoseconds timeout = timeout_of(globals, usual);
   const std::string text = take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
   return object_from(text, name);
 }

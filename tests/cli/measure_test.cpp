@@ -38,6 +38,16 @@ TEST_F(Measure, TheMenuIsAPriceList) {
             "{\"kind\":\"ray\",\"method\":\"boxes only\",\"worst_bound\":\"inf\"}\n");
 }
 
+TEST_F(Measure, WhatWasOnlyTimedIsNotCalledRight) {
+  nlohmann::json row = menu_row("exact on doubt", 2e-15);
+  row["judged"] = 40;
+  replies["menu"] = {{"rows", {row}}, {"seed", 7}, {"version", 9}};
+  const Ran ran = at_terminal("menu");
+  EXPECT_NE(ran.out.find("  7 of 40\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.err.find("were only timed"), std::string::npos) << ran.err;
+  EXPECT_EQ(collide("menu --json --fields asked,judged,wrong").out, "{\"asked\":300,\"judged\":40,\"wrong\":7}\n");
+}
+
 TEST_F(Measure, AnEmptyWorldHasNoMenu) {
   replies["menu"] = {{"rows", nlohmann::json::array()}, {"seed", 1}, {"version", 9}};
   const Ran ran = collide("menu");

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 
@@ -39,6 +40,9 @@ class MenuCommand : public Command {
     for (const nlohmann::json& row : rows) print(printer, row);
     printer.finish();
     if (rows.empty()) print_hint(session.io, globals, "the world is empty: nothing to price");
+    if (std::any_of(rows.begin(), rows.end(), [](const nlohmann::json& row) { return judged_of(row) < count_of(row, "asked"); })) {
+      print_hint(session.io, globals, "'7 of 400' wrong: the exact comparison had time for 400 of the questions, the others were only timed");
+    }
     return rows.empty() ? Exit::no : Exit::yes;
   }
 
@@ -50,14 +54,20 @@ class MenuCommand : public Command {
     return format_duration(std::chrono::nanoseconds(count_of(row, key)));
   }
 
+  /// Of the questions, those compared with the rationals; a server that does not say compared all.
+  static std::uint64_t judged_of(const nlohmann::json& row) { return row.contains("judged") ? count_of(row, "judged") : count_of(row, "asked"); }
+  static std::string wrong(const nlohmann::json& row) {
+    const std::string count = format_count(count_of(row, "wrong"));
+    return judged_of(row) < count_of(row, "asked") ? fmt::format("{} of {}", count, format_count(judged_of(row))) : count;
+  }
+
   static void print(Printer& printer, const nlohmann::json& row) {
     const double error = number_or_infinity(row, "worst_error");
     const double bound = number_or_infinity(row, "worst_bound");
     if (printer.human()) {
       printer.row({"ASKED", "METHOD", "WORST ERROR", "BOUND", "P50", "P99", "UNDECIDED", "WRONG"},
                   {text_of(row, "kind"), text_of(row, "method"), length(error), length(bound), duration(row, "p50_ns"),
-                   duration(row, "p99_ns"), format_count(count_of(row, "undecided")),
-                   format_count(count_of(row, "wrong"))});
+                   duration(row, "p99_ns"), format_count(count_of(row, "undecided")), wrong(row)});
       return;
     }
     printer.record({{"kind", text_of(row, "kind")},
@@ -68,7 +78,8 @@ class MenuCommand : public Command {
                     {"p99_ns", count_of(row, "p99_ns")},
                     {"asked", count_of(row, "asked")},
                     {"undecided", count_of(row, "undecided")},
-                    {"wrong", count_of(row, "wrong")}});
+                    {"wrong", count_of(row, "wrong")},
+                    {"judged", judged_of(row)}});
   }
 
   std::string questions_ = "1000";

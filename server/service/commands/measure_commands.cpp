@@ -65,9 +65,10 @@ json Commands::menu(std::uint32_t questions, std::uint64_t seed) const {
   json rows = json::array();
   const auto cancelled = [this] { return stopping_.load(); };
   for (const MenuRow& row : menu_of(*state, {.questions = questions, .seed = seed, .cancelled = cancelled})) {
-    rows.push_back({{"kind", wire_contract::name_of(row.kind)},
+    rows.push_back({{"kind", row.asked_of},
                     {"method", row.method},
                     {"asked", row.asked},
+                    {"judged", row.judged},
                     {"undecided", row.undecided},
                     {"wrong", row.wrong},
                     {"worst_error", number(row.worst_error_m)},
