@@ -44,16 +44,25 @@ std::string text_of_arguments(const nlohmann::json& arguments) {
   }
 }
 
+std::chrono::nanoseconds command_timeout(const Globals& globals, std::string_view name) {
+  if (name == wire_contract::command::kLoad) return timeout_of(globals, std::chrono::seconds(kLoadTimeout));
+  if (name == wire_contract::command::kMenu) return timeout_of(globals, std::chrono::seconds(kMenuTimeout));
+  return timeout_of(globals, kCommandTimeout);
+}
+
 }  // namespace
 
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
                               const Shape& shape, std::function<void(double)> progress) {
-  std::chrono::seconds usual = kCommandTimeout;
-  if (name == wire_contract::command::kLoad) usual = kLoadTimeout;
-  if (name == wire_contract::command::kMenu) usual = kMenuTimeout;
-  const std::chrono::nanoseconds timeout = timeout_of(globals, usual);
+  const std::chrono::nanoseconds timeout = command_timeout(globals, name);
   const std::string text = take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
   return object_from(text, name);
+}
+
+nlohmann::json server_command_with_bytes(Session& session, const Globals& globals, std::string_view name,
+                                         const nlohmann::json& arguments, std::span<const std::byte> bytes) {
+  const std::chrono::nanoseconds timeout = command_timeout(globals, name);
+  return object_from(take(session.client(globals).command_with_bytes(name, text_of_arguments(arguments), bytes, timeout)), name);
 }
 
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,

@@ -135,7 +135,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts,
              .clock_error_ns = options.clock_error_ns, .memory = {.reach_ns = options.memory_ns}}),
       leases(world),
-      audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
+      audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }, options.asks_fcl),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
       event_writer(participant, identity, flight.get()),

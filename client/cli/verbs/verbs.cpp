@@ -70,7 +70,7 @@ const std::vector<Verb>& verbs() {
        make_publish},
       {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
       {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
-      {"menu", "Measure", "this scene's price list: error against time", "menu", "menu\nmenu --questions 10000 --seed 7 --json", make_menu},
+      {"menu", "Measure", "this scene's price list: error against time", "menu\nmenu --from FILE|- --of KIND", "menu\nmenu --questions 10000 --seed 7 --json\nmenu --from rays.csv --of ray\nmenu --opinion fcl", make_menu},
       {"audit", "Measure", "answers that the server worked out again, exactly", "audit", "audit", make_audit},
       {"doctor", "Measure", "what keeps programs from finding or hearing each other, and what to do about it", "doctor", "doctor\ndoctor --domain 3 --json", make_doctor},
       {"check", "Files", "what a file holds and what is wrong with it; needs no server", "check FILE", "check warehouse.obj --json", make_check, true},

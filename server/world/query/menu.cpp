@@ -140,6 +140,17 @@ void WorldQuestions::judge_boxes(const ExactAnswer& exact, const BoxesAnswer& gi
   }
 }
 
+void add_own_rows(const Snapshot& snapshot, const MenuOptions& options, const std::vector<MenuMethod>& methods,
+                  std::vector<MenuRow>& menu) {
+  WorldQuestions questions(snapshot, options.own_kind, methods, options.judging_ns);
+  const std::size_t stride = wire_contract::numbers_of(options.own_kind);
+  for (std::size_t i = 0; i < options.own_numbers.size() && !(options.cancelled && options.cancelled()); i += stride) {
+    const auto first = options.own_numbers.begin() + static_cast<std::ptrdiff_t>(i);
+    questions.ask({first, first + static_cast<std::ptrdiff_t>(stride)});
+  }
+  questions.finish(menu);
+}
+
 }  // namespace
 
 void MenuTable::finish(std::vector<MenuRow>& menu) {
@@ -159,6 +170,10 @@ std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& option
   if (!random.has_world()) return {};
   const std::vector<MenuMethod> methods = methods_for(random.size_m());
   std::vector<MenuRow> menu;
+  if (!options.own_numbers.empty()) {
+    add_own_rows(snapshot, options, methods, menu);
+    return menu;
+  }
   for (const QueryKind kind : wire_contract::kWorldQuestions) {
     WorldQuestions questions(snapshot, kind, methods, options.judging_ns);
     for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/world/query/fcl_opinion.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
@@ -21,13 +22,19 @@ struct MenuRow {
   double worst_bound_m = 0;    // the largest that came with a number; infinite where none comes
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
+  OpinionCounts opinion = {};  // FCL's, where it was asked: of pairs, beside our exact answers
 };
 
 struct MenuOptions {
-  std::uint32_t questions = 1'000;  // of each kind
+  std::uint32_t questions = 1'000;  // of each kind; fewer of pairs of a kind that are rare in the world
   std::uint64_t seed = 1;
+  /// Where there are any: these instead of random ones, of this kind only, their numbers as in Query.numbers, checked.
+  wire_contract::QueryKind own_kind = wire_contract::QueryKind::ray;
+  std::vector<double> own_numbers = {};
   /// The rationals ask every part of the world: so long they may take for each kind, the first question apart.
   std::int64_t judging_ns = 2'000'000'000;
+  /// FCL is asked about pairs too, each time in a new process: for so long, the first pair of each kind apart. 0: not at all.
+  std::int64_t opinion_ns = 0;
   std::function<bool()> cancelled = {};  // asked between questions; true ends with what there is
 };
 

@@ -126,10 +126,13 @@ class RandomPairs {
 /// Pairs of one kind, reported in every way that there is.
 class PairQuestions {
  public:
-  PairQuestions(const Snapshot& snapshot, const std::string& asked_of, std::int64_t judging_ns)
+  PairQuestions(const Snapshot& snapshot, const std::string& asked_of, const MenuOptions& options)
       : snapshot_(snapshot),
         table_(asked_of, {{.name = "exact on doubt"}, {.name = "double, bounded", .highest = Level::filter}, {.name = "boxes only", .boxes = true}}),
-        judging_(judging_ns) {}
+        judging_(options.judging_ns),
+        fcl_(options.opinion_ns),
+        is_fcl_asked_(options.opinion_ns > 0),
+        cancelled_(options.cancelled) {}
 
   std::uint32_t asked() { return table_.row(0).asked; }
   void ask(const Candidate& a, const Candidate& b) {
@@ -141,6 +144,9 @@ class PairQuestions {
       if (!method.boxes && given_[m].touches == Decision::undecided) ++table_.row(m).undecided;
     }
     if (judging_.is_left() && a.part_count * b.part_count <= kMostJudgedPairs) judging_.spend([&] { judge(a, b); });
+    if (is_fcl_asked_ && fcl_.is_left()) {
+      fcl_.spend([&] { table_.row(0).opinion.count(fcl_opinion(snapshot_, a.id, b.id, given_[0], cancelled_).verdict); });
+    }
   }
   void finish(std::vector<MenuRow>& menu) { table_.finish(menu); }
 
@@ -179,6 +185,9 @@ class PairQuestions {
   const Snapshot& snapshot_;
   MenuTable table_;
   JudgingTime judging_;
+  JudgingTime fcl_;
+  bool is_fcl_asked_;
+  const std::function<bool()>& cancelled_;
   std::array<PairReport, kMethods> given_;
   double box_gap_m_ = 0;
 };
@@ -188,8 +197,8 @@ class PairQuestions {
 void add_pair_rows(const Snapshot& snapshot, const MenuOptions& options, std::vector<MenuRow>& menu) {
   RandomPairs random(snapshot, options.seed);
   if (!random.has_pairs()) return;
-  PairQuestions pairs(snapshot, "pair", options.judging_ns);
-  PairQuestions mesh_pairs(snapshot, "mesh pair", options.judging_ns);
+  PairQuestions pairs(snapshot, "pair", options);
+  PairQuestions mesh_pairs(snapshot, "mesh pair", options);
   // A world may have pairs of one kind only.
   for (std::uint64_t i = 0; i < 4 * std::uint64_t{options.questions} && !(options.cancelled && options.cancelled()); ++i) {
     const auto [a, b] = random.next();

@@ -43,7 +43,7 @@ class MenuTable {
   std::vector<MenuRow> rows_;
 };
 
-/// How long the rationals may still take for one kind of question.
+/// How long a judge of the answers may still take for one kind of question: the rationals, or FCL.
 class JudgingTime {
  public:
   explicit JudgingTime(std::int64_t allowed_ns) : left_ns_(allowed_ns) {}

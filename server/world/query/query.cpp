@@ -28,28 +28,6 @@ bool is_rotation(const double* n) {
   return std::abs(norm - 1) <= 1e-6;
 }
 
-/// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
-/// quaternion. Written so that NaN fails.
-bool is_question(QueryKind kind, const double* n) {
-  const auto finite = [&](int from, int to) {
-    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
-  };
-  switch (kind) {
-    case QueryKind::ray:
-      return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
-    case QueryKind::sphere:
-      return finite(0, 4) && n[3] >= 0;
-    case QueryKind::box:
-      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
-    case QueryKind::near:
-      return finite(0, 3) && n[3] >= 0;
-    case QueryKind::sweep:
-      return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
-    default:
-      return false;
-  }
-}
-
 /// Scenes in which nothing needs to be asked whether it may answer.
 void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   scratch.open_scenes.clear();
@@ -226,6 +204,26 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
 }
 
 }  // namespace
+
+bool is_question(QueryKind kind, const double* n) {
+  const auto finite = [&](int from, int to) {
+    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
+  };
+  switch (kind) {
+    case QueryKind::ray:
+      return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
+    case QueryKind::sphere:
+      return finite(0, 4) && n[3] >= 0;
+    case QueryKind::box:
+      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
+    case QueryKind::near:
+      return finite(0, 3) && n[3] >= 0;
+    case QueryKind::sweep:
+      return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
+    default:
+      return false;
+  }
+}
 
 bool may_answer(const ObjectInfo& info, const Questions& asked) {
   if ((info.filter.layers & asked.mask) == 0) return false;

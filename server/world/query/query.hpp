@@ -32,6 +32,10 @@ struct Questions {
   const ObjectInfo* mover = nullptr;  // of sweeps: what goes from pose to pose, in its own frame
 };
 
+/// Whether the numbers make a question: finite (a length and a reach may be infinite), a direction, sizes not negative, a
+/// unit quaternion. Written so that NaN fails.
+bool is_question(wire_contract::QueryKind kind, const double* numbers);
+
 /// Layers and name patterns let the object answer.
 bool may_answer(const ObjectInfo& info, const Questions& asked);
 
