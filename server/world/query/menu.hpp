@@ -26,7 +26,7 @@ struct MenuRow {
 };
 
 struct MenuOptions {
-  std::uint32_t questions = 1'000;  // of each kind; fewer of pairs of a kind that are rare in the world
+  std::uint32_t questions = 1'000;  // of each kind; fewer of pairs where they are rare in the world or take long
   std::uint64_t seed = 1;
   /// Where there are any: these instead of random ones, of this kind only, their numbers as in Query.numbers, checked.
   wire_contract::QueryKind own_kind = wire_contract::QueryKind::ray;

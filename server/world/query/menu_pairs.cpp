@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,6 +18,8 @@ namespace {
 
 /// Two objects of more parts than this are timed only: every part of the one is compared with every part of the other.
 constexpr std::size_t kMostJudgedPairs = 4'000'000;
+/// A report of large parts of a scene builds their index first: no more pairs are begun after this.
+constexpr std::chrono::seconds kAskingTime{10};
 /// An object of more triangles is left out: each report would build an index of them.
 constexpr std::size_t kMostParts = 50'000;
 
@@ -199,8 +202,10 @@ void add_pair_rows(const Snapshot& snapshot, const MenuOptions& options, std::ve
   if (!random.has_pairs()) return;
   PairQuestions pairs(snapshot, "pair", options);
   PairQuestions mesh_pairs(snapshot, "mesh pair", options);
+  const auto end = std::chrono::steady_clock::now() + kAskingTime;
+  const auto is_over = [&] { return std::chrono::steady_clock::now() > end || (options.cancelled && options.cancelled()); };
   // A world may have pairs of one kind only.
-  for (std::uint64_t i = 0; i < 4 * std::uint64_t{options.questions} && !(options.cancelled && options.cancelled()); ++i) {
+  for (std::uint64_t i = 0; i < 4 * std::uint64_t{options.questions} && !is_over(); ++i) {
     const auto [a, b] = random.next();
     PairQuestions& kind = a->is_mesh || b->is_mesh ? mesh_pairs : pairs;
     if (kind.asked() < options.questions) kind.ask(*a, *b);
