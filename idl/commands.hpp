@@ -50,6 +50,7 @@ inline constexpr const char* kCovers = "covers";
 
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
 /// differences [text], questions [{kind, double, expansion, rational}] (answers by the highest rung they needed),
+/// opinion {agree, differ, failed, unsupported} (of pairs, where the server was started to ask FCL; else absent),
 /// float_repairs (times that a thread's floating-point settings had to be set back)
 inline constexpr const char* kAudit = "audit";
 
@@ -69,12 +70,15 @@ inline constexpr const char* kProbe = "probe";
 /// triangle, point, normal}], version
 inline constexpr const char* kProbes = "probes";
 
-/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000), as_of (as idl/instant.hpp; absent: latest)
+/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000), as_of (as idl/instant.hpp; absent: latest),
+/// opinion ("fcl": that library is asked too, in a process of its own; absent: it is not)
 /// -> answer (hit, miss, undecided), version, stale (true: one of the two is where it was heard of last; absent: neither), and
 ///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound, a_triangle,
 ///          b_triangle]]
 ///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)
 ///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than told)
+///    with opinion:     opinion {verdict (agree, differ, failed, unsupported), touches, distance (m), why}; touches and
+///                      distance are what it says and absent where it says nothing
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
@@ -83,8 +87,14 @@ inline constexpr const char* kPair = "pair";
 /// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
 inline constexpr const char* kRecording = "recording";
 
-/// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
-/// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
+/// questions (of each kind), seed -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those,
+/// compared with rationals over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"),
+/// p50_ns, p99_ns}], seed, version. Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree,
+/// differ, failed, unsupported} (counts).
+/// Instead of questions and seed: of (ray, sphere, box or near); the questions are the query's blob, little-endian doubles, of
+/// each ray 7 (from, direction, length), sphere 4 (centre, radius), box 10 (centre, half sizes, rotation w x y z), near 4
+/// (point, reach); a length and a reach may be infinite. At most kMostMenuQuestions.
+inline constexpr std::uint64_t kMostMenuQuestions = 10'000;
 inline constexpr const char* kMenu = "menu";
 
 /// What viewers ask for. The answers are no JSON but FlatBuffers of idl/geometry.fbs; all but that of kPoses come as a

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::chrono::seconds kCommandTimeout{10};
 constexpr std::chrono::minutes kLoadTimeout{10};
+constexpr std::chrono::minutes kMenuTimeout{2};  // seven kinds of question, two seconds of exact comparison each
 constexpr std::uint64_t kMostNamesCompared = 100'000;
 
 nlohmann::json object_from(const std::string& text, std::string_view command) {
@@ -44,17 +45,28 @@ std::string text_of_arguments(const nlohmann::json& arguments) {
   } catch (const nlohmann::json::type_error&) { throw bad_use("a name or path is not UTF-8 text"); }
 }
 
+std::chrono::nanoseconds command_timeout(const Globals& globals, std::string_view name) {
+  if (name == wire_contract::command::kLoad) return timeout_of(globals, std::chrono::seconds(kLoadTimeout));
+  if (name == wire_contract::command::kMenu) return timeout_of(globals, std::chrono::seconds(kMenuTimeout));
+  return timeout_of(globals, kCommandTimeout);
+}
+
 }  // namespace
 
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
                               const nlohmann::json& arguments, const Shape& shape,
                               std::function<void(double)> progress) {
-  const bool may_take_long = name == wire_contract::command::kLoad;
-  const std::chrono::nanoseconds timeout =
-      timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
+  const std::chrono::nanoseconds timeout = command_timeout(globals, name);
   const std::string text =
       take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
   return object_from(text, name);
+}
+
+nlohmann::json server_command_with_bytes(Session& session, const Globals& globals, std::string_view name,
+                                         const nlohmann::json& arguments, std::span<const std::byte> bytes) {
+  const std::chrono::nanoseconds timeout = command_timeout(globals, name);
+  return object_from(
+      take(session.client(globals).command_with_bytes(name, text_of_arguments(arguments), bytes, timeout)), name);
 }
 
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,

@@ -16,6 +16,10 @@ nlohmann::json server_command(Session& session, const Globals& globals, std::str
                               const nlohmann::json& arguments, const Shape& shape = {},
                               std::function<void(double)> progress = {});
 
+/// As server_command, for one that takes bytes.
+nlohmann::json server_command_with_bytes(Session& session, const Globals& globals, std::string_view name,
+                                         const nlohmann::json& arguments, std::span<const std::byte> bytes);
+
 /// The command load, with the file's bytes instead of its path.
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
                               const std::string& file_name, const nlohmann::json& arguments,

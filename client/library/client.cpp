@@ -116,6 +116,12 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   return client::command(*state_->connection, name, json_arguments, shape, timeout, progress);
 }
 
+Result<std::string> Client::command_with_bytes(std::string_view name, std::string_view json_arguments,
+                                               std::span<const std::byte> bytes, std::chrono::nanoseconds timeout) {
+  const std::span blob(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  return client::command_with_blob(*state_->connection, name, json_arguments, blob, timeout, {});
+}
+
 Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name,
                                    std::string_view json_arguments, std::chrono::nanoseconds timeout,
                                    std::function<void(double)> progress) {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -52,8 +53,33 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
+/// A file in memory with these bytes, at its beginning.
+class InputFile {
+ public:
+  explicit InputFile(std::span<const std::byte> bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
+    while (file_ >= 0 && !bytes.empty()) {
+      const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) break;
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    is_whole_ = file_ >= 0 && bytes.empty() && ::lseek(file_, 0, SEEK_SET) == 0;
+  }
+  ~InputFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  bool is_whole() const { return is_whole_; }
+  int descriptor() const { return file_; }
+
+ private:
+  int file_ = -1;
+  bool is_whole_ = false;
+};
+
 /// Starts the program; the process id, or minus the error.
-pid_t start(const std::vector<std::string>& words, const Pipe& output, const Pipe& errors) {
+pid_t start(const std::vector<std::string>& words, const InputFile& input, const Pipe& output, const Pipe& errors) {
   std::vector<char*> arguments;
   for (const std::string& word : words) { arguments.push_back(const_cast<char*>(word.c_str())); }
   arguments.push_back(nullptr);
@@ -61,7 +87,7 @@ pid_t start(const std::vector<std::string>& words, const Pipe& output, const Pip
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&actions);
   posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, input.descriptor(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, output.write_end(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, errors.write_end(), STDERR_FILENO);
   sigset_t signals;
@@ -101,15 +127,16 @@ void read_until_end(pid_t child, Pipe& output, Pipe& errors, std::chrono::millis
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& words, std::chrono::milliseconds time_limit,
-                      const std::function<bool()>& cancelled) {
+                      const std::function<bool()>& cancelled, std::span<const std::byte> input) {
   ChildResult result;
+  const InputFile input_file(input);
   Pipe output;
   Pipe errors;
-  if (!output.is_open() || !errors.is_open()) {
+  if (!input_file.is_whole() || !output.is_open() || !errors.is_open()) {
     result.start_failure = std::strerror(errno);
     return result;
   }
-  const pid_t child = start(words, output, errors);
+  const pid_t child = start(words, input_file, output, errors);
   if (child < 0) {
     result.start_failure = std::strerror(-child);
     return result;

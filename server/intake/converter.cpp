@@ -14,40 +14,24 @@
 
 #include "server/intake/child_process.hpp"
 #include "server/intake/file_bytes.hpp"
+#include "server/intake/helper_program.hpp"
 
 namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kProgram = "collided-import";
 constexpr int kDefaultSeconds = 900;
 
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
   throw LoadError(fmt::format("{}: {}. Nothing was loaded.", file_name(path), what));
 }
 
-bool is_program(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-}
-
 std::string find_converter(const std::string& path) {
-  if (const char* chosen = std::getenv("COLLIDED_IMPORT"); chosen != nullptr && *chosen != '\0') {
-    if (!is_program(chosen)) {
-      refuse_file(path, fmt::format("COLLIDED_IMPORT is '{}', which is no program that can be run", chosen));
-    }
-    return chosen;
-  }
-  std::error_code error;
-  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const std::vector<fs::path> places = {here / kProgram, here / "../libexec/collided" / kProgram,
-                                        fs::path(COLLIDED_LIBEXEC_DIR) / kProgram};
-  for (const fs::path& place : places) {
-    if (is_program(place)) { return place.string(); }
-  }
-  refuse_file(path, fmt::format("'{}' needs the converter {}, which is not in {} nor {}; COLLIDED_IMPORT may name it",
-                                fs::path(path).extension().string(), kProgram, here.string(), COLLIDED_LIBEXEC_DIR));
+  const HelperProgram converter = find_helper_program("collided-import", "COLLIDED_IMPORT");
+  if (!converter.path.empty()) return converter.path;
+  if (converter.why_not.starts_with("COLLIDED_IMPORT")) refuse_file(path, converter.why_not);
+  refuse_file(path, fmt::format("'{}' needs the converter {}", fs::path(path).extension().string(), converter.why_not));
 }
 
 std::chrono::seconds time_limit() {

@@ -135,7 +135,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
              .clock_error_ns = options.clock_error_ns,
              .memory = {.reach_ns = options.memory_ns}}),
       leases(world),
-      audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
+      audit(
+          options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }, options.asks_fcl),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
       event_writer(participant, identity, flight.get()),

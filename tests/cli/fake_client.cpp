@@ -126,6 +126,12 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
 }
 
+Result<std::string> Client::command_with_bytes(std::string_view name, std::string_view json_arguments,
+                                               std::span<const std::byte> bytes, std::chrono::nanoseconds timeout) {
+  fake::server().bytes.assign(bytes.begin(), bytes.end());
+  return command(name, json_arguments, {}, timeout);
+}
+
 Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name,
                                    std::string_view json_arguments, std::chrono::nanoseconds,
                                    std::function<void(double)>) {

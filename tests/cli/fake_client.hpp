@@ -37,6 +37,7 @@ struct Server {
   std::function<Answer(const NearQuestion&, const AskOptions&)> near;
   std::function<Answer(const Shape&, const SweepQuestion&, const AskOptions&)> sweep;
   std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
+  std::vector<std::byte> bytes;  // that came with the last command that takes some
   std::function<Result<PairAnswer>(const std::string&, const std::string&, const PairOptions&)> pair;
   std::function<Result<ShownObjects>(const ShapesOptions&)> shapes;
   std::function<Result<Poses>()> poses;

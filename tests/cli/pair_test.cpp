@@ -56,6 +56,35 @@ TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
   EXPECT_EQ(collide("pair crate shelf").code, 3);
 }
 
+TEST_F(PairVerb, AnotherOpinionStandsBesideOurs) {
+  next.verdict = Verdict::miss;
+  collide("pair crate shelf");
+  EXPECT_EQ(last_options.opinion, "");
+  const auto line = [](const SecondOpinion& opinion) {
+    next.opinion = opinion;
+    const std::string out = at_terminal("pair crate shelf --opinion fcl").out;
+    return out.substr(out.find('\n') + 1);
+  };
+  EXPECT_EQ(line({.verdict = OpinionVerdict::agree, .touches = false, .distance_m = 0.0124}),
+            "  FCL: agree  apart 12.4 mm\n");
+  EXPECT_EQ(last_options.opinion, "fcl");
+  EXPECT_EQ(line({.verdict = OpinionVerdict::differ, .touches = false, .distance_m = 0.0125}),
+            "  FCL: differ  apart 12.5 mm, ours: apart 12.4 mm\n");
+  EXPECT_EQ(line({.verdict = OpinionVerdict::differ, .touches = true}),
+            "  FCL: differ  touching, ours: apart 12.4 mm\n");
+  EXPECT_EQ(line({.verdict = OpinionVerdict::failed, .why = "FCL was ended by signal 6"}),
+            "  FCL: failed  FCL was ended by signal 6\n");
+  EXPECT_EQ(line({.verdict = OpinionVerdict::unsupported, .why = "two half-spaces"}),
+            "  FCL: unsupported  two half-spaces\n");
+  next.opinion = {.verdict = OpinionVerdict::differ, .touches = false, .distance_m = 0.5};
+  EXPECT_EQ(
+      collide("pair crate shelf --opinion fcl --json --fields opinion,opinion_answer,opinion_distance,opinion_why").out,
+      "{\"opinion\":\"differ\",\"opinion_answer\":\"apart\",\"opinion_distance\":0.5}\n");
+  const Ran refused = collide("pair crate shelf --opinion bullet");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("--opinion bullet: allowed is fcl"), std::string::npos) << refused.err;
+}
+
 TEST_F(PairVerb, BothAreAskedForAtOneInstant) {
   collide("pair crate shelf");
   EXPECT_EQ(last_options.as_of.kind, Instant::Kind::latest);

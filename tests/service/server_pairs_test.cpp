@@ -137,6 +137,30 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
 }
 
 // Such a name is nobody's, and must not become another one's on the way.
+// FCL runs in a process of its own beside the server, and only where it was asked for.
+TEST_F(ServerPairs, FclsOpinionComesWhereItIsAskedFor) {
+  start();
+  Client client = connect();
+  const std::vector<ShapePart> kinds = all_kinds();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    for (const double x : {0.1, 3.0}) {
+      const std::string name = "thing" + std::to_string(i) + (x < 1 ? "_in" : "_apart");
+      ASSERT_TRUE(client.add({.name = name, .shape = {kinds[i]}, .pose = at(x, 0.1 * static_cast<double>(i), 20)}));
+    }
+    const std::string name = "thing" + std::to_string(i);
+    EXPECT_FALSE(pair(client, name + "_in", name + "_apart").opinion);
+    const PairAnswer answer = pair(client, name + "_in", name + "_apart", {.opinion = "fcl"});
+    ASSERT_TRUE(answer.opinion);
+    if (answer.opinion->why.find("which is not in") != std::string::npos) GTEST_SKIP() << "built without FCL";
+    EXPECT_EQ(answer.opinion->verdict, OpinionVerdict::agree) << name << " " << answer.opinion->why;
+    EXPECT_EQ(answer.opinion->touches, false);
+    EXPECT_NEAR(answer.opinion->distance_m.value_or(-1), answer.distance_m, 1e-5);
+  }
+  const Result<PairAnswer> refused = client.pair("thing0_in", "thing1_in", {.opinion = "bullet"});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("allowed: fcl"), std::string::npos) << refused.error().message;
+}
+
 TEST_F(ServerPairs, NamesThatAreNotTextAreRefusedBeforeAnythingIsSent) {
   start();
   Client client = connect();

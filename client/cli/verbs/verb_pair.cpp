@@ -81,6 +81,39 @@ void print_text(Printer& printer, const PairAnswer& pair) {
     printer.line("  stale: one of them is where it was heard of last, and moved then");
 }
 
+std::string_view word_of(OpinionVerdict verdict) {
+  static constexpr std::string_view kWords[] = {"agree", "differ", "failed", "unsupported"};
+  return kWords[static_cast<std::size_t>(verdict)];
+}
+
+std::string words_of(const SecondOpinion& opinion) {
+  if (!opinion.touches) return opinion.why;
+  if (*opinion.touches) return "touching";
+  return opinion.distance_m ? "apart " + format_length(*opinion.distance_m) : "apart (" + opinion.why + ")";
+}
+
+/// The other's answer; where it differs, ours beside it.
+std::string opinion_line(const Printer& printer, const PairAnswer& pair) {
+  const SecondOpinion& opinion = *pair.opinion;
+  const bool differs = opinion.verdict == OpinionVerdict::differ;
+  const Paint paint = differs ? Paint::bad : opinion.verdict == OpinionVerdict::agree ? Paint::good : Paint::doubt;
+  std::string line = fmt::format("  FCL: {}  {}", printer.paint(paint, std::string(word_of(opinion.verdict))),
+                                 printable(words_of(opinion)));
+  if (differs && pair.verdict == Verdict::hit)
+    line += fmt::format(", ours: touching, depth {}", format_length(pair.depth_m));
+  if (differs && pair.verdict == Verdict::miss) line += fmt::format(", ours: apart {}", format_length(pair.distance_m));
+  return line;
+}
+
+void append_opinion(const SecondOpinion& opinion, Record& record) {
+  const Value none = std::monostate{};
+  record.push_back({"opinion", word_of(opinion.verdict)});
+  record.push_back(
+      {"opinion_answer", opinion.touches ? Value(std::string_view(*opinion.touches ? "touching" : "apart")) : none});
+  record.push_back({"opinion_distance", opinion.distance_m ? Value(*opinion.distance_m) : none});
+  record.push_back({"opinion_why", opinion.why.empty() ? none : Value(std::string_view(opinion.why))});
+}
+
 class PairCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -90,17 +123,21 @@ class PairCommand : public Command {
     app.add_option(
         "--as-of", as_of_,
         "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
+    app.add_option("--opinion", opinion_, "Ask another library too: fcl, run by the server in a process of its own");
     app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
   }
 
   Exit run(Session& session, const Globals& globals) override {
     if (names_.size() != 2)
       throw bad_use(fmt::format("{} names; two objects are needed", names_.size()), "collide pair crate shelf");
+    if (!opinion_.empty() && opinion_ != "fcl")
+      throw bad_use(fmt::format("--opinion {}: allowed is fcl", printable(opinion_)));
     const PairOptions options{
         .certificate = certificate_,
         .triangles = triangles_,
         .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
         .as_of = parse_instant(as_of_),
+        .opinion = opinion_,
         .timeout = timeout_of(globals, std::chrono::seconds(30))};
     const PairAnswer pair = take(session.client(globals).pair(names_[0], names_[1], options));
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
@@ -111,10 +148,9 @@ class PairCommand : public Command {
     }
     Printer printer = make_printer(session.io, globals);
     if (triangles_) print_triangles(printer, pair);
-    else if (printer.human()) print_text(printer, pair);
     else
-      printer.record(pair_record(
-          pair, certificate_ ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{})));
+      print_answer(printer, pair,
+                   certificate_ ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{}));
     printer.finish();
     if (pair.cut)
       print_hint(session.io, globals,
@@ -126,6 +162,17 @@ class PairCommand : public Command {
   }
 
  private:
+  static void print_answer(Printer& printer, const PairAnswer& pair, const Value& proof) {
+    if (printer.human()) {
+      print_text(printer, pair);
+      if (pair.opinion) printer.line(opinion_line(printer, pair));
+      return;
+    }
+    Record record = pair_record(pair, proof);
+    if (pair.opinion) append_opinion(*pair.opinion, record);
+    printer.record(record);
+  }
+
   static void print_triangles(Printer& printer, const PairAnswer& pair) {
     for (const TrianglePair& t : pair.triangle_pairs) {
       if (printer.human()) {
@@ -165,6 +212,7 @@ class PairCommand : public Command {
   bool certificate_ = false;
   std::string most_ = "10000";
   std::string as_of_;
+  std::string opinion_;
 };
 
 }  // namespace

@@ -166,6 +166,11 @@ class Client {
                               std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                               std::function<void(double)> progress = {});
 
+  /// The same for commands that take other bytes than a shape; idl/commands.hpp says which.
+  Result<std::string> command_with_bytes(std::string_view name, std::string_view json_arguments,
+                                         std::span<const std::byte> bytes,
+                                         std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+
   /// Sends a file's bytes, for a server that cannot read the file itself, and has them loaded as a scene: the server reads
   /// them in a process that may do nothing else. file_name: letters, digits, dot, dash and underscore, with the ending that says
   /// the format; json_arguments and the answer: those of the command load. A file that names other files comes without them.

@@ -19,6 +19,7 @@ struct PairOptions {
   bool triangles = false;
   std::uint32_t most_triangle_pairs = 10'000;  // that are told, at most 100,000
   Instant as_of = {};                          // both at one instant; latest: each at its newest pose
+  std::string opinion = {};  // "fcl": what that library says to the pair too; empty: nobody else is asked
   std::chrono::nanoseconds timeout{10'000'000'000};
 };
 
@@ -40,6 +41,17 @@ struct TrianglePair {
   Vec3 from = Vec3::Zero();
   Vec3 to = Vec3::Zero();
   double error_m = 0;
+};
+
+/// What another library says to the same pair, asked by the server in a process of its own. agree: the same yes or no, and of
+/// two that are apart a distance that is ours within a millionth of their size. failed: it broke down or took too long.
+/// unsupported: it has no answer for these shapes, or ours is undecided.
+enum class OpinionVerdict { agree, differ, failed, unsupported };
+struct SecondOpinion {
+  OpinionVerdict verdict = OpinionVerdict::unsupported;
+  std::optional<bool> touches = {};       // what it says
+  std::optional<double> distance_m = {};  // of two that it says are apart, where it has one
+  std::string why = {};                   // failed, unsupported; where it has no distance, why not
 };
 
 enum class Containment { none, a_in_b, b_in_a };
@@ -74,6 +86,7 @@ struct PairAnswer {
   bool cut = false;
   std::optional<Certificate> certificate;
   std::string no_certificate;  // why there is none although it was asked for
+  std::optional<SecondOpinion> opinion;
 };
 
 }  // namespace collided

@@ -82,6 +82,18 @@ void read_apart(const json& answer, PairAnswer& pair) {
   pair.contained = contained == "a" ? Containment::a_in_b : contained == "b" ? Containment::b_in_a : Containment::none;
 }
 
+SecondOpinion opinion_of(const json& said) {
+  SecondOpinion opinion;
+  const std::string verdict = said.at("verdict");
+  if (verdict == "agree") opinion.verdict = OpinionVerdict::agree;
+  if (verdict == "differ") opinion.verdict = OpinionVerdict::differ;
+  if (verdict == "failed") opinion.verdict = OpinionVerdict::failed;
+  if (said.contains("touches")) opinion.touches = said.at("touches").get<bool>();
+  if (said.contains("distance")) opinion.distance_m = said.at("distance").get<double>();
+  opinion.why = said.value("why", "");
+  return opinion;
+}
+
 PairAnswer read(const json& answer) {
   PairAnswer pair;
   const std::string word = answer.at("answer");
@@ -109,6 +121,7 @@ PairAnswer read(const json& answer) {
   }
   if (answer.contains("certificate")) { pair.certificate = certificate_of(answer.at("certificate")); }
   pair.no_certificate = answer.value("no_certificate", "");
+  if (answer.contains("opinion")) pair.opinion = opinion_of(answer.at("opinion"));
   return pair;
 }
 
@@ -119,12 +132,14 @@ Result<PairAnswer> pair(Connection& connection, const std::string& a, const std:
   if (options.as_of.time.count() < 0) {
     return bad_input("pair: the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
   }
-  const json arguments{{"a", a},
-                       {"b", b},
-                       {"certificate", options.certificate},
-                       {"triangles", options.triangles},
-                       {"most", options.most_triangle_pairs},
-                       {"as_of", wire_contract::text_of(instant_of(options.as_of))}};
+  json arguments{{"a", a},
+                 {"b", b},
+                 {"certificate", options.certificate},
+                 {"triangles", options.triangles},
+                 {"most", options.most_triangle_pairs},
+                 {"as_of", wire_contract::text_of(instant_of(options.as_of))}};
+  if (!options.opinion.empty())
+    arguments["opinion"] = options.opinion;  // a server that is older refuses what it does not know
   return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read);
 }
 

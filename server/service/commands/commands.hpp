@@ -22,6 +22,7 @@
 #include "server/service/questions/background_audit.hpp"
 #include "server/service/runtime/work_queue.hpp"
 #include "server/service/world_loop.hpp"
+#include "server/world/query/menu.hpp"
 
 namespace collided::engine::service {
 
@@ -105,7 +106,7 @@ class Commands {
   void load_one(Load load);
   void load_upload(CommandAsk ask, const std::string& path);
   void menu_later(CommandAsk ask, const Arguments& arguments);
-  nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
+  nlohmann::json menu(const MenuOptions& options) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);
   std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
   void tell_flight_recorder(const CommandAsk& ask);

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstring>
 
+#include "idl/commands.hpp"
 #include "server/service/commands/commands.hpp"
+#include "server/service/questions/validation.hpp"
 #include "server/world/query/menu.hpp"
 
 namespace collided::engine::service {
@@ -14,6 +17,13 @@ namespace {
 
 /// Infinity is no JSON number.
 json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }
+
+json described(const OpinionCounts& counts) {
+  return {{"agree", counts.agree},
+          {"differ", counts.differ},
+          {"failed", counts.failed},
+          {"unsupported", counts.unsupported}};
+}
 
 }  // namespace
 
@@ -28,48 +38,104 @@ json Commands::audit(const Arguments& arguments) const {
                          {"expansion", levels[1].load()},
                          {"rational", levels[2].load()}});
   }
-  return {{"every", with_.audit.every()}, {"chosen", counts.chosen},
-          {"audited", counts.audited},    {"differing", counts.differing},
-          {"skipped", counts.skipped},    {"differences", with_.audit.differences()},
-          {"questions", questions},       {"float_repairs", with_.counts.float_repairs.load()}};
+  json answer{{"every", with_.audit.every()}, {"chosen", counts.chosen},
+              {"audited", counts.audited},    {"differing", counts.differing},
+              {"skipped", counts.skipped},    {"differences", with_.audit.differences()},
+              {"questions", questions},       {"float_repairs", with_.counts.float_repairs.load()}};
+  if (with_.audit.asks_fcl()) answer["opinion"] = described(counts.opinion);
+  return answer;
 }
 
 void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const {
   if (!jobs.has_room()) throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
 }
 
+namespace {
+
+/// The questions that came with the command; BadCommand names the first that is none.
+std::vector<double> own_questions(QuestionKind kind, const std::vector<std::byte>& bytes) {
+  const std::size_t stride = numbers_of(kind);
+  const std::size_t question_bytes = stride * sizeof(double);
+  if (bytes.empty() || bytes.size() % question_bytes != 0) {
+    throw BadCommand(fmt::format("menu: {} bytes of questions; {} are needed for each {}", bytes.size(), question_bytes,
+                                 name_of(kind)));
+  }
+  const std::size_t count = bytes.size() / question_bytes;
+  if (count > wire_contract::command::kMostMenuQuestions) {
+    throw BadCommand(fmt::format("menu: {} questions, allowed {}; nothing was asked", count,
+                                 wire_contract::command::kMostMenuQuestions));
+  }
+  std::vector<double> numbers(count * stride);
+  std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (is_question(kind, &numbers[i * stride])) continue;
+    throw BadCommand(
+        fmt::format("menu: question {} is no {}: a number that is not finite, a negative size, no direction or no "
+                    "rotation; nothing was asked",
+                    i, name_of(kind)));
+  }
+  return numbers;
+}
+
+json described(const MenuRow& row) {
+  json priced{{"kind", row.asked_of},
+              {"method", row.method},
+              {"asked", row.asked},
+              {"judged", row.judged},
+              {"undecided", row.undecided},
+              {"wrong", row.wrong},
+              {"worst_error", number(row.worst_error_m)},
+              {"worst_bound", number(row.worst_bound_m)},
+              {"p50_ns", row.p50_ns},
+              {"p99_ns", row.p99_ns}};
+  if (row.opinion.total() > 0) priced["opinion"] = described(row.opinion);
+  return priced;
+}
+
+QuestionKind kind_of(const std::string& name) {
+  for (const QuestionKind kind : kPlainQuestions) {
+    if (name == name_of(kind)) return kind;
+  }
+  throw BadCommand(fmt::format("menu: 'of' is {}; allowed: ray, sphere, box, near", printable(name)));
+}
+
+MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte>& bytes) {
+  arguments.allow_only({"questions", "seed", "of", "opinion"});
+  MenuOptions options;
+  options.questions = static_cast<std::uint32_t>(arguments.whole("questions", 1'000, 100'000));
+  options.seed = arguments.whole("seed", 1, ~std::uint64_t{0});
+  const std::string opinion = arguments.text("opinion");
+  if (!opinion.empty() && opinion != "fcl")
+    throw BadCommand(fmt::format("menu: 'opinion' is {}; allowed: fcl", printable(opinion)));
+  constexpr std::int64_t kOpinionTime_ns = 5'000'000'000;
+  if (!opinion.empty()) options.opinion_ns = kOpinionTime_ns;
+  if (!arguments.has("of")) return options;
+  options.own_kind = kind_of(arguments.text("of"));
+  options.own_numbers = own_questions(options.own_kind, bytes);
+  return options;
+}
+
+}  // namespace
+
 void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
-  std::uint32_t questions = 0;
-  std::uint64_t seed = 0;
+  MenuOptions options;
   try {
-    arguments.allow_only({"questions", "seed"});
-    questions = static_cast<std::uint32_t>(arguments.whole("questions", 1'000, 100'000));
-    seed = arguments.whole("seed", 1, ~std::uint64_t{0});
+    options = menu_options(arguments, ask.blob);
     make_room("menu", slow_jobs_);
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
     return;
   }
+  options.cancelled = [this] { return stopping_.load(); };
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  slow_jobs_.push([this, shared, questions, seed] { answer(*shared, [&] { return menu(questions, seed); }); });
+  slow_jobs_.push([this, shared, options = std::move(options)] { answer(*shared, [&] { return menu(options); }); });
 }
 
-json Commands::menu(std::uint32_t questions, std::uint64_t seed) const {
+json Commands::menu(const MenuOptions& options) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json rows = json::array();
-  const auto cancelled = [this] { return stopping_.load(); };
-  for (const MenuRow& row : menu_of(*state, {.questions = questions, .seed = seed, .cancelled = cancelled})) {
-    rows.push_back({{"kind", name_of(row.kind)},
-                    {"method", row.method},
-                    {"asked", row.asked},
-                    {"undecided", row.undecided},
-                    {"wrong", row.wrong},
-                    {"worst_error", number(row.worst_error_m)},
-                    {"worst_bound", number(row.worst_bound_m)},
-                    {"p50_ns", row.p50_ns},
-                    {"p99_ns", row.p99_ns}});
-  }
-  return {{"rows", rows}, {"seed", seed}, {"version", state->version}};
+  for (const MenuRow& row : menu_of(*state, options)) { rows.push_back(described(row)); }
+  return {{"rows", rows}, {"seed", options.seed}, {"version", state->version}};
 }
 
 }  // namespace collided::engine::service

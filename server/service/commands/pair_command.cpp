@@ -6,6 +6,7 @@
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/world/query/fcl_opinion.hpp"
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine::service {
@@ -118,6 +119,22 @@ ObjectId find_shown(const Snapshot& state, const std::string& name) {
   throw BadCommand(unknown_object(name, others));
 }
 
+json described(const Opinion& opinion) {
+  json said{{"verdict", name_of(opinion.verdict)}};
+  if (opinion.touches) said["touches"] = *opinion.touches;
+  if (opinion.distance_m) said["distance"] = *opinion.distance_m;
+  if (!opinion.why.empty()) said["why"] = opinion.why;
+  return said;
+}
+
+/// Whether anybody else is to be asked, and whom: there is one.
+bool wants_opinion(const Arguments& asked) {
+  const std::string whose = asked.text("opinion");
+  if (!whose.empty() && whose != "fcl")
+    throw BadCommand(fmt::format("pair: 'opinion' is {}; allowed: fcl", printable(whose)));
+  return !whose.empty();
+}
+
 bool has_parts(const ObjectInfo& info) {
   return !info.primitives.empty() || (info.mesh && !info.mesh->mesh->triangles.empty()) || info.part_triangles > 0;
 }
@@ -152,12 +169,16 @@ void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
         .certificate = asked.truth("certificate", false),
         .triangles = asked.truth("triangles", false),
         .most_crossings = static_cast<std::uint32_t>(asked.whole("most", 10'000, wire_contract::kMaxTrianglePairs))};
-    json answer = described(report_pair(*state, a, b, options), options);
+    const bool is_fcl_asked = wants_opinion(asked);
+    const PairReport report = report_pair(*state, a, b, options);
+    json answer = described(report, options);
+    if (is_fcl_asked)
+      answer["opinion"] = described(fcl_opinion(*state, a, b, report, [this] { return stopping_.load(); }));
     answer["version"] = state->version;
     return answer;
   };
   try {
-    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of"});
+    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion"});
     make_room("pair", pair_jobs_);
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));

@@ -31,6 +31,7 @@ struct Options {
   std::int64_t deadline_ns = 0;         // of questions that bring none; 0: none
   std::int64_t flight_recorder_ns = 0;  // how far back; 0: none
   std::uint64_t audit_every = 0;        // one answer in so many is worked out again; 0: none
+  bool asks_fcl = false;                // about those answers too
   int domain = 0;
   std::string interface;
   std::vector<std::string> peers;

@@ -163,6 +163,12 @@ Allowed apply_audit(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_opinion(Options& options, Values values) {
+  if (values[0] != "off" && values[0] != "fcl") return "'off' or 'fcl'";
+  options.asks_fcl = values[0] == "fcl";
+  return std::nullopt;
+}
+
 Allowed apply_domain(Options& options, Values values) {
   return apply_whole(options.domain, values, 0, wire_contract::kLastDomain);
 }
@@ -236,6 +242,8 @@ constexpr Setting kSettings[] = {
      false, apply_error},
     {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",
      "one answer in N is worked out again, exactly and without index", false, apply_audit},
+    {"answer.opinion", "--opinion", "COLLIDED_OPINION", "off", "NAME",
+     "fcl: asked too about the answers that --audit works out again, in a process of its own", false, apply_opinion},
     {"answer.deadline", "--deadline", "COLLIDED_DEADLINE", "none", "TIME", "of questions that bring none", false,
      apply_deadline},
     {"recorder.last", "--flight-recorder", "COLLIDED_FLIGHT_RECORDER", "30s", "TIME",

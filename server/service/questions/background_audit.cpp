@@ -9,8 +9,8 @@
 
 namespace collided::engine::service {
 
-BackgroundAudit::BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice)
-    : every_(every), notice_(std::move(notice)) {
+BackgroundAudit::BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice, bool asks_fcl)
+    : every_(every), notice_(std::move(notice)), asks_fcl_(asks_fcl) {
   if (every_ > 0) thread_ = std::thread([this] { run(); });
 }
 
@@ -101,16 +101,38 @@ void BackgroundAudit::run() {
 
 void BackgroundAudit::work_out(const Item& item) {
   const std::string difference = audit(*item.state->lease, item.question, item.given);
-  bool tell = false;
+  // Before it counts as audited, so that who waits for the counts has all of them.
+  if (asks_fcl_) ask_fcl(item);
   {
     const std::lock_guard lock(mutex_);
     ++counts_.audited;
-    if (difference.empty()) return;
-    ++counts_.differing;
-    tell = differences_.size() < kMostReported;
-    if (tell) differences_.push_back(difference);
+    if (!difference.empty()) ++counts_.differing;
   }
-  if (tell) notice_("audit: an answer of world " + std::to_string(item.state->version) + " differs: " + difference);
+  if (!difference.empty()) tell(item, difference);
+}
+
+void BackgroundAudit::ask_fcl(const Item& item) {
+  const Opinion opinion =
+      fcl_opinion(*item.state->lease, item.question, item.given, [this] { return stopping_.load(); });
+  {
+    const std::lock_guard lock(mutex_);
+    counts_.opinion.count(opinion.verdict);
+  }
+  if (opinion.verdict != OpinionVerdict::differ) return;
+  std::string numbers;
+  for (const double number : item.numbers) numbers += ' ' + std::to_string(number);
+  tell(item, std::string(wire_contract::name_of(item.question.kind)) + numbers + ": FCL says " +
+                 (*opinion.touches ? "that something is touched, answered was a miss"
+                                   : "that nothing is touched, answered was a hit"));
+}
+
+void BackgroundAudit::tell(const Item& item, const std::string& difference) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (differences_.size() >= kMostReported) return;
+    differences_.push_back(difference);
+  }
+  notice_("audit: an answer of world " + std::to_string(item.state->version) + " differs: " + difference);
 }
 
 AuditCounts BackgroundAudit::counts() const {

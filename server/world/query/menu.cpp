@@ -3,27 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 
-#include "server/exact_phase/exactly.hpp"
 #include "server/geometry/float_environment.hpp"
-#include "server/world/objects/parts.hpp"
 #include "server/world/query/boxes_only.hpp"
-#include "server/world/query/question_shapes.hpp"
+#include "server/world/query/exact_answer.hpp"
+#include "server/world/query/menu_table.hpp"
 #include "server/world/query/random_questions.hpp"
 
 namespace collided::engine {
 namespace {
-
-struct Method {
-  std::string name;
-  Level highest = Level::rational;
-  double error_m = 0;
-  bool boxes = false;
-};
 
 std::string length_text(double length_m) {
   if (length_m < 1e-3) return fmt::format("{:g}um", length_m * 1e6);
@@ -31,8 +23,8 @@ std::string length_text(double length_m) {
 }
 
 /// The errors offered are powers of ten, about a millionth and a thousandth of the world's size.
-std::vector<Method> methods_for(double size_m) {
-  std::vector<Method> methods{{.name = "exact on doubt"}, {.name = "double, bounded", .highest = Level::filter}};
+std::vector<MenuMethod> methods_for(double size_m) {
+  std::vector<MenuMethod> methods{{.name = "exact on doubt"}, {.name = "double, bounded", .highest = Level::filter}};
   const double magnitude = size_m > 0 ? std::floor(std::log10(size_m)) : 0;
   for (const double power : {-6.0, -3.0}) {
     const double error_m = std::pow(10.0, magnitude + power);
@@ -42,134 +34,134 @@ std::vector<Method> methods_for(double size_m) {
   return methods;
 }
 
-std::set<ObjectId> objects_of(const std::vector<AnswerHit>& hits) {
-  std::set<ObjectId> objects;
-  for (const AnswerHit& hit : hits) objects.insert(hit.object);
-  return objects;
-}
+bool is_overlap(QuestionKind kind) { return kind == QuestionKind::sphere || kind == QuestionKind::box; }
 
-/// The distance that is the truth, by rationals over the part that the sharp answer names; for overlaps the sharpest
-/// depth there is.
-class Truth {
- public:
-  Truth(const Snapshot& snapshot, const Questions& question, const Answers& sharp) : sharp_(sharp) {
-    if (sharp.hits.empty()) return;
-    distance_m_ = sharp.hits[0].distance_m;
-    const double* n = question.numbers.data();
-    const AnswerHit& hit = sharp.hits[0];
-    visit_part(snapshot, hit.object, hit.triangle, [&](const auto& shape) {
-      if (question.kind == QuestionKind::ray) {
-        RayHit exact;
-        if (exactly::cast_ray(ray_of(n), shape, exact) == Decision::yes) take(exact.distance_m);
-      } else if (question.kind == QuestionKind::near) {
-        take(exactly::closest(point_of(n), shape).distance_m);
-      }
-    });
-  }
-  bool hit() const { return !sharp_.hits.empty(); }
-  const Answers& sharp() const { return sharp_; }
-  double distance_m() const { return distance_m_; }
-
- private:
-  /// An object of several primitives names none of them: the one at the sharp distance.
-  void take(double exact_m) {
-    if (!taken_ || std::abs(exact_m - sharp_.hits[0].distance_m) < std::abs(distance_m_ - sharp_.hits[0].distance_m)) {
-      distance_m_ = exact_m;
-    }
-    taken_ = true;
-  }
-
-  const Answers& sharp_;
-  double distance_m_ = 0;
-  bool taken_ = false;
+/// What came out of one way of answering one question.
+struct Given {
+  Answers answers;
+  BoxesAnswer boxes;
 };
 
-void judge(const Answers& given, const Truth& truth, MenuRow& row) {
-  if (given.answers[0] == Verdict::undecided) {
-    ++row.undecided;
-    return;
-  }
-  // Where less was asked for, another object than the first may be named, at a distance that is within the word.
-  const bool by_object = row.kind == QuestionKind::sphere || row.kind == QuestionKind::box;
-  if (by_object ? objects_of(given.hits) != objects_of(truth.sharp().hits) : given.hits.empty() == truth.hit()) {
-    ++row.wrong;
-    return;
-  }
-  for (const AnswerHit& hit : given.hits) row.worst_bound_m = std::max(row.worst_bound_m, hit.error_m);
-  for (std::size_t i = 0; by_object && i < given.hits.size(); ++i) {
-    const auto same = std::find_if(truth.sharp().hits.begin(), truth.sharp().hits.end(),
-                                   [&](const AnswerHit& h) { return h.object == given.hits[i].object; });
-    row.worst_error_m = std::max(row.worst_error_m, std::abs(given.hits[i].distance_m - same->distance_m));
-  }
-  if (!by_object && truth.hit()) {
-    row.worst_error_m = std::max(row.worst_error_m, std::abs(given.hits[0].distance_m - truth.distance_m()));
-  }
-}
-
-void judge(const BoxesAnswer& given, const Truth& truth, MenuRow& row) {
-  row.worst_bound_m = std::numeric_limits<double>::infinity();
-  if (row.kind == QuestionKind::sphere || row.kind == QuestionKind::box) {
-    if (given.objects != objects_of(truth.sharp().hits)) ++row.wrong;
-    return;
-  }
-  if (given.distance_m.has_value() != truth.hit()) {
-    ++row.wrong;
-  } else if (truth.hit()) {
-    row.worst_error_m = std::max(row.worst_error_m, std::abs(*given.distance_m - truth.distance_m()));
-  }
-}
-
-/// The rows of one kind of question.
-class MethodRows {
+/// One kind of question: each asked in every way, then judged.
+class WorldQuestions {
  public:
-  MethodRows(const Snapshot& snapshot, QuestionKind kind, const std::vector<Method>& methods)
-      : snapshot_(snapshot), kind_(kind), methods_(methods), times_ns_(methods.size()) {
-    for (const Method& method : methods) rows_.push_back({.kind = kind, .method = method.name});
+  WorldQuestions(const Snapshot& snapshot, QuestionKind kind, const std::vector<MenuMethod>& methods,
+                 std::int64_t judging_ns)
+      : snapshot_(snapshot),
+        kind_(kind),
+        table_(name_of(kind), methods),
+        judging_(judging_ns),
+        given_(methods.size()) {}
+
+  void ask(const std::vector<double>& numbers) {
+    Questions question{.kind = kind_, .max_hits = kind_ == QuestionKind::near ? 1U : 1'000'000U, .numbers = numbers};
+    // Once untimed: it warms the caches for all methods alike.
+    answer(snapshot_, question, sharp_, scratch_);
+    for (std::size_t m = 0; m < given_.size(); ++m) answer_by(m, question);
+    if (judging_.is_left()) judging_.spend([&] { judge(question); });
   }
-  void ask(const std::vector<double>& numbers);
-  void finish(std::vector<MenuRow>& menu);
+  void finish(std::vector<MenuRow>& menu) { table_.finish(menu); }
 
  private:
-  template <class Work>
-  void timed(std::size_t method, const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    times_ns_[method].push_back((std::chrono::steady_clock::now() - start).count());
-  }
+  void answer_by(std::size_t m, Questions question);
+  void judge(const Questions& question);
+  void judge_answer(const ExactAnswer& exact, const Answers& given, MenuRow& row) const;
+  void judge_boxes(const ExactAnswer& exact, const BoxesAnswer& given, MenuRow& row) const;
 
   const Snapshot& snapshot_;
   QuestionKind kind_;
-  const std::vector<Method>& methods_;
-  std::vector<std::vector<std::int64_t>> times_ns_;
-  std::vector<MenuRow> rows_;
+  MenuTable table_;
+  JudgingTime judging_;
   Answers sharp_;
-  Answers given_;
+  std::vector<Given> given_;
   QueryScratch scratch_;
 };
 
-void MethodRows::ask(const std::vector<double>& numbers) {
-  Questions question{.kind = kind_, .max_hits = kind_ == QuestionKind::near ? 1U : 1'000'000U, .numbers = numbers};
-  // Once untimed: it warms the caches for all methods alike, and is what the others are compared with.
-  answer(snapshot_, question, sharp_, scratch_);
-  // Where the covered space ends is nothing that was met.
-  std::erase_if(sharp_.hits, [](const AnswerHit& hit) { return (hit.flags & kUncovered) != 0; });
-  const Truth truth(snapshot_, question, sharp_);
-  for (std::size_t m = 0; m < methods_.size(); ++m) {
-    ++rows_[m].asked;
-    if (methods_[m].boxes) {
-      BoxesAnswer boxes;
-      timed(m, [&] { boxes = answer_by_boxes(snapshot_, question); });
-      judge(boxes, truth, rows_[m]);
-    } else {
-      question.highest = methods_[m].highest;
-      question.error_m = methods_[m].error_m;
-      timed(m, [&] { answer(snapshot_, question, given_, scratch_); });
-      judge(given_, truth, rows_[m]);
-    }
+void WorldQuestions::answer_by(std::size_t m, Questions question) {
+  const MenuMethod& method = table_.methods()[m];
+  if (method.boxes) {
+    table_.timed(m, [&] { given_[m].boxes = answer_by_boxes(snapshot_, question); });
+    return;
+  }
+  question.highest = method.highest;
+  question.error_m = method.error_m;
+  Answers& given = given_[m].answers;
+  table_.timed(m, [&] { answer(snapshot_, question, given, scratch_); });
+  if (given.answers[0] == Verdict::undecided) ++table_.row(m).undecided;
+  for (const AnswerHit& hit : given.hits)
+    table_.row(m).worst_bound_m = std::max(table_.row(m).worst_bound_m, hit.error_m);
+}
+
+void WorldQuestions::judge(const Questions& question) {
+  // An object within an error that was asked for may be named in the nearest one's place: as far as that, all are known.
+  double far_m = 0;
+  bool is_far_known = true;
+  for (std::size_t m = 0; m < given_.size(); ++m) {
+    const Answers& given = given_[m].answers;
+    if (table_.methods()[m].boxes || given.answers[0] == Verdict::undecided) continue;
+    is_far_known = is_far_known && !given.hits.empty();
+    for (const AnswerHit& hit : given.hits) far_m = std::max(far_m, hit.distance_m + hit.error_m);
+  }
+  const ExactAnswer exact(snapshot_, question,
+                          is_far_known && far_m > 0 ? far_m : std::numeric_limits<double>::infinity());
+  for (std::size_t m = 0; m < given_.size(); ++m) {
+    MenuRow& row = table_.row(m);
+    ++row.judged;
+    if (table_.methods()[m].boxes) judge_boxes(exact, given_[m].boxes, row);
+    else judge_answer(exact, given_[m].answers, row);
   }
 }
 
-void MethodRows::finish(std::vector<MenuRow>& menu) {
+void WorldQuestions::judge_answer(const ExactAnswer& exact, const Answers& given, MenuRow& row) const {
+  if (given.answers[0] == Verdict::undecided) return;  // it claims nothing
+  if (!exact.difference(given).empty()) {
+    ++row.wrong;
+    return;
+  }
+  if (!is_overlap(kind_)) {
+    const std::optional<Interval> first = exact.first();
+    if (first)
+      row.worst_error_m =
+          std::max(row.worst_error_m, std::abs(given.hits[0].distance_m - (first->low / 2 + first->high / 2)));
+    return;
+  }
+  // Of depths there is no second form: they are compared with those that nothing was asked off.
+  for (const AnswerHit& hit : given.hits) {
+    const auto same = std::find_if(sharp_.hits.begin(), sharp_.hits.end(),
+                                   [&](const AnswerHit& h) { return h.object == hit.object; });
+    if (same != sharp_.hits.end())
+      row.worst_error_m = std::max(row.worst_error_m, std::abs(hit.distance_m - same->distance_m));
+  }
+}
+
+void WorldQuestions::judge_boxes(const ExactAnswer& exact, const BoxesAnswer& given, MenuRow& row) const {
+  row.worst_bound_m = std::numeric_limits<double>::infinity();
+  if (is_overlap(kind_)) {
+    if (!exact.are_touched(given.objects)) ++row.wrong;
+    return;
+  }
+  const std::optional<Interval> first = exact.first();
+  if (given.distance_m.has_value() != first.has_value()) {
+    ++row.wrong;
+  } else if (first) {
+    row.worst_error_m = std::max(row.worst_error_m, std::abs(*given.distance_m - (first->low / 2 + first->high / 2)));
+  }
+}
+
+void add_own_rows(const Snapshot& snapshot, const MenuOptions& options, const std::vector<MenuMethod>& methods,
+                  std::vector<MenuRow>& menu) {
+  WorldQuestions questions(snapshot, options.own_kind, methods, options.judging_ns);
+  const std::size_t stride = numbers_of(options.own_kind);
+  for (std::size_t i = 0; i < options.own_numbers.size() && !(options.cancelled && options.cancelled()); i += stride) {
+    const auto first = options.own_numbers.begin() + static_cast<std::ptrdiff_t>(i);
+    questions.ask({first, first + static_cast<std::ptrdiff_t>(stride)});
+  }
+  questions.finish(menu);
+}
+
+}  // namespace
+
+void MenuTable::finish(std::vector<MenuRow>& menu) {
   for (std::size_t m = 0; m < rows_.size(); ++m) {
     std::vector<std::int64_t>& times = times_ns_[m];
     if (times.empty()) continue;
@@ -180,21 +172,25 @@ void MethodRows::finish(std::vector<MenuRow>& menu) {
   }
 }
 
-}  // namespace
-
 std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& options) {
   const OwnFloatEnvironment own_floats;
   RandomQuestions random(snapshot, options.seed);
   if (!random.has_world()) return {};
-  const std::vector<Method> methods = methods_for(random.size_m());
+  const std::vector<MenuMethod> methods = methods_for(random.size_m());
   std::vector<MenuRow> menu;
-  for (const QuestionKind kind : kPlainQuestions) {
-    MethodRows rows(snapshot, kind, methods);
-    for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {
-      rows.ask(random.question(kind));
-    }
-    rows.finish(menu);
+  if (!options.own_numbers.empty()) {
+    add_own_rows(snapshot, options, methods, menu);
+    return menu;
   }
+  for (const QuestionKind kind : kPlainQuestions) {
+    WorldQuestions questions(snapshot, kind, methods, options.judging_ns);
+    for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {
+      questions.ask(random.question(kind));
+    }
+    questions.finish(menu);
+  }
+  add_sweep_rows(snapshot, options, menu);
+  add_pair_rows(snapshot, options, menu);
   return menu;
 }
 

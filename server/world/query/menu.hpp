@@ -5,31 +5,42 @@
 #include <string>
 #include <vector>
 
+#include "server/world/query/fcl_opinion.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
 
 /// What one way of answering one kind of question costs in this world, and how far off it is.
 struct MenuRow {
-  QuestionKind kind = QuestionKind::ray;
+  std::string asked_of;  // ray, sphere, box, near, sweep, pair, mesh pair
   std::string method;
   std::uint32_t asked = 0;
+  std::uint32_t judged = 0;  // of those, compared with the rationals; the others were only timed
   std::uint32_t undecided = 0;
-  std::uint32_t wrong = 0;   // yes for no, no for yes, or another set of objects
-  double worst_error_m = 0;  // observed: against rationals for distances, against the sharpest depth for overlaps
+  std::uint32_t wrong = 0;   // of the judged: what the rationals contradict
+  double worst_error_m = 0;  // observed: distances against the rationals, depths against the sharpest
   double worst_bound_m = 0;  // the largest that came with a number; infinite where none comes
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
+  OpinionCounts opinion = {};  // FCL's, where it was asked: of pairs, beside our exact answers
 };
 
 struct MenuOptions {
-  std::uint32_t questions = 1'000;  // of each kind
+  std::uint32_t questions = 1'000;  // of each kind; fewer of pairs where they are rare in the world or take long
   std::uint64_t seed = 1;
-  std::function<bool()> cancelled;  // asked between questions; true ends with what there is
+  /// Where there are any: these instead of random ones, of this kind only, their numbers as in Query.numbers, checked.
+  QuestionKind own_kind = QuestionKind::ray;
+  std::vector<double> own_numbers = {};
+  /// The rationals ask every part of the world: so long they may take for each kind, the first question apart.
+  std::int64_t judging_ns = 2'000'000'000;
+  /// FCL is asked about pairs too, each time in a new process: for so long, the first pair of each kind apart. 0: not at all.
+  std::int64_t opinion_ns = 0;
+  std::function<bool()> cancelled = {};  // asked between questions; true ends with what there is
 };
 
 /// The price list of a world: the same random questions about a place a little larger than it, answered in every way
-/// that there is, the ways in turn question by question. Empty for an empty world.
+/// that there is, the ways in turn question by question, and judged by rationals over every part (exact_answer.hpp):
+/// an index that has lost a triangle is found out. Empty for an empty world.
 /// threads  any, for as long as it takes: some microseconds a question and method
 std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& options);
 

@@ -142,7 +142,10 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
     rows.push_back(
         {"contacts over the limit", false, "more than max_contacts touch: truncated, events tell only some", ""});
   }
-  rows.push_back({"FCL", false, "every pair offered is decided by our own exact tests", "its start and its memory"});
+  rows.push_back({"FCL", false,
+                  "every pair is decided by our own exact tests; collided-opinion, a process of its own, is started "
+                  "where FCL's opinion is asked for (pair, menu, collided --audit with --opinion fcl)",
+                  "its start and its memory"});
   return rows;
 }
 

@@ -47,22 +47,6 @@ bool is_rotation(const double* n) {
   return std::abs(norm - 1) <= kUnitNormSlack;
 }
 
-/// Whether the numbers form a valid question: finite (a length may be infinite), a direction, sizes not negative, a
-/// unit quaternion. Written so that NaN fails.
-bool is_question(QuestionKind kind, const double* n) {
-  const auto finite = [&](int from, int to) {
-    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
-  };
-  switch (kind) {
-    case QuestionKind::ray: return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
-    case QuestionKind::sphere: return finite(0, 4) && n[3] >= 0;
-    case QuestionKind::box: return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
-    case QuestionKind::near: return finite(0, 3) && n[3] >= 0;
-    case QuestionKind::sweep: return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
-    default: return false;
-  }
-}
-
 /// Marks the scenes in which every part may answer, so that no walk need test single parts.
 void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   scratch.open_scenes.clear();
@@ -247,6 +231,20 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
 }
 
 }  // namespace
+
+bool is_question(QuestionKind kind, const double* n) {
+  const auto finite = [&](int from, int to) {
+    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
+  };
+  switch (kind) {
+    case QuestionKind::ray: return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
+    case QuestionKind::sphere: return finite(0, 4) && n[3] >= 0;
+    case QuestionKind::box: return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
+    case QuestionKind::near: return finite(0, 3) && n[3] >= 0;
+    case QuestionKind::sweep: return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
+    default: return false;
+  }
+}
 
 bool may_answer(const ObjectInfo& info, const Questions& asked) {
   if ((info.filter.layers & asked.mask) == 0) return false;

@@ -62,6 +62,10 @@ struct Questions {
   const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
 };
 
+/// Whether the numbers make a question: finite (a length and a reach may be infinite), a direction, sizes not negative, a
+/// unit quaternion. Written so that NaN fails.
+bool is_question(QuestionKind kind, const double* numbers);
+
 /// Whether layers and name patterns let the object answer.
 bool may_answer(const ObjectInfo& info, const Questions& asked);
 

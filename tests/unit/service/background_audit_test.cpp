@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <future>
 
 #include "server/world/world.hpp"
@@ -99,6 +100,31 @@ TEST_F(ServiceBackgroundAudit, AnAnswerIsComparedWithItsOwnQuestion) {
   EXPECT_TRUE(has_audited(audit, 4 * 6));
   EXPECT_EQ(audit.differences(), std::vector<std::string>{});
 }
+
+#ifdef COLLIDED_OPINION_BUILT
+// Of three balls two meet an object and the third meets nothing, which FCL is not asked about. FCL sees a lie as the rationals do.
+TEST_F(ServiceBackgroundAudit, FclIsAskedTooWhereThatIsWanted) {
+  ::setenv("COLLIDED_OPINION_PROGRAM", COLLIDED_OPINION_BUILT, 1);
+  BackgroundAudit audit(
+      1, [](const std::string&) {}, true);
+  ask();
+  audit.consider(state, asked, given);
+  EXPECT_TRUE(has_audited(audit, 3));
+  EXPECT_EQ(audit.counts().opinion.agree, 2U);
+  EXPECT_EQ(audit.counts().opinion.unsupported, 1U);
+  EXPECT_EQ(audit.differences(), std::vector<std::string>{});
+  lie();
+  audit.consider(state, asked, given);
+  EXPECT_TRUE(has_audited(audit, 6));
+  EXPECT_EQ(audit.counts().opinion.differ, 1U);
+  EXPECT_EQ(audit.counts().differing, 1U) << "FCL's word is counted apart";
+  const std::vector<std::string> differences = audit.differences();
+  ASSERT_EQ(differences.size(), 2U);
+  EXPECT_NE(differences[0].find("FCL says that something is touched, answered was a miss"), std::string::npos)
+      << differences[0];
+  ::unsetenv("COLLIDED_OPINION_PROGRAM");
+}
+#endif
 
 TEST_F(ServiceBackgroundAudit, EveryDifferenceIsCountedAndTheFirst16AreTold) {
   std::vector<std::string> told;  // by the auditing thread alone, until it has ended

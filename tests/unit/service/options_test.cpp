@@ -106,6 +106,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"world.memory", "7s", [](const Options& o) { return o.memory_ns == 7'000'000'000; }},
       {"answer.error", "4mm", [](const Options& o) { return o.error_m == 4e-3; }},
       {"answer.audit", "1/7", [](const Options& o) { return o.audit_every == 7; }},
+      {"answer.opinion", "fcl", [](const Options& o) { return o.asks_fcl; }},
       {"answer.deadline", "5ms", [](const Options& o) { return o.deadline_ns == 5'000'000; }},
       {"recorder.last", "10s", [](const Options& o) { return o.flight_recorder_ns == 10'000'000'000; }},
       {"dds.domain", "13", [](const Options& o) { return o.domain == 13; }},
@@ -160,6 +161,7 @@ TEST(Options, LimitsAreThoseThatTheRefusalNames) {
       {"--deadline", {"1ns", "none"}, {"0", "-1ms"}},
       {"--error", {"0", "1um"}, {"-1um"}},
       {"--audit", {"off", "1", "1/1", "1/9"}, {"0", "2", "1/0"}},
+      {"--opinion", {"off", "fcl"}, {"bullet", ""}},
       {"--flight-recorder", {"off", "1s", "600s"}, {"999ms", "601s"}},
       {"--domain", {"0", "230"}, {"-1", "231"}},
   };

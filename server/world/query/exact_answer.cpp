@@ -1,0 +1,202 @@
+#include "server/world/query/exact_answer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "server/exact_phase/exactly.hpp"
+#include "server/geometry/float_environment.hpp"
+#include "server/world/objects/parts.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+
+namespace {
+
+/// The roundings of the comparison itself, relative: a difference that small is no finding.
+constexpr double kComparing = 0x1p-50;
+
+/// Surely farther from the line than the box reaches, with a margin of many roundings. False when in doubt.
+bool passes_by(const Ray& ray, const Aabb& box) {
+  const Vec3 middle = box.low / 2 + box.high / 2;
+  const Vec3 direction = ray.direction / ray.direction.lpNorm<Eigen::Infinity>();
+  const Vec3 away = middle - ray.origin;
+  const double radius =
+      (box.high - box.low).norm() * (0.5 + 1e-6) + 1e-9 * (away.norm() + middle.norm() + ray.origin.norm());
+  const double across = away.cross(direction).norm() / direction.norm();
+  return across > radius && std::isfinite(across) && std::isfinite(radius) && radius > 1e-100;
+}
+
+/// The least distance from a point to a box, less a margin of many roundings.
+double distance_at_least(const Vec3& point, const Aabb& box) {
+  const Vec3 outside = (box.low - point).cwiseMax(point - box.high).cwiseMax(Vec3::Zero());
+  const double distance = outside.norm() * (1 - 1e-9);
+  return std::isfinite(distance) && distance > 1e-100 ? distance : 0;
+}
+
+/// In any order of their kinds.
+Decision touches(const Primitive& asked, const Triangle& shape) { return exactly::overlaps(asked, shape); }
+Decision touches(const Primitive& asked, const Primitive& shape) { return exactly::overlaps(asked, shape); }
+
+bool truncated(const Answers& given) { return given.reasons[0] == UndecidedReason::truncated; }
+
+template <class Name>
+void keep_nearer(std::map<Name, Interval>& known, const Name& name, const Interval& at) {
+  const auto [before, is_new] = known.try_emplace(name, at);
+  if (!is_new && at.high < before->second.high) before->second = at;
+}
+
+template <class Name>
+std::optional<Interval> nearest_of(const std::map<Name, Interval>& known) {
+  if (known.empty()) return std::nullopt;
+  const auto by_distance = [](const auto& a, const auto& b) { return a.second.high < b.second.high; };
+  return std::min_element(known.begin(), known.end(), by_distance)->second;
+}
+
+}  // namespace
+
+bool may_be_equal(const Interval& a, const Interval& b) {
+  const double slack = kComparing * (std::abs(a.high) + std::abs(b.high));
+  return a.low <= b.high + slack && b.low <= a.high + slack;
+}
+
+ExactAnswer::ExactAnswer(const Snapshot& snapshot, const Questions& question, double far_m) : question_(question) {
+  const OwnFloatEnvironment own_floats;
+  const double* numbers = question.numbers.data();
+  switch (question.kind) {
+    case QuestionKind::ray: cast_ray(snapshot); break;
+    case QuestionKind::sphere: find_touched(snapshot, sphere_of(numbers)); break;
+    case QuestionKind::box: find_touched(snapshot, box_of(numbers)); break;
+    case QuestionKind::near: find_nearest(snapshot, far_m); break;
+    default: return;
+  }
+}
+
+bool ExactAnswer::allowed(const Snapshot& snapshot, ObjectId id) const {
+  return may_answer(*(*snapshot.objects)[slot_of(id)], question_);
+}
+
+void ExactAnswer::cast_ray(const Snapshot& snapshot) {
+  const Ray ray = ray_of(question_.numbers.data());
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape) {
+    if (!allowed(snapshot, object) || passes_by(ray, bounds(shape))) return;
+    RayHit hit;
+    if (exactly::cast_ray(ray, shape, hit) != Decision::yes) return;
+    keep_nearer(met_, PartName{object, triangle}, Interval(hit.distance_m, hit.distance_error_m));
+  });
+}
+
+template <class Asked>
+void ExactAnswer::find_touched(const Snapshot& snapshot, const Asked& asked) {
+  const Aabb near = bounds(asked);
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape) {
+    if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, bounds(shape))) return;
+    const Decision touching = touches(asked, shape);
+    if (touching == Decision::yes) touched_.insert(object);
+    if (touching == Decision::undecided) doubtful_.insert(object);
+  });
+}
+
+void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
+  const Vec3 point = point_of(question_.numbers.data());
+  const double reach_m = question_.numbers[3];
+  const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape) {
+    if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + 1e-9)) return;
+    if (std::isfinite(reach_m) && exactly::overlaps(Sphere{point, reach_m}, shape) != Decision::yes) return;
+    const Closest nearest = exactly::closest(point, shape);
+    const Interval at(nearest.distance_m, nearest.distance_error_m);
+    keep_nearer(distances_, object, at);
+    // Beyond the nearest so far, nothing is asked for.
+    if (is_open) far_m = std::min(far_m, at.high);
+  });
+}
+
+std::optional<Interval> ExactAnswer::first() const {
+  return question_.kind == QuestionKind::ray ? nearest_of(met_) : nearest_of(distances_);
+}
+
+bool ExactAnswer::are_touched(const std::set<ObjectId>& objects) const {
+  return std::includes(objects.begin(), objects.end(), touched_.begin(), touched_.end()) &&
+         std::all_of(objects.begin(), objects.end(),
+                     [&](ObjectId id) { return touched_.contains(id) || doubtful_.contains(id); });
+}
+
+std::string ExactAnswer::difference(const Answers& given) const {
+  switch (question_.kind) {
+    case QuestionKind::ray: return difference_of_ray(given);
+    case QuestionKind::sphere:
+    case QuestionKind::box: return difference_of_overlaps(given);
+    case QuestionKind::near: return difference_of_near(given);
+    default: return {};
+  }
+}
+
+std::string ExactAnswer::difference_of_ray(const Answers& given) const {
+  if (met_.empty() != given.hits.empty()) {
+    return fmt::format("{} parts are met, {} were answered", met_.size(), given.hits.size());
+  }
+  for (const AnswerHit& hit : given.hits) {
+    if (!met_.contains({hit.object, hit.triangle})) {
+      return fmt::format("object {} triangle {} is not met", hit.object, hit.triangle);
+    }
+  }
+  if (question_.mode == HitMode::closest && !met_.empty()) return difference_of_first(given.hits[0]);
+  if (question_.mode == HitMode::all && !truncated(given)) {
+    std::set<PartName> parts;
+    for (const AnswerHit& hit : given.hits) parts.insert({hit.object, hit.triangle});
+    if (parts.size() != met_.size())
+      return fmt::format("{} parts are met, {} were answered", met_.size(), parts.size());
+  }
+  return {};
+}
+
+std::string ExactAnswer::difference_of_first(const AnswerHit& hit) const {
+  const Interval nearest = *nearest_of(met_);
+  const Interval given(hit.distance_m, hit.error_m);
+  if (!may_be_equal(given, nearest)) {
+    return fmt::format("the first hit is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", nearest.low,
+                       nearest.high, hit.distance_m, hit.error_m);
+  }
+  const Interval own = met_.at({hit.object, hit.triangle});
+  if (may_be_equal(given, own)) return {};
+  return fmt::format("object {} triangle {} is at [{:.17g}, {:.17g}] m, answered was {:.17g} m", hit.object,
+                     hit.triangle, own.low, own.high, hit.distance_m);
+}
+
+std::string ExactAnswer::difference_of_overlaps(const Answers& given) const {
+  std::set<ObjectId> objects;
+  for (const AnswerHit& hit : given.hits) objects.insert(hit.object);
+  for (const ObjectId object : objects) {
+    if (!touched_.contains(object) && !doubtful_.contains(object))
+      return fmt::format("object {} is not touched", object);
+  }
+  if (question_.mode == HitMode::any && !objects.empty()) return {};  // one is enough
+  const bool all_given = std::includes(objects.begin(), objects.end(), touched_.begin(), touched_.end());
+  if (all_given || truncated(given)) return {};
+  return fmt::format("{} objects are touched, {} were answered", touched_.size(), objects.size());
+}
+
+std::string ExactAnswer::difference_of_near(const Answers& given) const {
+  std::vector<Interval> nearest;
+  for (const auto& [object, at] : distances_) nearest.push_back(at);
+  std::sort(nearest.begin(), nearest.end(), [](const Interval& a, const Interval& b) { return a.high < b.high; });
+  const std::size_t expected = std::min<std::size_t>(nearest.size(), question_.max_hits);
+  if (given.hits.size() != expected) {
+    return fmt::format("{} objects are in reach, {} were answered", expected, given.hits.size());
+  }
+  for (std::size_t i = 0; i < expected; ++i) {
+    const AnswerHit& hit = given.hits[i];
+    const auto own = distances_.find(hit.object);
+    const Interval at(hit.distance_m, hit.error_m);
+    if (own == distances_.end() || !may_be_equal(at, own->second) || !may_be_equal(at, nearest[i])) {
+      return fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", i,
+                         nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m);
+    }
+  }
+  return {};
+}
+
+}  // namespace collided::engine

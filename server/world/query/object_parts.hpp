@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "server/exact_phase/part.hpp"
+#include "server/world/objects/snapshot.hpp"
+
+namespace collided::engine {
+
+/// How many parts an object has.
+std::size_t part_count_of(const Snapshot& snapshot, ObjectId object);
+
+/// All parts of an object at its pose: its primitives, then its triangles in order, without an index.
+std::vector<ConvexPart> parts_of_object(const Snapshot& snapshot, ObjectId object);
+
+}  // namespace collided::engine
