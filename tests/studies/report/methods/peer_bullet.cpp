@@ -14,6 +14,7 @@
 
 namespace {
 
+using namespace collided::engine;
 using namespace collided;
 using report::PeerAnswer;
 

@@ -11,6 +11,7 @@
 
 namespace {
 
+using namespace collided::engine;
 using namespace collided;
 using report::PeerAnswer;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;

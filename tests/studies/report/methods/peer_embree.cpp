@@ -10,6 +10,7 @@
 
 namespace {
 
+using namespace collided::engine;
 using namespace collided;
 
 RTCScene scene_of(RTCDevice device, const TriangleMesh& mesh, bool robust) {
