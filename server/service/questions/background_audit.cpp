@@ -121,7 +121,7 @@ void BackgroundAudit::ask_fcl(const Item& item) {
   if (opinion.verdict != OpinionVerdict::differ) return;
   std::string numbers;
   for (const double number : item.numbers) numbers += ' ' + std::to_string(number);
-  tell(item, std::string(wire_contract::name_of(item.question.kind)) + numbers + ": FCL says " +
+  tell(item, std::string(name_of(item.question.kind)) + numbers + ": FCL says " +
                  (*opinion.touches ? "that something is touched, answered was a miss"
                                    : "that nothing is touched, answered was a hit"));
 }
