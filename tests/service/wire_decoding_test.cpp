@@ -529,7 +529,7 @@ TEST(ProbeDecoding, EveryFieldOfAReadingIsItsOwn) {
   const char* met[] = {"road", "", "#6"};
   for (std::size_t i = 0; i < 3; ++i) {
     const ProbeReading& reading = readings[i];
-    const double first = 100 + 13 * static_cast<double>(i);
+    const double first = 100 + 8 * static_cast<double>(i);
     EXPECT_EQ(reading.probe, probes[i]);
     EXPECT_EQ(reading.object, objects[i]);
     EXPECT_EQ(reading.met, met[i]);

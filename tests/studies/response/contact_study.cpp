@@ -36,8 +36,11 @@ struct Start {
   RelativeMotion truth;  // at the frame's end; dearer than most of what is compared with it
 
   Start(std::mt19937_64& random, double stiffness) {
-    const double mass_a = kRadius_m[0] * kRadius_m[0] * kRadius_m[0], mass_b = kRadius_m[1] * kRadius_m[1] * kRadius_m[1];
-    pair = {.stiffness_n_m = stiffness, .reduced_mass_kg = 1 / (1 / mass_a + 1 / mass_b), .length_m = kRadius_m[0] + kRadius_m[1]};
+    const double mass_a = kRadius_m[0] * kRadius_m[0] * kRadius_m[0],
+                 mass_b = kRadius_m[1] * kRadius_m[1] * kRadius_m[1];
+    pair = {.stiffness_n_m = stiffness,
+            .reduced_mass_kg = 1 / (1 / mass_a + 1 / mass_b),
+            .length_m = kRadius_m[0] + kRadius_m[1]};
     const double angle = uniform(random, -0.8, 0.8), speed = uniform(random, 0.5, 2);
     touch_s = uniform(random, 0.1, 0.5) * kFrame_s;
     const Vec3 line(std::cos(angle), std::sin(angle), 0);
@@ -58,12 +61,12 @@ double error_of(const SpringPair& pair, const RelativeMotion& found, const Relat
 /// The row of the starts' worst; the time is their median.
 class Worst {
  public:
-  explicit Worst(ContactRow row)
-      : row_(std::move(row)) {}
+  explicit Worst(ContactRow row) : row_(std::move(row)) {}
   void add(double error, double drift, double penetration_m, double law_m, double ns) {
     row_.error = std::max(row_.error, error);
     row_.energy_drift = std::max(row_.energy_drift, std::isfinite(drift) ? drift : INFINITY);
-    const bool is_farther = row_.law_m == 0 || std::abs(std::log(penetration_m / law_m)) > std::abs(std::log(row_.penetration_m / row_.law_m));
+    const bool is_farther = row_.law_m == 0 || std::abs(std::log(penetration_m / law_m)) >
+                                                   std::abs(std::log(row_.penetration_m / row_.law_m));
     if (is_farther || !(penetration_m > 0)) {
       row_.penetration_m = penetration_m;
       row_.law_m = law_m;
@@ -95,7 +98,8 @@ void run_integrator(Worst& worst, const Start& start, Integrator step, int steps
   const Spring spring{.stiffness_n_m = start.pair.stiffness_n_m};
   for (int at = 0; at < steps; ++at) {
     double inside = 0;  // of a contact that the closed form begins and ends in the step
-    if (step == closed_form) inside = move_on_spring(spring, start.pair.reduced_mass_kg, start.pair.length_m, motion, h).deepest_m;
+    if (step == closed_form)
+      inside = move_on_spring(spring, start.pair.reduced_mass_kg, start.pair.length_m, motion, h).deepest_m;
     else step(start.pair, motion, h);
     deepest = std::max({deepest, inside, start.pair.length_m - motion.place_m.norm()});
     drift = std::max(drift, std::abs(start.pair.energy(motion) / before - 1));
@@ -126,13 +130,15 @@ void run_spheres(Worst& worst, const Start& start, double rate_hz) {
       is_told = true;
       const double ago = now - start.touch_s;
       const double depth_m = start.pair.length_m - between().place_m.norm();
-      spheres.contact_began(0, 1, {.earliest_s = ago + 5e-7, .latest_s = std::max(0.0, ago - 5e-7), .seen_s = 0, .depth_m = depth_m});
+      spheres.contact_began(
+          0, 1, {.earliest_s = ago + 5e-7, .latest_s = std::max(0.0, ago - 5e-7), .seen_s = 0, .depth_m = depth_m});
     }
     spheres.step(frame_s);
     if (is_told) drift = std::max(drift, std::abs(start.pair.energy(between()) / before - 1));
   }
   const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begun).count() / frames;
-  worst.add(error_of(start.pair, between(), true_motion(start.pair, start.motion, frames * frame_s)), drift, spheres.ledger().penetration_m, start.law_m, ns);
+  worst.add(error_of(start.pair, between(), true_motion(start.pair, start.motion, frames * frame_s)), drift,
+            spheres.ledger().penetration_m, start.law_m, ns);
 }
 
 std::vector<Start> starts_of(const ContactStudyOptions& options, double stiffness) {
@@ -170,8 +176,9 @@ std::vector<ContactRow> contact_rows(const ContactStudyOptions& options) {
 void write_csv(std::ostream& out, const std::vector<ContactRow>& rows) {
   out << "integrator,stiffness_n_m,dt_s,error,energy_drift,penetration_m,law_m,penetration_over_law,ns\n";
   for (const ContactRow& row : rows) {
-    out << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.4g},{:.4g},{:.4f},{:.0f}\n", row.integrator, row.stiffness_n_m, row.dt_s, row.error, row.energy_drift,
-                       row.penetration_m, row.law_m, row.penetration_m / row.law_m, row.ns);
+    out << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.4g},{:.4g},{:.4f},{:.0f}\n", row.integrator, row.stiffness_n_m,
+                       row.dt_s, row.error, row.energy_drift, row.penetration_m, row.law_m,
+                       row.penetration_m / row.law_m, row.ns);
   }
 }
 
