@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "server/exact_phase/arithmetic/triple.hpp"
 #include "server/exact_phase/arithmetic/plain_range.hpp"
+#include "server/exact_phase/arithmetic/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/studies/response/event_driven.hpp"
 #include "client/response/spheres.hpp"
+#include "tests/studies/response/event_driven.hpp"
 #include "tests/studies/response/stepper.hpp"
 
 namespace collided::response {

@@ -6,10 +6,10 @@
 
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
-#include "tests/studies/bench/peers/convex_peer.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/studies/bench/peers/convex_peer.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -15,9 +15,9 @@
 #include "server/intake/polygons/triangulate.hpp"
 #include "server/intake/simplify/simplify.hpp"
 #include "server/world/objects/surface_distance.hpp"
-#include "tests/studies/bench/clock.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
 
 namespace collided::bench {
 using namespace engine;

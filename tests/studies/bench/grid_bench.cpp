@@ -10,11 +10,11 @@
 
 #include "server/broad_phase/grid/grid.hpp"
 #include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/peers/frame_peers.hpp"
-#include "tests/studies/bench/movers.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/movers.hpp"
+#include "tests/studies/bench/peers/frame_peers.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

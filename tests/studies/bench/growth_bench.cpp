@@ -12,10 +12,10 @@
 #include <random>
 #include <vector>
 
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/closest_hit.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/closest_hit.hpp"
 #ifdef COLLIDED_BENCH_EMBREE
 #include "tests/studies/bench/peers/embree_scene.hpp"
 #endif

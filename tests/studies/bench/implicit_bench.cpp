@@ -12,8 +12,8 @@
 #include "server/exact_phase/ray/implicit_ray.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/intake/readers/polynomial_text.hpp"
-#include "tests/studies/bench/clock.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/studies/bench/clock.hpp"
 
 namespace collided::bench {
 using namespace engine;

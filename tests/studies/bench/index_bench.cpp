@@ -15,10 +15,10 @@
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/intake/scene_file/scene_index.hpp"
 #include "server/world/world.hpp"
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/closest_hit.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/closest_hit.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -9,11 +9,11 @@
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
-#include "tests/studies/bench/peers/mesh_pair_peers.hpp"
-#include "tests/studies/bench/obj.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/obj.hpp"
+#include "tests/studies/bench/peers/mesh_pair_peers.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

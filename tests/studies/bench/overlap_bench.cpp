@@ -11,11 +11,11 @@
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
+#include "tests/oracle/seed.hpp"
+#include "tests/scenes/meshes.hpp"
 #include "tests/studies/bench/obj.hpp"
 #include "tests/studies/bench/peers/overlap_peers.hpp"
 #include "tests/studies/bench/rows.hpp"
-#include "tests/oracle/seed.hpp"
-#include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -16,14 +16,14 @@
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
-#include "tests/studies/bench/peers/embree_scene.hpp"
-#include "tests/studies/bench/obj.hpp"
-#include "tests/studies/bench/peers/ray_peers.hpp"
-#include "tests/studies/bench/ray_scenes.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/plain_ray.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/obj.hpp"
+#include "tests/studies/bench/peers/embree_scene.hpp"
+#include "tests/studies/bench/peers/ray_peers.hpp"
+#include "tests/studies/bench/ray_scenes.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -13,10 +13,10 @@
 
 #include "server/intake/scene.hpp"
 #include "server/world/world.hpp"
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -7,10 +7,10 @@
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/swept_object.hpp"
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/rows.hpp"
 
 namespace collided::bench {
 using namespace engine;

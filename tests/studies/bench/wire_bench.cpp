@@ -14,13 +14,14 @@
 #include <string>
 #include <thread>
 
+#include "idl/topics.hpp"
 #include "server/intake/scene.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
-#include "tests/studies/bench/rows.hpp"
-#include "tests/studies/bench/service_rays.hpp"
 #include "tests/scenes/meshes.hpp"
 #include "tests/service/child_process.hpp"
+#include "tests/studies/bench/rows.hpp"
+#include "tests/studies/bench/service_rays.hpp"
 
 namespace {
 

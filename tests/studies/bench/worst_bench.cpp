@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <random>
 
-#include "tests/studies/bench/clock.hpp"
-#include "tests/studies/bench/closest_hit.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/closest_hit.hpp"
 
 namespace collided::bench {
 using namespace engine;

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <set>
 
-#include "tests/studies/homework/method.hpp"
 #include "tests/oracle/brute_force.hpp"
+#include "tests/studies/homework/method.hpp"
 
 namespace collided::homework {
 using namespace engine;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "tests/studies/homework/method.hpp"
 #include "tests/oracle/simple_prototype.hpp"
+#include "tests/studies/homework/method.hpp"
 
 namespace collided::homework {
 using namespace engine;

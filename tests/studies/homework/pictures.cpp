@@ -10,8 +10,8 @@
 
 #include "client/cli/publish/bounce.hpp"
 #include "client/cli/publish/sphere_mesh.hpp"
-#include "tests/studies/homework/scene_picture.hpp"
 #include "tests/service/child_process.hpp"
+#include "tests/studies/homework/scene_picture.hpp"
 
 namespace {
 

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "server/geometry/aabb.hpp"
-#include "tests/studies/bench/clock.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/moeller.hpp"
+#include "tests/studies/bench/clock.hpp"
 
 namespace collided::homework {
 using namespace engine;

@@ -11,8 +11,8 @@
 #include <stdexcept>
 
 #include "tests/studies/report/figures/figures.hpp"
-#include "tests/studies/report/page/provenance.hpp"
 #include "tests/studies/report/measured/studies.hpp"
+#include "tests/studies/report/page/provenance.hpp"
 
 namespace {
 

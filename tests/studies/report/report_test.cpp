@@ -9,11 +9,11 @@
 #include "client/draw/svg.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/studies/report/page/page_check.hpp"
 #include "tests/studies/report/measured/pairs.hpp"
-#include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/page/rows.hpp"
 #include "tests/studies/report/measured/time_truth.hpp"
+#include "tests/studies/report/methods/plain.hpp"
+#include "tests/studies/report/page/page_check.hpp"
+#include "tests/studies/report/page/rows.hpp"
 
 namespace collided::report {
 using namespace engine;

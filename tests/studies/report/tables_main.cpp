@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "tests/studies/report/page/page_check.hpp"
 #include "tests/studies/report/measured/pairs.hpp"
+#include "tests/studies/report/page/page_check.hpp"
 #include "tests/studies/report/page/readme.hpp"
 
 namespace {

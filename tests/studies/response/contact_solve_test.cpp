@@ -4,9 +4,9 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "tests/oracle/seed.hpp"
 #include "tests/studies/response/contact_solve.hpp"
 #include "tests/studies/response/stepper.hpp"
-#include "tests/oracle/seed.hpp"
 
 namespace collided::response {
 namespace {

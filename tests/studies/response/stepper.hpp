@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "tests/studies/response/contact_solve.hpp"
 #include "client/response/damper.hpp"
+#include "tests/studies/response/contact_solve.hpp"
 #include "tests/studies/response/episodes.hpp"
 #include "tests/studies/response/line.hpp"
 

@@ -1,5 +1,5 @@
-#include "tests/studies/bench/peers/bullet_mesh.hpp"
 #include "tests/studies/bench/clock.hpp"
+#include "tests/studies/bench/peers/bullet_mesh.hpp"
 #include "tests/studies/bench/peers/overlap_peers.hpp"
 #include "tests/studies/bench/plain_triangle.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tests/studies/report/page/page.hpp"
 #include "tests/studies/report/measured/pairs.hpp"
+#include "tests/studies/report/page/page.hpp"
 
 namespace collided::report {
 

@@ -1,6 +1,6 @@
+#include "tests/scenes/meshes.hpp"
 #include "tests/studies/bench/obj.hpp"
 #include "tests/studies/report/measured/studies.hpp"
-#include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
 using namespace engine;

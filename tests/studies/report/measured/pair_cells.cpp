@@ -10,8 +10,8 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/studies/report/measure.hpp"
 #include "tests/studies/report/measured/pairs.hpp"
-#include "tests/studies/report/methods/plain.hpp"
 #include "tests/studies/report/measured/time_truth.hpp"
+#include "tests/studies/report/methods/plain.hpp"
 
 namespace collided::report {
 using namespace engine;

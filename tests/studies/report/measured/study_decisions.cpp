@@ -2,10 +2,10 @@
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "tests/scenes/meshes.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 #include "tests/studies/report/methods/peer_method.hpp"
 #include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/measured/studies.hpp"
-#include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
 using namespace engine;

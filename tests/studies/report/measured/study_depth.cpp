@@ -5,9 +5,9 @@
 #include "server/exact_phase/exactly.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/random_shapes.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 #include "tests/studies/report/methods/peer_method.hpp"
 #include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -5,12 +5,12 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "tests/scenes/meshes.hpp"
+#include "tests/studies/report/measured/studies.hpp"
+#include "tests/studies/report/measured/time_truth.hpp"
 #include "tests/studies/report/methods/near_walk.hpp"
 #include "tests/studies/report/methods/peer_method.hpp"
 #include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/measured/studies.hpp"
-#include "tests/studies/report/measured/time_truth.hpp"
-#include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -9,8 +9,8 @@
 #include "server/intake/scene.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -8,8 +8,8 @@
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "tests/oracle/plain_bvh.hpp"
 #include "tests/oracle/polygon_bsp.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -6,10 +6,10 @@
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/distance/closest.hpp"
 #include "server/exact_phase/exactly.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 #include "tests/studies/report/methods/near_walk.hpp"
 #include "tests/studies/report/methods/peer_method.hpp"
 #include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 
 namespace collided::report {
 using namespace engine;

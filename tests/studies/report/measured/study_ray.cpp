@@ -6,9 +6,9 @@
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/exactly.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "tests/studies/report/measured/studies.hpp"
 #include "tests/studies/report/methods/peer_method.hpp"
 #include "tests/studies/report/methods/plain.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 
 namespace collided::report {
 using namespace engine;

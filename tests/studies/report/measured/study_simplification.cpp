@@ -3,8 +3,8 @@
 #include "server/intake/simplify/simplify.hpp"
 #include "server/world/objects/surface_distance.hpp"
 #include "tests/studies/report/measured/levels.hpp"
-#include "tests/studies/report/methods/near_walk.hpp"
 #include "tests/studies/report/measured/studies.hpp"
+#include "tests/studies/report/methods/near_walk.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -2,10 +2,10 @@
 #include <random>
 
 #include "server/exact_phase/distance/closest.hpp"
-#include "tests/studies/report/measured/levels.hpp"
-#include "tests/studies/report/methods/near_walk.hpp"
-#include "tests/studies/report/measured/studies.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/studies/report/measured/levels.hpp"
+#include "tests/studies/report/measured/studies.hpp"
+#include "tests/studies/report/methods/near_walk.hpp"
 
 namespace collided::report {
 using namespace engine;

@@ -3,10 +3,10 @@
 
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "tests/oracle/random_shapes.hpp"
-#include "tests/studies/report/methods/peer_method.hpp"
-#include "tests/studies/report/methods/plain.hpp"
 #include "tests/studies/report/measured/studies.hpp"
 #include "tests/studies/report/measured/time_truth.hpp"
+#include "tests/studies/report/methods/peer_method.hpp"
+#include "tests/studies/report/methods/plain.hpp"
 
 namespace collided::report {
 using namespace engine;
