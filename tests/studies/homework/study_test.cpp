@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <unistd.h>
 
 #include "tests/studies/homework/homework_page.hpp"
+#include "tests/studies/report/page/provenance.hpp"
 
 namespace collided::homework {
 using namespace engine;
@@ -156,7 +160,37 @@ TEST(HomeworkClaims, AreTrueOrFalseAsTheExponentsSay) {
             "not decided");
 }
 
-// B20: a curve for each sweep. B22: the page says that the homework's own figures have no values.
+// B11: a figure without its machine, build, commit and seed cannot be judged.
+TEST(HomeworkPage, EveryFigureSaysWhereItComesFrom) {
+  std::vector<Point> points;
+  add_method(points, "Collided", 1, 0.2, 1, 3);
+  const report::Provenance from{.machine = "a machine", .commit = "c0ffee", .command = "homework_study", .seed = 2000};
+  const auto file =
+      std::filesystem::temp_directory_path() / ("collided_homework_" + std::to_string(::getpid()) + ".csv");
+  write_points(file, points, from);
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_TRUE(line.ends_with("seed,machine,build,commit")) << line;
+  std::size_t lines = 0;
+  while (std::getline(in, line)) {
+    ++lines;
+    EXPECT_NE(line.find("\"a machine\",\""), std::string::npos) << line;
+    EXPECT_NE(line.find("-ffp-contract=off"), std::string::npos) << "the flags of the build: " << line;
+    EXPECT_TRUE(line.ends_with(",c0ffee")) << line;
+  }
+  std::filesystem::remove(file);
+  EXPECT_EQ(lines, points.size());
+  bool has_environment = false;
+  for (const report::Figure& figure : homework_figures(points, measure_parts(1, true), from, "/nonexistent")) {
+    has_environment = has_environment || (figure.body.find("a machine") != std::string::npos &&
+                                          figure.body.find("c0ffee") != std::string::npos);
+  }
+  EXPECT_TRUE(has_environment);
+  EXPECT_NE(report::machine().find("core"), std::string::npos) << report::machine();
+}
+
+// A42: detection, determination and response are asked for apart, and each has a time. B20: a curve for each sweep. B22: the page says that the homework's own figures have no values.
 TEST(HomeworkPage, HasADrawingForEverySweepAndSaysWhatIsLost) {
   std::vector<Point> points;
   add_method(points, "Collided", 1, 0.2, 1, 3);
