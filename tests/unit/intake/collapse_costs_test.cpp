@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <string>
 
 #include "server/intake/simplify/simplify.hpp"
 #include "server/world/objects/surface_distance.hpp"
@@ -70,6 +71,8 @@ TEST(IntakeCollapseCosts, TheQuadricIsNoWorseAtEqualCount) {
       std::printf("%s, %zu triangles: quadric %.3g m, edge length %.3g m\n", scene.name, count[0], error[0], error[1]);
       EXPECT_NEAR(static_cast<double>(count[0]), static_cast<double>(count[1]), 2) << scene.name << " 1/" << divisor;
       EXPECT_LE(error[0], error[1] * 1.001 + 1e-12) << scene.name << " 1/" << divisor;
+      // On flat sides the quadric goes far for nothing; a length knows no sides.
+      EXPECT_TRUE(scene.name != std::string("box of small triangles") || 10 * error[0] < error[1]) << divisor;
     }
   }
 }
