@@ -16,7 +16,7 @@ namespace collided::census {
 using namespace engine;
 namespace {
 
-/// COLLIDED_CASES asks for more than the default run's few.
+/// U1: no error beyond its bound, of all cases. COLLIDED_CASES asks for more than the default run's few.
 int case_count() {
   const char* asked = std::getenv("COLLIDED_CASES");
   return asked != nullptr ? std::atoi(asked) : 6000;

@@ -41,6 +41,7 @@ std::uint32_t PlainBvh::leaf(const std::vector<std::uint32_t>& triangles) {
 }
 
 std::uint32_t PlainBvh::build(std::vector<std::uint32_t> triangles, int depth) {
+  depth_ = std::max(depth_, depth);
   if (triangles.size() <= kLeafTriangles || depth == kMaxDepth) return leaf(triangles);
   // Of each axis the plane with as many box ends below as above; of the three the one with the smallest larger side.
   std::size_t best = triangles.size();

@@ -25,6 +25,8 @@ class PlainBvh {
   FirstHit first_hit(const Ray& ray, PlainCost& cost) const;
 
   std::size_t references() const { return references_.size(); }
+  std::size_t nodes() const { return nodes_.size(); }
+  int depth() const { return depth_; }
   std::size_t bytes() const { return nodes_.size() * sizeof(Node) + references_.size() * sizeof(std::uint32_t); }
   std::size_t largest_leaf() const { return largest_leaf_; }
 
@@ -46,6 +48,7 @@ class PlainBvh {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> references_;
   std::size_t largest_leaf_ = 0;
+  int depth_ = 0;
 };
 
 }  // namespace collided::oracle

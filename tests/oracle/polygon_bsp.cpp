@@ -81,6 +81,7 @@ std::uint32_t PolygonBsp::add(const Plane& plane, const std::vector<std::uint32_
 
 std::uint32_t PolygonBsp::build(std::vector<std::uint32_t> triangles, int depth, std::mt19937_64& random) {
   waiting_ -= triangles.size();
+  depth_ = std::max(depth_, depth);
   const bool too_many = references_.size() + waiting_ > kMostReferences * mesh_.triangles.size();
   const Plane plane = triangles.size() <= 1 || depth == kMaxDepth || too_many ? Plane{} : choose(triangles, random);
   if (plane.normal.isZero(0)) return add({}, triangles);
@@ -97,6 +98,46 @@ std::uint32_t PolygonBsp::build(std::vector<std::uint32_t> triangles, int depth,
     nodes_[number].back = back;
   }
   return number;
+}
+
+std::vector<std::uint32_t> PolygonBsp::front_to_back(const Vec3& eye) const {
+  std::vector<std::uint32_t> order;
+  // A node stands here twice: to be opened, then, behind its nearer side, to be told.
+  std::vector<std::pair<std::uint32_t, bool>> waiting;
+  if (!nodes_.empty()) waiting.emplace_back(0, false);
+  while (!waiting.empty()) {
+    const auto [number, is_open] = waiting.back();
+    waiting.pop_back();
+    const Node& node = nodes_[number];
+    if (is_open || node.plane.normal.isZero(0)) {
+      order.push_back(number);
+      continue;
+    }
+    const bool in_front = node.plane.height(eye) >= 0;
+    const std::uint32_t nearer = in_front ? node.front : node.back, farther = in_front ? node.back : node.front;
+    if (farther != kNone) waiting.emplace_back(farther, false);
+    waiting.emplace_back(number, true);
+    if (nearer != kNone) waiting.emplace_back(nearer, false);
+  }
+  return order;
+}
+
+std::uint32_t PolygonBsp::node_of(std::uint32_t triangle, const Vec3& point) const {
+  for (std::uint32_t number = nodes_.empty() ? kNone : 0; number != kNone;) {
+    const Node& node = nodes_[number];
+    const auto own = references_.begin() + node.first_reference;
+    if (std::find(own, own + node.reference_count, triangle) != own + node.reference_count) return number;
+    const double height = node.plane.height(point);
+    if (node.plane.normal.isZero(0) || std::abs(height) <= 4 * node.plane.slack) return kNone;
+    number = height > 0 ? node.front : node.back;
+  }
+  return kNone;
+}
+
+int PolygonBsp::side_of(std::uint32_t triangle, const Vec3& point) const {
+  const Plane plane = plane_of(triangle);
+  const double height = plane.height(point);
+  return height > plane.slack ? 1 : height < -plane.slack ? -1 : 0;
 }
 
 FirstHit PolygonBsp::first_hit(const Ray& ray, PlainCost& cost) const {

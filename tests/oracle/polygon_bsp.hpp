@@ -28,12 +28,20 @@ class PolygonBsp {
   /// Front to back along the ray: the side it starts on, the plane's own triangles, the other side.
   FirstHit first_hit(const Ray& ray, PlainCost& cost) const;
 
+  /// Nodes in the order in which their cells hide each other, seen from the eye: nothing behind comes before.
+  std::vector<std::uint32_t> front_to_back(const Vec3& eye) const;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  /// The node that holds the triangle in the cell of one of its points; kNone where a plane is too near to tell the side.
+  std::uint32_t node_of(std::uint32_t triangle, const Vec3& point) const;
+  /// On which side of the triangle's plane a point is: 1 where its normal points to, -1, or 0 for too near to tell.
+  int side_of(std::uint32_t triangle, const Vec3& point) const;
+
+  std::size_t nodes() const { return nodes_.size(); }
+  int depth() const { return depth_; }
   std::size_t references() const { return references_.size(); }
   std::size_t bytes() const { return nodes_.size() * sizeof(Node) + references_.size() * sizeof(std::uint32_t); }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   /// normal . p = offset; nearer than slack counts as both sides.
   struct Plane {
     Vec3 normal = Vec3::Zero();
@@ -62,7 +70,8 @@ class PolygonBsp {
   void walk(Walk& walk, std::uint32_t node, double from, double to) const;
 
   const TriangleMesh& mesh_;
-  double reach_ = 0;         // largest coordinate
+  double reach_ = 0;  // largest coordinate
+  int depth_ = 0;
   std::size_t waiting_ = 0;  // references in cells that are still to be built
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> references_;

@@ -135,9 +135,12 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"shared meshes", c.with_mesh > c.meshes,
                   number(c.with_mesh, "objects with ") + number(c.meshes, "different meshes"),
                   c.with_mesh > c.meshes ? "" : "nothing: each mesh has its own memory and index"});
-  rows.push_back({"contact points", events_wanted && c.moving > 0,
-                  events_wanted ? "somebody subscribes to events" : "nobody subscribes to events",
-                  events_wanted ? "" : "point, normal and depth of every touching pair"});
+  const bool finds_contacts = events_wanted && c.moving > 0;
+  rows.push_back({"contact points", finds_contacts,
+                  finds_contacts  ? "somebody subscribes to events"
+                  : events_wanted ? "nothing moves"
+                                  : "nobody subscribes to events",
+                  finds_contacts ? "" : "point, normal and depth of every touching pair"});
   if (snapshot.contacts_truncated) {
     rows.push_back(
         {"contacts over the limit", false, "more than max_contacts touch: truncated, events tell only some", ""});

@@ -44,7 +44,7 @@ TriangleMesh lattice_cube(std::uint32_t cells) {
   return mesh;
 }
 
-/// From a point well inside a closed mesh: every ray meets it, whatever its direction.
+/// A37: from a point well inside a closed mesh: every ray meets it, whatever its direction.
 struct InsideRay {
   Ray ray;
   bool meets = true;

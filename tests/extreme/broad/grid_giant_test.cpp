@@ -1,4 +1,4 @@
-// One box a trillion grains wide: a grid of one cell size either floods cells with the giant or puts all dust in one.
+// A53: one box a trillion grains wide: a grid of one cell size either floods cells with the giant or puts all dust in one.
 #include <gtest/gtest.h>
 
 #include "tests/extreme/broad/candidates.hpp"

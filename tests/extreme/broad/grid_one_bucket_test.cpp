@@ -1,4 +1,4 @@
-// Rows crowded into one bucket of the grid's directory by boxes far away: a search that looks at a bucket from end to
+// A55: rows crowded into one bucket of the grid's directory by boxes far away: a search that looks at a bucket from end to
 // end takes the square of the rows, and one that stops at a foreign row loses boxes.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Boxes with parallel edges make nine of the fifteen separating axes zero; FCL's signed distance aborts the process on
+// U2: boxes with parallel edges make nine of the fifteen separating axes zero; FCL's signed distance aborts the process on
 // such pairs.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Boxes turned by a hair: edges are parallel but for 2^-30, their cross product is rounding noise, and FCL's box test
+// U2: boxes turned by a hair: edges are parallel but for 2^-30, their cross product is rounding noise, and FCL's box test
 // takes the noise for a separating axis or dies of an assertion.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Needles of aspect a million against each other and against balls: their normals are three digits of cancellation, and
+// U2: needles of aspect a million against each other and against balls: their normals are three digits of cancellation, and
 // FCL is wrong about one needle pair in seven.
 #include <gtest/gtest.h>
 

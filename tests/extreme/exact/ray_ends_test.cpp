@@ -22,6 +22,7 @@ void expect_end_at_seven(const auto& shape) {
   }
 }
 
+// A19: both ends count, whatever the direction's length.
 TEST(ExtremeRayEnds, TheLengthIsExactInEveryShape) {
   expect_end_at_seven(Triangle{{0, 0, 6}, {8, 0, 6}, {0, 8, 6}});
   expect_end_at_seven(Sphere{{4, 6, 12}, 7});

@@ -1,4 +1,4 @@
-// A ray that starts in the plane of a box's face and runs along it makes slab tests compute 0 times infinity, a NaN
+// A32: a ray that starts in the plane of a box's face and runs along it makes slab tests compute 0 times infinity, a NaN
 // that minimum and maximum then drop.
 #include <gtest/gtest.h>
 

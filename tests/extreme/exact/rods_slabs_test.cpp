@@ -1,4 +1,4 @@
-// Rods of 1 : 10,000 and sheets of a micrometre: the iteration of a general solver converges along the long axis and
+// U2: rods of 1 : 10,000 and sheets of a micrometre: the iteration of a general solver converges along the long axis and
 // never sees the short one; FCL is 12 % off on such rods.
 #include <gtest/gtest.h>
 

@@ -14,6 +14,7 @@ using extreme::up;
 const std::pair<Vec3, double> kQuadruples[] = {{{1, 2, 2}, 3}, {{2, 3, 6}, 7}, {{3, 4, 0}, 5},
                                                {{4, 4, 7}, 9}, {{1, 4, 8}, 9}, {{2, 10, 11}, 15}};
 
+// A39: touching overlaps, and squares are compared without rounding.
 TEST(ExtremeTouchingSpheres, OneStepPartsThem) {
   for (const auto& [step, length] : kQuadruples) {
     for (int power = -900; power <= 900; power += 100) {

@@ -48,6 +48,7 @@ const Malformed kMalformed[] = {
     {"a reach of NaN", QuestionKind::near, {0, 0, 0, kNaN}},
 };
 
+// A19: a direction that is zero or not finite is none.
 TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
   extreme::Stage stage;
   stage.ball("ball", {0, 0, 0}, 1);

@@ -1,4 +1,4 @@
-// Problem A of the homework over the real service: a publisher moves spheres of polygons in a cube, the server says who
+// B10: problem A of the homework over the real service: a publisher moves spheres of polygons in a cube, the server says who
 // touches whom, both turn round once a contact. Two pictures of it, from the server's own events.
 //   homework_pictures --out DIR --server PROGRAM [--seed N] [--spheres N]
 #include <fmt/format.h>

@@ -25,34 +25,6 @@ double size_for(double objects) {
   return objects <= kDenseObjects ? kHomeworkSize : kHomeworkSize * std::cbrt(kDenseObjects / objects);
 }
 
-std::vector<double> places_of(Sweep sweep, bool quick) {
-  switch (sweep) {
-    case Sweep::objects:
-      if (quick) return {2, 10, 50};
-      return {1, 2, 5, 10, 20, 30, 40, 50, 100, 300, 1'000, 3'000, 10'000, 30'000, 100'000};
-    case Sweep::polygons:
-      if (quick) return {16, 64, 256};
-      return {16, 64, 256, 1'024, 4'096, 16'384, 100'000};
-    case Sweep::size: break;
-  }
-  if (quick) return {0.05, 0.2, 0.5};
-  return {0.05, 0.075, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5};
-}
-
-Problem problem_at(Sweep sweep, double x, std::uint64_t seed, bool quick) {
-  Problem problem;
-  problem.seed = seed;
-  if (sweep == Sweep::objects) {
-    problem.objects = static_cast<std::size_t>(x);
-    problem.relative_size = size_for(x);
-  }
-  if (sweep == Sweep::polygons) problem.polygons = static_cast<std::size_t>(x);
-  if (sweep == Sweep::size) problem.relative_size = x;
-  // Contacts of few spheres are rare: many frames tell how rare.
-  if (!quick && problem.objects <= 1'000) problem.frames = problem.objects <= 50 ? 192 : 48;
-  return problem;
-}
-
 double quantile(const std::vector<double>& sorted, double share) {
   const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
   return sorted[at];
@@ -170,6 +142,34 @@ class Study {
 };
 
 }  // namespace
+
+std::vector<double> places_of(Sweep sweep, bool quick) {
+  switch (sweep) {
+    case Sweep::objects:
+      if (quick) return {2, 10, 50};
+      return {1, 2, 5, 10, 20, 30, 40, 50, 100, 300, 1'000, 3'000, 10'000, 30'000, 100'000};
+    case Sweep::polygons:
+      if (quick) return {16, 64, 256};
+      return {16, 64, 256, 1'024, 4'096, 16'384, 100'000};
+    case Sweep::size: break;
+  }
+  if (quick) return {0.05, 0.2, 0.5};
+  return {0.05, 0.075, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5};
+}
+
+Problem problem_at(Sweep sweep, double x, std::uint64_t seed, bool quick) {
+  Problem problem;
+  problem.seed = seed;
+  if (sweep == Sweep::objects) {
+    problem.objects = static_cast<std::size_t>(x);
+    problem.relative_size = size_for(x);
+  }
+  if (sweep == Sweep::polygons) problem.polygons = static_cast<std::size_t>(x);
+  if (sweep == Sweep::size) problem.relative_size = x;
+  // Contacts of few spheres are rare: many frames tell how rare.
+  if (!quick && problem.objects <= 1'000) problem.frames = problem.objects <= 50 ? 192 : 48;
+  return problem;
+}
 
 const char* name(Sweep sweep) {
   static constexpr const char* kNames[] = {"objects", "polygons", "size"};

@@ -38,6 +38,10 @@ struct Point {
   std::size_t first_wrong = 0;  // the same of the first method
 };
 
+/// Where a sweep measures, and what at each place.
+std::vector<double> places_of(Sweep sweep, bool quick);
+Problem problem_at(Sweep sweep, double x, std::uint64_t seed, bool quick);
+
 /// All three sweeps: 1 to 50 objects and on to 100,000 with the density of 50; polygons; relative size.
 /// A method whose frame takes too long is left out of the rest of its sweep.
 std::vector<Point> run_study(const StudyOptions& options);

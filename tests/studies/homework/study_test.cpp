@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <unistd.h>
 
 #include "tests/studies/homework/homework_page.hpp"
+#include "tests/studies/report/page/provenance.hpp"
 
 namespace collided::homework {
 using namespace engine;
@@ -43,7 +48,42 @@ TEST(HomeworkRecording, IsTheSameForTheSameSeed) {
   EXPECT_TRUE(differs);
 }
 
-// B20: every pair that one method has and another has not is somebody's error, and never ours.
+void expect_from_to(const std::vector<double>& places, double first, double last) {
+  ASSERT_GE(places.size(), 7u);
+  EXPECT_EQ(places.front(), first);
+  EXPECT_EQ(places.back(), last);
+  EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
+}
+
+// B12, B13, B14: the ranges of the homework, 1 to 50 objects among them, and on to 100,000; what is not swept stands at
+// 20 objects of 256 polygons and a relative size of 0.2. Times, repeats and pairs: the next test.
+TEST(HomeworkStudy, SweepsTheRangesOfTheHomework) {
+  expect_from_to(places_of(Sweep::objects, false), 1, 100'000);
+  expect_from_to(places_of(Sweep::polygons, false), 16, 100'000);
+  expect_from_to(places_of(Sweep::size, false), 0.05, 0.5);
+  const std::vector<double> objects = places_of(Sweep::objects, false);
+  EXPECT_GE(std::count_if(objects.begin(), objects.end(), [](double x) { return x <= 50; }), 7);
+  for (const double x : objects) {
+    const Problem problem = problem_at(Sweep::objects, x, 1, false);
+    EXPECT_EQ(problem.objects, static_cast<std::size_t>(x));
+    EXPECT_EQ(problem.polygons, 256u);
+    EXPECT_TRUE(x > 50 || problem.relative_size == 0.2);
+  }
+  for (const double x : places_of(Sweep::polygons, false)) {
+    const Problem problem = problem_at(Sweep::polygons, x, 1, false);
+    EXPECT_EQ(problem.polygons, static_cast<std::size_t>(x));
+    EXPECT_EQ(problem.objects, 20u);
+    EXPECT_EQ(problem.relative_size, 0.2);
+  }
+  for (const double x : places_of(Sweep::size, false)) {
+    const Problem problem = problem_at(Sweep::size, x, 1, false);
+    EXPECT_EQ(problem.relative_size, x);
+    EXPECT_EQ(problem.objects, 20u);
+    EXPECT_EQ(problem.polygons, 256u);
+  }
+}
+
+// B12, B13, B14, B20: every pair that one method has and another has not is somebody's error, and never ours.
 TEST(HomeworkStudy, ShortFormFindsTheSamePairsByEveryMethod) {
   const std::vector<Point> points =
       run_study({.seed = 2000, .quick = true, .methods = {collided_world, collided_polygons, simple_prototype}});
@@ -120,6 +160,37 @@ TEST(HomeworkClaims, AreTrueOrFalseAsTheExponentsSay) {
             "not decided");
 }
 
+// B11: a figure without its machine, build, commit and seed cannot be judged.
+TEST(HomeworkPage, EveryFigureSaysWhereItComesFrom) {
+  std::vector<Point> points;
+  add_method(points, "Collided", 1, 0.2, 1, 3);
+  const report::Provenance from{.machine = "a machine", .commit = "c0ffee", .command = "homework_study", .seed = 2000};
+  const auto file =
+      std::filesystem::temp_directory_path() / ("collided_homework_" + std::to_string(::getpid()) + ".csv");
+  write_points(file, points, from);
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_TRUE(line.ends_with("seed,machine,build,commit")) << line;
+  std::size_t lines = 0;
+  while (std::getline(in, line)) {
+    ++lines;
+    EXPECT_NE(line.find("\"a machine\",\""), std::string::npos) << line;
+    EXPECT_NE(line.find("-ffp-contract=off"), std::string::npos) << "the flags of the build: " << line;
+    EXPECT_TRUE(line.ends_with(",c0ffee")) << line;
+  }
+  std::filesystem::remove(file);
+  EXPECT_EQ(lines, points.size());
+  bool has_environment = false;
+  for (const report::Figure& figure : homework_figures(points, measure_parts(1, true), from, "/nonexistent")) {
+    has_environment = has_environment || (figure.body.find("a machine") != std::string::npos &&
+                                          figure.body.find("c0ffee") != std::string::npos);
+  }
+  EXPECT_TRUE(has_environment);
+  EXPECT_NE(report::machine().find("core"), std::string::npos) << report::machine();
+}
+
+// A42: detection, determination and response are asked for apart, and each has a time. B20: a curve for each sweep. B22: the page says that the homework's own figures have no values.
 TEST(HomeworkPage, HasADrawingForEverySweepAndSaysWhatIsLost) {
   std::vector<Point> points;
   add_method(points, "Collided", 1, 0.2, 1, 3);

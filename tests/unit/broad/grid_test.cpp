@@ -141,6 +141,7 @@ void expect_right(const std::vector<Aabb>& boxes, double extent, std::mt19937_64
   }
 }
 
+// A53: pairs as brute force has them, each once. A giant over all cells: AGiantAmongDustCostsAlmostNothing.
 TEST(BroadGrid, EqualsBruteForceOnBoxesOfOneSize) {
   std::mt19937_64 random = oracle::seeded(20240607);
   std::vector<Aabb> boxes;
@@ -198,6 +199,7 @@ TEST(BroadGrid, ObjectsOnCellBordersAreFoundOnce) {
   expect_right(boxes, 4, random);
 }
 
+// A55
 TEST(BroadGrid, CoordinatesFarOutLoseNothing) {
   std::mt19937_64 random = oracle::seeded(20240621);
   for (const double far : {1e6, 1e9, 1e12, 1e15, 1e100, 1e300}) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
@@ -126,6 +127,46 @@ TEST(SweepAndPrune, SwapsLittleWhereLittleMovesAndSortsAnewAfterATeleport) {
   }
   sweep.update(boxes);
   EXPECT_TRUE(sweep.report().is_sorted_anew);
+}
+
+// A52: in coherent motion along a street the swaps of a frame grow as the objects, not as a sort; after a teleport as many
+// are sorted anew. Counts, so that no clock decides; the boxes are those of spheres.
+TEST(SweepAndPrune, SwapsGrowLinearlyWithTheObjects) {
+  std::mt19937_64 random = oracle::seeded(20261125);
+  std::vector<double> swaps_each;
+  for (const std::size_t count : {1'000, 4'000, 16'000, 64'000}) {
+    std::vector<Sphere> spheres;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 place = in_cube(random);
+      spheres.push_back({{0.5 * static_cast<double>(count) * place[0], place[1], place[2]}, 0.2});
+    }
+    SweepAndPrune sweep;
+    const auto update = [&](double motion_m) {
+      std::vector<Aabb> boxes;
+      for (Sphere& sphere : spheres) {
+        sphere.center += motion_m * in_cube(random);
+        boxes.push_back(bounds(sphere));
+      }
+      sweep.update(boxes);
+    };
+    update(0);
+    std::uint64_t swaps = 0;
+    for (int frame = 0; frame < 10; ++frame) {
+      update(0.2);
+      EXPECT_FALSE(sweep.report().is_sorted_anew);
+      swaps += sweep.report().swaps;
+    }
+    swaps_each.push_back(static_cast<double>(swaps) / 10 / static_cast<double>(count));
+    update(static_cast<double>(count));
+    std::printf("%zu objects: %.3f swaps each a frame, beside %.1f comparisons of a whole sort; teleported: %s\n",
+                count, swaps_each.back(), std::log2(static_cast<double>(count)),
+                sweep.report().is_sorted_anew ? "sorted anew" : "by swaps");
+    EXPECT_TRUE(sweep.report().is_sorted_anew);
+  }
+  for (const double each : swaps_each) {
+    EXPECT_GT(each, 0.7 * swaps_each.front());
+    EXPECT_LT(each, 1.4 * swaps_each.front());
+  }
 }
 
 }  // namespace

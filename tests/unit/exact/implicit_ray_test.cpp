@@ -232,6 +232,7 @@ Vec3 any_point(std::mt19937_64& generator, double reach) {
 
 class ExactImplicitRay : public testing::TestWithParam<int> {};
 
+// A20: the bracket of a ray's hit on a surface f(p) = 0 of the user's holds the root by rationals.
 TEST_P(ExactImplicitRay, RandomPolynomialsAreMetAsByRationals) {
   std::mt19937_64 generator = oracle::seeded(2000 + static_cast<unsigned>(GetParam()));
   std::uniform_real_distribution<double> any(-1, 1);

@@ -1,4 +1,4 @@
-// The implicit sphere f(p) = |p - c|^2 - r^2: whether f <= 0 is a point's overlap with the ball, and equals the sign of
+// A20: the implicit sphere f(p) = |p - c|^2 - r^2: whether f <= 0 is a point's overlap with the ball, and equals the sign of
 // f by rationals for every point, those within an ulp of the surface and those exactly on it included.
 #include <gmpxx.h>
 #include <gtest/gtest.h>

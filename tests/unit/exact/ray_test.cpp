@@ -62,6 +62,7 @@ TEST(ExactRayTriangle, InThePlaneTheBorderIsMetFirst) {
   EXPECT_FALSE(cast_ray({{-1, 1, 1e-300}, {1, 0, 0}}, kFloor, hit).yes());
 }
 
+// A36
 TEST(ExactRayTriangle, WeightsSumToOneAndPlaceThePoint) {
   const Triangle t{{0.1, 0.2, 0.3}, {4.7, -0.3, 0.9}, {-0.4, 3.9, -1.1}};
   for (const double s : {0.1, 0.3, 0.7}) {

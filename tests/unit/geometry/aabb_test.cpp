@@ -107,6 +107,34 @@ TEST(GeometryLength, LengthsFromTheLeastToTheGreatestAreRight) {
   }
 }
 
+// A40: two boxes overlap where no axis parts them, touching included; an empty one overlaps nothing. On a lattice, against
+// the points that both hold.
+TEST(GeometryAabb, BoxesOverlapWhereTheyShareALatticePoint) {
+  std::mt19937_64 random = oracle::seeded(40);
+  const auto corner = [&] { return static_cast<int>(random() % 6); };
+  int yes = 0, touching = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    Aabb a, b;
+    bool shared = true;
+    bool touches = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int a_low = corner(), a_high = corner(), b_low = corner(), b_high = corner();
+      a.low[axis] = a_low, a.high[axis] = a_high, b.low[axis] = b_low, b.high[axis] = b_high;
+      int common = 0;
+      for (int x = 0; x < 6; ++x) common += a_low <= x && x <= a_high && b_low <= x && x <= b_high ? 1 : 0;
+      shared = shared && common > 0;
+      touches = touches || common == 1;
+    }
+    ASSERT_EQ(overlaps(a, b) && !a.empty() && !b.empty(), shared) << i;
+    ASSERT_EQ(overlaps(a, b), overlaps(b, a)) << i;
+    yes += shared ? 1 : 0;
+    touching += shared && touches ? 1 : 0;
+  }
+  EXPECT_GT(yes, 1'000);
+  EXPECT_GT(touching, 1'000);
+  EXPECT_FALSE(overlaps(Aabb{}, Aabb{Vec3::Zero(), Vec3::Ones()}));
+}
+
 TEST(GeometryAabb, GrowingEmptyStaysEmpty) {
   EXPECT_TRUE(grown(Aabb{}, 1).empty());
   const Aabb box = grown(bounds(Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), 0.5);

@@ -7,7 +7,7 @@
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"
 
-// Who asks for less gets it cheaper, never worse than asked, and every yes and no stays what it was.
+// U1: who asks for less gets it cheaper, never worse than asked, and every yes and no stays what it was.
 namespace collided::engine {
 namespace {
 
