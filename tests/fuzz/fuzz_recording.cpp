@@ -2,7 +2,7 @@
 #include "idl/mcap/writer.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 // A recording from anywhere. What cannot be replayed is refused with a sentence; what can keeps to its own bytes.
 

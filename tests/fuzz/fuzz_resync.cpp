@@ -4,7 +4,7 @@
 
 #include "client/library/watching/watch_state.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
-#include "tests/service/watch_model.hpp"
+#include "tests/service/wire/watch_model.hpp"
 
 // A server that does what the bytes say, two a turn, with a line between that loses, delays, repeats and reorders as they
 // say. What is told alternates at any time; and once the line is good again, what was told is what holds.

@@ -8,7 +8,7 @@
 #include "client/library/watching/watch_decoding.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 // What a server, or whoever speaks like one, may send to a client: replies, and everything that a watch hears. Nothing of it
 // makes a watch tell of an end without a beginning.

@@ -8,7 +8,7 @@
 #include "server/world/query/query.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 // What publishers and askers, or whoever speaks like one, may send to a server: definitions, poses and questions in any
 // order, steps between. The world goes on; every question is refused with a reason or answered.

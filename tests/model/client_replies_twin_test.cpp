@@ -6,7 +6,7 @@
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 // Replies in pieces, twice, out of turn, with holes and from other states of the world, beside a plain table of answers.
 namespace collided {

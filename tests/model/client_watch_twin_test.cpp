@@ -5,7 +5,7 @@
 
 #include "client/library/watching/watch_state.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/service/watch_model.hpp"
+#include "tests/service/wire/watch_model.hpp"
 
 // One WatchState against peers that repeat, reorder, lose, restart and talk across each other, beside a plain log of all that
 // the current life of the current server ever said.

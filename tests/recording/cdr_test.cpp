@@ -9,7 +9,7 @@
 #include "idl/cdr.hpp"
 #include "idl/wire_fields.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/service/wire_network.hpp"
+#include "tests/service/wire/network.hpp"
 
 namespace collided {
 namespace {

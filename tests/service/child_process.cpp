@@ -99,7 +99,7 @@ std::string ScratchFolder::write(const std::string& name, const std::string& tex
 }
 
 int own_domain() {
-  // 1 to 100 are those of tests/service/wire_network.hpp, above 200 the scripts'.
+  // 1 to 100 are those of tests/service/wire/network.hpp, above 200 the scripts'.
   constexpr int kFirst = 101;
   constexpr int kCount = 100;
   static const int domain = [] {

@@ -9,7 +9,7 @@
 #include "idl/mcap/reader.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/server_fixture.hpp"
-#include "tests/service/wire_network.hpp"
+#include "tests/service/wire/network.hpp"
 
 namespace collided {
 namespace {

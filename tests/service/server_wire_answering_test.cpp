@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "server/service/questions/answering.hpp"
-#include "tests/service/wire_network.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/network.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::engine::service {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "idl/dds.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::testing_support {
 

@@ -5,7 +5,7 @@
 
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided {
 namespace {

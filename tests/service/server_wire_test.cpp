@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::engine {
 namespace {

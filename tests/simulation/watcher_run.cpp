@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/library/watching/watch_decoding.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 #include "tests/simulation/record.hpp"
 #include "tests/simulation/simulated_watcher.hpp"
 

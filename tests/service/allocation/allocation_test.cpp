@@ -12,8 +12,8 @@
 #include "server/service/ingest/publishers.hpp"
 #include "server/service/questions/answering.hpp"
 #include "tests/service/allocation/counting.hpp"
-#include "tests/service/wire_network.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/network.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::engine::service {
 namespace {

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "collided/client.hpp"
-#include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire/fake_server.hpp"
 
 namespace {
 

@@ -29,7 +29,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::testing_support {
 using namespace engine;

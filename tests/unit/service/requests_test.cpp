@@ -14,7 +14,7 @@
 #include "server/service/questions/reply_columns.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 #include "server/service/questions/write_barriers.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::engine::service {
 namespace {

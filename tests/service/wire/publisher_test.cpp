@@ -5,7 +5,7 @@
 
 #include "client/library/publishing/published_objects.hpp"
 #include "collided/client.hpp"
-#include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire/fake_server.hpp"
 
 namespace collided {
 namespace {

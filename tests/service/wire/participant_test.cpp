@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "client/library/connection/shared_participant.hpp"
-#include "tests/service/wire_network.hpp"
+#include "tests/service/wire/network.hpp"
 
 namespace collided::client {
 namespace {

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "client/library/connection/server_pulse.hpp"
-#include "tests/service/wire_network.hpp"
+#include "tests/service/wire/network.hpp"
 
 namespace collided {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/service/wire_network.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/network.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided {
 namespace {

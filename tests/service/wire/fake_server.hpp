@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "idl/dds.hpp"
-#include "tests/service/wire_network.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/network.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided::test {
 

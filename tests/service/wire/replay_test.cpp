@@ -9,8 +9,8 @@
 #include "idl/cdr.hpp"
 #include "idl/mcap/writer.hpp"
 #include "idl/recording/recorded_topics.hpp"
-#include "tests/service/wire_fake_server.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/fake_server.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "collided/client.hpp"
 #include "idl/geometry_generated.h"
-#include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire/fake_server.hpp"
 
 namespace collided {
 namespace {

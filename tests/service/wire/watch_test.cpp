@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "collided/client.hpp"
-#include "tests/service/wire_fake_server.hpp"
-#include "tests/service/wire_rows.hpp"
+#include "tests/service/wire/fake_server.hpp"
+#include "tests/service/wire/rows.hpp"
 
 namespace collided {
 namespace {

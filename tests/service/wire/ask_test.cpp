@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "collided/client.hpp"
-#include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire/fake_server.hpp"
 
 namespace collided {
 namespace {

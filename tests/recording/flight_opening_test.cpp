@@ -1,0 +1,317 @@
+// The state that a flight recording opens with.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "idl/mcap/reader.hpp"
+#include "server/service/recording/flight_recorder.hpp"
+#include "tests/oracle/seed.hpp"
+#include "tests/recording/flight_samples.hpp"
+#include "tests/service/wire/rows.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+struct Written {
+  std::map<std::uint32_t, std::uint64_t> objects;  // sequence by number
+  std::map<std::uint32_t, double> x;               // of the newest pose
+  std::vector<std::string> commands;
+  std::uint64_t newest = 0;
+};
+Written written(const FlightOpening& opening) {
+  Written all;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::Definition> definition;
+    dds::Sample<wire::PoseBatch> poses;
+    dds::Sample<wire::Query> query;
+    if (topic == Recorded::object && wire::read_cdr(data, definition))
+      all.objects[definition->object_number] = definition->sequence_number;
+    if (topic == Recorded::pose && wire::read_cdr(data, poses)) {
+      all.newest = poses->sequence_number;
+      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i)
+        all.x[poses->object_numbers._buffer[i]] = poses->positions._buffer[3 * i];
+    }
+    if (topic == Recorded::query && wire::read_cdr(data, query)) all.commands.emplace_back(query->text);
+  });
+  return all;
+}
+
+TEST(FlightOpening, IsTheNewestOfEachObjectWhateverTheOrder) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 2));
+  opening.fold(*definition(7, 2, 3));
+  opening.fold(*batch(7, 5, 3, 5));
+  opening.fold(*batch(7, 4, 3, 4));  // late
+  opening.fold(*definition(7, 1, 6, true));
+  opening.fold(*batch(7, 7, 2, 7));
+  const Written all = written(opening);
+  EXPECT_EQ(all.objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {2, 3}}));
+  EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 7}, {2, 5}}));
+  EXPECT_EQ(all.newest, 7U);
+}
+
+// Definitions and poses are on topics of their own, either may overtake the other.
+TEST(FlightOpening, APoseMayComeBeforeItsObject) {
+  FlightOpening opening;
+  opening.fold(*batch(7, 2, 2, 4));
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 3));  // anew, after the pose
+  const Written all = written(opening);
+  EXPECT_EQ(all.objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {1, 3}}));
+  EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 4}}));
+}
+
+// A sample of each topic with one number: the server takes the pose, so it is in the state that the file begins with.
+TEST(FlightOpening, APoseWithTheNumberOfItsDefinitionIsOfIt) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 5));
+  opening.fold(*batch(7, 5, 1, 9));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}}));
+  opening.fold(*definition(7, 0, 5));  // sent again
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{0, 5}}));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}}));
+  opening.fold(*batch(7, 4, 1, 8));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}})) << "late";
+}
+
+// Whoever replays it must know which definitions the poses are of, and when they were.
+TEST(FlightOpening, ItsPosesSayWhatTheyAreOf) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 3));
+  for (const std::uint64_t sequence : {4, 2}) {  // the older one late
+    dds::Sample<wire::PoseBatch> poses = batch(7, sequence, 1, 0.5);
+    poses->source_time_ns = static_cast<std::int64_t>(100 * sequence);
+    opening.fold(*poses);
+  }
+  dds::Sample<wire::PoseBatch> told;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    if (topic != Recorded::pose) return;
+    ASSERT_TRUE(wire::read_cdr(data, told));
+  });
+  EXPECT_EQ(told->publisher, 7U);
+  EXPECT_EQ(told->incarnation, 1U);
+  EXPECT_EQ(told->sequence_number, 4U);
+  EXPECT_EQ(told->definitions_through, 3U);
+  EXPECT_EQ(told->source_time_ns, 400);
+  EXPECT_EQ(told->flags, wire_contract::kTeleported);
+}
+
+TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 9));
+  dds::Sample<wire::Definition> next = definition(7, 1, 1);
+  next->incarnation = 2;
+  opening.fold(*next);
+  opening.fold(*definition(7, 3, 10));  // of the old life
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 1}}));
+}
+
+void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wire_contract::PublisherState>>& listed) {
+  std::vector<std::uint64_t> publishers;
+  std::vector<std::uint8_t> states;
+  for (const auto& [publisher, state] : listed)
+    publishers.push_back(publisher), states.push_back(static_cast<std::uint8_t>(state));
+  dds::Sample<wire::Status> status;
+  dds::borrow(status->publishers, publishers);
+  dds::borrow(status->publisher_states, states);
+  opening.fold(*status);
+  dds::borrow(status->publishers, std::span<const std::uint64_t>());
+  dds::borrow(status->publisher_states, std::span<const std::uint8_t>());
+}
+
+/// Asks and lets the server say what it did.
+void ask(FlightOpening& opening, const std::string& text, const std::string& answer = "{}",
+         wire_contract::ReplyStatus status = wire_contract::ReplyStatus::ok) {
+  static std::uint64_t request = 0;
+  opening.fold(*command(text, ++request));
+  dds::Sample<wire::Reply> reply;
+  reply->client = 5;
+  reply->request = request;
+  reply->chunk_count = 1;
+  reply->status = static_cast<std::uint8_t>(status);
+  const std::vector<std::uint8_t> bytes(answer.begin(), answer.end());
+  dds::borrow(reply->text, bytes);
+  opening.fold(*reply);
+  dds::borrow(reply->text, std::span<const std::uint8_t>());
+}
+
+using wire_contract::PublisherState;
+
+TEST(FlightOpening, ALostPublishersObjectsGoAsItWishedAndComeBackWithIt) {
+  FlightOpening opening;
+  dds::Sample<wire::Definition> kept = definition(7, 1, 2);
+  kept->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*kept);
+  tell(opening, {{7, PublisherState::lost}});
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 2}}));
+  tell(opening, {{7, PublisherState::alive}});
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {1, 2}}));
+}
+
+// A thousand publishers have room; those that came and went do not take it from the next.
+TEST(FlightOpening, PublishersThatTheServerForgotAreForgotten) {
+  FlightOpening opening;
+  for (std::uint64_t publisher = 1; publisher <= 3'000; ++publisher) {
+    tell(opening, {});
+    opening.fold(*definition(publisher, 0, 1));
+    opening.fold(*batch(publisher, 2, 1, 5));
+    tell(opening, {});  // on its way: not listed yet
+    EXPECT_EQ(written(opening).objects.size(), 1U);
+    tell(opening, {{publisher, PublisherState::alive}});
+    EXPECT_EQ(written(opening).x.at(0), 5);
+    tell(opening, {});
+    EXPECT_TRUE(written(opening).objects.empty());
+  }
+  EXPECT_EQ(opening.left_out(), 0U);
+}
+
+TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
+  FlightOpening opening;
+  for (int i = 0; i < 10; ++i) {
+    ask(opening, R"({"command":"add","name":"crate"})");
+    ask(opening, R"({"command":"move","name":"crate","pose":[1]})");
+    ask(opening, R"({"command":"move","name":"crate","pose":[2]})");
+    ask(opening, R"({"command":"list"})");
+    if (i < 9)
+      ask(opening, i % 2 == 0 ? R"({"command":"remove","name":"crate"})" : R"({"command":"remove","name":"c*"})",
+          R"({"removed":["crate"]})");
+  }
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})",
+                                                                 R"({"command":"move","name":"crate","pose":[2]})"}));
+  for (int i = 0; i < 10; ++i) {
+    ask(opening, R"({"command":"load","path":"/a/plate.obj"})", R"({"scene":"plate"})");
+    ask(opening, R"({"command":"clear","scene":"plate"})");
+    ask(opening, R"({"command":"probe","name":"ear","object":"crate"})");
+    ask(opening, R"({"command":"probe","name":"e*","remove":true})", R"({"probes":["ear"]})");
+  }
+  EXPECT_EQ(written(opening).commands.size(), 2U);
+  ask(opening, R"({"command":"clear"})");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"}))
+      << "the scenes of the start are gone too";
+}
+
+TEST(FlightOpening, WhatWasRefusedChangedNothing) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","name":"*"})", "a living publisher has one", wire_contract::ReplyStatus::refused);
+  ask(opening, R"({"command":"load","path":"/nowhere.obj"})", "no such file", wire_contract::ReplyStatus::refused);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})"}));
+}
+
+// What the server carried out is taken as it stands, whatever its text; one that cannot be read says nothing of objects.
+TEST(FlightOpening, ACommandWhoseTextIsNoJsonIsSurvived) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","na)", R"({"removed":["crate"]})");
+  ask(opening, R"({"command":"remove","name":"crate"})", R"({"removed":["cra)");
+  ask(opening, R"({"command":"add","name":"ball"})");
+  const std::vector<std::string> commands = written(opening).commands;
+  ASSERT_FALSE(commands.empty());
+  EXPECT_EQ(commands.back(), R"({"command":"add","name":"ball"})");
+}
+
+TEST(FlightOpening, WhatIsNoNameAmongTheRemovedIsPassedOver) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","name":"*"})", R"({"removed":[1,null,"crate",{"name":"ball"},"door"]})");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"remove","name":"door"})"}));
+}
+
+TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {
+  FlightOpening opening;
+  for (int i = 0; i < 3; ++i) {
+    ask(opening, R"({"command":"load","path":"/a/hall.obj","replace":true})", R"({"scene":"hall"})");
+    ask(opening, R"({"command":"remove","name":"door?"})", R"({"removed":["door1","door2"]})");
+  }
+  EXPECT_EQ(
+      written(opening).commands,
+      (std::vector<std::string>{R"({"command":"load","path":"/a/hall.obj","replace":true})",
+                                R"({"command":"remove","name":"door1"})", R"({"command":"remove","name":"door2"})"}));
+}
+
+TEST(FlightOpening, WhatALostPublisherLeftCanBeRemovedAndOfALivingOneNothing) {
+  FlightOpening opening;
+  for (const std::uint64_t publisher : {7, 8}) {
+    dds::Sample<wire::Definition> frozen = definition(publisher, 10 + static_cast<std::uint32_t>(publisher), 1);
+    frozen->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
+    opening.fold(*frozen);
+  }
+  tell(opening, {{7, PublisherState::lost}, {8, PublisherState::alive}});
+  ask(opening, R"({"command":"remove","name":"object 17"})", R"({"removed":["object 17"]})");
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
+  EXPECT_TRUE(written(opening).commands.empty());
+  ask(opening, R"({"command":"clear"})");
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
+}
+
+// What the window's end cuts off from its answer is written, and so is what the server carried out by itself.
+TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
+  FlightOpening opening;
+  opening.fold(*command(R"({"command":"add","name":"late"})", 1'000'000));
+  opening.fold(*command(R"({"command":"add","name":"from the journal"})"));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"from the journal"})",
+                                                                 R"({"command":"add","name":"late"})"}));
+  for (std::uint64_t i = 0; i < 200; ++i) opening.fold(*command(R"({"command":"add","name":"lost"})", 2'000'000 + i));
+  EXPECT_EQ(written(opening).commands.size(), 1 + FlightCommands::kMostUnanswered);
+  EXPECT_EQ(opening.left_out(), 201 - FlightCommands::kMostUnanswered);
+}
+
+// What has left the window comes back as the state that the file begins with.
+/// The contacts of a shard after an event, each of this size at least.
+void hold(FlightOpening& opening, std::uint8_t shard, std::uint64_t as_of, std::size_t count,
+          std::size_t name_bytes = 0) {
+  std::vector<std::uint64_t> ids(count, 7);
+  const std::vector<std::uint8_t> names(name_bytes, 'x');
+  dds::Sample<wire::ContactShard> sample;
+  sample->shard = shard;
+  sample->as_of_sequence = as_of;
+  dds::borrow(sample->a, ids);
+  dds::borrow(sample->names, names);
+  opening.fold(*sample);
+}
+
+/// As of when each shard was written.
+std::map<std::uint8_t, std::uint64_t> held(const FlightOpening& opening) {
+  std::map<std::uint8_t, std::uint64_t> shards;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::ContactShard> sample;
+    if (topic == Recorded::contact && wire::read_cdr(data, sample)) shards[sample->shard] = sample->as_of_sequence;
+  });
+  return shards;
+}
+
+TEST(FlightOpening, HasTheContactsThatHeld) {
+  FlightOpening opening;
+  hold(opening, 3, 10, 1);
+  hold(opening, 5, 11, 1);
+  hold(opening, 3, 12, 2);
+  hold(opening, 5, 13, 0);
+  EXPECT_EQ(held(opening), (std::map<std::uint8_t, std::uint64_t>{{3, 12}}));
+}
+
+// An old sample would be a lie: it goes also where the new one has no room.
+TEST(FlightOpening, ContactsThatHaveNoRoomAreLeftOutAndCounted) {
+  FlightOpening opening;
+  for (std::uint8_t shard = 0; shard < 16; ++shard) hold(opening, shard, 1, 1, 1'000'000);
+  EXPECT_EQ(held(opening).size(), 16U);
+  EXPECT_EQ(opening.left_out(), 0U);
+  hold(opening, 4, 2, 1, 2'000'000);
+  EXPECT_EQ(held(opening).count(4), 0U);
+  EXPECT_EQ(opening.left_out(), 1U);
+  hold(opening, 4, 3, 1, 1'000'000);
+  EXPECT_EQ(held(opening).size(), 16U) << "there is room again";
+}
+
+}  // namespace
+}  // namespace collided::engine::service
