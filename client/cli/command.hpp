@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,7 @@ struct Verb {
 };
 
 /// Every verb that works, in the order of the help.
-const std::vector<Verb>& verbs();
+std::span<const Verb> verbs();
 const Verb* find_verb(std::string_view name);
 
 std::unique_ptr<Command> make_ray();

@@ -19,7 +19,7 @@ constexpr const char* kProgram = "collided-files";
 
 /// Beside this program, as installed and in a build tree; else wherever PATH says.
 std::string find_program(const Io& io) {
-  if (const std::string chosen = io.env("COLLIDED_FILES"); !chosen.empty()) return chosen;
+  if (std::string chosen = io.env("COLLIDED_FILES"); !chosen.empty()) return chosen;
   std::error_code error;
   const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
   for (const fs::path& place : {here / kProgram, here / "../../server" / kProgram}) {

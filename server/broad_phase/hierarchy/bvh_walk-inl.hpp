@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
-#include "server/broad_phase/hierarchy/bvh_ray.hpp"
+#include "server/broad_phase/hierarchy/bvh_ray-inl.hpp"
 #include "server/geometry/tolerance.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,77 +25,6 @@ using Lanes = hn::Vec<Floats>;
 constexpr Floats kFloats;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(kFloats));
 constexpr int kParts = kWidth / kLanes;
-
-/// Three axes and a spare lane.
-using Axes = hn::CappedTag<double, 4>;
-using AxesFloat = hn::Rebind<float, Axes>;
-
-/// The fast path of prepare_any_ray for usual rays, taking each error as the worst of its kind; false: not usual. Most
-/// rays have no slack.
-template <bool kSlack>
-HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
-  using namespace ray_detail;
-  constexpr Axes axes;
-  constexpr AxesFloat floats;
-  if constexpr (hn::MaxLanes(axes) < 4) return false;
-  static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && offsetof(Ray, length_m) == 6 * sizeof(double));
-  static_assert(offsetof(LocalFrame, origin) == 0 && offsetof(LocalFrame, scale) == 3 * sizeof(double));
-  const LocalFrame& frame = layout.frame;
-  const auto three = hn::FirstN(axes, 3);
-  // Each load also takes the following member into the spare lane.
-  const auto start = hn::LoadU(axes, &ray.origin[0]);
-  const auto local =
-      hn::IfThenElseZero(three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
-  const auto direction = hn::IfThenElseZero(three, hn::LoadU(axes, &ray.direction[0]));
-  const auto largest = hn::MaxOfLanes(axes, hn::Abs(direction));
-  const int exponent = exponent_of(hn::GetLane(largest));
-  const double slack = kSlack ? slack_m * frame.scale * (1 + kFewSlack) : 0;
-  const bool near = hn::AllTrue(axes, hn::Le(hn::Abs(local), hn::Set(axes, kNear)));
-  if (!near || !is_usual(exponent, frame.scale_exponent) || !(slack < 1)) return false;
-
-  const auto origin = hn::DemoteTo(floats, local);
-  // 2^-exponent: the exponent fields of both add up to 2046.
-  using Words = hn::RebindToUnsigned<Axes>;
-  constexpr Words words;
-  const auto field = hn::And(hn::BitCast(words, largest), hn::Set(words, std::uint64_t{0x7ff} << 52));
-  const auto scale = hn::BitCast(axes, hn::Sub(hn::Set(words, std::uint64_t{2046} << 52), field));
-  const auto rounded = hn::DemoteTo(floats, hn::Mul(direction, scale));
-  const auto clamped =
-      hn::CopySign(hn::Max(hn::Abs(rounded), hn::Set(floats, static_cast<float>(kLeastDirection))), rounded);
-  const auto inverse = hn::Div(hn::Set(floats, 1.0f), clamped);
-  // Roundings in u: the start 1 |o|; the inverse 2 (|o| + 1); the offset's sum and product 2 |o|; in the walk the
-  // product 1, the difference 1 + |o|. One percent more for their products with each other.
-  const auto wide = hn::MulAdd(hn::Abs(origin), hn::Set(floats, static_cast<float>(6.1 * kUnit)),
-                               hn::Set(floats, static_cast<float>(4.1 * kUnit + 2 * kLeastSlack + 1.01 * slack)));
-  const auto shift = hn::CopySign(wide, inverse);
-  hn::Store(origin, floats, out.origin);
-  hn::Store(clamped, floats, out.direction);
-  hn::Store(inverse, floats, out.inverse);
-  hn::Store(hn::Mul(hn::Add(origin, shift), inverse), floats, out.near_offset);
-  hn::Store(hn::Mul(hn::Sub(origin, shift), inverse), floats, out.far_offset);
-
-  using Offsets = hn::RebindToUnsigned<AxesFloat>;
-  constexpr Offsets offsets;
-  const auto axis_bytes = hn::Mul(hn::Iota(offsets, 0), hn::Set(offsets, 2 * kPlaneBytes));
-  const auto upper = hn::And(hn::ShiftRight<26>(hn::BitCast(offsets, inverse)), hn::Set(offsets, kPlaneBytes));
-  static_assert(offsetof(Node, plane) == 0 && kPlaneBytes == 1u << 5);
-  hn::Store(hn::Add(axis_bytes, upper), offsets, out.near_plane);
-  hn::Store(hn::Add(axis_bytes, hn::Xor(upper, hn::Set(offsets, kPlaneBytes))), offsets, out.far_plane);
-  std::uint8_t backward[8] = {};
-  hn::StoreMaskBits(floats, hn::Lt(inverse, hn::Zero(floats)), backward);
-  out.octant = backward[0] & 7u;
-
-  // The spare lane of the start is zero, that of the direction tiny.
-  const float reach = hn::GetLane(hn::MaxOfLanes(floats, hn::Abs(origin)));
-  if constexpr (!kSlack) {
-    set_usual_leaf_slack(reach, hn::GetLane(hn::MaxOfLanes(floats, hn::Abs(clamped))), out);
-  } else {
-    set_leaf_slack(kUnit * 1.001 * static_cast<double>(reach) + 2 * kLeastSlack, slack, out);
-  }
-  out.is_moved = false;
-  out.to_local_1 = power_of_two(exponent + frame.scale_exponent);
-  return true;
-}
 
 HWY_INLINE unsigned bits_of(hn::Mask<Floats> mask) {
   std::uint8_t bytes[8] = {};
@@ -493,12 +422,6 @@ HWY_INLINE void fetch(const Node* nodes, const Leaf* leaves, Ref ref) {
   __builtin_prefetch(p + 64);
   __builtin_prefetch(p + 128);
   __builtin_prefetch(p + 192);
-}
-
-HWY_INLINE bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
-  const bool is_usual =
-      slack_m == 0 ? prepare_usual_ray<false>(layout, ray, 0, out) : prepare_usual_ray<true>(layout, ray, slack_m, out);
-  return is_usual || ray_detail::prepare_any_ray(layout, ray, slack_m, out);
 }
 
 }  // namespace collided::engine::bvh::HWY_NAMESPACE

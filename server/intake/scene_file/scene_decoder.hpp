@@ -1,0 +1,407 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "idl/scene_generated.h"
+#include "server/geometry/convex_hull.hpp"
+#include "server/geometry/tolerance.hpp"
+#include "server/intake/limits.hpp"
+#include "server/intake/mesh/shape_scale.hpp"
+#include "server/intake/readers/vertex_buffer.hpp"
+#include "server/intake/scene.hpp"
+
+// Tables of idl/scene.fbs as values.
+namespace collided::engine {
+
+/// A hull is tested by all of its corners.
+inline constexpr std::size_t kMaxHullPoints = 4096;
+
+/// Lengths of normals whose squares and products are far from the ends of the range of double.
+inline constexpr double kLeastNormal = 1e-30;
+
+/// What is wrong with a buffer, without a file name and a consequence; the caller adds both.
+struct Flaw {
+  std::string what;
+};
+
+/// Structs and numbers of 8 bytes of a FlatBuffers vector are copied out: the verifier does not promise their alignment.
+template <class Struct>
+std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
+  std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
+  if (!copies.empty()) { std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct)); }
+  return copies;
+}
+
+inline double number_at(const flatbuffers::Vector<double>& numbers, std::size_t i) {
+  double number;
+  std::memcpy(&number, numbers.Data() + i * sizeof number, sizeof number);
+  return number;
+}
+
+/// Turns a verified buffer into values and checks what they mean.
+class SceneDecoder {
+ public:
+  /// byte_budget  the buffer's own size. An honest buffer stores each number once; one that lets many tables share
+  ///              a mesh could otherwise ask for any amount of memory.
+  SceneDecoder(std::uint64_t byte_budget, std::uint64_t max_triangles, std::uint64_t max_primitives)
+      : byte_budget_(byte_budget), triangle_budget_(max_triangles), primitive_budget_(max_primitives) {}
+
+  TriangleMesh mesh(const format::Mesh& from) {
+    const auto& numbers = *from.vertices();
+    const auto& corners = *from.corners();
+    if (numbers.size() % 3 != 0 || corners.size() % 3 != 0) {
+      throw Flaw{fmt::format("mesh of {} coordinates and {} corners, both must be multiples of 3", numbers.size(),
+                             corners.size())};
+    }
+    spend_triangles(corners.size() / 3);
+    spend_bytes(8 * std::uint64_t{numbers.size()} + 4 * std::uint64_t{corners.size()});
+    TriangleMesh mesh;
+    mesh.vertices.resize(numbers.size() / 3);
+    mesh.triangles.resize(corners.size() / 3);
+    if (!mesh.vertices.empty()) {
+      std::memcpy(mesh.vertices.data()->data(), numbers.Data(), mesh.vertices.size() * sizeof(Vec3));
+    }
+    if (!mesh.triangles.empty()) {
+      std::memcpy(mesh.triangles.data(), corners.Data(), mesh.triangles.size() * sizeof(TriangleCorners));
+    }
+    check(mesh);
+    return mesh;
+  }
+
+  Shape shape(const format::Shape& from) {
+    Shape shape;
+    add_spheres(from, shape);
+    add_boxes(from, shape);
+    add_capsules(from, shape);
+    add_cylinders(from, shape);
+    add_cones(from, shape);
+    add_ellipsoids(from, shape);
+    add_hulls(from, shape);
+    add_clouds(from, shape);
+    add_polylines(from, shape);
+    add_half_spaces(from, shape);
+    add_surface(from, shape);
+    add_buffers(from, shape);
+    if (shape.empty()) { throw Flaw{"shape of nothing"}; }
+    if (from.scale() != nullptr) { apply_scale(point(*from.scale(), "scale"), shape); }
+    return shape;
+  }
+
+  Vec3 point(const format::Vec3& from, std::string_view what) const {
+    const Vec3 point(from.x(), from.y(), from.z());
+    if (!point.allFinite()) { throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])}; }
+    return point;
+  }
+
+  Quat rotation(const format::Quat& from, std::string_view what) const {
+    Quat rotation(from.w(), from.x(), from.y(), from.z());
+    const double norm = rotation.norm();
+    if (!(std::abs(norm - 1) <= kUnitNormSlack)) {
+      throw Flaw{fmt::format("{} has quaternion norm {}, allowed 1 +- {}", what, norm, kUnitNormSlack)};
+    }
+    if (std::abs(rotation.squaredNorm() - 1) > kNormalizedSlack) { rotation.coeffs() /= norm; }
+    return rotation;
+  }
+
+ private:
+  void spend_triangles(std::uint64_t count) {
+    if (count > triangle_budget_) {
+      throw Flaw{fmt::format("{} triangles, {} more are allowed", count, triangle_budget_)};
+    }
+    triangle_budget_ -= count;
+  }
+  void spend_bytes(std::uint64_t count) {
+    if (count > byte_budget_) { throw Flaw{"tables share their numbers, so that it would grow beyond its own size"}; }
+    byte_budget_ -= count;
+  }
+  void spend_primitives(std::uint64_t count) {
+    if (count > primitive_budget_) {
+      throw Flaw{fmt::format("{} primitives, {} more are allowed", count, primitive_budget_)};
+    }
+    primitive_budget_ -= count;
+  }
+  template <class Struct>
+  std::vector<Struct> take(const flatbuffers::Vector<const Struct*>* vector) {
+    const std::uint64_t count = vector == nullptr ? 0 : vector->size();
+    spend_primitives(count);
+    spend_bytes(count * sizeof(Struct));
+    return copied(vector);
+  }
+
+  void check(const TriangleMesh& mesh) const {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const Vec3& v = mesh.vertices[i];
+      if (!v.allFinite()) { throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])}; }
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (mesh.triangles[i][k] >= mesh.vertices.size()) {
+          throw Flaw{fmt::format("triangle {}: corner {} is vertex {} of {}", i, k, mesh.triangles[i][k],
+                                 mesh.vertices.size())};
+        }
+      }
+    }
+  }
+
+  double size(double value, std::string_view what) const {
+    if (!(value >= 0 && std::isfinite(value))) {
+      throw Flaw{fmt::format("{} {} m, allowed are finite sizes of 0 and more", what, value)};
+    }
+    return value;
+  }
+
+  void add_spheres(const format::Shape& from, Shape& shape) {
+    const auto spheres = take(from.spheres());
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const std::string name = fmt::format("sphere {}: ", i);
+      shape.primitives.push_back(Sphere{point(spheres[i].center(), name + "center"),  //
+                                        size(spheres[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_boxes(const format::Shape& from, Shape& shape) {
+    const auto boxes = take(from.boxes());
+    const auto axes = take(from.box_axes());
+    if (!axes.empty() && axes.size() != boxes.size()) {
+      throw Flaw{fmt::format("axes for {} boxes of {}", axes.size(), boxes.size())};
+    }
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const std::string name = fmt::format("box {}: ", i);
+      Box box{.center = point(boxes[i].center(), name + "center"),
+              .axes = axes.empty() ? rotation(boxes[i].rotation(), name + "rotation").toRotationMatrix()
+                                   : unit_axes(axes[i], name + "axes"),
+              .half_m = point(boxes[i].half(), name + "half size")};
+      for (int axis = 0; axis < 3; ++axis) { size(box.half_m[axis], name + "half size"); }
+      shape.primitives.push_back(box);
+    }
+  }
+
+  Mat3 unit_axes(const format::Mat3& from, std::string_view what) const {
+    Mat3 axes;
+    axes << point(from.column_0(), what), point(from.column_1(), what), point(from.column_2(), what);
+    if (!((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() <= 2 * kUnitNormSlack)) {
+      throw Flaw{fmt::format("{} are not of length 1 at right angles within {}", what, 2 * kUnitNormSlack)};
+    }
+    return axes;
+  }
+
+  void add_capsules(const format::Shape& from, Shape& shape) {
+    const auto capsules = take(from.capsules());
+    for (std::size_t i = 0; i < capsules.size(); ++i) {
+      const std::string name = fmt::format("capsule {}: ", i);
+      shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"), point(capsules[i].b(), name + "end b"),
+                                         size(capsules[i].radius(), name + "radius")});
+    }
+  }
+
+  /// Both ends of an axis, which has a direction.
+  std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to, const std::string& name) const {
+    std::pair<Vec3, Vec3> ends{point(from, name + "one end"), point(to, name + "the other end")};
+    if (ends.first == ends.second) { throw Flaw{name + "both ends of the axis are the same point"}; }
+    return ends;
+  }
+
+  void add_cylinders(const format::Shape& from, Shape& shape) {
+    const auto cylinders = take(from.cylinders());
+    for (std::size_t i = 0; i < cylinders.size(); ++i) {
+      const std::string name = fmt::format("cylinder {}: ", i);
+      const auto [a, b] = axis(cylinders[i].a(), cylinders[i].b(), name);
+      shape.primitives.push_back(Cylinder{a, b, size(cylinders[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_cones(const format::Shape& from, Shape& shape) {
+    const auto cones = take(from.cones());
+    for (std::size_t i = 0; i < cones.size(); ++i) {
+      const std::string name = fmt::format("cone {}: ", i);
+      const auto [apex, base] = axis(cones[i].apex(), cones[i].base(), name);
+      shape.primitives.push_back(Cone{apex, base, size(cones[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_ellipsoids(const format::Shape& from, Shape& shape) {
+    const auto ellipsoids = take(from.ellipsoids());
+    for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
+      const std::string name = fmt::format("ellipsoid {}: ", i);
+      const Ellipsoid ellipsoid{point(ellipsoids[i].center(), name + "center"),
+                                unit_axes(ellipsoids[i].axes(), name + "axes"),
+                                point(ellipsoids[i].half(), name + "half size")};
+      for (int k = 0; k < 3; ++k) {
+        if (!(ellipsoid.half_m[k] > 0)) {
+          throw Flaw{fmt::format("{}half size {} m, allowed are sizes above 0", name, ellipsoid.half_m[k])};
+        }
+      }
+      shape.primitives.push_back(ellipsoid);
+    }
+  }
+
+  /// The points of a cloud or a line.
+  std::vector<Vec3> points(const format::Points& from, const std::string& name) {
+    const auto& numbers = *from.points();
+    if (numbers.size() % 3 != 0 || numbers.size() == 0) {
+      throw Flaw{fmt::format("{}{} coordinates, must be a multiple of 3 above 0", name, numbers.size())};
+    }
+    spend_primitives(numbers.size() / 3);
+    spend_bytes(8 * std::uint64_t{numbers.size()});
+    size(from.radius(), name + "radius");
+    std::vector<Vec3> points(numbers.size() / 3);
+    std::memcpy(points.data()->data(), numbers.Data(), points.size() * sizeof(Vec3));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3& p = points[i];
+      if (!p.allFinite()) { throw Flaw{fmt::format("{}point {} is ({}, {}, {})", name, i, p[0], p[1], p[2])}; }
+    }
+    return points;
+  }
+
+  void add_clouds(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.clouds() != nullptr && i < from.clouds()->size(); ++i) {
+      const format::Points& cloud = *from.clouds()->Get(i);
+      for (const Vec3& center : points(cloud, fmt::format("cloud {}: ", i))) {
+        shape.primitives.push_back(Sphere{center, cloud.radius()});
+      }
+    }
+  }
+
+  void add_polylines(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.polylines() != nullptr && i < from.polylines()->size(); ++i) {
+      const format::Points& line = *from.polylines()->Get(i);
+      const std::vector<Vec3> along = points(line, fmt::format("polyline {}: ", i));
+      if (along.size() < 2) { throw Flaw{fmt::format("polyline {}: one point, at least 2 are needed", i)}; }
+      for (std::size_t k = 1; k < along.size(); ++k) {
+        shape.primitives.push_back(Capsule{along[k - 1], along[k], line.radius()});
+      }
+    }
+  }
+
+  void add_half_spaces(const format::Shape& from, Shape& shape) {
+    const auto half_spaces = take(from.half_spaces());
+    for (std::size_t i = 0; i < half_spaces.size(); ++i) {
+      const std::string name = fmt::format("half-space {}: ", i);
+      const HalfSpace one{point(half_spaces[i].point(), name + "point"),
+                          point(half_spaces[i].normal(), name + "normal")};
+      if (const double length = one.normal.stableNorm(); !(length >= kLeastNormal && length <= 1 / kLeastNormal)) {
+        throw Flaw{
+            fmt::format("{}normal of length {}, allowed {} to {}", name, length, kLeastNormal, 1 / kLeastNormal)};
+      }
+      shape.primitives.push_back(one);
+    }
+    const bool in_company = shape.primitives.size() > 1 || from.mesh() != nullptr || from.height_field() != nullptr;
+    if (!half_spaces.empty() && in_company) {
+      throw Flaw{"a half-space with other parts: it has no end, so it makes an object of its own"};
+    }
+  }
+
+  TriangleMesh height_field(const format::HeightField& from) {
+    const auto& heights = *from.heights();
+    const std::uint64_t columns = from.columns();
+    const std::uint64_t rows = columns == 0 ? 0 : heights.size() / columns;
+    if (columns < 2 || rows < 2 || heights.size() != columns * rows) {
+      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least",
+                             heights.size(), columns)};
+    }
+    for (const double spacing : {from.spacing_x(), from.spacing_y()}) {
+      if (!(spacing > 0 && std::isfinite(spacing * static_cast<double>(heights.size())))) {
+        throw Flaw{fmt::format("height field: spacing {} m, allowed are finite lengths above 0", spacing)};
+      }
+    }
+    spend_triangles(2 * (columns - 1) * (rows - 1));
+    spend_bytes(8 * std::uint64_t{heights.size()});
+    TriangleMesh mesh;
+    mesh.vertices.reserve(heights.size());
+    mesh.triangles.reserve(2 * (columns - 1) * (rows - 1));
+    for (std::uint32_t i = 0; i < heights.size(); ++i) {
+      const double height = number_at(heights, i);
+      mesh.vertices.emplace_back(static_cast<double>(i % columns) * from.spacing_x(),
+                                 static_cast<double>(i / columns) * from.spacing_y(), height);
+      if (!std::isfinite(height)) { throw Flaw{fmt::format("height field: height {} is {}", i, height)}; }
+      if (i % columns == columns - 1 || i / columns == rows - 1) continue;
+      const std::uint32_t above = i + static_cast<std::uint32_t>(columns);
+      mesh.triangles.push_back({i, i + 1, above + 1});
+      mesh.triangles.push_back({i, above + 1, above});
+    }
+    return mesh;
+  }
+
+  void add_surface(const format::Shape& from, Shape& shape) {
+    if (from.mesh() != nullptr && from.height_field() != nullptr) {
+      throw Flaw{"a mesh and a height field; a shape holds one of them"};
+    }
+    if (from.height_field() != nullptr) {
+      shape.mesh = std::make_shared<const TriangleMesh>(height_field(*from.height_field()));
+    }
+    if (from.mesh() == nullptr) return;
+    // Objects that name one mesh share it.
+    std::shared_ptr<const TriangleMesh>& known = meshes_[from.mesh()];
+    if (!known) known = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
+    if (known->triangles.empty()) { throw Flaw{"mesh without triangles"}; }
+    shape.mesh = known;
+  }
+
+  void add_buffers(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.buffers() != nullptr && i < from.buffers()->size(); ++i) {
+      const format::VertexBuffer& buffer = *from.buffers()->Get(i);
+      const std::string name = fmt::format("buffer {}: ", i);
+      const auto bytes_of = [](const flatbuffers::Vector<std::uint8_t>* bytes) {
+        return bytes == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(bytes->data(), bytes->size()));
+      };
+      const VertexBuffer read{static_cast<BufferKind>(buffer.kind()),
+                              buffer.is_double(),
+                              buffer.stride(),
+                              buffer.offset(),
+                              bytes_of(buffer.vertices()),
+                              buffer.index_bytes(),
+                              bytes_of(buffer.indices())};
+      // A corner makes at most one piece of a kind; a vertex in doubles takes twice the bytes of one in floats.
+      const std::uint64_t corners =
+          read.index_bytes == 0 ? read.vertices.size() / 12 : read.indices.size() / read.index_bytes;
+      spend_bytes(std::max(read.vertices.size(), read.indices.size()));
+      read.kind >= BufferKind::triangles ? spend_triangles(corners) : spend_primitives(corners);
+      std::variant<Shape, std::string> taken = shape_of_buffer(read, buffer.radius());
+      if (const auto* flaw = std::get_if<std::string>(&taken)) throw Flaw{name + *flaw};
+      const Shape& part = std::get<Shape>(taken);
+      if (part.mesh && shape.mesh) throw Flaw{name + "a second surface; a shape holds one"};
+      if (part.mesh) shape.mesh = part.mesh;
+      shape.primitives.insert(shape.primitives.end(), part.primitives.begin(), part.primitives.end());
+    }
+  }
+
+  void apply_scale(const Vec3& factor, Shape& shape) {
+    if (factor == Vec3::Ones()) return;
+    if (shape.mesh) {
+      // A copy of its own.
+      spend_triangles(shape.mesh->triangles.size());
+      spend_bytes(8 * 3 * shape.mesh->vertices.size());
+    }
+    if (const std::string reason = scale(shape, factor); !reason.empty()) { throw Flaw{reason}; }
+  }
+
+  void add_hulls(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.hulls() != nullptr && i < from.hulls()->size(); ++i) {
+      const TriangleMesh points = mesh(*from.hulls()->Get(i));
+      if (points.vertices.size() > kMaxHullPoints) {
+        throw Flaw{fmt::format("hull {}: {} points, allowed are {}", i, points.vertices.size(), kMaxHullPoints)};
+      }
+      std::optional<TriangleMesh> hull = convex_hull(points.vertices);
+      if (!hull) {
+        throw Flaw{fmt::format("hull {}: its {} points lie in one plane, or beyond the range of exact arithmetic", i,
+                               points.vertices.size())};
+      }
+      shape.primitives.push_back(Hull{std::make_shared<const TriangleMesh>(std::move(*hull))});
+    }
+  }
+
+  std::uint64_t byte_budget_;
+  std::uint64_t triangle_budget_;
+  std::uint64_t primitive_budget_;
+  std::unordered_map<const format::Mesh*, std::shared_ptr<const TriangleMesh>> meshes_;
+};
+
+}  // namespace collided::engine
