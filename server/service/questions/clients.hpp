@@ -39,7 +39,7 @@ class Client {
  public:
   Client(std::uint64_t id, ReplyPlace& place, std::int64_t met_ns) : id_(id), met_ns_(met_ns), place_(place) {}
   std::uint64_t id() const { return id_; }
-  /// False: the reply was not written, since no reader is matched or DDS did not take it.
+  /// False: the reply was not written, since no reader is matched or a reader's queue stayed full.
   [[nodiscard]] bool write(const wire::Reply& reply);
   /// The newest version of the world that an answer to this client was about. Any thread.
   std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
