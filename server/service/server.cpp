@@ -27,7 +27,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// A publisher or a client looks for servers every 2 s.
+/// How long a server waits after a crash for those that were there: publishers and clients look for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
 
 StartError not_alone(const Options& options, long pid) {
@@ -37,8 +37,8 @@ StartError not_alone(const Options& options, long pid) {
                   pid, options.name_space, options.domain));
 }
 
-/// Two servers under one namespace would both answer every question. A server that lives says so twenty times a second,
-/// and its last status waits for who joins.
+/// Throws StartError where another server has this namespace: both would answer every question. A live server writes a
+/// status twenty times a second, and DDS keeps the last one for those that join.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
   constexpr std::int64_t kListenNs = 250'000'000;
   const dds::Topic<wire::Status> topic(participant, options.name_space);
@@ -72,15 +72,22 @@ dds::Participant join(const Options& options) {
 
 std::string version_text() { return COLLIDED_VERSION; }
 
-/// In the order of making; unmade in the reverse order, so that nobody calls what is gone.
+/// All parts in the order in which they are made. They are destroyed in the reverse order, so nothing calls a part that
+/// is gone.
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger);
+  /// Checks that no other server is there, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
+  /// What is due ten times a second; called on the world's thread.
   void tick();
   void let_jobs_end();
+  /// Opens the journal beside the epoch's file; null where there is none.
   std::unique_ptr<DurableState> keep();
+  /// Starts the flight recorder; null where it is off.
   std::unique_ptr<FlightRecorder> record();
+  /// Whether every publisher from before the crash lives and has sent all its definitions.
   bool has_all_back() const;
+  /// Keeps which publishers are there, for the case of a crash.
   void note_publishers();
 
   const Options options;
@@ -95,7 +102,7 @@ struct Server::Parts {
   QuestionCounts questions;
   BackgroundAudit audit;
   Overload overload;
-  std::uint64_t superseded = 0;  // poses, as of the last tick
+  std::uint64_t superseded = 0;  // poses, as of the last tick()
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
@@ -153,7 +160,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .has_new_publisher =
                 [this] {
                   note_publishers();
-                  // Before its first contact is told: who was told of one must not be met by a server that knows of none.
+                  // On the disk before the publisher's first contact is reported: after a crash, no client that knows
+                  // of a contact should meet a server that does not wait for the publisher.
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
             .is_adding_again = [this] { return !commands.replayed(); },
@@ -204,7 +212,7 @@ void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
   loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
-  // Whoever has not come back yet is not forgotten: this server may crash too.
+  // A publisher that has not come back yet stays noted, since this server may crash too.
   if (loop.recovering()) there.insert(durable->publishers_left().begin(), durable->publishers_left().end());
   durable->set_publishers(there);
 }
@@ -217,7 +225,7 @@ void Server::Parts::tick() {
   listeners->take_left_definitions();
 }
 
-/// Waits until the world's thread has done what commands have asked of it so far.
+/// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
 void Server::Parts::let_jobs_end() {
   constexpr std::chrono::seconds kPatience{3};
   const auto done = std::make_shared<std::promise<void>>();
@@ -266,7 +274,8 @@ void Server::write_flight_recorder() {
 void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
-  // Nothing new comes in; what is in is answered; then the world ends its contacts, and says so.
+  // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
+  // world ends its contacts and reports that.
   p.commands.stop();
   p.let_jobs_end();
   if (p.durable) p.durable->finish();

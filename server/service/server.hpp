@@ -10,25 +10,28 @@
 
 namespace collided::engine::service {
 
-/// What stops a start: one sentence for the user.
+/// The reason why the server cannot start: one sentence for the user.
 struct StartError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The server: everything between main() and the rooms below.
+/// The server: connects everything between main() and the folders of this room.
 ///
 ///   Server server(options, log);   // loads, joins the domain, makes sure to be alone; throws StartError
 ///   server.start();                // serves from here on
-///   server.stop();                 // answers what is in, ends the contacts, leaves
+///   server.stop();                 // answers what is queued, ends the contacts, leaves
+///
+/// threads  one
 class Server {
  public:
   Server(const Options& options, std::shared_ptr<spdlog::logger> log);
   ~Server();
 
-  /// "ready: ..." for scripts that wait.
+  /// Starts serving; returns a line "ready: ..." for scripts that wait for it.
   std::string start();
+  /// Returns once all is ended; a second call does nothing.
   void stop();
-  /// Writes the flight recorder's memory beside the server's other files, and says where or why not.
+  /// Writes the flight recorder's memory to a file beside the server's others; the log says where, or why it cannot.
   void write_flight_recorder();
 
  private:
@@ -36,7 +39,8 @@ class Server {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Loads, compares some answers with brute force, says so; 0 when all are equal.
+/// Loads the scenes, compares some answers with brute force and prints the result; returns 0 when all are equal, else
+/// 1.
 int run_once(const Options& options);
 
 std::string version_text();

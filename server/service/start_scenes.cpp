@@ -15,8 +15,8 @@
 namespace collided::engine::service {
 namespace {
 
-/// A line on the terminal that is drawn again and again and leaves no trace; nothing for the first moments and where
-/// stderr is not a terminal.
+/// A line of progress on the terminal that is drawn over and over and leaves no trace. Draws nothing in the first
+/// moments, nor where stderr is no terminal.
 class ProgressLine {
  public:
   explicit ProgressLine(std::string what) : what_(std::move(what)) {}
@@ -29,7 +29,7 @@ class ProgressLine {
     const std::int64_t now_ns = steady_ns();
     std::int64_t last_ns = shown_ns_.load();
     if (!terminal_ || now_ns - started_ns_ < kPatienceNs || now_ns - last_ns < kPeriodNs) return;
-    // Called from any of the threads that load; one of them draws.
+    // Any of the threads that load may call this; one of them draws.
     if (!shown_ns_.compare_exchange_strong(last_ns, now_ns)) return;
     const double elapsed_s = static_cast<double>(now_ns - started_ns_) * 1e-9;
     const double left_s = fraction > 0 ? elapsed_s * (1 - fraction) / fraction : 0;
@@ -45,7 +45,7 @@ class ProgressLine {
   std::atomic<bool> drawn_{false};
 };
 
-/// Whether somebody wants to stop us: the signals are blocked, so they wait here until they are asked for.
+/// Whether SIGTERM or SIGINT has come: both are blocked, so they stay pending until this looks.
 bool is_stop_pending() {
   sigset_t pending;
   sigpending(&pending);

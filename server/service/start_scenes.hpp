@@ -8,11 +8,13 @@
 
 namespace collided::engine::service {
 
-/// Loads the scenes of the command line and the file into a world, or the embedded one where there are none, and prints
-/// what it did: progress on a terminal, then a report. Throws LoadError or StartError.
+/// Loads the scenes that the options name into a world, or the embedded one where they name none. Prints what it does:
+/// progress on a terminal, then a report. Throws LoadError or StartError.
+///
+/// now_ns  world time of the step that makes them visible
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns);
 
-/// For who started a server without a scene, to look around.
+/// Suggestions for a user who started a server without a scene.
 std::string_view how_to_ask();
 
 }  // namespace collided::engine::service

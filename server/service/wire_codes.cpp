@@ -1,4 +1,5 @@
-// Codes travel as the engine has them, so the wire's and the engine's are the same numbers.
+// Codes go onto the wire as the engine has them, without a table; these assertions keep the engine's and the wire's
+// numbers the same.
 #include "idl/topics.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/events/events.hpp"

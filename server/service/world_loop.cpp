@@ -53,7 +53,7 @@ void WorldLoop::run() {
 }
 
 void WorldLoop::serve() {
-  // Every shard is written once, so that who waits for all of them need not guess which are empty.
+  // Every shard is written once, the empty ones too, so that a client that waits for all of them need not guess.
   broadcast_.mark_all();
   publish();
   next_status_ns_ = steady_ns();
@@ -63,7 +63,7 @@ void WorldLoop::serve() {
     if (restore_float_environment()) ++with_.questions.float_repairs;
     take_arrivals();
     step_if_due();
-    // Samples that changed nothing need no step, but somebody may wait for them.
+    // Samples that changed nothing need no step, but a question may wait for them.
     if (pending_changes_ == 0) release_passed_barriers();
     keep_time();
   }
@@ -85,7 +85,8 @@ void WorldLoop::take_arrivals() {
   sums_.take_ns.add(static_cast<std::uint64_t>(std::max<std::int64_t>(0, steady_ns() - started_ns - stepped_ns)));
 }
 
-/// A status twenty times a second, however much has come: who hears none for 0.24 s takes the server for dead.
+/// Writes a status twenty times a second, however much has come in: a client that gets none for 0.24 s (kStatusLostNs)
+/// takes the server for dead. Every tenth of a second does what is due less often.
 void WorldLoop::keep_time() {
   constexpr std::int64_t kTickNs = 100'000'000;
   const std::int64_t now_ns = steady_ns();
@@ -96,14 +97,15 @@ void WorldLoop::keep_time() {
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
-  // What a lost publisher's objects may have reached grows with time, and with it what is undecided.
+  // What the objects of a lost publisher may have reached grows with time, and with it what is undecided.
   if (!with_.world.newest()->stale_objects.empty()) note_change();
   with_.tick();
   say_notices();
 }
 
-/// What commands had added is there again, and so are the publishers that were there, with the time for one that came in
-/// the last moments to find this server; or the wait for them is over.
+/// Whether the recovery is over: what commands had added is there again, and so are the publishers from before the
+/// crash. A lease must have passed too, for a publisher that came just before the crash and was not noted. The wait for
+/// publishers has a limit.
 bool WorldLoop::has_recovered() const {
   if (with_.is_adding_again && with_.is_adding_again()) return false;
   const std::int64_t waited_ns = steady_ns() - started_ns_;
@@ -114,7 +116,7 @@ bool WorldLoop::has_recovered() const {
   return true;
 }
 
-/// Offers a sample until it is applied, with steps between where it asks for them.
+/// Offers a sample until it is applied, and steps whenever it requires a step first.
 template <class Apply>
 void WorldLoop::apply(Apply&& once) {
   while (once() == Applied::step_first) step_now();
@@ -149,7 +151,7 @@ void WorldLoop::take(DefinitionSample& sample) {
     }
   }
   apply([&] { return publishers_.define(sample, now_ns); });
-  // Poses that waited for this definition come before whatever its publisher sent after them.
+  // Poses that waited for this definition are applied before anything that their publisher sent later.
   apply([&] { return publishers_.release_parked(now_ns); });
 }
 
@@ -160,10 +162,10 @@ void WorldLoop::step_if_due() {
   if (now_ns < next_step_ns_) return;
   step_now();
   if (options_.step_ns > 0) {
-    // From the last tick, not from now: the period holds on average.
+    // Counted from the time that was due, not from now, so that the period holds on average.
     next_step_ns_ = std::max(next_step_ns_ + options_.step_ns, now_ns - options_.step_ns);
   } else {
-    // A pause as long as the step itself: the batches that one tick of a publisher is cut into then share a step.
+    // A pause as long as the step itself, so that the batches that make up one tick of a publisher share a step.
     constexpr std::int64_t kLongestPauseNs = 5'000'000;
     const std::int64_t end_ns = steady_ns();
     next_step_ns_ = end_ns + std::min(end_ns - now_ns, kLongestPauseNs);
@@ -177,7 +179,7 @@ void WorldLoop::step_now() {
   const StepOptions step_options{.contacts = with_.event_writer.contacts_wanted(),
                                  .persisted = with_.event_writer.persisted_wanted() && !leaves_out};
   while (!with_.world.step(with_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), step_options)) {
-    // Readers hold every free state. Workers let theirs go within an answer's time, requests in chunks within 2 s.
+    // Readers hold every free state. Workers release theirs within an answer's time, requests in chunks within 2 s.
     ++counts_.stalled_steps;
     sums_.stalled_steps.add(1);
     with_.leases.expire(steady_ns());
@@ -289,7 +291,7 @@ void WorldLoop::write_status(ServerState state) {
   with_.event_writer.write_status(status_);
 }
 
-/// Only what changes with every step, so that it costs little more than its publishers.
+/// Writes only what changes with every step, so it costs little more than listing the publishers.
 void WorldLoop::write_step() {
   const SnapshotRing::Lease newest = with_.world.newest();
   status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
@@ -304,7 +306,8 @@ void WorldLoop::list_publishers(bool with_names) {
   auto applied = applied_.begin();
   publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {
     status_.publishers.push_back(view.publisher);
-    // What is in a published state, not what waits for the next step. Both lists are in the publishers' order.
+    // Only samples in a published state count, not those that wait for the next step. Both lists are ascending by
+    // publisher.
     applied = std::find_if(applied, applied_.end(), [&](const auto& entry) { return entry.first >= view.publisher; });
     const bool found = applied != applied_.end() && applied->first == view.publisher;
     status_.applied_sequences.push_back(found ? applied->second : 0);
@@ -330,7 +333,8 @@ std::string WorldLoop::publisher_name(std::uint64_t publisher) const {
   return found == publisher_names_.end() ? std::string() : found->second;
 }
 
-/// Contacts end when one of their objects goes; a part of a scene cannot go alone, its partner can.
+/// Ends all contacts by removing their moving objects: a contact ends with either of its objects, and a part of a scene
+/// cannot be removed alone.
 void WorldLoop::end_contacts() {
   std::vector<ObjectId> objects;
   for (const OpenContact& contact : with_.world.contacts()) {
@@ -346,7 +350,8 @@ void WorldLoop::end_contacts() {
   if (!objects.empty()) step_now();
 }
 
-/// At the first and whenever there are twice as many: a line a step would bury the log.
+/// Reports skipped sweeps at the first one and whenever there are twice as many: a line for each step would bury the
+/// log.
 void WorldLoop::say_skipped_sweeps() {
   const std::uint64_t before = counts_.sweeps_skipped;
   counts_.sweeps_skipped += with_.world.cost().sweeps_skipped;

@@ -22,22 +22,24 @@
 
 namespace collided::engine::service {
 
+/// When the world steps, and what publishers may take up.
 struct LoopOptions {
   std::int64_t step_ns = 0;      // 0: a step as soon as something has changed
-  std::int64_t recovery_ns = 0;  // after a crash, the longest wait for publishers to find this server
+  std::int64_t recovery_ns = 0;  // longest wait for publishers after a crash; 0: there was none
   PublisherLimits limits;
 };
 
-/// What the loop met; read by the log.
+/// What the loop has done since the start. Not atomic: for the world's thread, or once run() has returned.
 struct LoopCounts {
   std::uint64_t steps = 0;
-  std::uint64_t stalled_steps = 0;   // readers held every free state; tried again
-  std::uint64_t sweeps_skipped = 0;  // pairs whose way could not be followed to its end
+  std::uint64_t stalled_steps = 0;   // readers held every free state; each was tried again
+  std::uint64_t sweeps_skipped = 0;  // pairs whose motion could not be followed to its end
 };
 
-/// The one thread that writes the world: takes what has come, steps, tells what has changed.
+/// The loop of the one thread that writes the world: takes what has come in, steps, publishes what has changed.
 class WorldLoop {
  public:
+  /// What it works with; all must outlive the WorldLoop. The functions are called on the world's thread.
   struct Collaborators {
     World& world;
     const WorldClock& clock;
@@ -46,15 +48,16 @@ class WorldLoop {
     WriteBarriers& write_barriers;
     SnapshotLeases& leases;
     QuestionCounts& questions;
-    std::function<void(AskPointer)> admit;           // asks whose fence has been passed
+    std::function<void(AskPointer)> admit;           // questions whose write barrier has been passed
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
-    std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
-    // Asked after a crash.
-    std::function<bool()> is_adding_again = {};  // scenes and objects that commands had added; however long it takes
-    std::function<bool()> has_all_back = {};     // every publisher that was there
-    // Asked while overloaded.
-    std::function<bool()> leaves_out_details = {};  // contacts that go on are not told anew
+    std::function<void()> has_new_publisher = {};    // at once, since a crash may be near; empty: not called
+    // Called while the server recovers from a crash; empty: nothing to wait for.
+    std::function<bool()> is_adding_again =   // commands are still carried out again; this has no time limit
+        {};                                   // scenes and objects of commands are still being added; has no time limit
+    std::function<bool()> has_all_back = {};  // every publisher from before the crash is back
+    // Called before each step.
+    std::function<bool()> leaves_out_details = {};  // overloaded: contacts that go on are not reported again
   };
 
   WorldLoop(const Collaborators& with, const LoopOptions& options)
@@ -65,39 +68,42 @@ class WorldLoop {
         recovering_(options.recovery_ns > 0),
         started_ns_(steady_ns()) {}
 
-  /// Runs until stop(); then ends every contact with server_stopping and says so. Ends the process where no memory is left.
+  /// Runs until stop(), then ends every contact with server_stopping and publishes that. The calling thread becomes the
+  /// world's. Ends the process where no memory is left.
   void run();
-  /// This is the thread that run() is on.
+  /// Whether the calling thread is the one of run().
   bool runs_here() const { return thread_.load() == std::this_thread::get_id(); }
   /// Any thread.
+  /// Makes run() end soon; does not wait for it.
   void stop();
 
   /// For jobs on this thread.
   World& world() { return with_.world; }
   Probes& probes() { return probes_; }
-  /// After probes() was changed.
+  /// To be called after probes() was changed.
   void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
-  /// In the newest state, in the order of probes().definition(); for jobs on this thread.
+  /// The probes' readings in the newest state, in the order of probes().definition(). For jobs on this thread.
   const std::vector<ProbeReading>& read_probes();
   const Publishers& publishers() const { return publishers_; }
-  /// All changes so far become events and a state. What began and ended is in world().events() until the next step.
+  /// Steps at once: all changes so far become events and a new state. What began and ended is in world().events() until
+  /// the next step. For jobs on this thread.
   void step_now();
-  /// A change that a job made itself.
+  /// Counts a change that a job made itself, so that a step follows.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }
   /// Any thread.
   const StepSums& sums() const { return sums_; }
-  /// 0: a step as soon as something has changed. Any thread.
+  /// Period of the steps; 0: a step as soon as something has changed. Any thread.
   std::int64_t step_period_ns() const { return options_.step_ns; }
-  /// Any thread; as of the last status.
+  /// The publisher's name as of the last status; empty: unknown. Any thread.
   std::string publisher_name(std::uint64_t publisher) const;
-  /// Not everything that was there before a crash may be back yet. Any thread.
+  /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
-  /// A sentence for the log; any thread.
+  /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
   bool contacts_wanted() const { return with_.event_writer.contacts_wanted(); }
   bool probes_wanted() const { return with_.event_writer.probes_wanted(); }
-  /// Any thread; as of the last change of them.
+  /// Number of probes as of the last note_probes(). Any thread.
   std::size_t probe_count() const { return probe_count_.load(std::memory_order_relaxed); }
 
  private:
@@ -133,22 +139,22 @@ class WorldLoop {
   std::atomic<bool> recovering_{false};
   std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;
-  std::uint64_t own_changes_ = 0;
-  std::uint64_t pending_changes_ = 0;
-  std::int64_t next_step_ns_ = 0;
+  std::uint64_t own_changes_ = 0;      // made by jobs, since the last step
+  std::uint64_t pending_changes_ = 0;  // of publishers and jobs that wait for a step
+  std::int64_t next_step_ns_ = 0;      // these three: steady clock
   std::int64_t next_status_ns_ = 0;
   std::int64_t next_tick_ns_ = 0;
   LoopCounts counts_;
   StepSums sums_;
-  std::int64_t stepping_ns_ = 0;  // in steps, since the start
+  std::int64_t stepping_ns_ = 0;  // spent in steps since the start
 
   Probes probes_;
   std::atomic<std::size_t> probe_count_{0};
   std::vector<ProbeReading> probe_readings_;
   ProbeColumns probe_columns_;
   StatusColumns status_;
-  WriteBarriers::Applied applied_;
-  mutable std::mutex publisher_names_mutex_;
+  WriteBarriers::Applied applied_;            // as of the newest published state
+  mutable std::mutex publisher_names_mutex_;  // for publisher_names_, which other threads read
   std::map<std::uint64_t, std::string> publisher_names_;
 };
 

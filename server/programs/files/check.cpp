@@ -27,7 +27,7 @@ std::string point_text(const Vec3& point) {
 
 json point_json(const Vec3& point) { return {point.x(), point.y(), point.z()}; }
 
-/// Of the static mesh and of each mesh of objects once.
+/// Counts the triangles of the static mesh and, once each, those of the objects' meshes.
 std::size_t triangles_of(const Scene& scene) {
   std::unordered_set<const TriangleMesh*> seen;
   std::size_t count = scene.mesh.triangles.size();
@@ -38,9 +38,9 @@ std::size_t triangles_of(const Scene& scene) {
   return count;
 }
 
-/// The static mesh, and each mesh of objects once.
+/// Checks the static mesh and, once each, the objects' meshes.
 ///
-/// progress  told the fraction done in [0, 1]: of the triangles
+/// progress  called with the fraction done in [0, 1], by triangles
 std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scrutiny,
                                       const std::function<void(double)>& progress) {
   std::vector<CheckedMesh> meshes;
@@ -63,7 +63,7 @@ std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scruti
   return meshes;
 }
 
-/// Each kind with a count, 0 included, so that a program need not ask whether it is there.
+/// Every kind of finding with its count, even 0, so that a program that reads it need not ask whether it is there.
 json mesh_json(const CheckedMesh& checked) {
   const MeshHealth& health = checked.health;
   json object{{"triangles", health.triangle_count},
@@ -198,7 +198,7 @@ void print_text(const Scene& scene, const std::vector<CheckedMesh>& meshes, cons
 }  // namespace
 
 int check(const FileOptions& file, const CheckOptions& options) {
-  // Shares of the time that they take of a million triangles.
+  // Share of the time, measured with a million triangles.
   constexpr double kLoaded = 0.15;
   LoadReport report;
   std::optional<ProgressLine> line(std::in_place, "checking");

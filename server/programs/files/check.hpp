@@ -4,16 +4,17 @@
 
 namespace collided::engine::files {
 
+/// What `collide check` reports besides what is wrong.
 struct CheckOptions {
   bool as_json = false;
-  double crease_deg = 30;
-  bool volumes = false;    // the table of bounding volumes besides
-  bool encodings = false;  // the table of bytes as lists, fans, strips and a mesh besides
+  double crease_deg = 30;  // angle between two triangles above which their edge is a crease
+  bool volumes = false;    // print the table of bounding volumes too
+  bool encodings = false;  // print the table of sizes as lists, fans, strips and a mesh too
   std::string eye{};       // "X,Y,Z"; empty: no silhouettes are counted
 };
 
-/// Prints what a file holds, what is wrong with it and what the service does about each. 0: all of it was taken; 1:
-/// something was refused.
+/// Prints what a file holds, what is wrong with it, and what the service does about each finding. Returns 0 where all
+/// of the file was taken, 1 where something was refused. Throws LoadError or Interrupted.
 int check(const FileOptions& file, const CheckOptions& options);
 
 }  // namespace collided::engine::files

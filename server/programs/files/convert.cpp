@@ -22,11 +22,13 @@ Vec3 middle(const Scene& scene) {
   for (const Vec3& vertex : scene.mesh.vertices) all.extend(vertex);
   for (const SceneObject& object : scene.objects) all.extend(object.pose.position);
   if (all.empty()) throw LoadError("--center: the file holds nothing that has a middle");
-  // Whole metres: the numbers of most files stay exact when they are taken away.
+  // In whole metres: most files' numbers stay exact when those are subtracted.
   return (all.low / 2 + all.high / 2).array().round();
 }
 
-/// a - b, and whether a bit was lost. source  Knuth's TwoSum
+/// a - b; counts the difference where it was rounded.
+///
+/// source  Knuth's TwoSum
 double subtract(double a, double b, std::uint64_t& rounded_count) {
   const double difference = a - b;
   const double b_part = a - difference;
@@ -63,7 +65,7 @@ void add_indexes(Scene& scene, BvhForm form) {
   BvhReport sum;
   std::uint64_t triangles = scene.mesh.triangles.size();
   save_index(scene.mesh, form, sum, scene.index);
-  std::unordered_set<const TriangleMesh*> done;  // objects that share a mesh share the index that the first one brings
+  std::unordered_set<const TriangleMesh*> done;  // objects that share a mesh share the index saved with the first one
   for (SceneObject& object : scene.objects) {
     if (!object.shape.mesh || !done.insert(object.shape.mesh.get()).second) continue;
     save_index(*object.shape.mesh, form, sum, object.index);

@@ -4,19 +4,21 @@
 
 namespace collided::engine::files {
 
+/// What `collide convert` makes of a file.
 struct ConvertOptions {
   FileOptions file;
-  std::string output;  // .cscene
-  bool center = false;
+  std::string output;            // path, ending in .cscene
+  bool center = false;           // the middle, rounded to whole metres, becomes 0 0 0; excludes `origin`
   std::string origin;            // "X,Y,Z": this point becomes 0 0 0
   std::string index = "fast";    // how the saved indexes are built: "fast" or "best"
-  std::string to{};              // simplified to so many triangles, or to so many per cent ("10%")
-  std::string cost = "quadric";  // what simplification goes by: "quadric" or "length"
-  bool levels = false;           // the order of simplification is saved, for levels of detail
-  bool no_index = false;         // none is saved; whoever loads the file builds it
+  std::string to{};              // simplify to so many triangles, or to so many per cent ("10%"); empty: not at all
+  std::string cost = "quadric";  // what simplification minimises: "quadric" or "length"
+  bool levels = false;           // save the order of simplification, for levels of detail
+  bool no_index = false;         // save no index; loading the file builds it
 };
 
-/// Reads a file and writes it as a scene file with the index of each mesh, moved where asked. 0: all of it was taken; 1: something was refused.
+/// Reads a file and writes it as a scene file with the index of each mesh, moved and simplified as the options say.
+/// Returns 0 where all of the file was taken, 1 where something was refused. Throws LoadError or Interrupted.
 int convert(const ConvertOptions& options);
 
 }  // namespace collided::engine::files

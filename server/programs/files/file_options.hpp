@@ -8,36 +8,37 @@
 
 namespace collided::engine::files {
 
-/// How a file is to be read, as the user wrote it.
+/// How a file is to be read, as the user wrote it; load() checks it.
 struct FileOptions {
   std::string path;
-  std::string name;
-  std::string unit = "m";
-  std::string up{};  // empty: as the format says, else z
-  bool strict = false;
-  bool mend = false;
-  std::string crack{};   // a length with a unit: the widest crack; empty: a share of the diagonal
-  std::string radius{};  // the same, of a cloud's points
-  std::string srdf{};
+  std::string name;        // of the scene; empty: the file's stem
+  std::string unit = "m";  // of the file's numbers, for unit_in_metres()
+  std::string up{};        // empty: as the format says, else z
+  bool strict = false;     // refuse what would be mended
+  bool mend = false;       // cut edges at T-vertices and close cracks
+  std::string crack{};     // widest crack, a length with a unit; empty: a share of the diagonal
+  std::string radius{};    // of the balls about a cloud's points, a length with a unit; empty: 0
+  std::string srdf{};      // for a URDF robot: path of the file that says which links may touch
 };
 
-/// Metres a unit: "mm", "in", ..., or a number above 0. Nothing for any other text.
+/// Metres per unit of "mm", "in", ..., or of a number above 0. Nothing for any other text.
 std::optional<double> unit_in_metres(const std::string& unit);
 
-/// "0.1mm", "2e-4": metres. Throws LoadError naming the option for what is no length above 0.
+/// Metres of "0.1mm" or "2e-4". Throws LoadError that names the option where the text is no length above 0.
 double length_in_metres(const char* option, const std::string& text);
 
-/// "1,-2,3e5": three finite numbers. Throws LoadError naming the option.
+/// A point from "1,-2,3e5": three finite numbers. Throws LoadError that names the option.
 Vec3 parse_point(const char* option, const std::string& text);
 
-/// 0 where none was given.
+/// file.crack in metres; 0 where it is empty.
 double crack_in_metres(const FileOptions& file);
 
-/// Throws LoadError with the reason, or Interrupted.
-/// progress  told the fraction done in [0, 1]
+/// Reads the file. Throws LoadError with the reason, or Interrupted.
+///
+/// progress  called with the fraction done in [0, 1]
 Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress);
 
-/// "18 204": thousands apart.
+/// The number with its thousands apart: "18 204".
 std::string grouped(std::uint64_t value);
 
 /// The shortest text that reads back to the same double.

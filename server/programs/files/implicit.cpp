@@ -57,7 +57,7 @@ double finite_number(const std::string& word) {
   return value;
 }
 
-/// A point or a ray as numbers.
+/// The three numbers of a point or the six of a ray. Throws LoadError.
 std::vector<double> question_of(const std::vector<std::string>& words) {
   std::vector<double> numbers;
   for (const std::string& word : words) numbers.push_back(finite_number(word));
@@ -69,7 +69,7 @@ std::vector<double> question_of(const std::vector<std::string>& words) {
   return numbers;
 }
 
-/// Infinities as text: JSON has none.
+/// JSON has no infinity; it is written as text.
 json number_json(double value) { return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : "-inf"); }
 json point_json(const Vec3& point) { return {number_json(point.x()), number_json(point.y()), number_json(point.z())}; }
 std::string point_text(const Vec3& point) {
@@ -153,7 +153,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-/// False at the end. A line that is too long is left behind, its beginning kept for the complaint.
+/// Reads a line from stdin; false at the end. Of a line that is too long only the beginning is kept, for the error
+/// message.
 bool next_line(std::string& line, bool& too_long) {
   std::array<char, kMaxLineBytes + 1> buffer{};
   std::cin.getline(buffer.data(), buffer.size());
@@ -166,7 +167,7 @@ bool next_line(std::string& line, bool& too_long) {
   return too_long || !std::cin.fail();
 }
 
-/// Empty lines and those that begin with # are passed over.
+/// Answers each line of stdin, but empty ones and those that begin with #.
 int ask_lines(const ImplicitSurface& surface, double length_m, bool as_json) {
   bool refused = false;
   bool too_long = false;

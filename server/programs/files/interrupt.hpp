@@ -4,18 +4,18 @@
 
 namespace collided::engine::files {
 
-/// From now on Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing half written stays behind.
+/// From then on Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing is left half written.
 void listen_for_interrupt();
 
-/// threads  any
+/// Whether Ctrl-C was pressed since listen_for_interrupt(). Any thread.
 bool is_interrupted();
 
-/// Thrown by what ends because the user said so: no error.
+/// Thrown to end because the user asked for it; not an error.
 struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// Throws Interrupted.
+/// Throws Interrupted if is_interrupted().
 void end_if_interrupted();
 
 }  // namespace collided::engine::files

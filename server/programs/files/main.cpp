@@ -9,8 +9,8 @@
 
 // collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ...
 //
-// What `collide check`, `collide convert` and `collide implicit` run: the readers and the exact tests belong to the server,
-// whose code the client does not hold.
+// The program behind `collide check`, `collide convert` and `collide implicit`: the readers and the exact tests belong
+// to the server, and the client does not contain the server's code.
 
 namespace {
 
@@ -29,8 +29,8 @@ void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file)
   verb.add_option("--srdf", file.srdf, "Of a .urdf robot: the file that says which links may touch");
 }
 
-/// The words, last first as the parser takes them. Of `implicit`, a polynomial may begin with a minus sign, and so may
-/// numbers, without being options.
+/// The command line's words, last first as the parser takes them. In `implicit` a polynomial or a number may begin with
+/// a minus sign; a blank in front keeps the parser from taking it for an option.
 std::vector<std::string> words_of(int argument_count, char** arguments) {
   std::vector<std::string> words;
   const bool shields = argument_count > 1 && std::string_view(arguments[1]) == "implicit";

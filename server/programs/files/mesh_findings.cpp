@@ -13,7 +13,7 @@
 namespace collided::engine::files {
 namespace {
 
-/// The part of each triangle; parts are what a file's materials and groups have become.
+/// The number of each triangle's part; parts are what a file's materials and groups have become.
 std::vector<std::uint32_t> part_numbers(const TriangleMesh& mesh, const std::vector<Part>& parts) {
   std::vector<std::uint32_t> numbers(mesh.triangles.size());
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
@@ -22,7 +22,7 @@ std::vector<std::uint32_t> part_numbers(const TriangleMesh& mesh, const std::vec
   return numbers;
 }
 
-/// Something at a triangle and how bad it is.
+/// One fault at a triangle, and how bad it is.
 struct Item {
   std::uint32_t triangle = 0;
   double size_m = 0;
@@ -105,6 +105,7 @@ class Findings {
         "kept; several surfaces touch there");
   }
 
+  /// The first triangle that has this vertex; the table is made at the first call.
   std::uint32_t triangle_at(std::uint32_t point) {
     if (first_triangles_.empty()) {
       first_triangles_.assign(c_.mesh->vertices.size(), 0);
@@ -158,7 +159,7 @@ class Findings {
 
 CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
                        const Scrutiny& scrutiny, const std::function<void(double)>& progress) {
-  // Shares of the time that they take of a million triangles.
+  // Shares of the time, measured with a million triangles.
   constexpr double kHealth = 0.15;
   constexpr double kEdges = 0.25;
   constexpr double kIndex = 0.5;

@@ -11,48 +11,52 @@
 
 namespace collided::engine::files {
 
-/// A mesh of a file with what was found out about it.
+/// A mesh of a file, and what was found out about it.
 struct CheckedMesh {
   std::string name;
   const TriangleMesh* mesh = nullptr;
-  const std::vector<Part>* parts = nullptr;  // null: the mesh is one object's
-  CutTriangles cut{};                        // of an object's mesh
+  const std::vector<Part>* parts = nullptr;  // of the scene; null: the mesh is one object's
+  CutTriangles cut{};                        // of an object's mesh: from its triangles to those of the file
   MeshHealth health;
   SelfIntersections crossings;
   std::uint64_t crease_edge_count = 0;
-  std::uint64_t material_edge_count = 0;                 // between parts
-  std::optional<std::uint64_t> silhouette_edge_count{};  // seen from the eye
+  std::uint64_t material_edge_count = 0;                 // edges between two parts
+  std::optional<std::uint64_t> silhouette_edge_count{};  // seen from the eye; nothing without one
 };
 
-/// How meshes are looked at.
+/// What to look for in a mesh.
 struct Scrutiny {
-  double crack_m = 0;
-  double crease_deg = 30;
-  std::optional<Vec3> eye{};
+  double crack_m = 0;         // widest crack to look for; 0: a share of the diagonal
+  double crease_deg = 30;     // angle between two triangles above which their edge is a crease
+  std::optional<Vec3> eye{};  // from which silhouette edges are counted
 };
 
-/// progress  told the fraction done in [0, 1], from any thread
+/// Examines a mesh: its edges, its seams, and where its triangles meet each other. mesh and parts must outlive the
+/// result.
+///
+/// progress  called with the fraction done in [0, 1], from any thread
 /// throws    Interrupted
 CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
                        const Scrutiny& scrutiny, const std::function<void(double)>& progress);
 
-/// A triangle as answers name it, with a side or another triangle where the finding has one, and how bad it is.
+/// Where a finding is: a triangle as answers name it, and in `detail` a side, a point or another triangle, where there
+/// is one.
 struct Place {
   std::string object;
   std::uint32_t triangle = 0;
   std::string detail;
 };
 
-/// One kind of what is wrong.
+/// One kind of fault of a mesh.
 struct Finding {
-  const char* key;   // in JSON
-  const char* what;  // in the table
+  const char* key;   // its name in JSON
+  const char* what;  // its name in the table
   std::uint64_t count = 0;
   std::vector<Place> worst;  // worst first
   std::string consequence;   // what the service does about it
 };
 
-/// Those of which there are any, in a fixed order. worst_count: at most so many places of each.
+/// The faults that the mesh has, in a fixed order, each with at most worst_count places.
 std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
 
 }  // namespace collided::engine::files

@@ -6,7 +6,8 @@
 
 namespace collided::engine::files {
 
-/// One line on stderr that says how far a long task is: only on a terminal and only after 400 ms; wiped in the end.
+/// One line on stderr that shows how far a long task is: only on a terminal, and only after 400 ms; the destructor
+/// erases it.
 class ProgressLine {
  public:
   explicit ProgressLine(std::string task);
@@ -14,6 +15,8 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
+  /// Shows the progress, at most ten times a second.
+  ///
   /// fraction  done, in [0, 1]
   /// threads   any
   void tell(double fraction);

@@ -50,7 +50,7 @@ std::string refusals(const SimplifyReport& report) {
       grouped(report.flip_refusals), grouped(report.crossing_refusals), grouped(report.topology_refusals));
 }
 
-/// How many of a level's triangles each part has.
+/// Gives each part the run of triangles that the level has left of it; parts without any are removed.
 void recount_parts(const LevelTriangles& level, std::vector<Part>& parts) {
   auto next = level.originals.begin();
   std::uint32_t first = 0;

@@ -7,12 +7,14 @@
 
 namespace collided::engine::files {
 
-/// Puts a simpler mesh in the place of the scene's, and says by how much it is off. Parts keep their names; triangles get
-/// new numbers.
+/// Replaces the scene's mesh by a simpler one, and prints how far their surfaces are apart. Parts keep their names, but
+/// one without a triangle left is removed; triangles get new numbers.
+///
 /// target  "5000" triangles, or "10%" of them; throws LoadError for any other text
 void simplify_to(Scene& scene, const std::string& target, CollapseCost cost);
 
-/// Adds the order in which the mesh is simplified, for levels of detail, and says what levels it gives.
+/// Adds the order in which the mesh is simplified, from which loading makes levels of detail, and prints which levels
+/// these are.
 void add_levels(Scene& scene, CollapseCost cost);
 
 }  // namespace collided::engine::files

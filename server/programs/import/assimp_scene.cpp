@@ -18,7 +18,7 @@
 namespace collided::engine {
 namespace {
 
-/// Place of a node: x_W = linear * x + offset.
+/// The placement of a node: x_W = linear * x + offset.
 struct Placement {
   Mat3 linear = Mat3::Identity();
   Vec3 offset = Vec3::Zero();
@@ -37,7 +37,7 @@ class AssimpReader {
 
   Scene read() {
     count_names();
-    // Our own stack: how deep a file nests is the file's choice.
+    // A stack of our own instead of recursion: the file chooses how deep it nests.
     std::vector<std::pair<const aiNode*, Placement>> waiting = {{from_.mRootNode, {}}};
     while (!waiting.empty()) {
       const auto [node, parent] = waiting.back();
@@ -61,7 +61,7 @@ class AssimpReader {
     }
   }
 
-  /// A name that many nodes have ("IfcMappedItem") says little; the parent's says what it is part of.
+  /// The node's name, with its parent's in front where several nodes have it: "IfcMappedItem" alone says little.
   std::string part_name(const aiNode& node) {
     const std::string name = node.mName.C_Str();
     const bool needs_parent = name_counts_[name] > 1 && node.mParent != nullptr && node.mParent->mName.length > 0;
@@ -82,7 +82,7 @@ class AssimpReader {
   void add_mesh(const aiMesh& mesh, const aiNode& node, const Placement& placement) {
     const std::size_t first_vertex = scene_.mesh.vertices.size();
     const std::uint64_t limit = std::min<std::uint64_t>(options_.max_triangles, 0xffffffff);
-    // A file may show one mesh any number of times, so its size does not bound this.
+    // A file may show one mesh any number of times, so the file's size does not bound this.
     if (scene_.mesh.triangles.size() + mesh.mNumFaces > limit || first_vertex + mesh.mNumVertices > 0xffffffff) {
       throw LoadError(fmt::format("more than {} triangles", limit));
     }
@@ -101,7 +101,7 @@ class AssimpReader {
     warn_of_lost_digits(mesh, placement);
   }
 
-  /// mirrors: the node shows the mesh as in a mirror, where the corners run round the other way.
+  /// mirrors  the node shows the mesh as in a mirror: the corners then run round the other way
   void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first_vertex, bool mirrors) {
     if (face.mNumIndices != 3) {
       ++other_faces_;
@@ -118,7 +118,7 @@ class AssimpReader {
     scene_.mesh.triangles.push_back(corners);
   }
 
-  // Looked for before the node moves the mesh: afterwards the numbers are no longer those of single precision.
+  // Looks at the mesh before the node moves it: afterwards its numbers are no longer those of single precision.
   void warn_of_lost_digits(const aiMesh& mesh, const Placement& placement) {
     if (!precision_warning_.empty()) { return; }
     TriangleMesh raw;

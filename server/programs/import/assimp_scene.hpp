@@ -6,10 +6,12 @@
 
 namespace collided::engine {
 
-/// The meshes of a file as Assimp reads it, each put in its place by the node that shows it, in double from there on.
+/// The meshes of a file as Assimp reads it, each placed by the nodes that show it; from there on in double.
 ///
-/// A node that shows meshes is a part with the node's name, the parent's name in front where several have the same.
-/// Axes stay as Assimp gives them; nothing is joined or dropped but what is no triangle, and the report says so.
+/// A node that shows meshes becomes a part with the node's name, the parent's in front where several nodes have the
+/// same. Axes stay as Assimp gives them. Nothing is joined, and nothing dropped but what is no triangle; the report
+/// says so.
+///
 /// throws    LoadError, without a consequence in its text: the caller knows it
 Scene read_with_assimp(const std::string& path, const LoadOptions& options, LoadReport& report);
 

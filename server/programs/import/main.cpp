@@ -13,11 +13,13 @@
 #include "server/programs/import/assimp_scene.hpp"
 #include "server/programs/import/sandbox.hpp"
 
-// collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] [--mend-m WIDTH]
+// collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] [--mend-m
+// WIDTH]
 //                 [--strict]
 //
-// Turns a file of foreign bytes into a .cscene file: one in a format that is read here, or in any other that Assimp reads. A
-// process of its own, which may do nothing but that (sandbox.hpp): whatever happens to it here, the server lives on.
+// Turns a file that nobody vouches for into a .cscene file: one in a format that is read here, or in any other that
+// Assimp reads. This is a process of its own that may do nothing else (sandbox.hpp), so whatever such a file does to
+// it, the server lives on.
 
 namespace {
 

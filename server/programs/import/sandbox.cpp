@@ -29,7 +29,7 @@ bool limit_ourselves() {
          (!kSandboxLimitsCalls || limit(RLIMIT_AS, kMemoryBytes));
 }
 
-/// Without arguments that matter.
+/// System calls that are allowed with any arguments.
 constexpr const char* kHarmless[] = {"read",
                                      "pread64",
                                      "readv",
@@ -76,6 +76,7 @@ constexpr const char* kHarmless[] = {"read",
                                      "exit",
                                      "exit_group"};
 
+/// A seccomp filter under construction; the first fault is kept and returned by load().
 class Filter {
  public:
   explicit Filter(std::uint32_t otherwise) : context_(::seccomp_init(otherwise)) {}
@@ -85,7 +86,7 @@ class Filter {
   Filter(const Filter&) = delete;
   Filter& operator=(const Filter&) = delete;
 
-  /// A call that this kernel does not have needs no rule.
+  /// Adds a rule for a system call. One that this kernel does not have needs none.
   template <class... Conditions>
   void rule(std::uint32_t action, const char* name, Conditions... conditions) {
     const int call = ::seccomp_syscall_resolve_name(name);
@@ -114,18 +115,19 @@ std::string enter_sandbox(int output) {
     for (const char* name : {"write", "pwrite64", "writev", "fsync", "ftruncate", "fallocate"})
       filter.rule(SCMP_ACT_ALLOW, name, SCMP_A0_32(SCMP_CMP_EQ, static_cast<unsigned>(stream)));
   }
-  // Only what cannot change a file: no writing, no making, no cutting.
+  // Files may be opened only in ways that cannot change them: not to write, make or cut them.
   constexpr std::uint64_t kChanging = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   filter.rule(SCMP_ACT_ALLOW, "openat", SCMP_A2_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
   filter.rule(SCMP_ACT_ALLOW, "open", SCMP_A1_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
-  // Threads, not processes. clone3 hides its flags in memory; without it the C library takes clone.
+  // Threads may be made, processes not. clone3 has its flags in memory, where a filter cannot see them; refused, the C
+  // library falls back to clone.
   filter.rule(SCMP_ACT_ALLOW, "clone",
               SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD | CLONE_VM, CLONE_THREAD | CLONE_VM));
   filter.rule(SCMP_ACT_ERRNO(ENOSYS), "clone3");
-  // Asked by the C library in passing; that they fail is nothing to it.
+  // The C library tries these in passing and does not mind that they fail.
   for (const char* name : {"ioctl", "prlimit64", "sched_setaffinity", "prctl"})
     filter.rule(SCMP_ACT_ERRNO(EPERM), name);
-  // To itself: abort().
+  // A signal to itself, as abort() sends it.
   filter.rule(SCMP_ACT_ALLOW, "tgkill", SCMP_A0_32(SCMP_CMP_EQ, static_cast<unsigned>(::getpid())));
   const int fault = filter.load();
   if (fault != 0) return std::string("its system calls cannot be limited: ") + std::strerror(-fault);

@@ -4,17 +4,17 @@
 
 namespace collided::engine {
 
-/// False in sanitized builds: they map terabytes that they never touch, and make system calls of their own.
+/// False in sanitized builds, which map terabytes that they never touch and make system calls of their own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSandboxLimitsCalls = false;
 #else
 inline constexpr bool kSandboxLimitsCalls = true;
 #endif
 
-/// Takes away from this process, for good, what reading a file and writing another does not need: memory, processor time
-/// and size of the output are limited, and every system call but those for reading files, for memory, for threads and for
-/// writing to `output` and the standard streams ends the process with SIGSYS. Files cannot be opened for writing, nor sockets,
-/// nor can programs be run or other processes be touched.
+/// Takes from this process, for good, all that reading files and writing one does not need. Memory, processor time and
+/// the size of the output are limited. Every system call but those for reading files, for memory, for threads and for
+/// writing to `output` and the standard streams ends the process with SIGSYS: it cannot open files for writing, open
+/// sockets, run programs or touch other processes.
 ///
 /// output   descriptor of the file to write, open already
 /// returns  why it could not be done, or nothing

@@ -24,11 +24,12 @@
 namespace collided::engine {
 namespace {
 
-/// FCL has no tree over solids of ours: every one is asked against every other.
+/// FCL gets no tree over the solids, so each is tried against each; this bounds the time.
 constexpr std::size_t kMostSolidPairs = 1'000'000;
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
+/// Thrown for a shape or a pair that FCL cannot answer about.
 struct Unsupported {
   std::string why;
 };
@@ -45,7 +46,7 @@ fcl::Transform3d moved_to(const Vec3& position) {
   return at;
 }
 
-/// FCL turns shapes by rotations only.
+/// FCL turns shapes by rotations only, so axes that are not square to each other are unsupported.
 fcl::Transform3d along_axes(const Vec3& center, const Mat3& axes) {
   constexpr double kRotation = 1e-6;
   if (!(axes.transpose() * axes).isApprox(Mat3::Identity(), kRotation))
@@ -57,7 +58,7 @@ fcl::Transform3d along_axes(const Vec3& center, const Mat3& axes) {
   return at;
 }
 
-/// FCL's axis is z, its origin in the middle.
+/// FCL's cylinders and the like stand along z with their middle in the origin.
 fcl::Transform3d along_segment(const Vec3& from, const Vec3& to) {
   fcl::Transform3d at = moved_to(from / 2 + to / 2);
   if (from != to) at.linear() = Quat::FromTwoVectors(Vec3::UnitZ(), to - from).toRotationMatrix();
@@ -101,7 +102,7 @@ FclPart fcl_mesh(const std::vector<const Triangle*>& triangles) {
   return {model};
 }
 
-/// One of FCL's for each primitive, and one for all triangles together.
+/// One FCL shape for each primitive, and one for all triangles together.
 std::vector<FclPart> fcl_parts(const std::vector<ConvexPart>& parts) {
   std::vector<FclPart> all;
   std::vector<const Triangle*> triangles;
@@ -123,8 +124,8 @@ bool touch(const FclPart& a, const FclPart& b) {
 
 double distance(const FclPart& a, const FclPart& b) {
   fcl::DistanceRequestd request;
-  request.enable_signed_distance = false;  // its search asserts on boxes in line with each other
-  request.distance_tolerance = 1e-10;      // by default its search stops at 1e-6
+  request.enable_signed_distance = false;  // with it, FCL's search asserts on boxes in line with each other
+  request.distance_tolerance = 1e-10;      // the default, 1e-6, stops the search too early
   fcl::DistanceResultd result;
   return fcl::distance(a.geometry.get(), a.at, b.geometry.get(), b.at, request, result);
 }

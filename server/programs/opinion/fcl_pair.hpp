@@ -6,8 +6,9 @@
 
 namespace collided::engine {
 
-/// What FCL says: "touching", "apart 0.25" (metres), "apart - WHY" where it has no distance for these shapes, or
-/// "unsupported WHY". Every part of the one is asked against every part of the other; triangles make one mesh.
+/// FCL's answer about two objects: "touching"; "apart 0.25" (metres); "apart - WHY" where it has no distance for these
+/// shapes; or "unsupported WHY". Each part of one object is tried against each part of the other; all triangles of an
+/// object are one mesh.
 std::string fcl_answer(const OpinionRequest& request);
 
 }  // namespace collided::engine

@@ -11,13 +11,13 @@
 
 // collided-opinion
 //
-// Reads two objects from stdin (opinion_request.hpp) and prints in one line what FCL says to them. A process of its own, which
-// may do nothing but that, with the importer's limits (sandbox.hpp): FCL ends its process where an assumption of its own
-// fails, and the server lives on.
+// Reads two objects from stdin (opinion_request.hpp) and prints FCL's answer about them in one line. This is a process
+// of its own that may do nothing else, with the importer's limits (sandbox.hpp): FCL ends its process where one of its
+// assumptions fails, and the server lives on.
 
 namespace {
 
-/// Everything on stdin; one byte more than is allowed is enough to refuse it.
+/// All bytes on stdin, but no more than one beyond the limit: that is enough to refuse them.
 std::vector<std::byte> read_all() {
   std::vector<std::byte> bytes;
   std::array<std::byte, 65536> piece;

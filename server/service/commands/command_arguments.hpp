@@ -13,30 +13,37 @@
 
 namespace collided::engine::service {
 
-/// A command that cannot be done: what is wrong, and what to do next where there is something.
+/// A command that cannot be carried out: what is wrong, and a hint what to do next where there is one.
 struct BadCommand : std::runtime_error {
   explicit BadCommand(const std::string& error, std::string next = {})
       : std::runtime_error(error), hint(std::move(next)) {}
   std::string hint;
 };
 
-/// The arguments of a command, each checked when it is asked for. Throws BadCommand.
+/// The arguments of a command, each checked when it is read. Every function throws BadCommand where the argument is
+/// there but not of the wanted kind; null counts as absent.
 class Arguments {
  public:
+  /// text  a JSON object with the name of the command under "command"
   explicit Arguments(const std::string& text);
 
   const std::string& command() const { return command_; }
-  /// Whatever is not among these is refused: a misspelt argument must not be ignored.
+  /// Refuses every argument that is not among these: a misspelt one must not be ignored.
   void allow_only(std::initializer_list<const char*> names) const;
 
   bool has(const char* name) const;
+  /// Three numbers, which may be of any size; nothing where there is no such argument.
   std::optional<Vec3> vector(const char* name) const;
   std::string text(const char* name, const std::string& otherwise = {}) const;
   bool truth(const char* name, bool otherwise) const;
+  /// A finite number.
   double number(const char* name, double otherwise) const;
+  /// A whole number from 0 to `most`.
   std::uint64_t whole(const char* name, std::uint64_t otherwise, std::uint64_t most) const;
+  /// [x, y, z, qw, qx, qy, qz], checked as checked_pose() does; nothing where there is no such argument.
   std::optional<Pose> pose(const char* name) const;
-  /// [[low 3, high 3], ...]; infinite ends are the texts "inf" and "-inf". None where there is no such argument.
+  /// [[low 3, high 3], ...], at most 10000 boxes; infinite ends are the texts "inf" and "-inf". Empty where there is no
+  /// such argument.
   std::vector<Aabb> boxes(const char* name) const;
 
  private:

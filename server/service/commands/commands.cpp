@@ -52,7 +52,7 @@ Commands::~Commands() { stop(); }
 
 void Commands::stop() {
   stopping_.store(true);
-  // Whoever has been let in finds its thread; the others are told.
+  // Waits for the calls of run() that passed the check before; later ones see stopping_ and refuse.
   { const std::unique_lock alone(gate_); }
   geometry_.stop();
   uploads_.stop();
@@ -63,7 +63,7 @@ void Commands::stop() {
   forget_recordings();
 }
 
-/// The answer of some work, or the refusal that it threw.
+/// Sends the result of the work, or the refusal that it threw.
 void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
   answer_text(ask, [&] { return dump(work()); });
 }
@@ -75,13 +75,13 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
   try {
     send(ask, ReplyStatus::ok, work());
   } catch (const BadCommand& bad) { refuse(bad.what(), bad.hint); } catch (const std::bad_alloc&) {
-    // Half of a change may be in the world by now.
+    // On the world's thread half of a change may be in the world by now: the caller ends the process.
     if (with_.loop.runs_here()) throw;
     refuse("not enough memory", "");
   } catch (const std::exception& failed) { refuse(failed.what(), ""); }
 }
 
-/// As answer(), but an answer that says "done" waits until what was done is on the disk.
+/// As answer(), but the answer waits until what was done is on the disk, or says why it is not.
 void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work) {
   if (with_.durable == nullptr) return answer(ask, work);
   json result;
@@ -114,20 +114,20 @@ void Commands::forget_what_is_gone() {
   with_.durable->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
 }
 
-/// What is carried out once more did not come over the wire.
+/// Records a command that is carried out again: it did not come over the wire, so nothing else records it.
 void Commands::tell_flight_recorder(const CommandAsk& ask) {
   if (with_.flight == nullptr) return;
   dds::Sample<wire::Query> query;
   query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
   query->chunk_count = 1;
-  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field
+  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field, so it fits
   const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
                                        reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
   dds::borrow(query->blob, blob);
   with_.flight->note(recording::Recorded::query, *query);
 }
 
-/// Scenes on the thread for slow work; objects behind them on the world's.
+/// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
 void Commands::replay(const std::vector<CommandAsk>& asks) {
   if (asks.empty()) return;
   replaying_.store(true);
@@ -158,7 +158,8 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
   });
 }
 
-/// What is carried out once more was asked by nobody that waits; the log hears what could not be done.
+/// Sends an answer to the client. A command that is carried out again has none: only its refusal is reported, in the
+/// log.
 void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
   if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
   if (status == ReplyStatus::refused) with_.loop.say("what was added before the crash cannot be added again: " + text);
@@ -224,7 +225,7 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
   if (!taken) { send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again")); }
 }
 
-// ---- looking
+// ---- commands that look
 
 json Commands::list(const Arguments& arguments) const {
   arguments.allow_only({"name", "moving", "limit"});
@@ -303,12 +304,12 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
   return object;
 }
 
-// ---- changing
+// ---- commands that change the world
 
-/// The object of that name in a state that shows it.
+/// The object of that name, of which the newest snapshot is then sure to have a row.
 ObjectId Commands::find_object(const std::string& name) const {
   if (const std::optional<ObjectId> id = with_.loop.world().find(name)) {
-    // Defined in this very moment: a step makes it part of the state that is shown.
+    // Defined since the last step: a step puts it into the snapshot.
     const SnapshotRing::Lease state = with_.loop.world().newest();
     const bool shown = slot_of(*id) < state->objects->size() && (*state->objects)[slot_of(*id)] &&
                        (*state->objects)[slot_of(*id)]->id == *id;
@@ -329,7 +330,7 @@ void Commands::refuse_if_live(const ObjectInfo& info) const {
                    "its publisher moves and removes it");
 }
 
-/// Steps; the new version.
+/// Makes the change visible by a step; returns the new version.
 std::uint64_t Commands::step() {
   with_.loop.note_change();
   with_.loop.step_now();
@@ -385,7 +386,7 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
                                  printable(world.info(id)->scene)));
   }
   if (with_.durable != nullptr) {
-    // Carried out once more it has no way: that was gone before the crash.
+    // When it is carried out again the object is placed, not moved: its motion was over before the crash.
     json again = json::parse(ask.text);
     again["teleport"] = true;
     with_.durable->object_moved(name, {0, 0, again.dump(), {}});

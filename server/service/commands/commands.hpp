@@ -26,40 +26,45 @@
 
 namespace collided::engine::service {
 
-/// The commands of idl/commands.hpp. What only looks is answered where it is asked, on a state; what changes the world
-/// becomes a job of the world's thread; files are read on a thread of their own.
+/// Carries out the commands of idl/commands.hpp. Most that only look are answered on the thread that asks, on a
+/// snapshot; one that changes the world becomes a job of the world's thread; files, pairs of objects and shapes have
+/// threads of their own.
 class Commands {
  public:
-  /// All of them outlive the Commands.
+  /// What it works with; all must outlive the Commands.
   struct Collaborators {
     WorldLoop& loop;
     Inbox& inbox;
     const WorldClock& clock;
     const QuestionCounts& counts;
     const BackgroundAudit& audit;
-    DurableState* durable;   // keeps what commands add over a crash; null: nothing does
-    FlightRecorder* flight;  // what `recording` hands out; null: nothing
+    DurableState* durable;   // keeps over a crash what commands add; null: nothing is kept
+    FlightRecorder* flight;  // for `recording`; null: there is none
   };
 
-  /// uploads: the folder for files that clients send; empty: none are taken.
+  /// uploads  folder for files that clients send; empty: none are taken
   Commands(const Collaborators& with, const std::string& uploads);
   ~Commands();
 
-  /// Where the answers go; before the first run().
+  /// Sets where the answers go. To be called before the first run().
   void connect(Answering& answering) { answering_ = &answering; }
-  /// Carries out once more what an earlier process had been told; after connect().
+  /// Carries out again what a crashed process had carried out: scenes on a thread of their own, the rest on the
+  /// world's. To be called after connect(); returns at once.
   void replay(const std::vector<CommandAsk>& asks);
+  /// Whether replay() has nothing left to do. Any thread.
   bool replayed() const { return !replaying_.load(); }
-  /// Any thread; returns at once or after looking.
+  /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
+  /// Answering::send_text().
   void run(CommandAsk ask);
-  /// Calls off the load under way and ends; commands that come later are refused.
+  /// Calls off the load under way and ends the threads; commands that come later are refused.
   void stop();
 
  private:
-  static constexpr std::size_t kMostSlowJobs = 4;  // that wait
+  static constexpr std::size_t kMostSlowJobs = 4;  // waiting
   static constexpr std::size_t kMostPairJobs = 64;
-  static constexpr std::size_t kMostRecordings = 4;  // files that can be fetched
+  static constexpr std::size_t kMostRecordings = 4;  // files kept to be fetched
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
+  /// A `load` command, parsed.
   struct Load {
     CommandAsk ask;
     std::string path;
@@ -75,7 +80,7 @@ class Commands {
   void on_world_thread(CommandAsk ask, Change change);
   void forget_what_is_gone();
 
-  // Where it is asked.
+  // On the thread that asks.
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json covers(const Arguments& arguments) const;
@@ -98,7 +103,7 @@ class Commands {
   std::uint64_t step();
   std::uint32_t ended_count() const;
 
-  // On threads of their own, one after the other: loads and menus on one, pairs of objects on another.
+  // On threads of their own, one job after the other: loads and menus on one, pairs and recordings on the other.
   using SlowJob = std::function<void()>;
   void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
@@ -119,16 +124,16 @@ class Commands {
   Answering* answering_ = nullptr;
   const std::int64_t started_ns_ = steady_ns();
   std::mutex recordings_mutex_;
-  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number, path
+  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number and path, oldest first
   std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;
   GeometryService geometry_;
   UploadReceiver uploads_;
-  std::map<std::string, std::string> upload_of_scene_;  // the world's thread
+  std::map<std::string, std::string> upload_of_scene_;  // path by scene; used by the world's thread alone
   std::atomic<bool> stopping_{false};
-  std::shared_mutex gate_;  // shared by commands on their way to a thread; alone: no more come
+  std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;
   std::thread pair_thread_;
 };

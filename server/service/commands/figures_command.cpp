@@ -39,7 +39,7 @@ json questions(const QuestionCounts& counts) {
 
 }  // namespace
 
-/// How the clocks of those that live stand to the server's.
+/// How far the clocks of the publishers that live are behind the server's.
 json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
   json clocks = json::array();
   publishers.for_each(now_ns, [&](const PublisherView& view) {

@@ -60,7 +60,7 @@ class ObjectsEncoder {
     const auto scene = builder.CreateString(info.scene);
     const auto run_vector = builder.CreateVectorOfStructs(runs);
     const std::uint32_t slot = slot_of(info.id);
-    // Parts of a scene are in world coordinates as they are.
+    // A scene's parts are in world coordinates already.
     const Pose pose = info.scene_part == kNoPart ? state_.poses[slot] : Pose{};
     const format::Filter filter = packed(info.filter);
     const format::Vec3 position = packed(pose.position);
@@ -103,7 +103,7 @@ class ObjectsEncoder {
   std::vector<flatbuffers::Offset<format::ShownObject>> objects_;
 };
 
-/// A scene's parts are what its file's materials and groups have become.
+/// The material of each triangle is the number of its part: parts are what a file's materials and groups have become.
 std::vector<std::uint32_t> materials_of(const StaticScene& scene) {
   std::vector<std::uint32_t> materials(scene.mesh.triangles.size());
   for (std::uint32_t i = 0; i < scene.parts.size(); ++i) {
@@ -151,7 +151,7 @@ std::string encode_objects(const Snapshot& state, const std::function<bool(const
 
 std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<double> crease_cosine) {
   const TriangleMesh& mesh = *surface.mesh;
-  // A triangle has three edges at most, and shares them with others mostly.
+  // At most three edges a triangle, most of them shared by two; 17 bytes an edge.
   const std::uint64_t bytes = encoded_bytes(mesh) + (crease_cosine ? 17 * 3 * mesh.triangles.size() / 2 : 0);
   refuse_above_limit(bytes, fmt::format("a surface's {} triangles", mesh.triangles.size()));
   SceneEncoder encoder(bytes + 1024);

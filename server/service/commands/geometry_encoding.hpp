@@ -11,23 +11,25 @@
 
 namespace collided::engine::service {
 
-/// What viewers are told, as buffers of idl/geometry.fbs. Pure, but for the numbers that surfaces are given; any state
-/// may be read by any thread. The work grows with what is told, so that the world's thread has no part in it.
+/// What viewers receive, as buffers of idl/geometry.fbs. Pure but for the numbers that surfaces are given; any thread
+/// may read any state. The work grows with the result, so the world's thread has no part in it.
 
 inline constexpr std::uint64_t kMaxGeometryBytes = std::uint64_t{512} << 20;  // of one buffer
 inline constexpr std::uint64_t kMaxPosesReported = 400'000;
 
-/// What cannot be told says why: a BadCommand.
+/// The objects of a state for which wanted() is true, as ShownObjects. Throws BadCommand beyond kMaxGeometryBytes.
 std::string encode_objects(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& wanted,
                            SurfaceNumbers& numbers);
 
-/// crease_cosine  tell the edges too, those beyond this angle as creases; none: triangles only
+/// A mesh, as Surface. Throws BadCommand beyond kMaxGeometryBytes.
+///
+/// crease_cosine  encode the edges too; those that bend by more than this angle are creases. None: triangles only
 std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<double> crease_cosine);
 
-/// Of every object that moves.
+/// The poses of all moving objects. Throws BadCommand beyond kMaxPosesReported.
 std::string encode_poses(const Snapshot& state);
 
-/// The bytes from `first` on of a buffer of `total`.
+/// One page of a buffer of `total` bytes: `bytes`, which begin at byte `first` of it.
 std::string encode_page(std::uint64_t transfer, std::uint64_t total, std::uint64_t first, std::string_view bytes);
 
 }  // namespace collided::engine::service

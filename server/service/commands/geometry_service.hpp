@@ -16,8 +16,9 @@
 
 namespace collided::engine::service {
 
-/// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
-/// is of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
+/// Sends viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
+/// is of one state. A buffer is kept until its last page was sent, for half a minute without a request, or until too
+/// much waits.
 class GeometryService {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
@@ -26,19 +27,20 @@ class GeometryService {
   GeometryService(const GeometryService&) = delete;
   GeometryService& operator=(const GeometryService&) = delete;
 
-  /// Any thread; the answer comes later.
+  /// Queues a command; the answer comes through `send`, from the thread of its own. Any thread.
   void take(CommandAsk ask);
-  /// Answers what waits and ends.
+  /// Refuses what waits, then ends the thread.
   void stop();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMostJobs = 64;
-  static constexpr std::size_t kMostTransfers = 64;
+  static constexpr std::size_t kMostJobs = 64;       // commands waiting
+  static constexpr std::size_t kMostTransfers = 64;  // buffers kept
   static constexpr std::size_t kPageBytes = std::size_t{8} << 20;
-  static constexpr std::uint64_t kMostKeptBytes = std::uint64_t{1} << 30;
+  static constexpr std::uint64_t kMostKeptBytes = std::uint64_t{1} << 30;  // of all buffers kept
   static constexpr std::chrono::seconds kPatience{30};
 
+  /// A buffer of which pages are yet to be sent.
   struct Transfer {
     std::uint64_t number = 0;
     std::string bytes;
@@ -55,7 +57,7 @@ class GeometryService {
   const World& world_;
   Send send_;
   SurfaceNumbers numbers_;
-  std::list<Transfer> transfers_;  // the one that was asked for longest ago comes first
+  std::list<Transfer> transfers_;  // the one whose last request is oldest comes first
   std::uint64_t newest_transfer_ = 0;
   WorkQueue<CommandAsk> jobs_;
   std::atomic<bool> stopping_{false};

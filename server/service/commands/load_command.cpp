@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kProgressPeriodNs = 100'000'000;
 
-/// Names of a scene that objects outside of it have already.
+/// Refuses a scene of whose names one belongs to an object outside of it.
 void refuse_taken_names(const World& world, const Scene& scene) {
   const auto check = [&](const std::string& name) {
     const std::optional<ObjectId> owner = world.find(name);
@@ -30,7 +30,7 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 
 }  // namespace
 
-/// Throws BadCommand.
+/// The command with its arguments checked. Throws BadCommand.
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
@@ -73,7 +73,8 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
   }
 }
 
-/// As if the file had been named, and written down so, for whoever reads it after a crash.
+/// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
+/// again after a crash.
 void Commands::load_upload(CommandAsk ask, const std::string& path) {
   json words = json::parse(ask.text);
   words.erase("upload");
@@ -93,7 +94,7 @@ void Commands::load_one(Load load) {
   load.options.progress = [&](double fraction) {
     std::int64_t last_ns = reported_ns.load();
     const std::int64_t now_ns = steady_ns();
-    // Reported from any of the threads that build; one of them wins.
+    // Any of the threads that build may call this; one of them sends.
     if (now_ns - last_ns < kProgressPeriodNs || !reported_ns.compare_exchange_strong(last_ns, now_ns)) return;
     send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
@@ -112,7 +113,7 @@ void Commands::load_one(Load load) {
     send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
     return;
   }
-  load.options = {};  // its functions point at what ends here
+  load.options = {};  // its functions refer to locals
   const auto shared = std::make_shared<Load>(std::move(load));
   const bool taken = with_.inbox.push_job([this, shared, loaded] {
     bool is_added = false;
@@ -173,7 +174,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"version", version}};
 }
 
-/// The file that a scene came from is needed after a crash; that of the scene it replaced is not.
+/// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.
 void Commands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
     uploads_.forget(before->second);

@@ -11,6 +11,8 @@
 namespace collided::engine::service {
 namespace {
 
+/// Fewest edits from one word to the other, two neighbours swapped counting as one; by dynamic programming over
+/// prefixes.
 std::size_t edits(std::string_view a, std::string_view b) {
   const std::size_t width = b.size() + 1;
   std::vector<std::size_t> cost((a.size() + 1) * width);
@@ -46,7 +48,7 @@ std::string nearest_word(std::string_view typed, std::span<const std::string> wo
 
 std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words,
                                        std::size_t most) {
-  // At least as many edits are needed as the lengths differ by.
+  // The difference of the lengths is a lower bound on the edits, and quick.
   const std::size_t farthest = std::max<std::size_t>(2, typed.size() / 2);
   std::vector<std::pair<std::size_t, std::string_view>> near;
   for (const std::string_view word : words) {

@@ -8,10 +8,11 @@
 
 namespace collided::engine::service {
 
-/// "sphere", "box", "capsule", "mesh", "compound", or "part" for a run of a scene's triangles.
+/// "sphere", "box", "capsule" and so on for one primitive, "mesh", "compound" for several, or "part" for a run of a
+/// scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);
 
-/// What `list` says of an object (idl/commands.hpp). publisher_name: empty for the server's own.
+/// What `list` says of an object (idl/commands.hpp). publisher_name: empty for an object of the server's own.
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
 
 /// What `get` adds to that: pose, bounds, shape, filter, age.

@@ -18,7 +18,7 @@ namespace {
 
 json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Infinity is no JSON number.
+/// JSON has no infinity; it is written as the text "inf".
 json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }
 
 json described(const ProofPart& proof_part) {
@@ -127,7 +127,7 @@ json described(const Opinion& opinion) {
   return said;
 }
 
-/// Whether anybody else is to be asked, and whom: there is one.
+/// Whether FCL's opinion is wanted; throws BadCommand for any other name.
 bool wants_opinion(const Arguments& asked) {
   const std::string whose = asked.text("opinion");
   if (!whose.empty() && whose != "fcl")
@@ -141,7 +141,7 @@ bool has_parts(const ObjectInfo& info) {
 
 }  // namespace
 
-/// Nothing for the latest.
+/// The state at the named instant; null for the latest. Throws BadCommand.
 std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, const Snapshot& newest) const {
   const std::optional<wire_contract::AskedInstant> instant = wire_contract::asked_instant(text);
   if (!instant) throw BadCommand(fmt::format("pair: as_of {} is no instant", printable(text)));

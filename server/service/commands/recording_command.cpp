@@ -28,7 +28,7 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
 
 }  // namespace
 
-/// Writes the file on the thread for pairs; hands out pages where it is asked.
+/// Writes a recording on the thread for pairs; a page of one is read and sent at once.
 void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
   try {
     arguments.allow_only({"last_s", "number", "offset"});
@@ -74,7 +74,7 @@ json Commands::write_recording(std::int64_t last_ns) {
           {"path", file.path}, {"from_ns", file.from_ns}, {"to_ns", file.to_ns}};
 }
 
-/// Fetched ones are of no use to anybody after that; those of signals stay.
+/// Removes the files made for clients to fetch; those that a signal had written stay.
 void Commands::forget_recordings() {
   const std::lock_guard lock(recordings_mutex_);
   for (const auto& [number, path] : recordings_) {

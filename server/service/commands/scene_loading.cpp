@@ -8,7 +8,7 @@
 namespace collided::engine::service {
 namespace {
 
-// Reading a mesh in text takes about as long as indexing it.
+// Of the progress: reading a mesh in text takes about as long as indexing it.
 constexpr double kReadingShare = 0.5;
 
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {

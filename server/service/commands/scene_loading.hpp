@@ -11,20 +11,20 @@ namespace collided::engine::service {
 
 /// A scene ready to become part of a world.
 struct LoadedScene {
-  Scene scene;  // its triangles are in `indexed`
+  Scene scene;  // without its triangles, which are in `indexed`
   std::shared_ptr<StaticScene> indexed;
   LoadReport report;
   std::uint64_t triangles = 0;
-  double seconds = 0;  // reading and indexing
+  double seconds = 0;  // that reading and indexing took
 };
 
-/// Reads and indexes a file; slow. progress: fraction of both done. Throws LoadError.
+/// Reads and indexes a file, which may take minutes. options.progress reports the fraction of both; throws LoadError.
 LoadedScene load_and_index(const std::string& path, LoadOptions options);
 /// The scene that a server without an argument serves.
 LoadedScene embedded_and_indexed();
 
-/// "warehouse: 1204118 triangles in 312 parts, 40 objects, 412 ms", then a line for each thing mended, refused or
-/// noteworthy.
+/// A report: "warehouse: 1204118 triangles in 312 parts, 40 objects, 412 ms", then a line for each thing placed,
+/// mended, refused or worth a note.
 std::string describe(const LoadedScene& loaded);
 
 }  // namespace collided::engine::service

@@ -9,13 +9,13 @@ std::uint64_t SurfaceNumbers::number_of(const std::shared_ptr<const TriangleMesh
 }
 
 std::uint64_t SurfaceNumbers::number_of(const std::shared_ptr<const StaticScene>& scene) {
-  // Alive as long as the scene that it is a member of.
+  // The mesh is a member of the scene, so its pointer shares the scene's lifetime.
   return number_of(&scene->mesh, {.mesh = std::shared_ptr<const TriangleMesh>(scene, &scene->mesh), .scene = scene});
 }
 
 std::uint64_t SurfaceNumbers::number_of(const TriangleMesh* mesh, Known known) {
   const auto found = numbers_.find(mesh);
-  // A mesh that has gone may have left its address to another one.
+  // Another mesh may have the address of one that is gone.
   if (found != numbers_.end() && !known_.at(found->second).mesh.expired()) return found->second;
   if (found != numbers_.end()) known_.erase(found->second);
   if (known_.size() >= sweep_at_) forget_what_is_gone();

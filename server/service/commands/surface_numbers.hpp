@@ -8,17 +8,19 @@
 
 namespace collided::engine::service {
 
-/// Numbers by which viewers ask for surfaces: one a mesh, however many objects share it, never used again. Keeps no
-/// mesh alive. One thread.
+/// Numbers by which viewers ask for surfaces: one for each mesh, however many objects share it, and never used again.
+/// Keeps no mesh alive.
+///
+/// threads  one
 class SurfaceNumbers {
  public:
   std::uint64_t number_of(const std::shared_ptr<const TriangleMesh>& mesh);
-  /// Of all of a scene's static triangles.
+  /// The number of a scene's static triangles, all together.
   std::uint64_t number_of(const std::shared_ptr<const StaticScene>& scene);
 
   struct Found {
-    std::shared_ptr<const TriangleMesh> mesh;  // null: there is none any more
-    std::shared_ptr<const StaticScene> scene;  // that the mesh is of; null: of an object
+    std::shared_ptr<const TriangleMesh> mesh;  // null: it is gone, or the number was never given
+    std::shared_ptr<const StaticScene> scene;  // of which the mesh is a part; null: the mesh is an object's
   };
   Found find(std::uint64_t number) const;
 
@@ -33,7 +35,7 @@ class SurfaceNumbers {
   std::unordered_map<const TriangleMesh*, std::uint64_t> numbers_;
   std::unordered_map<std::uint64_t, Known> known_;
   std::uint64_t newest_ = 0;
-  std::size_t sweep_at_ = 256;
+  std::size_t sweep_at_ = 256;  // entries at which the next look for meshes that are gone is due
 };
 
 }  // namespace collided::engine::service

@@ -25,9 +25,9 @@ namespace {
 
 constexpr std::uint64_t kPieceBytes = names::kUploadPieceBytes;
 constexpr std::size_t kMostNameBytes = 128;
-constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;  // that JSON carries unharmed
+constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;  // the largest that JSON carries exactly
 
-/// A name that is one, and nothing to a shell or a folder.
+/// Whether a file name is safe: no path, not hidden, nothing that a shell would read as more than a name.
 bool is_good_file_name(const std::string& name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
@@ -143,7 +143,7 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
                 .asked_at = Clock::now()};
   upload.missing = upload.pieces.size();
   upload.file = ::open(upload.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  // The room is taken now: a full disk is told before anything was sent.
+  // Takes the room on the disk now, so that a full one is reported before anything is sent.
   const int fault = upload.file < 0 ? errno : ::posix_fallocate(upload.file, 0, static_cast<off_t>(bytes));
   bytes_[upload.path] = bytes;
   const auto place = uploads_.emplace(number, std::move(upload)).first;
@@ -178,7 +178,8 @@ std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& argume
   return json{{"missing", upload.missing}}.dump();
 }
 
-/// The file is whole, as it was sent, and on the disk: what has been told to be loaded must outlive a crash.
+/// Checks that the file is complete and as it was sent, and syncs it, since a file to be loaded must outlive a crash;
+/// then has it loaded.
 void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
   Upload& upload = find(ask, arguments);
   if (upload.missing > 0)

@@ -16,50 +16,51 @@
 
 namespace collided::engine::service {
 
-/// Takes files of clients in pieces, in any order and any number of times, each with its checksum, into a folder of its
-/// own; a file that is there to its last byte is handed on to be loaded. On a thread of its own. What is begun and not gone
-/// on with for a minute is thrown away; all that lies there is at most a gibibyte.
+/// Receives files from clients on a thread of its own: in pieces, in any order and any number of times, each with its
+/// checksum, into a folder of its own. A complete file is handed on to be loaded. An upload without a piece for a
+/// minute is thrown away; all files together take at most a gibibyte.
 class UploadReceiver {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
-  /// The `load` that a client asked for, and the file it meant; throws BadCommand.
+  /// Loads the file at `path`, which the client's `load` refers to; throws BadCommand.
   using Load = std::function<void(CommandAsk ask, const std::string& path)>;
 
-  /// folder  empty: every upload is refused. Made when it is needed.
-  /// keep    of an earlier server's files, those in whose folder's name one of these texts speaks stay; the others go
+  /// folder  empty: every upload is refused; made when it is needed
+  /// keep    commands to be carried out again: files of an earlier server that none of these texts names are removed
   UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load);
   ~UploadReceiver() { stop(); }
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
 
-  /// Any thread; the answer comes later. An `upload`, a `piece`, or a `load` of an upload.
+  /// Queues an `upload`, a `piece`, or a `load` of an upload; the answer comes through `send`. Any thread.
   void take(CommandAsk ask);
-  /// Whether the path is that of a file that was taken here. Any thread.
+  /// Whether the path is that of a file that was received here. Any thread.
   bool has_taken(const std::string& path) const;
-  /// The file is needed no longer. Any thread.
+  /// Removes a received file that is needed no longer; other paths are ignored. Any thread.
   void forget(const std::string& path);
+  /// Refuses what waits, ends the thread, and throws away incomplete uploads.
   void stop();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMostJobs = 64;
-  static constexpr std::size_t kMostUnderWay = 8;
-  static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  static constexpr std::size_t kMostJobs = 64;                         // waiting
+  static constexpr std::size_t kMostUnderWay = 8;                      // uploads
+  static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;  // of all files in the folder
   static constexpr std::chrono::seconds kPatience{60};
   struct Forget {
     std::string path;
   };
   using Job = std::variant<CommandAsk, Forget>;
 
-  /// A file on its way.
+  /// A file of which pieces are missing.
   struct Upload {
     std::uint64_t client = 0;
     std::string path;
     int file = -1;
     std::uint64_t bytes = 0;
-    std::uint32_t checksum = 0;
-    std::vector<std::int64_t> pieces;  // checksum of each, -1 where it has yet to come
-    std::uint64_t missing = 0;
+    std::uint32_t checksum = 0;        // CRC-32 of the whole file
+    std::vector<std::int64_t> pieces;  // CRC-32 of each; -1: still missing
+    std::uint64_t missing = 0;         // pieces
     Clock::time_point asked_at;
   };
 
@@ -75,7 +76,7 @@ class UploadReceiver {
   std::string folder_;
   Send send_;
   Load load_;
-  std::map<std::uint64_t, Upload> uploads_;
+  std::map<std::uint64_t, Upload> uploads_;     // by number
   std::map<std::string, std::uint64_t> bytes_;  // of every file in the folder, by path
   WorkQueue<Job> jobs_;
   std::atomic<bool> stopping_{false};

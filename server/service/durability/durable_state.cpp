@@ -39,7 +39,8 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
         publishers_left_.push_back(publisher);
     }
   }
-  // What is left stays until it is forgotten: the next crash may come before it has been carried out again.
+  // After a crash, what was left stays until it is forgotten: the next crash may come before it has been carried out
+  // again.
   if (!crashed) journal_.clear();
   publishers_.insert(publishers_left_.begin(), publishers_left_.end());
   say_problem();
@@ -55,7 +56,7 @@ void DurableState::finish() {
   if (thread_.joinable()) thread_.join();
 }
 
-/// At the first problem, at each other one, and when it is over.
+/// Reports each new problem, and the end of one.
 void DurableState::say_problem() {
   if (journal_.problem() == said_) return;
   said_ = journal_.problem();
@@ -89,7 +90,8 @@ void DurableState::covers_stated() {
 }
 
 void DurableState::object_added(const std::string& object, const CommandAsk& ask) {
-  // Where another of its name has been moved to in this life; what is left of an earlier one waits for its turn.
+  // The move of an earlier object of this name, in this process, must not apply to the new one. A move that a crashed
+  // process left is not in keys_ and waits to be carried out.
   if (keys_.contains(key(kMoved, object))) erase({key(kMoved, object)}, Journal::Sync::now);
   put({.key = key(kObject, object), .text = ask.text, .blob = ask.blob}, Journal::Sync::now);
 }

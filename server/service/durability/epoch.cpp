@@ -40,7 +40,7 @@ bool sync_to_disk(const fs::path& path, int flags) {
   return done;
 }
 
-/// Empty, or what went wrong.
+/// Replaces the file such that a crash leaves the old or the new text. Returns what went wrong, or nothing.
 std::string replace_file(const fs::path& path, const std::string& text) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
@@ -52,17 +52,17 @@ std::string replace_file(const fs::path& path, const std::string& text) {
     return fmt::format("{} cannot be written: {}", summand.string(), std::strerror(errno));
   fs::rename(summand, path, error);
   if (error) return fmt::format("{} cannot be replaced: {}", path.string(), error.message());
-  // The rename is lasting once its folder is.
+  // A rename survives a loss of power only once its folder is synced.
   sync_to_disk(path.parent_path(), O_RDONLY | O_DIRECTORY);
   return {};
 }
 
-/// The process that holds the lock, or 0 after taking it; the open file is the lock.
+/// Takes the lock and returns 0, or returns the process that holds it (-1: not known). The open file is the lock.
 int take_lock(const fs::path& path, std::shared_ptr<void>& lock) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file < 0) return 0;  // where nothing can be written, replace_file says so
+  if (file < 0) return 0;  // where nothing can be written, replace_file() reports it
   if (flock(file, LOCK_EX | LOCK_NB) != 0) {
     int holder = 0;
     std::ifstream(path) >> holder;

@@ -14,7 +14,7 @@ namespace {
 
 namespace layout = journal_layout;
 
-/// Rewritten beyond so many times what is live, and this.
+/// The file is rewritten once it is longer than kMostStale times its live bytes plus kSmall.
 constexpr std::uint64_t kMostStale = 2;
 constexpr std::uint64_t kSmall = 1 << 20;
 
@@ -32,7 +32,7 @@ void Journal::read() {
   const std::optional<std::vector<std::byte>> bytes = disk_->read(name_);
   if (!bytes) return;
   const std::span<const std::byte> file = *bytes;
-  // Files without slots are read and, at the next change, written anew with them.
+  // Files without slots are read, and rewritten with slots at the next change.
   if (starts_with(file, layout::kMagicWithoutSlots)) {
     static_cast<void>(read_records(file, layout::kMagicWithoutSlots.size()));
     return;
@@ -65,7 +65,7 @@ void Journal::read() {
   has_file_ = true;
 }
 
-/// False where the last of them is cut or damaged. What the file holds up to there is counted.
+/// Reads records from byte `from` on; false where one is cut or damaged. Counts what the file holds up to there.
 bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
   file_bytes_ = from;
   file_records_ = 0;
@@ -118,7 +118,7 @@ void Journal::erase(std::span<const std::string> keys, Sync sync) {
   } catch (const std::bad_alloc&) { fail_for_memory(); }
 }
 
-/// Of what the file holds now nobody is sure. The text is short enough to need no memory.
+/// After this nobody knows what the file holds. The text is short enough to need no allocation.
 void Journal::fail_for_memory() {
   has_file_ = false;
   problem_ = "no memory left";
@@ -136,7 +136,7 @@ std::uint64_t Journal::live_bytes() const {
   return bytes;
 }
 
-/// The records first and, once they are on the disk, the slot that counts them.
+/// Appends the records and, once they are on the disk, writes the slot that counts them.
 bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   const auto settle = [&] { return sync == Sync::later || disk_->sync(name_); };
   if (!disk_->append(name_, records) || !settle()) return false;
@@ -152,8 +152,8 @@ bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sy
 void Journal::write(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   if (!has_file_ || file_bytes_ > kMostStale * live_bytes() + kSmall) return rewrite();
   if (append(records, count, sync)) return;
-  // Whether the records are in the file is unknown now; what comes after a cut one would be lost with it. What it has
-  // taken of a full disk is given back, or nothing smaller could be written either.
+  // It is unknown now whether the records are in the file, and what comes after a cut one would be lost with it. On a
+  // full disk the space they took is given back, or nothing smaller could be written either.
   const int why = errno;
   static_cast<void>(disk_->cut(name_, file_bytes_));
   errno = why;
@@ -161,7 +161,7 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
   rewrite();
 }
 
-/// All that is live into a new file, then that one in place of the old, which stays until then.
+/// Writes all live entries to a new file, then renames it over the old one, which stays until then.
 void Journal::rewrite() {
   const std::string summand = name_ + ".new";
   const std::uint64_t bytes = live_bytes();

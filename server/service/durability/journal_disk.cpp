@@ -10,7 +10,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// Closed when it goes.
+/// An open file, closed by the destructor.
 class File {
  public:
   File(const std::string& path, int flags) : number_(open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
@@ -73,7 +73,7 @@ class PosixDisk final : public Disk {
   }
   bool rename(const std::string& from, const std::string& to) override {
     if (::rename(path(from).c_str(), path(to).c_str()) != 0) return false;
-    // The rename is lasting once its folder is.
+    // A rename survives a loss of power only once its folder is synced.
     const File folder(folder_, O_RDONLY | O_DIRECTORY);
     return folder.is_open() && fsync(folder.number()) == 0;
   }

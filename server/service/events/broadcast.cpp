@@ -20,7 +20,7 @@ void Broadcast::publish() {
   publish_contacts(stamp);
 }
 
-/// Frames before shards: who joins between the two finds an event twice rather than never.
+/// Frames go before shards: a subscriber that joins between the two gets an event twice rather than never.
 void Broadcast::publish_events(const Stamp& stamp) {
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
   const auto send = [&](EventColumns& frame, bool persisted) {
@@ -39,6 +39,7 @@ void Broadcast::publish_events(const Stamp& stamp) {
     const bool persisted = event.kind == EventKind::persisted;
     if (!persisted) {
       const std::uint64_t hash = wire_contract::contact_hash(event.of.a, event.of.b, event.of.episode);
+      // A sum, so that an ended contact can be taken out again.
       contact_hash_ += event.kind == EventKind::began ? hash : 0 - hash;
       dirty_shards_[wire_contract::contact_shard(event.of.a, event.of.b)] = 1;
       if (event.kind == EventKind::began) names_.note(event.of, world_);
@@ -69,7 +70,7 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
       if (shard_of_[i] == shard) contacts_.add(open[i], names_);
     }
     contacts_.named.fill(name_of);
-    // DDS delivers no larger message. Names can be missed, contacts cannot.
+    // DDS delivers no larger message. Names can be done without, contacts cannot.
     constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
     if (contacts_.bytes() > kRoom) contacts_.named.clear();
     if (contacts_.bytes() > kRoom) {

@@ -11,8 +11,8 @@
 
 namespace collided::engine::service {
 
-/// Tells subscribers what each step found: every event once in frames without a gap, then the shards of the contact
-/// state that changed. Knows neither DDS nor time.
+/// Publishes what each step found: every event once, in frames without a gap, then the shards of the contact state that
+/// changed. Knows neither DDS nor time.
 ///
 /// threads  the one that writes the world
 class Broadcast {
@@ -20,12 +20,12 @@ class Broadcast {
   /// notice  takes a sentence for the log
   Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice);
 
-  /// Every shard is written next time, so that who waits for all of them need not guess which are empty.
+  /// Has every shard written next time, the empty ones too: a subscriber that waits for all shards need not guess.
   void mark_all();
-  /// What the newest step found; once a step.
+  /// Publishes what the newest step found. To be called once a step.
   void publish();
 
-  /// contact_hash() in topics.hpp over the contacts that hold.
+  /// Sum of contact_hash() in topics.hpp over the contacts that hold.
   std::uint64_t contact_hash() const { return contact_hash_; }
 
  private:
@@ -38,8 +38,8 @@ class Broadcast {
   NameBook names_;
   EventColumns events_;
   EventColumns persisted_;
-  std::vector<std::uint8_t> dirty_shards_;
-  std::vector<std::uint8_t> shard_of_;  // the contacts that hold
+  std::vector<std::uint8_t> dirty_shards_;  // by shard; 1: to be written
+  std::vector<std::uint8_t> shard_of_;      // by index among the contacts that hold
   ContactColumns contacts_;
   std::uint64_t contact_hash_ = 0;
 };

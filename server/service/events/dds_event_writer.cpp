@@ -7,11 +7,12 @@
 namespace collided::engine::service {
 namespace {
 
+/// Keeps the number of matched readers, so that what nothing reads need not be made.
 dds::WriterOptions counting(std::atomic<std::uint32_t>& readers) {
   return {.matched = [&readers](std::uint32_t count) { readers.store(count); }};
 }
 
-/// As many whole lines as fit, "..." where some do not.
+/// As many whole lines as fit into `room` bytes, then "..." where some do not.
 std::string fitting_lines(const std::string& lines, std::size_t room) {
   if (lines.size() < room) return lines;
   const std::size_t end = lines.rfind('\n', room - 5);
@@ -26,7 +27,8 @@ void borrow_publishers(wire::Status& to, const StatusColumns& from) {
   dds::borrow(to.publisher_names, from.publisher_names);
 }
 
-/// A reader that is full or a write that fails must not stop the world; who misses it sees the gap in the sequence.
+/// A full reader or a failed write must not stop the world; a subscriber that misses a sample sees the gap in the
+/// sequence.
 template <class T>
 void write(dds::Writer<T>& writer, const T& sample) {
   try {
@@ -53,7 +55,7 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
   frame_->server = shard_->server = probes_->server = status_->server = step_->server = identity.server;
   frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = step_->epoch = identity.epoch;
   status_->pid = static_cast<std::uint32_t>(getpid());
-  // Both are short: the options allow 64 letters.
+  // Both fit: options allow 64 letters for the namespace.
   static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
   static_cast<void>(dds::set_text(status_->server_version, identity.version));
 }

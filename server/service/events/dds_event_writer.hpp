@@ -10,18 +10,21 @@
 
 namespace collided::engine::service {
 
-/// Who this server is, on everything it writes.
+/// What identifies this server in everything that it writes.
 struct Identity {
   std::uint64_t server = 0;  // random, one per process
-  std::uint64_t epoch = 0;
+  std::uint64_t epoch = 0;   // see Epoch
   std::string name_space;
   std::string version;
 };
 
-/// The world's thread's writers of events, contacts, probes and status.
+/// Writes events, contacts, probes and status to DDS. A write that fails or finds a reader full is not reported: the
+/// world must not stop for it, and subscribers see the gap in the sequence.
+///
+/// threads  the world's
 class DdsEventWriter : public EventWriter {
  public:
-  /// flight  hears of everything written; may be null
+  /// flight  records all that is written but persisted contacts; null: none
   DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
 
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
@@ -35,7 +38,7 @@ class DdsEventWriter : public EventWriter {
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
 
-  /// The last thing: clients learn that the server has left and not only fallen silent.
+  /// To be called last: clients learn that the server has left rather than fallen silent.
   void leave();
 
  private:
@@ -57,7 +60,7 @@ class DdsEventWriter : public EventWriter {
   dds::Sample<wire::EventFrame> frame_;
   dds::Sample<wire::ContactShard> shard_;
   dds::Sample<wire::ProbeFrame> probes_;
-  std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns on their way
+  std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns while they are written
   dds::Sample<wire::Status> status_, step_;
 };
 

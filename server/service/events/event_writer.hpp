@@ -9,13 +9,13 @@
 
 namespace collided::engine::service {
 
-/// The state that a message is about.
+/// Which state of the world a message is about.
 struct Stamp {
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
 };
 
-/// A Status of collided.idl but for what never changes.
+/// The part of a Status of collided.idl that changes; its fields are explained there.
 struct StatusColumns {
   Stamp stamp;
   wire_contract::ServerState state = wire_contract::ServerState::starting;
@@ -23,7 +23,7 @@ struct StatusColumns {
   std::uint32_t contact_count = 0;
   std::uint64_t contact_hash = 0;
   bool contacts_truncated = false;
-  std::string scenes;
+  std::string scenes;  // names, one a line
   std::uint64_t static_triangles = 0;
   std::uint32_t object_count = 0;
   std::uint32_t moving_count = 0;
@@ -37,19 +37,21 @@ struct StatusColumns {
   std::vector<std::uint8_t> publisher_states, publisher_names;
 };
 
-/// Where the world's thread writes; topics.cpp in the server, a list in tests. Called by that one thread.
+/// What the world's thread writes to: DdsEventWriter in the server, a list in tests. Only that thread calls it.
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
-  virtual bool contacts_wanted() const = 0;  // somebody reads events or contacts
+  virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;
   virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
   virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;
+  /// as_of_sequence  the last event that the contacts include
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
   virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
   virtual void write_status(const StatusColumns& status) = 0;
-  /// Somebody wants to know after every step how far each publisher's samples are in the state.
+  /// Whether write_step() has a reader, which learns after every step how far each publisher's samples are in the
+  /// state.
   virtual bool steps_wanted() const { return false; }
   virtual void write_step(const StatusColumns&) {}
 };

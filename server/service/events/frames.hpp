@@ -12,14 +12,15 @@
 
 namespace collided::engine::service {
 
-/// Names of the objects in contacts that hold. An `ended` may be about an object that the world has forgotten.
+/// Names of the objects in contacts that hold; `ended` events need them for objects that the world has forgotten.
 class NameBook {
  public:
-  /// Each contact that begins is noted before its frame is written, each that ends forgotten after.
+  /// To be called with each contact that begins before its frame is written, and forget() with each that ended
+  /// afterwards.
   void note(const OpenContact& contact, const World& world);
   void forget(const OpenContact& contact);
   std::string_view name(ObjectId id) const;
-  /// What is told of a contact's triangle: its number in the file.
+  /// The triangle's number as reported: that in the file.
   std::uint32_t triangle(ObjectId id, std::uint32_t triangle) const;
 
  private:
@@ -27,35 +28,36 @@ class NameBook {
     std::string name;
     CutTriangles cut{};
     std::uint32_t part_triangles = 0;
-    std::uint32_t contacts = 0;
+    std::uint32_t contacts = 0;  // that hold and name it
   };
   void note(ObjectId id, const World& world);
   void forget(ObjectId id);
   std::unordered_map<ObjectId, Entry> entries_;
 };
 
-/// Ids with their names as they travel: zero-terminated, one after the other.
+/// Ids with their names as they travel: zero-terminated UTF-8, one after the other.
 struct NameTable {
   std::vector<std::uint64_t> ids;
   std::vector<std::uint8_t> names;
 
   void clear();
   void add_id(ObjectId id) { ids.push_back(id); }
-  /// Each id once, then their names.
+  /// Sorts the ids, keeps each once, and appends their names.
   template <class NameOf>
   void fill(NameOf&& name_of) {
     keep_each_once();
     for (const ObjectId id : ids) append(name_of(id));
   }
+  /// Adds the name of the next id.
   void append(std::string_view name);
 
  private:
   void keep_each_once();
 };
 
-/// The parallel sequences of an EventFrame; memory is reused from frame to frame.
+/// The parallel sequences of an EventFrame. Their memory is reused from frame to frame.
 struct EventColumns {
-  std::uint64_t first_sequence = 0;
+  std::uint64_t first_sequence = 0;  // of the first event
   std::vector<std::uint8_t> kinds, reasons, doubts, shards;
   std::vector<std::uint64_t> a, b, episodes;
   std::vector<std::uint32_t> a_triangles, b_triangles;
@@ -80,6 +82,7 @@ struct ContactColumns {
   void clear();
   void add(const OpenContact& contact, const NameBook& book);
   std::size_t size() const { return a.size(); }
+  /// About what the shard takes in a message, without its fixed fields.
   std::size_t bytes() const;
 };
 

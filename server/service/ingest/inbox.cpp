@@ -40,7 +40,8 @@ void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
 void Inbox::push(std::unique_ptr<PoseSample> sample) {
   const std::lock_guard lock(mutex_);
   const bool full = batch_count_ >= limits_.batches || pose_count_ + sample->object_numbers.size() > limits_.poses;
-  // Once some are merged the later ones must be as well, or they would overtake them.
+  // Once some poses are merged, later ones must be merged too: merged poses are drained last, so an unmerged newer pose
+  // would be applied before an older one.
   if (full || merging_) {
     merge(*sample);
     spares_.push_back(std::move(sample));
@@ -94,6 +95,7 @@ void Inbox::merge(const PoseSample& sample) {
     counts_.poses_superseded += count;
     return;
   }
+  // A restarted publisher: poses of its earlier run mean nothing any more.
   if (sample.incarnation > merged.incarnation) {
     counts_.poses_superseded += merged.numbers.size();
     merged_count_ -= merged.numbers.size();
@@ -124,7 +126,7 @@ void Inbox::merge_pose(Merged& merged, const PoseSample& sample, std::size_t ind
     merged.teleported.push_back(0);
   }
   std::copy_n(&sample.poses[index * kPoseNumbers], kPoseNumbers, &merged.poses[place * kPoseNumbers]);
-  // A skipped teleport must not become a sweep across the room.
+  // A teleport stays one even when its pose is superseded, or the step would sweep the object across the room.
   if ((sample.flags & wire_contract::kTeleported) != 0) merged.teleported[place] = 1;
 }
 
@@ -144,14 +146,16 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
 }
 
 void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
-  constexpr std::size_t kMostKept = 64;  // of publishers that may have gone
+  constexpr std::size_t kMostKept = 64;  // publishers whose memory is kept; some of them may be gone
   for (auto& [publisher, merged] : merged_) {
     PoseSample* last = nullptr;
+    // All slices of a publisher but its last are marked as followed by more, so they land in one step.
     const auto put = [&](std::unique_ptr<PoseSample> slice) {
       if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
       last = slice.get();
       arrivals.emplace_back(std::move(slice));
     };
+    // The teleported flag is one of the whole batch, so teleported objects travel in slices of their own.
     for (const bool teleported : {false, true}) {
       std::unique_ptr<PoseSample> slice;
       for (std::size_t i = 0; i < merged.numbers.size(); ++i) {

@@ -17,68 +17,77 @@
 
 namespace collided::engine::service {
 
-/// A sign of life or its end from one writer of a publisher.
+/// One of a publisher's two writers has come alive, or is gone.
 struct WriterNews {
   std::uint64_t publisher = 0;
   WriterKind kind = WriterKind::object;
-  bool alive = false;
+  bool alive = false;  // false: closed, or its lease ran out
 };
 
+/// Work for the world's thread, such as a command's part that changes the world.
 using Job = std::function<void()>;
+/// What the world's thread takes from the inbox, one by one.
 using Arrival = std::variant<std::unique_ptr<DefinitionSample>, std::unique_ptr<PoseSample>, WriterNews, Job>;
 
+/// How much may wait for the world's thread. Beyond it poses are merged, definitions stay with DDS, jobs are refused.
 struct InboxLimits {
-  std::size_t batches = 512;    // of poses, waiting as they came
-  std::size_t poses = 1 << 20;  // in those batches
-  std::size_t merged_objects = 200'000;
+  std::size_t batches = 512;             // of poses, unmerged
+  std::size_t poses = 1 << 20;           // in those batches
+  std::size_t merged_objects = 200'000;  // of all publishers together
   std::size_t merged_publishers = 1'000;
-  std::size_t definition_bytes = std::size_t{256} << 20;
+  std::size_t definition_bytes = std::size_t{256} << 20;  // samples with their encoded shapes
   std::size_t jobs = 64;
 };
 
+/// Poses that never reach the world's thread; the counts only grow.
 struct InboxCounts {
-  std::uint64_t poses_superseded = 0;  // a newer one of the same object took its place while it waited
-  std::uint64_t poses_dropped = 0;     // no room even so: one number or publisher too many, or a malformed batch
+  std::uint64_t poses_superseded = 0;  // a newer pose of the same object replaced it while it waited
+  std::uint64_t poses_dropped = 0;  // not even merging had room: an object or publisher too many; or a malformed batch
 };
 
-/// From the listeners to the world's thread, in order of arrival. Definitions and news are never dropped (beyond the
-/// limit definitions stay with DDS, which keeps the newest of each object); poses beyond the limits are merged, the
-/// newest of each object staying, so that a slow world skips ways and never ends.
+/// The queue from the listeners to the world's thread, in order of arrival. Definitions and news are never dropped:
+/// beyond the limit definitions stay with DDS, which keeps the newest of each object. Poses beyond the limits are
+/// merged to the newest of each object, so a slow world skips motion in between while its memory stays bounded.
 ///
-/// threads  any pushes; one drains
+/// threads  any may push; one drains
 class Inbox {
  public:
   explicit Inbox(const InboxLimits& limits = {}) : limits_(limits) {}
 
-  /// An empty sample with room in its vectors, from earlier ones.
+  /// A sample to fill, with the memory of an earlier one where there is one; its old values are still in it.
   std::unique_ptr<PoseSample> spare();
+  /// Keeps the sample's memory for a later spare().
   void give_back(std::unique_ptr<PoseSample> sample);
 
+  /// Taken even beyond the limit: ask has_room_for_definitions() first.
   void push(std::unique_ptr<DefinitionSample> sample);
+  /// Merged with those that wait where the limits are reached.
   void push(std::unique_ptr<PoseSample> sample);
   void push(const WriterNews& news);
-  /// False: leave definitions where they are for now.
+  /// False: leave definitions with DDS for now.
   bool has_room_for_definitions() const;
-  /// False: too many jobs wait already.
+  /// False: too many jobs wait already, and this one is not taken.
   [[nodiscard]] bool push_job(Job job);
+  /// Makes the drain() that waits, or else the next one, return at once.
   void wake();
 
-  /// Takes over all that waits; returns at the latest at the given time, or when woken.
+  /// Moves all that waits into `arrivals`, which is cleared first; merged poses come last. Waits for something to
+  /// arrive, at most until the given time; returns with nothing then, or when woken.
   void drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals);
   InboxCounts counts() const;
 
  private:
-  /// The newest pose of each object of a publisher; its memory serves the next time.
+  /// The newest pose of each object of one publisher. clear() keeps the memory for the next time.
   struct Merged {
-    std::uint64_t incarnation = 0;
-    std::uint64_t sequence = 0;
+    std::uint64_t incarnation = 0;  // of all the poses here
+    std::uint64_t sequence = 0;     // the greatest merged
     std::uint64_t definitions_through = 0;
-    std::int64_t source_time_ns = 0;
+    std::int64_t source_time_ns = 0;  // of the batch merged last
     std::int64_t received_ns = 0;
-    NumberIndex index;
-    std::vector<std::uint32_t> numbers;
-    std::vector<double> poses;
-    std::vector<std::uint8_t> teleported;
+    NumberIndex index;                     // object number to place
+    std::vector<std::uint32_t> numbers;    // object numbers, by place
+    std::vector<double> poses;             // kPoseNumbers each, by place
+    std::vector<std::uint8_t> teleported;  // 1: one of the poses merged here was a teleport
 
     void clear();
   };
@@ -94,9 +103,9 @@ class Inbox {
   std::vector<Arrival> arrivals_;
   std::vector<std::unique_ptr<PoseSample>> spares_;
   std::map<std::uint64_t, Merged> merged_;  // by publisher
-  bool merging_ = false;                    // since the last drain
-  std::size_t merged_count_ = 0;
-  std::size_t batch_count_ = 0;
+  bool merging_ = false;                    // poses were merged since the last drain
+  std::size_t merged_count_ = 0;            // objects in merged_
+  std::size_t batch_count_ = 0;             // these four: what waits since the last drain
   std::size_t pose_count_ = 0;
   std::size_t job_count_ = 0;
   std::size_t definition_bytes_ = 0;

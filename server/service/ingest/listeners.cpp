@@ -8,7 +8,8 @@
 namespace collided::engine::service {
 namespace {
 
-/// A sample that was taken does not come again, and DDS, which is C, must not meet an exception.
+/// Ends the process where memory runs out in a callback: a taken sample does not come again, and no exception may pass
+/// through DDS, which is C.
 template <class Take>
 void take_or_end(Take&& take) {
   try {
@@ -26,14 +27,16 @@ void PublisherLiveliness::heard(std::uint64_t writer, std::uint64_t publisher) {
 void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   const std::lock_guard lock(mutex_);
   const bool alive = change.alive > alive_;
-  // A writer whose lease has run out is counted as not alive, and may come back under the same handle.
+  // A writer whose lease ran out counts as not alive and may return under the same handle; one that is gone counts as
+  // neither.
   const bool is_gone = !alive && change.not_alive <= not_alive_;
   alive_ = change.alive;
   not_alive_ = change.not_alive;
   const auto found = publishers_.find(change.last_writer);
   if (found == publishers_.end()) return;
   inbox_.push(WriterNews{.publisher = found->second, .kind = kind_, .alive = alive});
-  // Of several changes at once DDS names the last, so some of those gone stay known, until there are too many.
+  // DDS names only the last of several changes at once, so some writers that are gone stay in the map; its size is
+  // bounded by dropping silent ones too.
   constexpr std::size_t kMost = 10'000;
   if (is_gone || (!alive && publishers_.size() > kMost)) publishers_.erase(found);
 }
@@ -102,7 +105,7 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
         sample->received_ns = now_ns;
         inbox_.push(std::move(sample));
       }
-      // The key is the publisher: an instance without writers is a publisher that has gone.
+      // The topic's key is the publisher, so an instance without writers is a publisher that has gone.
       if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE)
         pose_writers_.lost(loans[i].publisher);
     }

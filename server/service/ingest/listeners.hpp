@@ -15,12 +15,19 @@
 
 namespace collided::engine::service {
 
-/// Which publisher is behind which DDS writer, learnt from its samples; tells who has died.
+/// Learns from samples which publisher is behind which DDS writer, and tells the inbox which publisher's writer has
+/// come alive or is gone.
+///
+/// threads  any; DDS calls it from its own
 class PublisherLiveliness {
  public:
   PublisherLiveliness(Inbox& inbox, WriterKind kind) : inbox_(inbox), kind_(kind) {}
+  /// writer  publication handle of the sample that named `publisher`
   void heard(std::uint64_t writer, std::uint64_t publisher);
+  /// A change in DDS's counts of live and silent writers. One that has sent no sample yet is not known and not
+  /// reported.
   void liveliness(const dds::Liveliness& change);
+  /// DDS says that the publisher's instance has no writer left.
   void lost(std::uint64_t publisher);
 
  private:
@@ -28,21 +35,23 @@ class PublisherLiveliness {
   const WriterKind kind_;
   std::mutex mutex_;
   std::map<std::uint64_t, std::uint64_t> publishers_;  // by writer
-  std::uint32_t alive_ = 0;
+  std::uint32_t alive_ = 0;                            // DDS's counts as of the last change
   std::uint32_t not_alive_ = 0;
 };
 
-/// The readers of what comes in. Their callbacks take, stamp and hand over; nothing is decided here.
+/// The DDS readers of everything that comes in: definitions, poses, questions. Their callbacks take, stamp and hand
+/// over; they decide nothing. All that the constructor is given by reference or pointer must outlive this.
 class Listeners {
  public:
-  /// flight  hears of all but the questions, which Answering takes; may be null
+  /// flight  records definitions and poses (Answering records the questions); null: none
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
             Answering& answering, FlightRecorder* flight);
 
-  /// The query writers that are there now.
+  /// Publication handles of the query writers that are matched now.
   std::vector<std::uint64_t> askers() const { return query_reader_.matched_writer_handles(); }
 
-  /// Definitions that were left with DDS because the inbox was full. Now and then, from one thread.
+  /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
+  /// thread.
   void take_left_definitions();
 
  private:
@@ -54,7 +63,7 @@ class Listeners {
   FlightRecorder* const flight_;
   PublisherLiveliness object_writers_;
   PublisherLiveliness pose_writers_;
-  std::mutex taking_definitions_;
+  std::mutex taking_definitions_;  // DDS's callback and take_left_definitions() may run at once
   std::atomic<bool> definitions_left_{false};
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;

@@ -7,10 +7,11 @@
 
 namespace collided::engine::service {
 
-/// Places by a publisher's object number. Numbers come from the publisher's pool, so they are small and dense as a rule
-/// and found by one look; huge ones cost a hash.
+/// From a publisher's object number to a place in a table. Numbers come from the publisher's pool, so most are small
+/// and dense, and one array access finds them; huge ones cost a hash look-up.
 class NumberIndex {
  public:
+  /// find() of a number that was not set.
   static constexpr std::uint32_t kNone = 0xffffffff;
 
   std::uint32_t find(std::uint32_t number) const {
@@ -31,7 +32,7 @@ class NumberIndex {
     dense_.clear();
     sparse_.clear();
   }
-  /// The same at the cost of these numbers, which are all that are set; the memory stays.
+  /// Like clear(), but keeps the memory and costs only as much as `numbers`, which must be all that are set.
   void forget(const std::vector<std::uint32_t>& numbers) {
     for (const std::uint32_t number : numbers) {
       if (number < kDenseNumbers) dense_[number] = kNone;
@@ -40,7 +41,7 @@ class NumberIndex {
   }
 
  private:
-  static constexpr std::uint32_t kDenseNumbers = 1 << 18;  // 1 MiB of look-up at most, whatever a publisher sends
+  static constexpr std::uint32_t kDenseNumbers = 1 << 18;  // bounds the array to 1 MiB, whatever a publisher sends
   void grow(std::uint32_t number) {
     std::size_t size = 64;
     while (size <= number) size *= 2;
@@ -50,14 +51,16 @@ class NumberIndex {
   std::unordered_map<std::uint32_t, std::uint32_t> sparse_;
 };
 
-/// Records by a publisher's object number.
+/// Records by a publisher's object number. Pointers to them stay valid until clear().
 template <class Record>
 class ObjectNumbers {
  public:
+  /// Null where the number is not known.
   Record* find(std::uint32_t number) {
     const std::uint32_t place = index_.find(number);
     return place == NumberIndex::kNone ? nullptr : &records_[place];
   }
+  /// For a number that find() does not know.
   Record& add(std::uint32_t number) {
     index_.set(number, static_cast<std::uint32_t>(records_.size()));
     return records_.emplace_back();

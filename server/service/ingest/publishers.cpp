@@ -9,7 +9,7 @@
 
 namespace collided::engine::service {
 
-// ---- who is there
+// ---- which publishers are known
 
 Publishers::Publisher* Publishers::find(std::uint64_t id) const {
   const auto found = publishers_.find(id);
@@ -28,8 +28,8 @@ Publishers::Publisher* Publishers::add(std::uint64_t id) {
   return publishers_.emplace(id, std::move(publisher)).first->second.get();
 }
 
-/// The publisher of a sample; none where the sample is late or no room is left. A greater incarnation is a restart:
-/// what the earlier one had is gone.
+/// Finds the publisher of a sample, or adds it; none where the sample is late or there is no room. A greater
+/// incarnation is a restart: the objects of the earlier run are removed.
 Applied Publishers::meet(std::uint64_t id, std::uint64_t incarnation, std::int64_t now_ns, Publisher*& met) {
   met = nullptr;
   Publisher* publisher = find(id);
@@ -126,7 +126,7 @@ std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) c
   return std::nullopt;
 }
 
-/// A bad definition leaves what is there: half-taken news would be worse than old ones.
+/// A refused definition leaves the object as it was: a half-applied one would be worse than an old one.
 void Publishers::apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample) {
   if (sample.removed) {
     leave(record, EndReason::removed);
@@ -158,7 +158,7 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   enter(publisher, record);
 }
 
-/// Brings a defined object into the world, or lets it wait for its name.
+/// Puts a defined object into the world, or lets it wait until its name is free.
 void Publishers::enter(Publisher& publisher, Record& record) {
   ObjectDefinition& definition = record.described->definition;
   definition.pose = record.pose;
@@ -189,7 +189,7 @@ void Publishers::enter(Publisher& publisher, Record& record) {
   ++counts_.definitions_applied;
 }
 
-/// The object of a lost publisher makes room for a living one's of the same name: mostly the same program, restarted.
+/// Removes the object of a lost publisher for one of the same name; mostly it is the same program, restarted.
 bool Publishers::give_way(ObjectId owner) {
   const ObjectInfo* info = world_.info(owner);
   Publisher* publisher = info && info->publisher != 0 ? find(info->publisher) : nullptr;
@@ -288,7 +288,7 @@ Applied Publishers::release_parked(std::int64_t now_ns) {
   return Applied::done;
 }
 
-/// The batch's records; false: one of them has moved already in this step.
+/// Looks up the batch's records into records_. False: one of the objects was defined or moved in this step already.
 bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
   const std::vector<std::uint32_t>& numbers = sample.object_numbers;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -301,7 +301,7 @@ bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
                       });
 }
 
-/// Batches of one instant wait for the last of them.
+/// Keeps the batches of one instant until the last of them comes, then applies them together.
 Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns) {
   const bool more_follows = (sample.flags & wire_contract::kMoreFollows) != 0;
   if (!more_follows || publisher.parts.size() >= limits_.parked_batches)
@@ -310,13 +310,14 @@ Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::in
   return Applied::done;
 }
 
-/// All of an instant lands in one step: a robot's links are not seen half-moved.
+/// Applies all batches of an instant within one step, so that no question sees a robot's links half moved.
 Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
   for (const PoseSample& part : publisher.parts) {
     if (!find_all(publisher, part)) return Applied::step_first;
   }
   if (!find_all(publisher, last)) return Applied::step_first;
-  // Who only says that it lives says nothing of a time; but who never says one says in this way that all has rested until now.
+  // An empty batch without a stamp is only a sign of life and has no time. A publisher that never stamps, however, says
+  // with it that its objects have rested until now.
   const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty() &&
                                !publisher.clock.is_without_stamps();
   WorldStamp stamp;
@@ -337,7 +338,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   return Applied::done;
 }
 
-/// Of the batch whose records were found last.
+/// Applies the batch whose records find_all() looked up last.
 void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
                              std::int64_t now_ns) {
   if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
@@ -376,13 +377,13 @@ void Publishers::refuse(const Publisher& publisher, const Record* record, const 
                      counts_.poses_refused));
 }
 
-/// Whether the pose is one, and newer than what is known; the record has it then.
+/// Whether a pose is valid and newer than what is known; if so, the record holds it.
 bool Publishers::accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record) {
   if (!record || record->place == Place::gone) {
     ++counts_.poses_unknown;
     return false;
   }
-  // Older than the definition: it was meant for what had the number before.
+  // A pose older than the definition was meant for the object that had the number before.
   if (sample.sequence <= record->pose_sequence || sample.sequence < record->definition_sequence) {
     if (record->batch == batch_) {
       refuse(publisher, record, "the object stands twice in one batch");
@@ -412,7 +413,7 @@ bool Publishers::accept(const Publisher& publisher, const PoseSample& sample, st
   return true;
 }
 
-// ---- life and death
+// ---- publishers that come and go
 
 void Publishers::writer_alive(std::uint64_t id, WriterKind kind, std::int64_t) {
   Publisher* publisher = find(id);
@@ -431,7 +432,7 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
   publisher->lost_ns = now_ns;
   publisher->parts.clear();
   world_.lose(publisher->id);
-  ++changes_;  // others need wait for it no longer
+  ++changes_;  // no pair waits for the lost publisher's time any more
   bool left_nothing = true;
   for (Record& record : publisher->objects.records()) {
     left_nothing = left_nothing && record.place == Place::gone;
@@ -442,7 +443,8 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
     leave(record, EndReason::publisher_lost);
     record.place = Place::taken_away;
   }
-  // One that took everything back before it left is no loss; it is remembered for who still asks after its last write.
+  // A publisher that removed all its objects before it left is no loss. It stays known for a while, for questions that
+  // wait for its last sample.
   publisher->took_leave = left_nothing;
   if (!left_nothing) notice(fmt::format("publisher {} is lost", printable(publisher->name)));
   return Applied::done;
@@ -477,7 +479,7 @@ void Publishers::settle(std::int64_t now_ns) {
   forget_lost(now_ns);
 }
 
-// ---- what is known
+// ---- readings
 
 std::uint64_t Publishers::take_changes() { return std::exchange(changes_, 0); }
 

@@ -20,105 +20,120 @@
 
 namespace collided::engine::service {
 
+/// Bounds on what publishers may take up, and the times after which a publisher counts as silent or is forgotten.
 struct PublisherLimits {
   std::uint32_t publishers = 1'000;
-  std::uint32_t object_numbers = 200'000;  // of all publishers together, removed ones included
-  std::uint32_t parked_batches = wire_contract::kPoseTopic.keep_last;  // a publisher, waiting for its definitions
-  std::int64_t silent_after_ns = 2'000'000'000;                        // alive, but nothing new: shown as silent
-  std::int64_t forgotten_after_ns = 60'000'000'000;                    // lost and without an object in the world
+  std::uint32_t object_numbers = 200'000;  // of all publishers together, those of removed objects included
+  std::uint32_t parked_batches = wire_contract::kPoseTopic.keep_last;  // of one publisher, waiting for its definitions
+  std::int64_t silent_after_ns = 2'000'000'000;      // a live publisher without a sample for so long is shown as silent
+  std::int64_t forgotten_after_ns = 60'000'000'000;  // a lost publisher without an object in the world
 };
 
-/// What became of what came in; only grows.
+/// What became of the samples that came in; the counts only grow.
 struct PublisherCounts {
   std::uint64_t definitions_applied = 0;
-  std::uint64_t definitions_late = 0;  // older than what is known, or the same again
+  std::uint64_t definitions_late = 0;  // older than what is known, or a repetition
   std::uint64_t definitions_refused = 0;
-  std::uint64_t name_conflicts = 0;  // wait until the name is free
+  std::uint64_t name_conflicts = 0;  // definitions that wait until their name is free
   std::uint64_t batches_applied = 0;
-  std::uint64_t batches_parked = 0;
-  std::uint64_t batches_dropped = 0;  // parked beyond the limit, oldest first
+  std::uint64_t batches_parked = 0;   // waited, or still wait, for definitions
+  std::uint64_t batches_dropped = 0;  // the oldest parked ones, beyond the limit
   std::uint64_t batches_malformed = 0;
   std::uint64_t poses_applied = 0;
-  std::uint64_t poses_late = 0;
+  std::uint64_t poses_late = 0;     // older than what is known
   std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
-  std::uint64_t stamps_late = 0;     // batches before what their publisher had said: they count as its next instant
-  std::uint64_t stamps_jumped = 0;   // its clock went back or ahead by more than a lease: its objects are placed anew
-  std::uint64_t stamps_missing = 0;  // the reception counts
-  std::uint64_t publishers_refused = 0;
+  std::uint64_t stamps_late = 0;  // batches stamped before an earlier one: they count as their publisher's next instant
+  std::uint64_t stamps_jumped =   // a clock went back or ahead by more than a lease: its objects are placed anew
+      0;                          // a clock went back or ahead by more than a lease: its objects are placed, not moved
+  std::uint64_t stamps_missing = 0;      // batches without one: the time of their reception counts
+  std::uint64_t publishers_refused = 0;  // samples of publishers beyond the limit
 };
 
 /// Which of a publisher's two writers a sign of life is about.
 enum class WriterKind : std::uint8_t { object, pose };
 
-/// Whether a sample is done with, or the world must step before it: every accepted pose is to be examined, so an
-/// object does not move twice within a step.
+/// Whether a sample is dealt with, or the world must step before it can be. Each step examines every accepted pose, so
+/// an object never moves twice within one step.
 enum class Applied : std::uint8_t { done, step_first };
 
+/// One publisher as the status shows it. The name is valid until the next change of the Publishers.
 struct PublisherView {
   std::uint64_t publisher = 0;
   std::string_view name;
-  std::int64_t silent_ns = 0;
+  std::int64_t silent_ns = 0;  // since its last sample
   wire_contract::PublisherState state = wire_contract::PublisherState::alive;
-  std::optional<std::int64_t> behind_ns{};  // as in SourceClock
+  std::optional<std::int64_t> behind_ns{};  // SourceClock::behind_ns()
 };
 
-/// Turns what publishers send into calls of the world: objects by (publisher, object number), order by (incarnation,
-/// sequence), names that two want, publishers that die and come back. Knows nothing of DDS.
+/// Turns what publishers send into changes of the world. Finds objects by (publisher, object number), orders samples by
+/// (incarnation, sequence), settles which object has a name that two want, and follows publishers that die and come
+/// back. Knows nothing of DDS.
 ///
 /// threads  the one that writes the world
-/// Always: a record says `in_world` exactly while its object is in the world or somebody else has removed it.
+/// Always: a record is `in_world` while its object is in the world, and stays so if a command removes that object.
 class Publishers {
  public:
   Publishers(World& world, const PublisherLimits& limits) : world_(world), limits_(limits) {}
 
-  /// step_first leaves the sample as it was: step, then offer it again.
+  /// Applies a definition. step_first leaves the sample as it was: step, then offer it again.
   Applied define(DefinitionSample& sample, std::int64_t now_ns);
-  /// Takes the sample's vectors where it must wait for definitions.
+  /// Applies a batch of poses, or parks it until its definitions have come; parking takes the sample's vectors.
+  /// step_first leaves the sample as it was.
   Applied move(PoseSample& sample, std::int64_t now_ns);
-  /// Batches whose definitions have come meanwhile. done: none is left that could be applied now.
+  /// Applies parked batches whose definitions have come meanwhile. done: none is left that could be applied now.
   Applied release_parked(std::int64_t now_ns);
+  /// One of the publisher's two writers is gone. Without either the publisher is lost, and its objects' lost policies
+  /// apply.
   Applied writer_lost(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
+  /// Brings a lost publisher back with the objects that left with it.
   void writer_alive(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
-  /// After a step: objects may move again.
+  /// To be called after each step: objects may move again.
   void stepped() { ++step_; }
-  /// Now and then: names that have become free, gaps that waited too long, publishers to forget.
+  /// To be called now and then: retries names that may be free, gives up old gaps in sequences, forgets lost
+  /// publishers.
   void settle(std::int64_t now_ns);
 
-  /// Batches and definitions that changed the world since the last call: what a step stands for.
+  /// How many batches and definitions changed the world since the last call: what the next step stands for.
   std::uint64_t take_changes();
-  /// Sentences for the log, a few at most; the rest is only counted.
+  /// Sentences for the log since the last call: eight at most, then one with the number of the rest.
   std::vector<std::string> take_notices();
   const PublisherCounts& counts() const { return counts_; }
 
   std::size_t size() const { return publishers_.size(); }
+  /// Whether the publisher is known and not lost.
   bool is_live(std::uint64_t publisher) const;
-  /// It lives and has said all that it has to this server: what DDS kept of it has the poses of its first definitions.
+  /// Whether it lives and has sent all its definitions to this server (kAllSaid). What DDS kept of a publisher holds
+  /// only the poses of its first definitions, so being known is not enough.
   bool is_complete(std::uint64_t publisher) const;
+  /// SequenceWatermark::through() of the publisher; 0: not known.
   std::uint64_t applied_through(std::uint64_t publisher) const;
-  /// Linear then angular, as last sent for this object; nothing where it came without.
+  /// The object's velocity as last sent: linear in m/s, then angular in rad/s. Nothing where its last pose came
+  /// without. Costs a walk over the publisher's objects.
   std::optional<std::array<double, 6>> velocity(ObjectId id) const;
-  /// Publishers that wait for a name that another object has.
+  /// The publishers whose object of this name waits, since another object has the name.
   std::vector<std::uint64_t> waiting_for(std::string_view name) const;
 
-  /// Those worth showing, by number.
+  /// Visits every publisher, ascending by number, but those that removed all their objects before they left.
   template <class Visit>
   void for_each(std::int64_t now_ns, Visit&& visit) const {
     for (const auto& [id, publisher] : publishers_) {
       if (!(publisher->lost && publisher->took_leave)) visit(view(*publisher, now_ns));
     }
   }
-  /// (publisher, applied_through) of all, by number.
+  /// Lists (publisher, applied_through) of all, ascending by publisher.
   void list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const;
 
  private:
+  /// Where a record's object is. gone: removed, or never accepted. waits_for_name: another object has its name.
+  /// taken_away: it left the world with its lost publisher and returns with it.
   enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
-  /// What a pose has nothing to do with.
+  /// What a pose without a velocity does not touch; apart, so that a Record stays small.
   struct Described {
-    ObjectDefinition definition;  // its pose: the record's, once it has one
+    ObjectDefinition definition;  // its pose is that of the record, which is newer
     std::array<double, 6> velocity{};
   };
-  /// An object of a publisher: two cache lines, which is what a pose takes of it.
+  /// One object of a publisher. Two cache lines: that is all that a pose touches here.
   struct alignas(64) Record {
     Place place = Place::gone;
     bool has_velocity = false;
@@ -126,29 +141,29 @@ class Publishers {
     std::uint32_t number = 0;
     std::uint64_t definition_sequence = 0;
     std::uint64_t pose_sequence = 0;
-    std::uint64_t touched_step = 0;  // defined or moved in this step
-    std::uint64_t batch = 0;         // that named it last
+    std::uint64_t touched_step = 0;  // the step in which it was defined or moved last
+    std::uint64_t batch = 0;         // the batch that named it last
     ObjectId id = 0;
     std::unique_ptr<Described> described = std::make_unique<Described>();
-    Pose pose;  // the newest, so that it can come back there
+    Pose pose;  // the newest accepted; also where it returns after its publisher was lost
   };
   struct Publisher {
     std::uint64_t id = 0;
     std::string name;
     std::uint64_t incarnation = 0;
-    std::uint64_t definitions_seen = 0;
+    std::uint64_t definitions_seen = 0;  // greatest sequence number of its definitions
     SequenceWatermark watermark;
     SourceClock clock;
     ObjectNumbers<Record> objects;
-    std::deque<PoseSample> parked;
-    std::vector<PoseSample> parts;  // of an instant whose last batch has not come
-    std::int64_t heard_ns = 0;
+    std::deque<PoseSample> parked;  // wait for definitions, oldest first
+    std::vector<PoseSample> parts;  // batches of an instant whose last batch has not come
+    std::int64_t heard_ns = 0;      // its last sample, server's clock
     std::int64_t lost_ns = 0;
-    bool object_writer = false;  // lives
+    bool object_writer = false;  // its writer of definitions lives
     bool pose_writer = false;
-    bool said_all = false;  // kAllSaid has come, and what it followed
-    bool lost = false;
-    bool took_leave = false;  // lost, but nothing of it was left
+    bool said_all = false;    // a batch with kAllSaid was applied
+    bool lost = false;        // both writers are gone
+    bool took_leave = false;  // lost, but it had removed all its objects before
   };
 
   PublisherView view(const Publisher& publisher, std::int64_t now_ns) const;
@@ -182,21 +197,21 @@ class Publishers {
   PublisherLimits limits_;
   std::map<std::uint64_t, std::unique_ptr<Publisher>> publishers_;
   PublisherCounts counts_;
-  std::uint64_t step_ = 1;
-  std::uint64_t batch_ = 0;
-  std::uint64_t changes_ = 0;
-  std::size_t record_count_ = 0;
+  std::uint64_t step_ = 1;        // number of the step that comes next
+  std::uint64_t batch_ = 0;       // number of the batch at work
+  std::uint64_t changes_ = 0;     // since take_changes()
+  std::size_t record_count_ = 0;  // of all publishers, removed objects included
   std::size_t parked_count_ = 0;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting_;  // for a name: publisher, object number
   std::vector<std::string> notices_;
-  std::uint64_t unsaid_ = 0;
+  std::uint64_t unsaid_ = 0;  // notices beyond the limit
 
-  // Of the batch at work.
-  std::array<Record*, wire_contract::kMaxPosesPerBatch> records_;  // by index in the batch; null: none
+  // These belong to the batch at work; they are members so that applying it allocates nothing.
+  std::array<Record*, wire_contract::kMaxPosesPerBatch> records_;  // by index in the batch; null: unknown number
   std::array<Record*, wire_contract::kMaxPosesPerBatch> accepted_;
-  std::array<ObjectId, wire_contract::kMaxPosesPerBatch> ids_;  // of those accepted
+  std::array<ObjectId, wire_contract::kMaxPosesPerBatch> ids_;  // of the accepted
   std::array<Pose, wire_contract::kMaxPosesPerBatch> poses_;
-  std::array<bool, wire_contract::kMaxPosesPerBatch> moved_;
+  std::array<bool, wire_contract::kMaxPosesPerBatch> moved_;  // by index among the accepted: the world took the pose
   std::size_t accepted_count_ = 0;
 };
 

@@ -11,7 +11,8 @@
 
 namespace collided::engine::service {
 
-/// A Definition of collided.idl off the wire. The shape is decoded on the world's thread, not where samples are taken.
+/// A Definition of collided.idl, copied from the wire, where the fields are explained. Taking it must be quick, so its
+/// shape is decoded later, on the world's thread.
 struct DefinitionSample {
   std::uint64_t publisher = 0;
   std::uint32_t object_number = 0;
@@ -19,28 +20,28 @@ struct DefinitionSample {
   std::uint64_t sequence = 0;
   bool removed = false;
   bool moving = true;
-  std::uint8_t lost_policy = 0;
+  std::uint8_t lost_policy = 0;  // LostPolicy, not checked yet
   std::string publisher_name;
   std::string name;
   Filter filter;
-  std::array<double, 7> pose{0, 0, 0, 1, 0, 0, 0};
-  std::vector<std::uint8_t> shape_bytes;  // as they came
-  std::variant<Shape, Refusal> shape;     // decoded, or why they could not be
+  std::array<double, 7> pose{0, 0, 0, 1, 0, 0, 0};  // m; then w x y z
+  std::vector<std::uint8_t> shape_bytes;            // as received
+  std::variant<Shape, Refusal> shape;               // decoded on the world's thread, or the reason why it cannot be
 };
 
-/// A PoseBatch of collided.idl off the wire; its vectors are reused from batch to batch.
+/// A PoseBatch of collided.idl, copied from the wire. Its vectors are reused from batch to batch.
 struct PoseSample {
   std::uint64_t publisher = 0;
   std::uint64_t incarnation = 0;
   std::uint64_t sequence = 0;
-  std::uint64_t definitions_through = 0;
-  std::int64_t source_time_ns = 0;
-  std::int64_t received_ns = 0;  // server's clock
-  std::uint8_t flags = 0;
+  std::uint64_t definitions_through = 0;  // it waits until this publisher's definitions up to here have come
+  std::int64_t source_time_ns = 0;        // publisher's clock; 0: not stamped
+  std::int64_t received_ns = 0;           // server's clock
+  std::uint8_t flags = 0;                 // kTeleported and the like, topics.hpp
   std::vector<std::uint32_t> object_numbers;
-  std::vector<double> poses;       // 7 each: position, orientation
-  std::vector<double> velocities;  // 6 each: linear, angular; or empty
-  bool has_odd_columns = false;    // of different lengths: the two above are empty
+  std::vector<double> poses;       // 7 each: position in m, orientation w x y z
+  std::vector<double> velocities;  // 6 each: linear in m/s, angular in rad/s; or empty: not known
+  bool has_odd_columns = false;    // the wire's columns differ in length; poses and velocities are then empty
 };
 
 }  // namespace collided::engine::service

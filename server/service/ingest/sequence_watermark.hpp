@@ -8,14 +8,17 @@
 
 namespace collided::engine::service {
 
-/// How far one publisher's samples have been applied without gap. Its definitions and poses share one series of
-/// numbers but come on two topics, each in order: a number that both topics have passed will never come, since a newer
-/// sample has replaced it; one that only one topic has passed may still be under way on the other, for a while.
+/// How far one publisher's samples have been applied without a gap. Definitions and poses share one series of numbers
+/// but come on two topics, each in order. A number that both topics have passed will never come, since a newer sample
+/// has replaced it; a number that only one topic has passed may still be under way on the other for a while.
+///
+/// threads  one
 class SequenceWatermark {
  public:
-  /// A gap older than this was lost; reliable delivery between two processes of one network takes far less.
+  /// A gap older than this counts as lost: reliable delivery between two processes in one network takes far less.
   static constexpr std::int64_t kGapPatienceNs = 100'000'000;
 
+  /// To be called when a sample was applied or refused for good: it is no longer waited for.
   void apply_definition(std::uint64_t sequence, std::int64_t now_ns) {
     definitions_ = std::max(definitions_, sequence);
     note(sequence, now_ns);
@@ -24,19 +27,21 @@ class SequenceWatermark {
     poses_ = std::max(poses_, sequence);
     note(sequence, now_ns);
   }
-  /// Gives up gaps that have waited too long.
+  /// Gives up the gaps once they have lasted kGapPatienceNs.
   void settle(std::int64_t now_ns);
 
-  /// Everything up to here has been applied or will never come.
+  /// Every sample up to this number has been applied or will never come. 0: none has come yet.
   std::uint64_t through() const { return through_; }
 
  private:
-  static constexpr std::size_t kMostAhead = wire_contract::kPoseTopic.keep_last;  // so many may be under way
+  /// DDS keeps no more under way, so a longer list means that the gap before it is lost.
+  static constexpr std::size_t kMostAhead =
+      wire_contract::kPoseTopic.keep_last;  // DDS keeps no more under way; a longer gap is lost
   void note(std::uint64_t sequence, std::int64_t now_ns);
   void absorb();
 
   std::uint64_t through_ = 0;
-  std::uint64_t definitions_ = 0;
+  std::uint64_t definitions_ = 0;  // greatest number applied of each topic
   std::uint64_t poses_ = 0;
   std::vector<std::uint64_t> ahead_;  // applied beyond the first gap, ascending
   std::int64_t gap_since_ns_ = 0;

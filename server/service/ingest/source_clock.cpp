@@ -5,7 +5,7 @@
 namespace collided::engine::service {
 
 WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) {
-  // Beyond this no difference of two overflows; 1970 plus or minus 146 years.
+  // Within this range the difference of two stamps does not overflow; it reaches 146 years beyond 1970.
   constexpr std::int64_t kMostSourceNs = std::int64_t{1} << 62;
   is_without_stamps_ = source_ns <= 0 || source_ns > kMostSourceNs;
   if (is_without_stamps_) {
@@ -24,13 +24,13 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   note_way(source_ns, received_ns);
   source_ns_ = source_ns;
   received_ns_ = received_ns;
-  // What was said before a jump stays said.
+  // World time never falls, not even over a jump: what was reported before it stays valid.
   newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
   return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
 }
 
-/// Farther on than the server's time since the last stamp, and into what is to come: batches that a network held back come
-/// together, but what they say is over.
+/// Whether a stamp is a jump ahead: farther on than the server's time since the last stamp, and in the server's future.
+/// The second test spares batches that a network held back: they come together, but their stamps lie in the past.
 bool SourceClock::is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const {
   const bool is_faster = source_ns - source_ns_ > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_);
   return is_faster && source_ns + offset_ns_ > received_ns + kMostOffNs;

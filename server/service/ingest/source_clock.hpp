@@ -8,32 +8,41 @@
 
 namespace collided::engine::service {
 
-/// What one publisher's stamp means in world time.
+/// How a publisher's stamp was turned into world time.
 enum class StampKind : std::uint8_t {
-  good,
-  none,    // it says none: the batch's reception counts
-  jumped,  // its clock went back or ahead by more than a lease: no way leads there
-  late,    // before what it has said already: where things are now is news all the same
+  good,    // taken as it is
+  none,    // the batch has no stamp: the time of its reception counts
+  jumped,  // the clock went back or ahead by more than a lease: no motion connects the poses
+  late,    // before an earlier stamp: counts as the next nanosecond, since where things are now is news all the same
 };
 
+/// A batch's time in the world.
 struct WorldStamp {
-  std::int64_t time_ns = 0;
+  std::int64_t time_ns = 0;  // world time; never falls
   StampKind kind = StampKind::good;
 };
 
-/// World time is the publishers' own: a stamp is taken as it is, to the nanosecond. A clock that is a lease and more off the
-/// server's (nanoseconds since boot, another epoch) counts from where its first batch came; so does one after a jump.
+/// Turns one publisher's stamps into world time, which is the publishers' own: a stamp is taken as it is, to the
+/// nanosecond. Only a clock that is more than a lease off the server's (nanoseconds since boot, another epoch) gets an
+/// offset, such that its first batch happened when it was received; so does a clock after a jump.
+///
+/// threads  one
 class SourceClock {
  public:
-  /// Of clocks that are taken as one.
+  /// Clocks that differ by no more than this are taken as one.
   static constexpr std::int64_t kMostOffNs = wire_contract::kPublisherLeaseNs;
 
-  /// source_ns  0: the publisher says none
+  /// The world time of the next batch.
+  ///
+  /// source_ns    the publisher's stamp; 0: none
+  /// received_ns  server's clock
   WorldStamp stamp(std::int64_t source_ns, std::int64_t received_ns);
-  /// Whether the last batch said no time: the next one without may say something all the same.
+  /// Whether the last batch had no stamp. From such a publisher even an empty batch tells something: nothing moved
+  /// until now.
   bool is_without_stamps() const { return is_without_stamps_; }
-  /// How long after its stamp the quickest batch of the last second or two came: its way, and what its clock is behind the
-  /// server's, or below 0 ahead of it. Nothing where no stamp was good, or the clock counts from another epoch.
+  /// Shortest time from stamp to reception within the last one to two seconds, ns: the transport's delay plus how far
+  /// the publisher's clock is behind the server's. Negative where the clock is ahead by more than the delay. Nothing
+  /// where no stamp was good, or the clock has an offset.
   std::optional<std::int64_t> behind_ns() const;
 
  private:
@@ -45,13 +54,13 @@ class SourceClock {
 
   bool started_ = false;
   bool is_without_stamps_ = false;
-  std::int64_t offset_ns_ = 0;  // of world time, from the publisher's
-  std::int64_t source_ns_ = 0;  // of the last good stamp
-  std::int64_t received_ns_ = 0;
-  std::int64_t newest_ns_ = 0;  // world time
+  std::int64_t offset_ns_ = 0;    // world time minus the publisher's; 0 within kMostOffNs
+  std::int64_t source_ns_ = 0;    // of the last good stamp
+  std::int64_t received_ns_ = 0;  // the same batch's reception
+  std::int64_t newest_ns_ = 0;    // greatest world time so far
   std::int64_t window_began_ns_ = 0;
-  std::int64_t least_ns_ = kNoBatch;         // from stamp to reception, in this window
-  std::int64_t least_before_ns_ = kNoBatch;  // and in the one before
+  std::int64_t least_ns_ = kNoBatch;         // shortest time from stamp to reception, in this window
+  std::int64_t least_before_ns_ = kNoBatch;  // and in the window before
 };
 
 }  // namespace collided::engine::service

@@ -13,7 +13,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// What the command line says, before it is checked.
+/// The command line, parsed but not checked.
 struct Flags {
   std::map<std::string, std::string> values;  // by flag
   std::vector<std::string> scenes;
@@ -28,10 +28,11 @@ std::vector<std::string> known_flags() {
   return flags;
 }
 
-/// "-.5", "-1,0,0:1,1,1"
+/// Whether a text such as "-.5" or "-1,0,0:1,1,1" begins with a number.
 bool starts_as_number(const std::string& text) { return is_number(text.substr(0, text.find_first_of(",:"))); }
 
-/// A number is never an option: "--unit -.5" becomes "--unit=-.5", so that the complaint is about the value.
+/// Joins a number to the flag before it: "--unit -.5" becomes "--unit=-.5". A number is never an option, and so the
+/// complaint is about the value.
 std::vector<std::string> join_numbers(const std::vector<std::string>& arguments) {
   std::vector<std::string> joined;
   for (const std::string& argument : arguments) {
@@ -92,7 +93,7 @@ std::vector<std::string> split_list(const std::string& text) {
   return items;
 }
 
-/// Where a setting is written with the highest rank.
+/// A setting's text from the place of the highest rank that has one.
 Effective find_value(const Setting& setting, const Flags& flags, const std::vector<FileValue>& file,
                      const Environment& environment) {
   Effective found{.setting = &setting, .values = {}, .origin = "default"};
@@ -170,7 +171,7 @@ ParsedOptions parse_options(const std::vector<std::string>& arguments, const Env
   if (!config.empty()) file = read_options_file(config);
   for (const Setting& setting : settings()) {
     Effective effective = find_value(setting, flags, file, environment);
-    // An empty variable or flag is a value like any other: only lists may be empty.
+    // An empty variable or flag is a value like any other; only a list may be empty.
     if (effective.values.empty() && !setting.many) effective.values.emplace_back();
     apply(effective, parsed.options);
     parsed.effective.push_back(std::move(effective));

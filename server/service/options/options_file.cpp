@@ -22,7 +22,7 @@ std::pair<std::string, std::string> split_key(const std::string& key) {
   throw OptionsError(fmt::format("{} line {}, column {}: {}", path, where.line, where.column, what));
 }
 
-/// Words of the settings' tables, or of one table's keys.
+/// The tables that settings are in.
 std::vector<std::string> known_tables() {
   std::vector<std::string> tables;
   for (const Setting& setting : settings()) {

@@ -5,14 +5,15 @@
 
 namespace collided::engine::service {
 
-/// One value as the file writes it.
+/// One value as it stands in the file.
 struct FileValue {
-  std::string key;  // "table.name", one of settings()
-  std::vector<std::string> values;
-  std::string place;  // "path:line"
+  std::string key;                  // "table.name", one of settings()
+  std::vector<std::string> values;  // one, unless it is a list
+  std::string place;                // "path:line"
 };
 
-/// Reads a TOML file of settings. Throws OptionsError with line, column and what was probably meant.
+/// Reads a TOML file of settings. Throws OptionsError with line, column and, for an unknown word, the nearest known
+/// one.
 std::vector<FileValue> read_options_file(const std::string& path);
 
 }  // namespace collided::engine::service

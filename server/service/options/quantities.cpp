@@ -10,7 +10,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// The number at the start of the text; what follows it stays.
+/// Takes the number from the start of the text and leaves what follows it.
 std::optional<double> take_number(std::string_view& text) {
   std::string_view digits = text;
   if (digits.starts_with('+')) digits.remove_prefix(1);
@@ -49,7 +49,7 @@ std::optional<std::int64_t> parse_duration_ns(std::string_view text) {
   for (const auto& [name, nanoseconds] : kTimes) {
     if (text != name) continue;
     const double total = *value * nanoseconds;
-    // A hundred years, so that sums of two still fit.
+    // A hundred years, so that the sum of two still fits.
     if (std::abs(total) > 3.2e18) return std::nullopt;
     return static_cast<std::int64_t>(std::llround(total));
   }

@@ -26,7 +26,7 @@ Allowed apply_namespace(Options& options, Values values) {
   return std::nullopt;
 }
 
-/// A whole number between two limits into a field.
+/// Stores a whole number from `low` to `high`; `note` is added to what is said to be allowed.
 template <class T>
 Allowed apply_whole(T& field, Values values, std::int64_t low, std::int64_t high, const char* note = "") {
   const std::optional<std::int64_t> value = parse_whole(values[0]);
@@ -173,7 +173,7 @@ Allowed apply_domain(Options& options, Values values) {
   return apply_whole(options.domain, values, 0, wire_contract::kLastDomain);
 }
 
-/// Letters of addresses and interfaces: they become part of DDS's own configuration.
+/// Whether a word has only the letters of addresses and interfaces: it becomes part of DDS's own configuration.
 bool is_network_word(const std::string& word) {
   const auto allowed = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||

@@ -38,13 +38,13 @@ std::string refusal_text(const std::string& error, const std::string& hint) {
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// One thread's memory and what it does with it.
+/// What one thread does to answer, and the memory that it uses again for each answer.
 class Answering::Worker {
  public:
   explicit Worker(Answering& owner) : owner_(owner) {
     reply_->server = owner.options_.server;
     reply_->epoch = owner.options_.epoch;
-    text_.reserve(out_of_memory_.size());  // so that it can be said
+    text_.reserve(out_of_memory_.size());  // so that refusing for want of memory needs none
   }
   void run();
   void answer(Client& client, const Ask& ask);
@@ -80,7 +80,7 @@ class Answering::Worker {
 
 void Answering::Worker::run() {
   pthread_setname_np(pthread_self(), "answer");
-  // Single questions are answered by who reads them; what comes here takes long or can wait.
+  // Short single questions are answered on the listener's thread; what comes here takes long or can wait.
   set_time_slice(kLongSlice);
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
@@ -106,7 +106,7 @@ void Answering::Worker::answer(Client& client, const Ask& ask) {
   try {
     answer_or_throw(client, ask);
   } catch (const std::bad_alloc&) {
-    // What this thread holds is of this question alone.
+    // All that was allocated belongs to this question alone, so nothing is left half changed.
     ++owner_.with_.counts.refused;
     write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
   }
@@ -129,7 +129,7 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
   }
 }
 
-/// The shape comes with the questions, from outside.
+/// The shape that moves comes from outside, with the questions, so it is checked here.
 void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
   const wire::Query& query = *ask.query;
   const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
@@ -190,10 +190,11 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
   if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
   engine::answer(*lease, questions, answers_, scratch_);
-  // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
+  // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
+  // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
-  // The audit's twin knows no ways.
+  // The audit has no brute force for sweeps, and an overloaded server leaves the audit out.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   if (mover == nullptr && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
 }
@@ -220,6 +221,7 @@ void Answering::Worker::count_levels(QuestionKind kind) {
   }
 }
 
+/// Turns every answer that a missing object could change into undecided.
 void Answering::Worker::doubt(const Questions& questions) {
   const bool any_will_do = questions.kind == QuestionKind::ray && questions.mode == HitMode::any;
   for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
@@ -249,7 +251,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
-    // Before it leaves: whoever has the answer and asks for the counts finds it in them.
+    // Counted before the reply leaves, so that a client which has it and then asks for the counts finds it in them.
     if (filler.is_done()) count_answered(query.kind, filler.undecided());
     send(client);
   }
@@ -293,7 +295,7 @@ void Answering::Worker::send(Client& client) {
   } catch (const dds::DdsError&) { ++owner_.with_.counts.unanswerable; }
 }
 
-// ---- the way in
+// ---- from the reader to the queue
 
 Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
                      Command command)
@@ -331,7 +333,8 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
   short_questions_.took(started_ns, steady_ns());
 }
 
-/// Takes everything there is room for. The first single question is left to the caller if it wants one.
+/// Takes as much as the queue has room for. The first single question goes to `single`, where that is not null. One
+/// thread takes at a time: another that comes meanwhile raises the count, and the first one goes round once more.
 void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   if (takers_.fetch_add(1) > 0) return;
   std::uint32_t seen = 1;
@@ -357,7 +360,7 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     }
     if (count < room.size()) return;
   }
-  // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
+  // The rest stays with DDS, which makes the clients wait, until a worker comes back for it.
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
 }
 
@@ -395,8 +398,8 @@ void Answering::admit(AskPointer ask) {
   enqueue(std::move(ask));
 }
 
-/// Into the queue, or refused where its client has too much there already. Commands, greetings and questions of the high
-/// class are taken as long as anything is.
+/// Puts a question into the queue, or refuses it where its client has too much there already. Commands, hellos and
+/// questions of high importance may fill more of the queue than others (Share::is_kept).
 void Answering::enqueue(AskPointer ask) {
   const wire::Query& query = *ask->query;
   const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
@@ -414,7 +417,7 @@ void Answering::enqueue(AskPointer ask) {
                            queue_.waiting()));
 }
 
-/// A question of the low class while only others are answered.
+/// Whether the overload refuses this question: only those of low importance are.
 bool Answering::leaves_out(const wire::Query& query) const {
   return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
          wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0 &&
@@ -427,7 +430,8 @@ bool Answering::was_pressed() {
   return turned_away || queue_.waiting() > kMostQueued / 2;
 }
 
-/// What a client has been told of must not be unsaid by a later answer; behind a fence only the newest state will do.
+/// The oldest state that may answer. A later answer must not go back behind one that the client has had; behind a fence
+/// only the newest state will do.
 std::uint64_t Answering::least_version(const wire::Query& query) const {
   if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
   const std::shared_ptr<Client> client = clients_.find(query.client);
@@ -435,7 +439,7 @@ std::uint64_t Answering::least_version(const wire::Query& query) const {
 }
 
 void Answering::refuse_later(AskPointer ask, std::string reason) {
-  // Who asks faster than refusals can be written gets none.
+  // A client that asks faster than refusals can be written gets none.
   if (!queue_.has_room_for_own()) {
     ++with_.counts.unanswerable;
     pool_.put(std::move(ask));

@@ -25,34 +25,37 @@
 
 namespace collided::engine::service {
 
+/// How questions are answered. `server` and `epoch` go into every reply.
 struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
-  unsigned threads = 1;
-  std::int64_t deadline_ns = 0;        // of questions that bring none; 0: none
-  double error_m = 0;                  // the same
-  std::function<bool()> recovering;    // the world may lack what publishers have yet to say again
-  const Overload* overload = nullptr;  // null: never
-  FlightRecorder* flight = nullptr;    // hears every question and reply
+  unsigned threads = 1;                // that answer, at least 1
+  std::int64_t deadline_ns = 0;        // for questions that bring none, from when they are taken; 0: none
+  double error_m = 0;                  // accepted where a question names none; 0: exact
+  std::function<bool()> recovering;    // true: after a crash the world may lack what publishers have not sent again
+  const Overload* overload = nullptr;  // null: never overloaded
+  FlightRecorder* flight = nullptr;    // records every question and reply; null: none
 };
 
-/// A command as it came; see idl/commands.hpp.
+/// A command as received; see idl/commands.hpp.
 struct CommandAsk {
   std::uint64_t client = 0;
   std::uint64_t request = 0;
   std::string text;
-  std::vector<std::byte> blob;
+  std::vector<std::byte> blob;  // a Shape of scene.fbs, or empty
 };
 
-/// {"error": ..., "hint": ...}: the text of a refusal.
+/// The text of a refusal: {"error": ..., "hint": ...}, the hint only where it is not empty.
 std::string refusal_text(const std::string& error, const std::string& hint = {});
 
-/// Takes questions, has workers answer them on snapshots, writes the replies.
+/// Takes questions from DDS, has workers answer them on snapshots, and writes the replies.
+///
+/// threads  the listener's calls listen(); workers are started by the constructor and end in stop()
 class Answering {
  public:
-  using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
+  using Command = std::function<void(CommandAsk)>;  // called on a worker; it answers through send_text()
 
-  /// All of them outlive the Answering.
+  /// What it works with; all must outlive the Answering.
   struct Collaborators {
     const World& world;
     const WorldClock& clock;
@@ -66,20 +69,24 @@ class Answering {
             Command command);
   ~Answering();
 
-  /// From the query reader's listener: takes, stamps and hands over; answers the first short question itself, which
-  /// saves waking another thread and waiting for what the others are at.
+  /// For the query reader's listener: takes, stamps and hands over. Answers the first short question itself, which
+  /// saves waking a worker and waiting for the work that the workers have at hand.
   void listen(const dds::Taker<wire::Query>& taker);
-  /// Past its fence: pins the state of a request in chunks and queues.
+  /// Queues a question that has passed its write barrier. The first chunk of a request in several pins the state for
+  /// all of them; a later chunk whose state is no longer kept is refused. Any thread.
   void admit(AskPointer ask);
-  /// The text of a command's answer, in as many replies as it needs. Any thread.
+  /// Queues the text of a command's answer, which is written in as many replies as it needs. Any thread.
   void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text);
-  /// Now and then, from one thread: questions that waited too long, clients that are gone.
+  /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
+  /// forgets clients that are gone.
+  ///
+  /// askers  the query writers that are matched now
   void tick(std::vector<std::uint64_t> askers);
-  /// Answers what is in, then ends.
+  /// Answers what is queued, refuses what waits at barriers, then ends the workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
   PastStates& past_states() { return past_states_; }
-  /// Too much waits, or some was turned away since the last call. One thread.
+  /// Whether the queue is more than half full, or refused something since the last call. One thread.
   bool was_pressed();
 
  private:
@@ -95,6 +102,8 @@ class Answering {
   struct ExpireLeases {
     std::vector<std::uint64_t> askers;
   };
+  /// What waits for a worker: a question; a text to be written; a place whose clients' asks may go on; leases to
+  /// expire.
   using Work = std::variant<AskPointer, TextReply, Resume, ExpireLeases>;
   class Worker;
 
@@ -115,12 +124,13 @@ class Answering {
   FairQueue<Work> queue_;
   std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
-  std::atomic<std::uint32_t> takers_{0};         // one takes, the others tell it that there is more
-  std::array<AskPointer, 4> next_;               // of who takes: one call brings what there is as a rule
-  std::unique_ptr<Worker> listening_worker_;     // of the listener's thread
-  AskPointer spare_;                             // the same
-  ShortQuestions short_questions_;               // the same
-  std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
+  std::atomic<std::uint32_t> takers_{
+      0};                           // threads that want to take; the first does, the others make it go round again
+  std::array<AskPointer, 4> next_;  // of the thread that takes: mostly all that one call brings
+  std::unique_ptr<Worker> listening_worker_;  // these three: used by the listener's thread alone
+  AskPointer spare_;
+  ShortQuestions short_questions_;
+  std::atomic<dds_entity_t> left_in_reader_{0};  // a reader with questions for which the queue had no room; 0: none
   std::atomic<bool> stopping_{false};
   std::vector<std::thread> threads_;
 };

@@ -78,11 +78,12 @@ void AskPool::put(AskPointer ask) {
 
 bool is_single(const wire::Query& query) { return query.chunk_count == 1 && wire::question_count(query) == 1U; }
 
-/// The README's table of times, a ray being 0.3 us; a nearest point and a time of contact are of another order.
+/// The weights follow the table of times in the README, where a ray takes 0.3 us; a nearest point and a time of contact
+/// are of another order.
 double cost_of(const wire::Query& query) {
   const auto kind = static_cast<QueryKind>(query.kind);
   const double questions = std::max(1U, wire::question_count(query).value_or(1));
-  // A state at a past instant is put together first.
+  // The state of a past instant has to be put together first.
   const double state = query.instant != static_cast<std::uint8_t>(AskedInstant::Kind::latest) ? 2'000 : 0;
   switch (kind) {
     case QueryKind::sphere: return state + 2 * questions;

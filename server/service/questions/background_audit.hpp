@@ -16,34 +16,39 @@
 
 namespace collided::engine::service {
 
+/// What the audit has found so far.
 struct AuditCounts {
-  std::uint64_t chosen = 0;  // answers that were to be worked out again
-  std::uint64_t audited = 0;
-  std::uint64_t differing = 0;
-  std::uint64_t skipped = 0;   // chosen, but the auditor was behind
-  OpinionCounts opinion = {};  // FCL's of the audited, where it is asked
+  std::uint64_t chosen = 0;     // answers chosen for the audit
+  std::uint64_t audited = 0;    // of them, worked out again
+  std::uint64_t differing = 0;  // of those, not the same as the answer given
+  std::uint64_t skipped = 0;    // chosen, but too much waited already
+  OpinionCounts opinion = {};   // FCL's opinions of the audited, where it is asked
 };
 
-/// Works one answer in so many out again, on a thread of its own, after the reply has left.
-/// Workers call consider(); any thread may read counts() and differences().
+/// Works out one answer in so many again, exactly and without an index, on a thread of its own, after the reply has
+/// left.
+///
+/// threads  workers call consider(); any may read counts() and differences()
 class BackgroundAudit {
  public:
-  /// every   one answer in so many; 0: none, and no thread
-  /// notice  told each of the first differences, from the auditing thread
-  /// asks_fcl  FCL is asked about every chosen answer too, in a process of its own each time
+  /// every     one answer in so many; 0: none, and no thread
+  /// notice    called from the auditing thread with each of the first differences
+  /// asks_fcl  FCL is asked about every chosen answer too, each time in a process of its own
   BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice, bool asks_fcl = false);
   ~BackgroundAudit();
 
-  /// Chooses among the answers just given. Returns at once; copies what is chosen.
+  /// Chooses among the answers just given and copies those chosen. Returns at once.
   void consider(const SnapshotRing::Lease& state, const Questions& asked, const Answers& given);
   std::uint64_t every() const { return every_; }
   bool asks_fcl() const { return asks_fcl_; }
   AuditCounts counts() const;
+  /// The first differences, as sentences.
   std::vector<std::string> differences() const;
+  /// Ends the thread; what waits is not audited.
   void stop();
 
  private:
-  /// States kept alive for auditing: the world's writer needs the others.
+  /// States that the audit keeps alive at once: the world's writer needs the others of its ring.
   static constexpr std::size_t kMostStates = 4;
   static constexpr std::size_t kMostWaiting = 4'096;
   static constexpr std::size_t kMostReported = 16;
@@ -52,6 +57,7 @@ class BackgroundAudit {
     std::uint64_t version = 0;
     SnapshotRing::Lease lease;
   };
+  /// One answer to be audited, with copies of all that its question points to.
   struct Item {
     std::shared_ptr<const Pinned> state;
     Questions question;
@@ -67,7 +73,7 @@ class BackgroundAudit {
   void run();
   void work_out(const Item& item);
   void ask_fcl(const Item& item);
-  /// Keeps and tells the first ones.
+  /// Keeps and reports a difference, up to kMostReported of them.
   void tell(const Item& item, const std::string& difference);
 
   const std::uint64_t every_;

@@ -8,7 +8,7 @@
 namespace collided::engine::service {
 
 bool Client::write(const wire::Reply& reply) {
-  // Set once before anybody writes, and never taken away.
+  // The writer is set before ready() is true and never taken away, so this needs no lock.
   return ready() && place_.writer_->write(reply);
 }
 
@@ -36,7 +36,7 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
     try {
       open(place);
     } catch (...) {
-      places_[place].opening_.store(false);  // whoever asks next tries again
+      places_[place].opening_.store(false);  // the next ask tries again
       throw;
     }
   }
@@ -54,7 +54,7 @@ void Clients::open(std::uint32_t number) {
   place.writer_.emplace(topic_,
                         dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
   place.open_.store(true, std::memory_order_release);
-  // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
+  // A match that came before open_ was set found no place ready; asks held since would wait for ever.
   if (place.listening_.load()) listening_(number);
 }
 

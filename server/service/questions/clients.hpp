@@ -16,9 +16,11 @@
 
 namespace collided::engine::service {
 
-/// A partition's reply writer, for all clients whose replies travel there; made for the first of them, and kept.
+/// The reply writer of one partition, shared by all clients whose replies travel there. Made for the first of them, and
+/// kept.
 class ReplyPlace {
  public:
+  /// The writer is made and a reader is matched.
   bool ready() const { return open_.load(std::memory_order_acquire) && listening_.load(); }
 
  private:
@@ -26,21 +28,22 @@ class ReplyPlace {
   friend class Clients;
 
   std::optional<dds::Writer<wire::Reply>> writer_;
-  std::atomic<bool> opening_{false};
-  std::atomic<bool> open_{false};  // the writer is in its place, for good
-  std::atomic<bool> listening_{false};
-  std::atomic<std::int64_t> deaf_since_ns_{0};
+  std::atomic<bool> opening_{false};            // a thread is making the writer, or has made it
+  std::atomic<bool> open_{false};               // the writer is made; never taken back
+  std::atomic<bool> listening_{false};          // a reader is matched
+  std::atomic<std::int64_t> deaf_since_ns_{0};  // last change of the match, steady clock
 };
 
-/// One asking client, and what waits until somebody listens where its replies go.
+/// One client, and its asks that wait until a reader is matched where its replies go.
 class Client {
  public:
   Client(std::uint64_t id, ReplyPlace& place, std::int64_t met_ns) : id_(id), met_ns_(met_ns), place_(place) {}
   std::uint64_t id() const { return id_; }
-  /// False: nobody took it, or nobody is there any more.
+  /// False: the reply was not written, since no reader is matched or a reader's queue stayed full.
   [[nodiscard]] bool write(const wire::Reply& reply);
-  /// The newest version of the world that an answer to it was about; any thread.
+  /// The newest version of the world that an answer to this client was about. Any thread.
   std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
+  /// Raises reported_version() to `version`, where that is greater. Any thread.
   void note_told(std::uint64_t version);
 
  private:
@@ -52,35 +55,43 @@ class Client {
   ReplyPlace& place_;
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
-  std::atomic<std::uint64_t> asker_{0};  // its query writer
+  std::atomic<std::uint64_t> asker_{0};  // publication handle of its query writer
   std::atomic<std::uint64_t> reported_version_{0};
 };
 
-/// Every client that has asked and still lives. A reply written before a reader was matched would be lost, so asks wait for
-/// the match; of several clients in one place for that of the first, and the library says hello until it is heard.
+/// Every client that has asked and still lives. A reply written before a reader is matched would be lost, so asks wait
+/// for the match. Clients that share a place wait only for its first match; the library therefore repeats its hello
+/// until it is answered.
 ///
-/// threads  any but DDS's own, which may call find_ready() alone: making writers inside a listener would deadlock
+/// threads  any but DDS's own, which may call only find_ready(): making a writer inside a listener would deadlock
 class Clients {
  public:
-  static constexpr std::size_t kMost = 1'000;
-  static constexpr std::size_t kMostWaiting = 256;  // asks of one client
-  static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;
-  static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader is forgotten
+  static constexpr std::size_t kMost = 1'000;                      // clients
+  static constexpr std::size_t kMostWaiting = 256;                 // asks of one client
+  static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;  // an ask that waits longer for a match is given up
+  static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader for so long is forgotten
 
-  /// listening  called on DDS's thread when asks of a place's clients may go on: hand resume() to a worker
+  /// listening  called with a place when its clients' asks may go on, also on DDS's thread: have a worker call resume()
   Clients(const dds::Topic<wire::Reply>& topic, std::function<void(std::uint32_t)> listening)
       : topic_(topic), listening_(std::move(listening)) {}
 
-  /// The client of an ask; made when it is first seen; null when kMost are there.
+  /// The client of an ask, made when it is first seen, with the writer of its place; null where kMost are there.
   std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
+  /// Null where the client is not known.
   std::shared_ptr<Client> find(std::uint64_t id) const;
-  /// The client of an ask if its replies can be written at once, else null. For the one listener of questions.
-  /// lock  none for a client that asked before and shares its place with no other
+  /// The client of an ask if its replies can be written at once, else null. For the listener of questions alone.
+  ///
+  /// lock  none for a client that asked before and shares its place in recent_ with no other
   Client* find_ready(std::uint64_t id, std::uint64_t asker);
-  /// Takes the ask where it must wait.
+  /// Takes the ask and returns true where it must wait for a match. Beyond kMostWaiting the client's oldest ask is
+  /// dropped.
   bool hold(Client& client, AskPointer& ask);
+  /// The asks that waited in this place, where a reader is matched now.
   std::vector<AskPointer> resume(std::uint32_t place);
-  /// Forgets clients whose query writer is gone; returns asks that waited too long.
+  /// Forgets clients whose query writer is gone or that have had no reader for kDeafPatienceNs; returns asks that
+  /// waited longer than kMatchPatienceNs.
+  ///
+  /// askers  the query writers that are matched now
   std::vector<AskPointer> sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns);
   std::size_t size() const;
 
@@ -93,10 +104,10 @@ class Clients {
   std::function<void(std::uint32_t)> listening_;
   mutable std::mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<Client>> clients_;
-  std::atomic<std::uint64_t> departures_{0};                        // sweeps that found clients gone
-  std::array<std::shared_ptr<Client>, kRecent> recent_;             // the listener's own, by number
-  std::uint64_t recent_departures_ = 0;                             // as of when they were looked up
-  std::array<ReplyPlace, wire_contract::kReplyPartitions> places_;  // last: their callbacks use the rest
+  std::atomic<std::uint64_t> departures_{0};             // clients forgotten: recent_ may hold one of them
+  std::array<std::shared_ptr<Client>, kRecent> recent_;  // of the listener's thread alone, by client modulo kRecent
+  std::uint64_t recent_departures_ = 0;                  // departures_ when recent_ was filled
+  std::array<ReplyPlace, wire_contract::kReplyPartitions> places_;  // last member: its callbacks use the others
 };
 
 }  // namespace collided::engine::service

@@ -7,21 +7,24 @@
 
 namespace collided::engine::service {
 
-/// What is left out while more comes than can be done. Superseded poses go first, always and unasked (Inbox); where that
-/// is not enough, details: contacts told anew while they go on, and the audit; where that is not enough, questions of the
-/// low class are refused. Never left out: removals, what ends, signs of life, commands, an object's newest pose,
-/// questions of the high class.
+/// Decides what is left out while more comes in than can be dealt with. The inbox merges superseded poses first, always
+/// and on its own. Where that is not enough, details are left out: contacts that go on are not reported again, and
+/// answers are not audited. Where that is not enough either, questions of low importance are refused. Never left out:
+/// removals, ends of contacts, signs of life, commands, an object's newest pose, questions of high importance.
 ///
 /// threads  note() one; the rest any
 class Overload {
  public:
   enum class Stage : std::uint8_t { none, details, low_questions };
-  static constexpr int kCalmTicks = 10;  // before a stage is taken back
+  static constexpr int kCalmTicks = 10;  // calls of note() without pressure before a stage is taken back
 
   /// notice  takes a sentence for the log
   explicit Overload(std::function<void(const std::string&)> notice) : notice_(std::move(notice)) {}
 
-  /// Ten times a second. poses: some were superseded since the last time; questions: too many wait, or were turned away.
+  /// To be called ten times a second.
+  ///
+  /// poses      some were superseded since the last call
+  /// questions  too many wait, or some were refused
   void note(bool poses, bool questions);
 
   bool leaves_out_details() const { return stage() >= Stage::details; }

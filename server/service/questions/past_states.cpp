@@ -21,7 +21,8 @@ std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const 
   if (!world_.memory().is_on())
     return "this server remembers no poses (--memory off), so it knows of no instant but the latest";
   const std::int64_t time_ns = time_of(instant, newest);
-  // Whoever asks for the same waits for the first instead of making it anew.
+  // Making a state takes long. The lock is held for it, so that another question about the same instant waits for this
+  // state instead of making its own.
   const std::lock_guard lock(mutex_);
   for (const Kept& kept : kept_) {
     if (kept.state && kept.time_ns == time_ns && kept.version == newest.version) return kept.state;

@@ -13,17 +13,17 @@
 
 namespace collided::engine::service {
 
-/// States of the world at past instants, for questions that name one. The newest few are kept: the chunks of a request
-/// are answered on one state, and many ask about the same instant.
+/// States of the world at past instants, for questions that name one. The newest few are kept: all chunks of a request
+/// are answered on one state, and often many questions are about the same instant.
 ///
 /// threads  any
 class PastStates {
  public:
   explicit PastStates(const World& world) : world_(world) {}
 
-  /// instant  not `latest`
-  /// newest   what relative instants count from, and what names the state for the chunks of one request
-  /// returns  the state, or why there is none
+  /// instant  of any kind but `latest`
+  /// newest   what relative instants count from, and what identifies the state for the chunks of one request
+  /// returns  the state, or a sentence why there is none
   std::variant<std::shared_ptr<const Snapshot>, std::string> at(const wire_contract::AskedInstant& instant,
                                                                 const Snapshot& newest);
 

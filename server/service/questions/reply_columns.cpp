@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
 constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
-// What a reply has besides: its fixed fields, the lengths of its sequences and what DDS puts around it.
+// The rest is for the fixed fields, the lengths of the sequences and what DDS puts around a message.
 constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
 
 }  // namespace
@@ -72,7 +72,7 @@ std::string_view ReplyFiller::name_of(ObjectId id) const {
   return info ? std::string_view(info->name) : std::string_view();
 }
 
-/// What the hit adds to this reply, its object's name included where that is not there yet.
+/// Bytes that the hit adds to this reply, with its object's name where the reply does not name it yet.
 std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
   const std::uint32_t slot = slot_of(hit.object);
   const bool named = slot < named_in_.size() && named_in_[slot] == reply_number_;
@@ -105,10 +105,10 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   add(hit.point_error_m);
 }
 
-/// False: no room left for this question beside the ones before it.
+/// False: this question has no room beside those before it and starts the next reply.
 bool ReplyFiller::add_question(ReplyColumns& columns) {
   const std::size_t hit_count = answers_.hit_counts[question_];
-  // A bound: names that repeat are counted each time.
+  // An upper bound: a name that repeats within the question is counted each time.
   std::size_t bytes = kBytesPerAnswer;
   for (std::size_t i = 0; i < hit_count; ++i) bytes += bytes_of(answers_.hits[hit_ + i]);
   const bool alone = columns.answers.empty();

@@ -9,7 +9,7 @@
 
 namespace collided::engine::service {
 
-/// The parallel sequences of a Reply; memory is reused from reply to reply.
+/// The parallel sequences of a Reply. Their memory is reused from reply to reply.
 struct ReplyColumns {
   std::vector<std::uint8_t> answers, reasons, levels;
   std::vector<std::uint32_t> hit_counts, nodes, exact_tests;
@@ -17,13 +17,13 @@ struct ReplyColumns {
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint8_t> hit_flags;
   std::vector<double> numbers;  // rows of kHitColumns or kSweepHitColumns
-  bool of_sweeps = false;
+  bool of_sweeps = false;       // numbers are rows of kSweepHitColumns
   std::vector<std::uint32_t> uncovered_questions;
   std::vector<double> uncovered;  // rows of kUncoveredColumns
   NameTable named;
 
   void clear();
-  /// Points the message's sequences here.
+  /// Lets the message's sequences point into this, without a copy; valid until the next change here.
   void lend(wire::Reply& reply);
 
  private:
@@ -38,12 +38,13 @@ struct ReplyColumns {
 ///   while (filler.fill(columns)) write(columns, filler.first());
 class ReplyFiller {
  public:
-  /// named_in  memory: by slot, the reply that named the object last
+  /// named_in      memory of the caller: by slot, the number of the reply that named the object last
+  /// reply_number  counts replies over all fillers that share named_in
   ReplyFiller(const Snapshot& snapshot, const Answers& answers, std::vector<std::uint64_t>& named_in,
               std::uint64_t& reply_number)
       : snapshot_(snapshot), answers_(answers), named_in_(named_in), reply_number_(reply_number) {}
 
-  /// The next reply's part; false when all are done.
+  /// Fills `columns` with the next reply; false when all answers are in replies.
   bool fill(ReplyColumns& columns);
   /// The reply filled last is the last one.
   bool is_done() const { return question_ >= answers_.answers.size(); }
@@ -65,10 +66,10 @@ class ReplyFiller {
   const Answers& answers_;
   std::vector<std::uint64_t>& named_in_;
   std::uint64_t& reply_number_;
-  std::size_t first_ = 0;
-  std::size_t question_ = 0;
-  std::size_t hit_ = 0;
-  std::size_t bytes_ = 0;
+  std::size_t first_ = 0;     // first question of this reply
+  std::size_t question_ = 0;  // the next one
+  std::size_t hit_ = 0;       // its first hit
+  std::size_t bytes_ = 0;     // of this reply so far
   std::uint64_t undecided_ = 0;
 };
 

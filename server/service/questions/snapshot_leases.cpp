@@ -4,7 +4,7 @@
 
 namespace collided::engine::service {
 
-/// How many different states are pinned; two leases of one state point at one snapshot.
+/// How many different states are pinned; leases of the same state point to the same snapshot.
 std::size_t SnapshotLeases::states() const {
   std::size_t count = 0;
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {

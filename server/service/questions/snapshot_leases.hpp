@@ -10,27 +10,30 @@
 
 namespace collided::engine::service {
 
-/// Keeps the state on which a request of several chunks is answered, from its first chunk to its last.
-/// The world has a ring of states: who pinned them all would stop it. So only a few different ones are kept, for a
-/// limited time; the oldest request gives way, and its later chunks are refused.
+/// Keeps the state on which a request of several chunks is answered, from its first chunk to its last. The world's
+/// states are a ring, and pinning all of them would stop its writer. So only a few states are kept, for a limited time;
+/// beyond that the oldest request loses its state, and its later chunks are refused.
 ///
 /// threads  any
 class SnapshotLeases {
  public:
-  static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates, the rest is for workers and the writer
+  static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates; workers and the writer need the rest
   static constexpr std::size_t kMostRequests = 1'024;
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // from one chunk to the next
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // longest pause between two chunks
   static constexpr std::int64_t kLongestNs = 30'000'000'000;  // from the first chunk to the last
   /// A new request joins a state this young rather than pushing out an old request.
   static constexpr std::int64_t kSharedAgeNs = 20'000'000;
 
   explicit SnapshotLeases(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
 
-  /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
-  /// least_version  no older state will do; beyond the newest: only that one
+  /// The state for one chunk; nothing for a later chunk whose request is not, or no longer, kept.
+  ///
+  /// least_version  the oldest state that will do; greater than any version: only the newest
   std::optional<SnapshotRing::Lease> take(std::uint64_t client, std::uint64_t request, std::uint32_t chunk_index,
                                           std::uint32_t chunk_count, std::uint64_t least_version, std::int64_t now_ns);
+  /// Lets go of states whose requests have run out of time.
   void expire(std::int64_t now_ns);
+  /// Requests that keep a state.
   std::size_t size() const;
 
  private:
@@ -39,7 +42,7 @@ class SnapshotLeases {
     std::uint64_t request;
     std::uint32_t chunks_left;
     std::int64_t pinned_ns;
-    std::int64_t heard_ns;  // of its newest chunk
+    std::int64_t heard_ns;  // when its newest chunk came
     SnapshotRing::Lease lease;
   };
   std::size_t states() const;

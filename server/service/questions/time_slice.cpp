@@ -10,7 +10,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// As the kernel has it; the C library of today does not.
+/// The kernel's struct sched_attr, which today's C libraries do not declare.
 struct SchedulingAttributes {
   std::uint32_t size = sizeof(SchedulingAttributes);
   std::uint32_t policy = SCHED_OTHER;
@@ -26,7 +26,7 @@ static_assert(sizeof(SchedulingAttributes) == 48);
 }  // namespace
 
 bool set_time_slice(std::chrono::nanoseconds turn) {
-  // Under another policy somebody has decided already.
+  // Another policy was chosen on purpose, from outside of this program; it stays.
   if (sched_getscheduler(0) != SCHED_OTHER) return false;
   SchedulingAttributes attributes;
   attributes.runtime_ns = static_cast<std::uint64_t>(turn.count());

@@ -4,17 +4,17 @@
 
 namespace collided::engine::service {
 
-/// Of threads that somebody waits for: reading, the world's steps.
+/// For threads that others wait for: those that read, and the world's.
 inline constexpr std::chrono::nanoseconds kShortSlice = std::chrono::microseconds(100);
-/// Of threads that work off batches: whoever waits for less than that goes first.
+/// For threads that work off batches; a thread with a shorter slice goes before them.
 inline constexpr std::chrono::nanoseconds kLongSlice = std::chrono::milliseconds(20);
 
-/// Asks the kernel to let this thread, and those that it starts from then on, run in turns of this length where processors
-/// are short: who wants shorter turns than the one that runs need not wait for its end (EEVDF; Linux 6.12 and later,
-/// earlier ones pay no heed). Takes nothing from anybody: the share of time stays the same.
+/// Asks the kernel to run this thread, and those that it starts from then on, in slices of this length where processors
+/// are short. A thread with a shorter slice than the one that runs need not wait for that one's end (EEVDF; Linux 6.12
+/// and later, earlier ones ignore it). The share of time of each thread stays the same.
 ///
 /// turn     0.1 to 100 ms
-/// returns  whether the kernel took it
+/// returns  whether the kernel accepted it
 /// source   Stoica, Abdel-Wahab, "Earliest Eligible Virtual Deadline First", 1995; sched_setattr(2)
 bool set_time_slice(std::chrono::nanoseconds turn);
 

@@ -34,7 +34,7 @@ std::size_t utf8_length(std::string_view text) {
   return 0;
 }
 
-/// Bytes of the printable character at the start of the text; 0 where there is none.
+/// Bytes of the printable character at the start of a text that is not empty; 0 where there is none.
 std::size_t printable_length(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const bool control = lead < 0x20 || lead == 0x7F;
@@ -44,7 +44,7 @@ std::size_t printable_length(std::string_view text) {
 }  // namespace
 
 bool read_pose(const double* numbers, Pose& pose) {
-  double nothing = 0;  // what is not finite leaves no number
+  double nothing = 0;  // x - x is 0 for a finite x, else NaN
   for (std::uint32_t i = 0; i < wire_contract::kPoseNumbers; ++i) nothing += numbers[i] - numbers[i];
   const Quat given(numbers[3], numbers[4], numbers[5], numbers[6]);
   const double norm = given.norm();

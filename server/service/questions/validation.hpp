@@ -11,16 +11,18 @@
 
 namespace collided::engine::service {
 
-/// x y z qw qx qy qz from outside to a pose: finite, | |q| - 1 | <= kUnitQuaternionSlack, then divided by |q| once.
+/// A pose from seven numbers of outside: x y z in m, then the quaternion w x y z. All must be finite, and the norm 1
+/// within kUnitQuaternionSlack; the quaternion is then divided by its norm once.
 std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers);
 
-/// The same without the reason, into `pose`; false leaves it as it was.
+/// The same without a reason, from kPoseNumbers numbers. False leaves `pose` as it was. No allocation.
 bool read_pose(const double* numbers, Pose& pose);
 
-/// Names from outside are 1 to 255 bytes of UTF-8 without control characters: they go into JSON and onto terminals.
+/// Whether a name from outside is 1 to 255 bytes of UTF-8 without control characters: names go into JSON and onto
+/// terminals.
 bool is_good_name(std::string_view name);
 
-/// The name as it may be printed: quoted, cut, '?' for what is_good_name refuses.
+/// The name as it may be printed: in quotes, cut after 80 bytes, '?' for each byte that is_good_name() refuses.
 std::string printable(std::string_view name);
 
 }  // namespace collided::engine::service

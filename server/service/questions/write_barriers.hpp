@@ -9,7 +9,7 @@
 
 namespace collided::engine::service {
 
-/// Questions that wait until a publisher's sample has become part of a published state ("read your own writes").
+/// Questions that wait until a publisher's sample is part of a published state, so that clients read their own writes.
 ///
 /// threads  any; update() after each step, by the world's thread
 class WriteBarriers {
@@ -17,19 +17,21 @@ class WriteBarriers {
   static constexpr std::size_t kMost = 1'024;
   static constexpr std::int64_t kPatienceNs = 1'000'000'000;
 
+  /// passed: the question may go on. parked: it waits here. full: kMost wait already, and it does not.
   enum class Outcome : std::uint8_t { passed, parked, full };
-  /// Takes the ask where it must wait.
+  /// Checks the ask's fence, and takes the ask where it is parked.
   Outcome pass(AskPointer& ask);
 
-  /// Every publisher with how far its samples are in the newest published state, by publisher.
+  /// (publisher, sequence number up to which its samples are in the newest published state), ascending by publisher.
   using Applied = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
   void update(const Applied& applied);
-  /// Asks that may go on, in the order in which they came.
+  /// Takes the asks whose sample is in, in the order in which they came.
   std::vector<AskPointer> take_ready();
-  /// Asks that waited longer than their deadline or kPatienceNs.
+  /// Takes the asks that waited longer than their deadline or kPatienceNs.
   std::vector<AskPointer> take_overdue(std::int64_t now_ns);
+  /// Takes all that wait.
   std::vector<AskPointer> take_all();
-  /// 0: nothing of it is known.
+  /// Sequence number up to which the publisher's samples are in the newest published state; 0: it is not known.
   std::uint64_t applied(std::uint64_t publisher) const;
   bool empty() const;
 

@@ -77,7 +77,7 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
                .bytes = query};
   if (command.what == names::kRemove) {
     const auto gone = answer.is_object() ? answer.find("removed") : answer.end();
-    // An answer too long for one sample: the glob itself is kept, once.
+    // The list of removed names was too long for one sample: the command is kept with its glob instead, once.
     if (gone != answer.end() && gone->is_array()) return removed(*gone, take);
     drop(command.what, command.name);
   }
@@ -92,7 +92,7 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
   keep(std::move(command));
 }
 
-/// What a command or a publisher had brought in is forgotten; what came with a scene stays away.
+/// What a command or a publisher had brought in is forgotten. For what came with a scene a removal is kept.
 void FlightCommands::removed(const json& gone, const TakePublished& take) {
   for (const json& entry : gone) {
     if (!entry.is_string()) continue;
@@ -115,14 +115,15 @@ void FlightCommands::cleared(Kept clear, const json& arguments, const TakePublis
     std::erase_if(kept_, [&](const Kept& command) {
       const bool is_loaded = !moving && command.what == names::kLoad;
       const bool is_added = command.what == names::kAdd && (command.moving || !moving);
-      // Of an object that stays there may be one; it would be refused for one that is gone, which does no harm.
+      // Where only moving objects go, a move or a removal may be about an object that stays. One about an object that
+      // is gone is refused when it is carried out again, which does no harm.
       const bool is_about_gone = !moving && (command.what == names::kMove || command.what == names::kRemove);
       const bool drop = is_loaded || is_added || is_about_gone;
       bytes_ -= drop ? command.bytes.size() : 0;
       return drop;
     });
   }
-  // Scenes that the server started with, and what came with scenes.
+  // The command itself is kept too: it also removes scenes that the server started with and what came with scenes.
   clear.name = scene + (moving ? "/moving" : "");
   drop(clear.what, clear.name);
   keep(std::move(clear));

@@ -15,8 +15,8 @@
 
 namespace collided::engine::service {
 
-/// The commands that brought in what is in the world beside publishers' objects, as few as make the same state again:
-/// adding, moving and taking away over and over takes no more room.
+/// The commands that brought in what is in the world beside publishers' objects: as few as make the same state again,
+/// so adding, moving and removing over and over takes no more room.
 ///
 /// limits   kMostBytes; what does not fit is left out and counted
 /// threads  one
@@ -24,22 +24,23 @@ class FlightCommands {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
   static constexpr std::size_t kMostUnanswered = 64;
-  /// Takes an object that no publisher of a living process has: of a name (nullptr: all of them), moving ones alone.
+  /// Takes away objects that a lost publisher left: those of a name (nullptr: all), or of them only the moving ones.
   /// True where there was one.
   using TakePublished = std::function<bool(const std::string* name, bool moving_only)>;
 
-  /// It counts once the server has said that it was done. One without a client, which the server carries out by itself
-  /// after a restart, counts at once.
+  /// Notes a command. It counts once the server has answered that it was done. A command without a client, which the
+  /// server carries out by itself after a restart, counts at once.
   void asked(const wire::Query& query);
+  /// Notes the answer to a command; other replies are ignored.
   void answered(const wire::Reply& reply, const TakePublished& take);
 
-  /// Oldest first; those that have had no answer so far at the end.
+  /// Calls put(channel, CDR bytes) with each command, oldest first; those without an answer so far come last.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   std::uint64_t left_out() const { return left_out_; }
 
  private:
   struct Kept {
-    std::string what;
+    std::string what;  // name of the command
     std::string name;  // of the object, scene or probe
     bool moving = false;
     std::vector<std::byte> bytes;
@@ -53,7 +54,7 @@ class FlightCommands {
   void cleared(Kept clear, const nlohmann::json& arguments, const TakePublished& take);
   void probed(Kept probe, const nlohmann::json& arguments, const nlohmann::json& answer);
   void keep(Kept command);
-  /// How many of a kind and name there were.
+  /// Forgets the commands of this kind and name; returns how many there were.
   std::size_t drop(std::string_view what, std::string_view name);
 
   std::vector<Kept> kept_;

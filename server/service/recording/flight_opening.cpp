@@ -48,7 +48,7 @@ void FlightOpening::fold(std::span<const std::byte> records) {
   }
 }
 
-/// The publisher's newest life; null for a sample of an earlier one, or where there are too many.
+/// The publisher in its newest run; null for a sample of an earlier one, or where there are too many publishers.
 FlightOpening::Publisher* FlightOpening::meet(std::uint64_t id, std::uint64_t incarnation) {
   constexpr std::size_t kMostPublishers = 1'000;
   const bool known = publishers_.count(id) > 0;
@@ -72,7 +72,7 @@ void FlightOpening::forget(Publisher& publisher) {
   poses_ -= publisher.poses.size();
 }
 
-/// Of what is about to be erased.
+/// Takes an object that is about to be erased out of the sums.
 void FlightOpening::drop(Publisher& publisher, std::uint32_t number, const Defined& defined) {
   bytes_ -= defined.bytes.size();
   --objects_;
@@ -116,7 +116,7 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
   publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    // Poses may come before what they are of: definitions are on a topic of their own.
+    // Poses may come before the definition of their object, which is on a topic of its own.
     const auto defined = publisher->objects.find(numbers[i]);
     if (defined != publisher->objects.end() && defined->second.sequence > batch.sequence_number) continue;
     if (poses_ >= 2 * kMostObjects && publisher->poses.count(numbers[i]) == 0) {
@@ -137,7 +137,7 @@ void FlightOpening::fold(const wire::Reply& reply) {
                      [this](const std::string* name, bool moving_only) { return take_published(name, moving_only); });
 }
 
-/// Commands take away what lost publishers left, never what a living one has.
+/// Commands remove what lost publishers left, never what a living one has.
 bool FlightOpening::take_published(const std::string* name, bool moving_only) {
   bool found = false;
   for (auto& [id, publisher] : publishers_) {
@@ -153,7 +153,8 @@ bool FlightOpening::take_published(const std::string* name, bool moving_only) {
   return found;
 }
 
-/// Who is lost, and who is known no longer: one that has left, or that was lost long ago and of which nothing is there.
+/// A status says which publishers are lost. One that it no longer lists has left, or was lost long ago and has nothing
+/// in the world: it is forgotten.
 void FlightOpening::fold(const wire::Status& status) {
   const auto ids = dds::view(status.publishers);
   const auto states = dds::view(status.publisher_states);
@@ -167,7 +168,7 @@ void FlightOpening::fold(const wire::Status& status) {
     if (state != listed.end()) {
       publisher.was_listed = true;
       publisher.lost = state->second == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
-    } else if (publisher.was_listed) {  // else its first samples are on their way
+    } else if (publisher.was_listed) {  // else its first samples are newer than the status
       forget(publisher);
       publishers_.erase(here);
     }
@@ -183,7 +184,7 @@ void FlightOpening::fold(const wire::ContactShard& shard) {
   }
   if (shard.a._length == 0) return;
   std::vector<std::byte> bytes = bytes_of(shard);
-  // Without it fewer contacts are known than the status counts, so that a reader can tell.
+  // A reader can tell that the shard is missing: the status then counts more contacts.
   if (contact_bytes_ + bytes.size() > kMostContactBytes) {
     ++left_out_;
     return;
@@ -192,14 +193,15 @@ void FlightOpening::fold(const wire::ContactShard& shard) {
   contacts_[shard.shard] = std::move(bytes);
 }
 
-/// An object that goes with its publisher is kept all the same: the publisher may come back with it.
+/// Whether the object is in the world. One that leaves with its lost publisher is not, but stays known: the publisher
+/// may come back with it.
 bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) {
   return !publisher.lost || defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
 }
 
 void FlightOpening::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
   for (const auto& [id, publisher] : publishers_) {
-    // In the order in which they were defined: ties between objects are broken by their age.
+    // In the order in which they were defined, since ties between objects are broken by their age.
     std::map<std::uint64_t, const Defined*> by_age;
     for (const auto& [number, defined] : publisher.objects) {
       if (is_there(publisher, defined)) by_age[defined.sequence] = &defined;

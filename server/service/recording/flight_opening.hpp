@@ -15,8 +15,9 @@
 
 namespace collided::engine::service {
 
-/// What a window of records begins with: the newest definition and pose of every object that was sent before it, the
-/// commands that brought in the others, and the contacts that held. Folded from the records that leave the window.
+/// The state that a window of records begins with: the newest definition and pose of every object sent before it, the
+/// commands that brought in the others, and the contacts that held. It is folded from the records that leave the
+/// window.
 ///
 /// limits   kMostBytes of definitions, kMostContactBytes of contacts; what does not fit is left out and counted
 /// threads  one
@@ -26,7 +27,7 @@ class FlightOpening {
   static constexpr std::size_t kMostContactBytes = std::size_t{16} << 20;
   static constexpr std::size_t kMostObjects = 200'000;
 
-  /// records  whole MCAP messages
+  /// Folds whole MCAP message records, oldest first, as flight_ring.hpp makes them.
   void fold(std::span<const std::byte> records);
   void fold(const wire::Definition& definition);
   void fold(const wire::PoseBatch& batch);
@@ -35,13 +36,14 @@ class FlightOpening {
   void fold(const wire::Status& status);
   void fold(const wire::ContactShard& shard);
 
-  /// put(channel, CDR bytes): what makes the same state again. Definitions, then a batch of poses of each publisher with
-  /// the number of its newest sample, then the commands, then the contacts.
+  /// Calls put(channel, CDR bytes) with what makes the same state again: all definitions, then for each publisher its
+  /// poses with the number of its newest sample, then the commands, then the contacts.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   /// Samples that had no room; the state that is made again lacks them.
   std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
 
  private:
+  /// An object as defined last; `bytes` is its Definition in CDR.
   struct Defined {
     std::uint64_t sequence = 0;
     std::uint8_t lost_policy = 0;
@@ -51,17 +53,17 @@ class FlightOpening {
   };
   struct Posed {
     std::uint64_t sequence = 0;
-    std::array<double, 7> pose{};
+    std::array<double, 7> pose{};  // m; then w x y z
   };
   struct Publisher {
     std::uint64_t incarnation = 0;
     std::uint64_t last_sequence = 0;
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;
-    bool was_listed = false;  // by a status
+    bool was_listed = false;  // a status has named it
     bool lost = false;
-    std::map<std::uint32_t, Defined> objects;
-    std::unordered_map<std::uint32_t, Posed> poses;
+    std::map<std::uint32_t, Defined> objects;        // by object number
+    std::unordered_map<std::uint32_t, Posed> poses;  // by object number; may be there before the definition
   };
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
@@ -73,11 +75,11 @@ class FlightOpening {
   FlightCommands commands_;
   std::map<std::uint8_t, std::vector<std::byte>> contacts_;  // the newest of each shard that holds any
   std::size_t contact_bytes_ = 0;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0;  // of definitions
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;
-  std::vector<double> rows_;  // of the poses at hand
+  std::vector<double> rows_;  // poses of the batch at work
 };
 
 }  // namespace collided::engine::service

@@ -14,18 +14,19 @@ namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kRingBytes = std::size_t{8} << 20;
-/// The ring holds what comes in this time at 800 MB/s.
+/// The ring holds what comes in within this time at 800 MB/s.
 constexpr std::chrono::milliseconds kPeriod{10};
 constexpr int kFatalSignals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 std::atomic<FlightRecorder*> at_fatal_signals{nullptr};
 
+/// One record of an MCAP message, in the memory of whoever holds it; `data` is the sample in CDR.
 struct RecordView {
   mcap::MessageHead head;
   std::span<const std::byte> whole, data;
 };
 
-/// The first of some records.
+/// The first record of some bytes that begin with a whole one.
 RecordView first_of(std::span<const std::byte> records) {
   std::uint64_t length = 0;
   RecordView record;
@@ -82,7 +83,7 @@ void FlightRecorder::run() {
   }
 }
 
-/// What has come in the meantime becomes part of the window.
+/// Moves what the ring has received into the window.
 void FlightRecorder::take_over() {
   if (frozen_.load()) return;
   ring_.drain([&](std::span<const std::byte> record) { window_.add(record, first_of(record).head.log_time); });
@@ -97,7 +98,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   mcap::FileOutput output(file.path);
   mcap::Writer writer(output, recording::library_name(), recording::channels_of(name_space_));
   {
-    // What comes meanwhile waits in the ring.
+    // Samples that come meanwhile wait in the ring.
     const std::lock_guard lock(mutex_);
     take_over();
     FlightOpening opening = opening_;
@@ -127,7 +128,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   return file;
 }
 
-// ---- at the end
+// ---- at a fatal signal
 
 void FlightRecorder::write_at_fatal_signals() {
   if (stem_.empty()) return;
@@ -138,7 +139,7 @@ void FlightRecorder::write_at_fatal_signals() {
     if (before.sa_handler != SIG_DFL) continue;
     struct sigaction action {};
     action.sa_handler = on_fatal_signal;
-    // Once: a fault in the handler ends the process as it would have without.
+    // The handler runs once: a fault within it ends the process as it would have without the handler.
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
     sigemptyset(&action.sa_mask);
     sigaction(signal, &action, nullptr);
@@ -146,7 +147,7 @@ void FlightRecorder::write_at_fatal_signals() {
 }
 
 void FlightRecorder::on_fatal_signal(int signal) {
-  // The first thread that fails writes; others that fail meanwhile end the process, and the file breaks off.
+  // The first thread that fails writes. If others fail meanwhile they end the process, and the file breaks off.
   if (FlightRecorder* recorder = at_fatal_signals.exchange(nullptr)) {
     recorder->frozen_.store(true);
     recorder->write_crash_file();
@@ -155,8 +156,8 @@ void FlightRecorder::on_fatal_signal(int signal) {
   std::raise(signal);
 }
 
-/// Nothing but open, write and close: no memory, no lock. Without checksums and without an end: such a file is read up to
-/// its last whole chunk.
+/// Only open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an end
+/// record; a reader takes such a file up to its last whole chunk.
 void FlightRecorder::write_crash_file() const {
   const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
   if (file < 0) return;
@@ -167,7 +168,7 @@ void FlightRecorder::write_crash_file() const {
     write_all(file, prefix);
     write_all(file, records);
   });
-  // What the thread that failed was about is here, not yet taken over.
+  // The last samples, such as the one on which the thread failed, are still in the ring.
   std::size_t bytes = 0, seen = 0;
   std::uint64_t last_time = 0;
   ring_.peek([&](std::span<const std::byte> record) {
@@ -178,7 +179,7 @@ void FlightRecorder::write_crash_file() const {
   write_all(file, prefix);
   ring_.peek([&](std::span<const std::byte> record) {
     seen += record.size();
-    if (seen <= bytes) write_all(file, record);  // others may have gone on
+    if (seen <= bytes) write_all(file, record);  // other threads may have added since the sum
   });
   ::close(file);
 }

@@ -19,35 +19,40 @@ struct FlightFile {
   std::string path;
   std::uint64_t bytes = 0;
   std::uint64_t messages = 0;
-  std::uint64_t dropped = 0;             // samples since the start that found no room: the file may lack them
-  std::uint64_t from_ns = 0, to_ns = 0;  // since 1970
+  std::uint64_t dropped = 0;             // samples since the start for which there was no room: the file may lack them
+  std::uint64_t from_ns = 0, to_ns = 0;  // the span of the file, since 1970
 };
 
-/// Remembers what the server took and wrote in its last seconds, and what its publishers and commands had brought in before.
+/// Remembers what the server took and wrote in its last seconds, and the state that was there before them.
 ///
-/// memory   8 MiB for what is under way, at most 64 MiB for the window (a busy server's reaches less far back), at most
-///          64 MiB for definitions and commands from before it, 16 MiB for contacts and 120 bytes for each pose
-/// threads  note() from any: no lock, no allocation, no waiting; the rest from any
+/// memory   8 MiB for samples under way; at most 64 MiB for the window (that of a busy server reaches less far back);
+///          at most 64 MiB for definitions and commands from before it, 16 MiB for contacts, 120 bytes for each pose
+/// threads  note() from any, without lock, allocation or waiting; the rest from any
 class FlightRecorder {
  public:
+  /// name_space  of the recorded topics
   /// window_ns   how far back, above 0
-  /// stem        "folder/name" that the files' names begin with; empty: nowhere to write, only what is kept can be looked at
+  /// stem        "folder/name" that the files' names begin with; empty: no file can be written
   FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem);
   ~FlightRecorder();
 
+  /// Records a sample.
+  ///
+  /// sent_ns  when it was sent, since 1970; 0: now
   template <class T>
   void note(recording::Recorded topic, const T& sample, std::int64_t sent_ns = 0) noexcept {
     const std::uint64_t now = now_ns();
     ring_.put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
   }
 
-  /// Writes the newest `last_ns` (all that there is, where that is less) as "<stem>_<word>.mcap".
-  /// Throws std::runtime_error with the reason.
+  /// Writes the newest `last_ns`, or all that there is where that is less, as "<stem>_<word>.mcap". Throws
+  /// std::runtime_error with the reason where it cannot.
   FlightFile write(const std::string& word, std::int64_t last_ns);
   const std::string& stem() const { return stem_; }
 
-  /// From then on a signal that ends the process by its own fault leaves "<stem>_crash.mcap": all but the state from
-  /// before the window, which could be found half changed. Signals that somebody else handles are left to him.
+  /// From then on a signal that ends the process by its own fault leaves "<stem>_crash.mcap". The file lacks the state
+  /// from before the window, which the signal could find half changed. Signals that have another handler are left to
+  /// it.
   void write_at_fatal_signals();
 
  private:
@@ -67,11 +72,11 @@ class FlightRecorder {
   mcap::Bytes prologue_;  // of a crash file
 
   FlightRing ring_;
-  std::mutex mutex_;  // for window and opening
+  std::mutex mutex_;  // guards window_ and opening_
   FlightOpening opening_;
   FlightWindow window_;
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> frozen_{false};  // a fatal signal is being dealt with
+  std::atomic<bool> frozen_{false};  // a fatal signal is being handled: nothing moves from the ring to the window
   std::thread thread_;
 };
 

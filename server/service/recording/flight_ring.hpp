@@ -12,10 +12,10 @@
 
 namespace collided::engine::service {
 
-/// Samples from the threads that take and answer to the one that keeps them, each as the record of an MCAP message. A
-/// sample for which there is no room is dropped and counted: nobody waits, nobody allocates.
+/// Carries samples from the threads that take and answer to the thread that keeps them, each as the record of an MCAP
+/// message. A sample without room is dropped and counted: recording never waits and never allocates.
 ///
-/// threads  any puts, without a lock; one drains
+/// threads  any may put, without a lock; one drains
 /// source   the reservation of bounded multi-producer queues (Vyukov, "Bounded MPMC queue"), over bytes
 class FlightRing {
  public:
@@ -23,7 +23,7 @@ class FlightRing {
   explicit FlightRing(std::size_t room_bytes)
       : room_(room_bytes), bytes_(std::make_unique<std::byte[]>(room_bytes)) {}  // zero: nothing is ready
 
-  /// log_time, publish_time  ns since 1970
+  /// Records a sample, or drops it where there is no room. log_time, publish_time: ns since 1970.
   template <class T>
   void put(std::uint16_t channel, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) noexcept {
     const std::size_t data = wire::cdr_size(sample);
@@ -34,20 +34,20 @@ class FlightRing {
     commit(record, mcap::kMessagePrefixBytes + data);
   }
 
-  /// Hands every record that is ready to `keep` and frees its room.
+  /// Calls keep(record) with every record that is ready, in order, and frees its room. One thread.
   template <class Keep>
   void drain(Keep&& keep) {
     std::uint64_t at = consumed_.load(std::memory_order_relaxed);
     while (const std::uint32_t slot = ready(at)) {
       const std::span<const std::byte> record = record_at(at);
       if (!record.empty()) keep(record);
-      // Where the next headers will stand there must be zeros before anybody may write there.
+      // Cleared before the room is freed: a header that is not written yet must read as zero.
       std::memset(&bytes_[at % room_], 0, slot);
       at += slot;
       consumed_.store(at, std::memory_order_release);
     }
   }
-  /// The records that are ready, left where they are; safe in a signal handler.
+  /// Calls see(record) with every record that is ready and leaves them where they are. Safe in a signal handler.
   template <class See>
   void peek(See&& see) const {
     std::uint64_t at = consumed_.load(std::memory_order_acquire);
@@ -60,16 +60,17 @@ class FlightRing {
     }
   }
 
+  /// Samples dropped since the start.
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  /// Before each record: how far the next one is (0 until the record is whole), and its own length (0: none, the room up
-  /// to the end of the ring was too small).
+  /// Stands before each record. slot_bytes: distance to the next header; 0 until the record is whole. record_bytes:
+  /// length of the record; 0: none, since the room up to the end of the ring was too small.
   struct Header {
     std::uint32_t slot_bytes;
     std::uint32_t record_bytes;
   };
-  static constexpr std::size_t kAlignment = 8;
+  static constexpr std::size_t kAlignment = 8;  // of headers, so that they can be atomic
   static std::size_t slot_of(std::size_t record_bytes) {
     return (sizeof(Header) + record_bytes + kAlignment - 1) / kAlignment * kAlignment;
   }
@@ -86,6 +87,7 @@ class FlightRing {
     std::uint64_t at = reserved_.load(std::memory_order_relaxed);
     std::size_t skipped = 0;
     do {
+      // A record never wraps around: where the end of the ring is too near, the rest of it becomes an empty slot.
       const std::size_t to_end = room_ - at % room_;
       skipped = to_end < slot ? to_end : 0;
       if (slot > room_ / 4 || at + skipped + slot - consumed_.load(std::memory_order_acquire) > room_) {

@@ -6,7 +6,7 @@
 namespace collided::engine::service {
 
 void FlightWindow::add(std::span<const std::byte> record, std::uint64_t log_time) {
-  // Blocks also end with time, so that what leaves is never much longer than the window.
+  // A block also ends after a sixteenth of the window: only whole blocks leave, so the window is never much too long.
   constexpr std::uint64_t kBlocksAWindow = 16;
   const bool room = count_ > 0 && newest().used + record.size() <= kBlockBytes;
   if (!room || log_time > newest().first_time + window_ns_ / kBlocksAWindow) open_block(log_time);

@@ -10,28 +10,28 @@
 
 namespace collided::engine::service {
 
-/// The newest records, in blocks of memory that are used again and again; what leaves is shown once more. Memory is taken
-/// as it is needed, at most kBlocks * kBlockBytes.
+/// The newest records, in blocks of memory that are used again and again. Records that leave the window are handed out
+/// once more. Memory is taken as it is needed, at most kBlocks * kBlockBytes.
 ///
-/// threads  one; for_each_block() also from a signal handler of that process, while nobody adds
+/// threads  one; for_each_block() also from a signal handler of the same process, while nothing is added
 class FlightWindow {
  public:
   static constexpr std::size_t kBlocks = 32;
-  static constexpr std::size_t kBlockBytes = std::size_t{2} << 20;  // any message fits, with as much again
+  static constexpr std::size_t kBlockBytes = std::size_t{2} << 20;  // twice what the largest message needs
 
   /// leave  called with the records of the oldest block before its memory is used again
   FlightWindow(std::uint64_t window_ns, std::function<void(std::span<const std::byte>)> leave)
       : window_ns_(window_ns), leave_(std::move(leave)) {}
 
-  /// record  of an MCAP message, as flight_ring.hpp makes it, at most a block
+  /// Adds the record of an MCAP message, as flight_ring.hpp makes it, of at most a block. log_time: ns since 1970.
   void add(std::span<const std::byte> record, std::uint64_t log_time);
-  /// Lets go what is older than the window.
+  /// Drops the blocks whose records are all older than the window. now: ns since 1970.
   void expire(std::uint64_t now);
 
-  /// Memory taken so far: of as many blocks as were ever in use at once.
+  /// Memory taken so far: that of as many blocks as were ever in use at once.
   std::size_t held_bytes() const;
 
-  /// Oldest first: see(records, first log time, last log time).
+  /// Calls see(records, first log time, last log time) for each block, oldest first.
   template <class See>
   void for_each_block(See&& see) const {
     const std::size_t first = first_.load(std::memory_order_acquire);
@@ -57,7 +57,7 @@ class FlightWindow {
   const std::uint64_t window_ns_;
   std::function<void(std::span<const std::byte>)> leave_;
   std::array<Block, kBlocks> blocks_;
-  std::atomic<std::size_t> first_{0}, count_{0};
+  std::atomic<std::size_t> first_{0}, count_{0};  // blocks in use, around the end of the array
 };
 
 }  // namespace collided::engine::service

@@ -8,16 +8,17 @@
 
 namespace collided::engine::service {
 
-/// What the answering side did; added to by any thread, read for the status.
+/// What answering has done since the start. Any thread adds; read for the status and the figures.
 struct QuestionCounts {
   std::atomic<std::uint64_t> answered{0};
-  std::atomic<std::uint64_t> refused{0};    // requests, or chunks of them
+  std::atomic<std::uint64_t> refused{0};    // requests, or single chunks of them
   std::atomic<std::uint64_t> undecided{0};  // answers
-  // By QuestionKind and the highest rung of the ladder that one of the question's tests needed.
+  // By QuestionKind, then by the level that deciding the question needed: 0 filter in double, 1 error-free sums, 2
+  // rationals.
   std::array<std::array<std::atomic<std::uint64_t>, 3>, 7> levels{};
-  std::array<DurationCounts, 7> durations{};    // by kind, from taking a chunk of questions to writing its answers
-  std::atomic<std::uint64_t> float_repairs{0};  // threads whose floating-point settings had to be set back
-  std::atomic<std::uint64_t> unanswerable{0};   // no room for another client, or nobody listened for the reply
+  std::array<DurationCounts, 7> durations{};    // by QuestionKind, from taking a chunk to writing its answers
+  std::atomic<std::uint64_t> float_repairs{0};  // times that a thread's floating-point settings had to be restored
+  std::atomic<std::uint64_t> unanswerable{0};   // no room for the client or the refusal, or nothing read the reply
 };
 
 }  // namespace collided::engine::service

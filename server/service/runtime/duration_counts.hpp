@@ -9,17 +9,17 @@
 
 namespace collided::engine::service {
 
-/// How often a duration fell where: eight steps to each doubling, so that a quantile read from it is at most an eighth
-/// too high. Only grows: who wants a quantile of some time takes the difference of two readings.
+/// A histogram of durations with eight steps to each doubling, so a quantile read from it is at most an eighth too
+/// high. Counts only grow: the quantile of a span of time comes from the difference of two readings.
 ///
-/// threads  any adds, any reads; no lock, no allocation
+/// threads  any may add, any may read; no lock, no allocation
 class DurationCounts {
  public:
-  static constexpr std::int64_t kLongest_ns = (std::int64_t{1} << 40) - 1;  // 18 minutes; what is longer counts as this
+  static constexpr std::int64_t kLongest_ns = (std::int64_t{1} << 40) - 1;  // 18 minutes; longer ones count as this
 
   void add(std::int64_t ns) { counts_[bucket_of(ns)].fetch_add(1, std::memory_order_relaxed); }
 
-  /// visit(longest duration of the step in ns, count) of each step that holds any, the shortest first.
+  /// Calls visit(longest duration of the step in ns, count) for each step that is not empty, the shortest first.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (std::size_t bucket = 0; bucket < counts_.size(); ++bucket) {
@@ -27,12 +27,14 @@ class DurationCounts {
     }
   }
 
+  /// The step of a duration; those below kSteps have one each.
   static std::size_t bucket_of(std::int64_t ns) {
     const auto value = static_cast<std::uint64_t>(std::clamp<std::int64_t>(ns, 0, kLongest_ns));
     if (value < kSteps) return value;
     const auto shift = static_cast<std::size_t>(std::bit_width(value)) - kStepBits - 1;
     return kSteps * shift + (value >> shift);
   }
+  /// Longest duration that falls into the step.
   static std::int64_t longest_ns(std::size_t bucket) {
     if (bucket < 2 * kSteps) return static_cast<std::int64_t>(bucket);
     const std::size_t shift = bucket / kSteps - 1;

@@ -15,16 +15,16 @@
 
 namespace collided::engine::service {
 
-/// Whose work it is, and how much.
+/// Which client's work an item is, and how much.
 struct Share {
   std::uint64_t client = 0;
-  double cost = 1;       // in any unit, the same for all
-  bool is_kept = false;  // taken although others have less: as long as a quarter of the room is not this client's
+  double cost = 1;       // above 0, in any unit that is the same for all
+  bool is_kept = false;  // taken while any room is left, up to three quarters of it for one client
 };
 
-/// Work of many clients for several threads. Those who wait share the threads evenly by cost, however much each of them
-/// has sent: a client that asks one thing passes another's thousands. What a client may have waiting is as much as is
-/// still free, so that one alone may fill half of the room, two a third each, and who comes later finds some.
+/// Work of many clients for several threads. Clients with work share the threads evenly by cost, however much each has
+/// sent: a client with one question passes another's thousands. A client may have as much waiting as is still free, so
+/// one alone fills at most half of the room, two a third each, and one that comes later still finds some.
 ///
 /// source   Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996; Choudhury, Hahne, "Dynamic Queue Length Thresholds for
 ///          Shared-Memory Packet Switches", 1998
@@ -35,7 +35,7 @@ class FairQueue {
  public:
   explicit FairQueue(std::size_t limit) : limit_(limit) { flows_.reserve(kFewFlows); }
 
-  /// The server's own work, before all others'.
+  /// Adds the server's own work, which goes before all clients' and is not limited: ask has_room_for_own().
   void push_own(Item item) {
     {
       const std::lock_guard lock(mutex_);
@@ -44,7 +44,7 @@ class FairQueue {
     }
     arrived_.notify_one();
   }
-  /// False: no room for this client, the item is as it was.
+  /// False: no room for this client; the item stays as it was.
   [[nodiscard]] bool push(const Share& share, Item& item) {
     {
       const std::lock_guard lock(mutex_);
@@ -68,10 +68,10 @@ class FairQueue {
   bool has_room() const { return waiting_.load(std::memory_order_relaxed) < limit_; }
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
-  /// How often push() has said no.
+  /// How often push() returned false.
   std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
 
-  /// Waits; nothing once the queue is closed and empty.
+  /// Waits for an item; nothing once the queue is closed and empty.
   std::optional<Item> pop() {
     std::unique_lock lock(mutex_);
     arrived_.wait(lock, [&] { return closed_ || !own_.empty() || waiting() > 0; });
@@ -82,7 +82,7 @@ class FairQueue {
     if (waiting() == 0) return std::nullopt;
     return pop_fairly();
   }
-  /// What is in is still handed out.
+  /// Ends the waiting in pop(), which still hands out what is in.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -103,7 +103,8 @@ class FairQueue {
     Ring<Entry> entries;
   };
 
-  /// An idle flow whose past no longer counts serves the next client.
+  /// The client's flow. An idle one whose last finish has been reached no longer matters and is given to the next
+  /// client.
   Flow& flow_of(std::uint64_t client) {
     Flow* idle = nullptr;
     for (Flow& flow : flows_) {
@@ -117,7 +118,7 @@ class FairQueue {
     return *idle;
   }
 
-  /// The entry with the earliest start. Few clients wait at a time as a rule, so they are looked through.
+  /// Takes the entry with the earliest start. Mostly few clients have work at a time, so a linear search is enough.
   Item pop_fairly() {
     Flow* first = nullptr;
     double earliest = std::numeric_limits<double>::infinity();
@@ -130,7 +131,7 @@ class FairQueue {
     waiting_.fetch_sub(1, std::memory_order_relaxed);
     now_ = entry.start;
     if (waiting() == 0) {
-      // Nobody waits: everybody begins anew.
+      // Nothing waits: all clients begin anew.
       for (const Flow& flow : flows_) now_ = std::max(now_, flow.finish);
     }
     return std::move(entry.item);
@@ -140,7 +141,7 @@ class FairQueue {
   std::condition_variable arrived_;
   std::vector<Flow> flows_;
   Ring<Item> own_;
-  double now_ = 0;                       // start of what was handed out last
+  double now_ = 0;                       // virtual time: start of the entry handed out last
   std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
   std::atomic<std::size_t> own_count_{0};
   std::atomic<std::uint64_t> refused_{0};

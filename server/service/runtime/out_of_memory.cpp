@@ -13,7 +13,7 @@ void end_out_of_memory(const char* where) noexcept {
   const std::array<iovec, 3> line{
       piece("error: no memory left for "), piece(where),
       piece("; ending, since half a change is none. Started again it recovers as after a crash\n")};
-  // There is nobody left to tell that even this could not be written.
+  // If even this cannot be written there is nothing left to do about it; the sum keeps the compiler from warning.
   static_cast<void>(writev(STDERR_FILENO, line.data(), static_cast<int>(line.size())) + 1);
   _exit(kOutOfMemoryExit);
 }

@@ -2,14 +2,15 @@
 
 namespace collided::engine::service {
 
-/// What a process ends with that has run out of memory: a supervisor restarts it (sysexits' EX_OSERR).
+/// Exit code of a process that has run out of memory, so that a supervisor restarts it (sysexits' EX_OSERR).
 inline constexpr int kOutOfMemoryExit = 71;
 
-/// Where memory ran out while the state of the world was being changed, or with a sample in hand that will not come again,
-/// what is held is not whole, and nothing said from then on could be relied on. So the process says so in a line and ends,
-/// without another allocation; the next one recovers as after a crash: undecided until everybody is back, never a miss.
+/// Ends the process with one line on stderr, without another allocation. To be called where memory ran out while the
+/// world was being changed, or with a sample in hand that does not come again: the state is then incomplete, and no
+/// later answer could be relied on. The next process recovers as after a crash: undecided until all publishers are
+/// back, never a miss.
 ///
-/// where    "the world's thread"
+/// where    what the memory was for, such as "the world's thread"
 /// threads  any
 [[noreturn]] void end_out_of_memory(const char* where) noexcept;
 

@@ -6,8 +6,8 @@
 
 namespace collided::engine::service {
 
-/// First in, first out, in memory that only grows: passing items through allocates nothing once it has held as many.
-/// (std::deque frees and takes a block each time it moves past one.)
+/// A queue in memory that only grows: passing items through allocates nothing once it has held as many. (std::deque
+/// frees and takes a block each time that it moves past one.)
 template <class Item>
 class Ring {
  public:
@@ -20,9 +20,9 @@ class Ring {
     items_[(first_ + count_) % items_.size()] = std::move(item);
     ++count_;
   }
-  /// Not of an empty one.
+  /// The ring must not be empty.
   const Item& front() const { return items_[first_]; }
-  /// Not from an empty one.
+  /// The ring must not be empty.
   Item pop_front() {
     Item item = std::exchange(items_[first_], Item{});
     first_ = (first_ + 1) % items_.size();

@@ -4,8 +4,8 @@
 
 namespace collided::engine::service {
 
-/// Tells the process that supervises us (systemd) a state such as "READY=1" over the datagram socket that NOTIFY_SOCKET
-/// names; does nothing where it names none.
+/// Sends a state such as "READY=1" to the supervising process (systemd), over the datagram socket that NOTIFY_SOCKET
+/// names. Does nothing where that is not set or cannot be reached.
 ///
 /// source  sd_notify(3), "Standalone Implementations"
 void notify_supervisor(const std::string& state);

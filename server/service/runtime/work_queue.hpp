@@ -11,13 +11,15 @@
 
 namespace collided::engine::service {
 
-/// Work for several threads, in order of arrival. The bound is kept by who pushes: see has_room().
+/// Work for several threads, in order of arrival. push() does not keep to the limit: ask has_room() first.
+///
+/// threads  any
 template <class Item>
 class WorkQueue {
  public:
   explicit WorkQueue(std::size_t limit) : limit_(limit) {}
 
-  /// False once it is closed: nobody would come for the item.
+  /// False once the queue is closed: the item would never be taken out.
   bool push(Item item) {
     {
       const std::lock_guard lock(mutex_);
@@ -30,7 +32,7 @@ class WorkQueue {
   }
   bool empty() const { return size_.load(std::memory_order_relaxed) == 0; }
   bool has_room() const { return size_.load(std::memory_order_relaxed) < limit_; }
-  /// Waits; nothing once the queue is closed and empty.
+  /// Waits for an item; nothing once the queue is closed and empty.
   std::optional<Item> pop() {
     std::unique_lock lock(mutex_);
     arrived_.wait(lock, [&] { return closed_ || !empty(); });
@@ -38,7 +40,7 @@ class WorkQueue {
     size_.fetch_sub(1, std::memory_order_relaxed);
     return items_.pop_front();
   }
-  /// What is in is still handed out.
+  /// Ends the waiting in pop(), which still hands out what is in.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
