@@ -147,8 +147,8 @@ class Caster {
   void look(const std::vector<std::size_t>& asked) {
     std::vector<RayQuestion> questions;
     for (const std::size_t i : asked) {
-      questions.push_back(
-          camera_.through(static_cast<double>(i % width_) + 0.5, static_cast<double>(i / width_) + 0.5));
+      const std::size_t row = i / width_;
+      questions.push_back(camera_.through(static_cast<double>(i % width_) + 0.5, static_cast<double>(row) + 0.5));
     }
     const std::vector<Answer> answers = rays_.first_hits(questions);
     std::vector<NearQuestion> measured;

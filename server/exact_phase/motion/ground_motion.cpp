@@ -60,7 +60,7 @@ class Landing {
 /// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded.
 ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
                                TimeBracket& bracket) {
-  const ConvexPart first = part.at(0);
+  const BoundedPart first = part.at(0);
   const kernel::Convex start = std::visit([](const auto& shape) { return kernel::Convex(shape); }, first);
   const kernel::StraightMotion motion{
       .from_a = part.motion->from.position, .to_a = part.motion->to.position, .until = span.high};

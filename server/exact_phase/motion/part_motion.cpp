@@ -30,7 +30,7 @@ constexpr double kShy = 1 - 0x1p-40;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-Convex convex_of(const ConvexPart& part) {
+Convex convex_of(const BoundedPart& part) {
   return std::visit([](const auto& shape) { return Convex(shape); }, part);
 }
 
@@ -48,8 +48,8 @@ class Advance {
   /// `normal` holds the previous step's plane, which is tried first: for round parts that nearly touch, double finds a
   /// worse one than it did from farther away.
   double part_at(double t, Vec3& normal) const {
-    const ConvexPart a = a_.at(t);
-    const ConvexPart b = b_.at(t);
+    const BoundedPart a = a_.at(t);
+    const BoundedPart b = b_.at(t);
     const Convex set_a = convex_of(a);
     const Convex set_b = convex_of(b);
     const kernel::Proposal proposal = kernel::nearest_proposal(set_a, set_b, kernel::Seek::distance);
@@ -99,8 +99,8 @@ class Advance {
     return gap_m > slack_m_ / 16 ? gap_m : 0;
   }
   double gap_at(const Vec3& n, double t) const {
-    const ConvexPart a = a_.at(t);
-    const ConvexPart b = b_.at(t);
+    const BoundedPart a = a_.at(t);
+    const BoundedPart b = b_.at(t);
     return gap_of(n, convex_of(a), convex_of(b));
   }
   /// An upper bound on how fast the two approach along n, metres per duration of the motion.
@@ -202,8 +202,8 @@ std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, dou
   if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational)
     return std::nullopt;
   if (const std::optional<ExactResult> verdict = past_triangle(a, b, width, bracket)) return verdict;
-  const ConvexPart start_a = a.at(0);
-  const ConvexPart start_b = b.at(0);
+  const BoundedPart start_a = a.at(0);
+  const BoundedPart start_b = b.at(0);
   const kernel::StraightMotion motion{a.motion->from.position, a.motion->to.position, b.motion->from.position,
                                       b.motion->to.position};
   const ExactResult verdict =
@@ -238,9 +238,9 @@ ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, d
 
 }  // namespace
 
-ConvexPart part_of(const Primitive& primitive) {
+BoundedPart part_of(const Primitive& primitive) {
   return std::visit(
-      [](const auto& shape) -> ConvexPart {
+      [](const auto& shape) -> BoundedPart {
         if constexpr (std::is_same_v<decltype(shape), const HalfSpace&>) {
           assert(false);
           return Sphere{shape.point, 0};
@@ -251,14 +251,14 @@ ConvexPart part_of(const Primitive& primitive) {
       primitive);
 }
 
-PartMotion::PartMotion(ConvexPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
+PartMotion::PartMotion(BoundedPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
   const Convex set = convex_of(own);
   reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + kBoundSlack);
 }
 
-ConvexPart PartMotion::at(double t) const {
+BoundedPart PartMotion::at(double t) const {
   const Frame frame = motion->at(t);
-  return std::visit([&](const auto& shape) { return ConvexPart(place(frame, shape)); }, own);
+  return std::visit([&](const auto& shape) { return BoundedPart(place(frame, shape)); }, own);
 }
 
 ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,

@@ -9,21 +9,21 @@
 
 namespace collided::engine {
 
-/// A convex part of a body, in the body's frame: a primitive or a triangle.
-using ConvexPart = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
+/// A bounded convex part of a body, in the body's frame: a primitive but a half-space, or a triangle.
+using BoundedPart = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
 
 /// The primitive as a part; not for a half-space, which has no bounds (ground_motion.hpp).
-ConvexPart part_of(const Primitive& primitive);
+BoundedPart part_of(const Primitive& primitive);
 
 /// A part, in its body's frame, on the body's motion, which must outlive it.
 struct PartMotion {
-  ConvexPart own;
+  BoundedPart own;
   const BodyMotion* motion = nullptr;
   double reach_m = 0;  // no point of the part is farther from the frame's origin, metres
 
-  PartMotion(ConvexPart part, const BodyMotion& on);
+  PartMotion(BoundedPart part, const BodyMotion& on);
   /// The part at time t, in world coordinates.
-  ConvexPart at(double t) const;
+  BoundedPart at(double t) const;
 };
 
 /// The times to search, as fractions of the motion.

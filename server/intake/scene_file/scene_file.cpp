@@ -9,13 +9,9 @@
 #include <unordered_set>
 
 #include "idl/scene_generated.h"
-#include "server/geometry/convex_hull.hpp"
-#include "server/geometry/tolerance.hpp"
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/limits.hpp"
-#include "server/intake/mesh/shape_scale.hpp"
 #include "server/intake/readers/names.hpp"
-#include "server/intake/readers/vertex_buffer.hpp"
 #include "server/intake/scene_file/scene_decoder.hpp"
 #include "server/intake/scene_file/scene_encoder.hpp"
 #include "server/intake/scene_file/scene_index.hpp"

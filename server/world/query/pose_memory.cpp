@@ -81,8 +81,6 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
             .source = source,
             .first = row.pose,
             .moves = {}};
-    if (!step.rows.is_posed(slot)) return;
-    life.first = row.pose;
   }
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;

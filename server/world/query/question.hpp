@@ -27,7 +27,6 @@ struct Question {
   bool undecided = false;
   // More hits than max_hits.
   bool truncated = false;
-  bool timed_out = false;
 
   /// Half of the requested error goes to distances that are not refined, half to candidates that are not tested: those
   /// nearer than the best hit by less than this, metres.

@@ -24,7 +24,7 @@ class Sweeps {
  public:
   explicit Sweeps(std::mt19937_64& generator) : generator_(generator), shapes_(generator, Family::random) {}
 
-  ConvexPart part() {
+  BoundedPart part() {
     switch (std::uniform_int_distribution<int>(0, 7)(generator_)) {
       case 0: return shapes_.sphere();
       case 1: return shapes_.box();
@@ -58,8 +58,8 @@ class Sweeps {
 
 /// The slow twin: pose by pose, no motion bounds. Parts whose bounds are apart are not tested.
 bool touch_at(const PartMotion& a, const PartMotion& b, double t) {
-  const ConvexPart x = a.at(t);
-  const ConvexPart y = b.at(t);
+  const BoundedPart x = a.at(t);
+  const BoundedPart y = b.at(t);
   const auto box = [](const auto& shape) { return bounds(shape); };
   if (!overlaps(std::visit(box, x), std::visit(box, y))) return false;
   return std::visit([](const auto& p, const auto& q) { return overlaps(p, q).yes(); }, x, y);

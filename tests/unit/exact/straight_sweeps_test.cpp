@@ -62,7 +62,7 @@ struct Tally {
 };
 
 /// `own` goes from `from` to `to`; the floor is what it nearly comes to.
-void check(const Primitive& own, const Vec3& from, const Vec3& to, const Floor& floor, const ConvexPart& other,
+void check(const Primitive& own, const Vec3& from, const Vec3& to, const Floor& floor, const BoundedPart& other,
            Tally& tally) {
   const Primitive start = place(Frame{Mat3::Identity(), from}, own);
   ASSERT_FALSE(floor.is_reached(start, from, to, 0));
