@@ -137,7 +137,7 @@ void Writer::metadata(std::string_view name, const std::vector<std::pair<std::st
 
 bool Writer::close() {
   flush();
-  // A full disk may still have room for the end: what was cut off was larger.
+  // A full disk may still have room for the end, which is smaller than the chunk that was cut off.
   piece_.clear();
   const std::size_t data_end = piece_.begin(Opcode::data_end);
   piece_.number(std::uint32_t{0});  // no checksum over all: every chunk has its own
