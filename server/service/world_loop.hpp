@@ -53,9 +53,8 @@ class WorldLoop {
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // at once, since a crash may be near; empty: not called
     // Called while the server recovers from a crash; empty: nothing to wait for.
-    std::function<bool()> is_adding_again =   // commands are still carried out again; this has no time limit
-        {};                                   // scenes and objects of commands are still being added; has no time limit
-    std::function<bool()> has_all_back = {};  // every publisher from before the crash is back
+    std::function<bool()> is_adding_again = {};  // commands are still carried out again; without time limit
+    std::function<bool()> has_all_back = {};     // every publisher from before the crash is back
     // Called before each step.
     std::function<bool()> leaves_out_details = {};  // overloaded: contacts that go on are not reported again
   };
