@@ -24,15 +24,15 @@
 ///   dds::Participant participant({.domain = 0, .role = dds::Role::server});
 ///   dds::Topic<wire::Query> queries(participant, "collided");             // the row in topics.hpp sets its QoS
 ///   dds::Reader<wire::Query> reader(queries, {.data = [&](dds::Taker<wire::Query> taker) {
-///     while (taker.take(*free_sample)) { queue.push(free_sample); ... }   // listener: take and hand over, nothing else
+///     while (taker.take(*free_sample)) { queue.push(free_sample); ... }   // listener: only take and hand over
 ///   }});
 ///   dds::Topic<wire::Reply> replies(participant, "collided");
 ///   dds::Writer<wire::Reply> writer(replies, {.partition = wire_contract::reply_partition(client)});
 ///   dds::borrow(reply->answers, my_answers);                              // no copy: must outlive write()
 ///   if (!writer.write(*reply)) { /* timed out: the reader's queue is full */ }
 ///
-/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must
-/// outlive what was made from it.
+/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from
+/// it.
 namespace collided::wire {
 
 using Definition = ::collided_wire_v2_Definition;

@@ -17,25 +17,31 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 /// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
+/// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
+/// near: the nearest points of objects. sweep: a shape that moves from pose to pose.
 enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
 /// The kind must be one of the above.
 inline const char* name_of(QueryKind kind) {
   static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
+/// Which hits are wanted: the first one, any one, or all of them.
 enum class RayMode : std::uint8_t { closest, any, all };
 /// How much a question matters while not all can be answered: low ones are refused first, high ones never.
 enum class Importance : std::uint8_t { normal, low, high };
+/// invalid: the question's numbers are none that can be answered.
 enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// Why an answer is undecided. numeric: the arithmetic did not decide. stale_object: an object of a lost publisher may
 /// have moved there. recovering: after a crash objects may be missing. truncated: there was no room for all hits.
 /// deadline: the time was over. not_covered: the question reaches out of the space in which the loaded geometry was
 /// said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
+/// refused: the text says why. progress: more replies to the same request follow.
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 /// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
+/// persisted: a contact that has begun goes on.
 enum class EventKind : std::uint8_t { began, persisted, ended };
 /// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart.
 enum class EndReason : std::uint8_t {
@@ -54,7 +60,9 @@ enum class EndReason : std::uint8_t {
 /// numeric: the test came out undecided; cost_limit: the motion from pose to pose could not be followed to its end;
 /// publisher_lost: one of the two is where its lost publisher said last, and may have gone on.
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
+/// recovering: after a crash, publishers and what commands added may not all be back.
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
+/// silent: alive, but without a new sample. lost: its lease has run out.
 enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
 /// be last, but stale, since they may have moved on. hold: they stay there as if known.
@@ -111,6 +119,7 @@ inline constexpr double kUnitQuaternionSlack = 1e-6;
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
+/// transient_local: a reader that joins late still receives what the writer keeps.
 enum class Durability : std::uint8_t { volatile_data, transient_local };
 
 /// One row of the topic table.

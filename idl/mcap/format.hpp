@@ -14,6 +14,7 @@ namespace collided::mcap {
 
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
+/// The kinds of records.
 enum class Opcode : std::uint8_t {
   header = 1,
   footer,

@@ -13,6 +13,7 @@ class Output {
   virtual ~Output() = default;
   /// Appends a piece. False: nothing of it was kept, and problem() says why.
   [[nodiscard]] virtual bool append(std::span<const std::byte> bytes) = 0;
+  /// Why a piece was refused; empty: none was.
   virtual const std::string& problem() const = 0;
 };
 
@@ -29,6 +30,7 @@ class FileOutput : public Output {
 
   bool append(std::span<const std::byte> bytes) override;
   const std::string& problem() const override { return problem_; }
+  /// Bytes of the whole pieces in the file.
   std::uint64_t size() const { return size_; }
 
  private:

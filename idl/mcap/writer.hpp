@@ -37,6 +37,7 @@ class Writer {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
+  /// Writes the beginning of the file. `output` must outlive the Writer.
   Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
 
   /// Adds a message to the chunk at work.

@@ -78,6 +78,7 @@ class WorldLoop {
 
   /// For jobs on this thread.
   World& world() { return with_.world; }
+  /// For jobs on this thread; note_probes() after a change.
   Probes& probes() { return probes_; }
   /// To be called after probes() was changed.
   void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
@@ -100,6 +101,7 @@ class WorldLoop {
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
+  /// Whether contacts, or probes, have readers. Any thread.
   bool contacts_wanted() const { return with_.event_writer.contacts_wanted(); }
   bool probes_wanted() const { return with_.event_writer.probes_wanted(); }
   /// Number of probes as of the last note_probes(). Any thread.

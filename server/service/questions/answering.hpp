@@ -65,6 +65,7 @@ class Answering {
     BackgroundAudit& audit;
   };
 
+  /// Starts the workers. `replies` must outlive the Answering.
   Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
             Command command);
   ~Answering();
