@@ -62,15 +62,15 @@ enum class EndReason : std::uint8_t {
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
 /// recovering: after a crash, publishers and what commands added may not all be back.
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
-/// silent: alive, but without a new sample. lost: its lease has run out.
+/// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out.
 enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
 /// be last, but stale, since they may have moved on. hold: they stay there as if known.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
-/// kTeleported: its objects are placed, not moved, to their poses. kAllSaid: the publisher has sent all its definitions
-/// again before this batch, with the newest poses. kStreamed: the publisher's objects move steadily between their own
-/// poses; without it, an object that is left out of an instant has rested. kMoreFollows: more batches of the same
-/// instant follow; all of them are applied with the last.
+/// kTeleported: the objects are placed at their poses, not moved there.
+/// kAllSaid: the publisher has sent all its definitions again before this batch, with the newest poses.
+/// kStreamed: the publisher's objects move between their own poses; without it, one that an instant leaves out has rested.
+/// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
 enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8 };
 /// What a probe reads. absent: its object is not in the world. nothing: there is nothing within reach. gap: a surface
 /// is ahead. touching: a surface is at 0. collision: its origin is behind a surface. deeper: behind it by more than the
@@ -155,8 +155,8 @@ inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
 /// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an
 /// overloaded machine seldom looks like a dead server, and a dead server is noticed within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
-/// Without a status for this long, the server may have been forgotten and have forgotten us: half of the lease after
-/// which DDS gives up another participant's readers and what it kept for them.
+/// Without a status for this long, what was sent may be missing: this is half of the lease after which DDS gives up
+/// another participant's readers and what it kept for them.
 inline constexpr std::int64_t kForgottenNs = 5'000'000'000;
 
 /// All replies travel in so many partitions. Each has a writer in the server that stays: DDS loses some 400 bytes with

@@ -32,14 +32,15 @@ struct LoopOptions {
 /// What the loop has done since the start. Not atomic: for the world's thread, or once run() has returned.
 struct LoopCounts {
   std::uint64_t steps = 0;
-  std::uint64_t stalled_steps = 0;   // readers held every free state; each was tried again
+  std::uint64_t stalled_steps = 0;   // readers held every free state; tried again each time
   std::uint64_t sweeps_skipped = 0;  // pairs whose motion could not be followed to its end
 };
 
 /// The loop of the one thread that writes the world: takes what has come in, steps, publishes what has changed.
 class WorldLoop {
  public:
-  /// What it works with; all must outlive the WorldLoop. The functions are called on the world's thread.
+  /// What it works with; all must outlive the WorldLoop. The functions are called on the world's
+  /// thread, but `notice` on any.
   struct Collaborators {
     World& world;
     const WorldClock& clock;
@@ -72,8 +73,7 @@ class WorldLoop {
   void run();
   /// Whether the calling thread is the one of run().
   bool runs_here() const { return thread_.load() == std::this_thread::get_id(); }
-  /// Any thread.
-  /// Makes run() end soon; does not wait for it.
+  /// Makes run() end soon; does not wait for it. Any thread.
   void stop();
 
   /// For jobs on this thread.
