@@ -20,7 +20,7 @@ concept Sequence = requires(Field& field) {
 template <class Field>
 concept Number = std::is_arithmetic_v<Field>;
 
-/// Position among the bytes; numbers stand at multiples of their size, counted from behind the header.
+/// A position among the bytes. Numbers stand at multiples of their size, counted from the end of the header.
 class Position {
  public:
   std::size_t at() const { return at_; }
@@ -30,6 +30,7 @@ class Position {
   std::size_t at_ = 0;
 };
 
+/// Counts the bytes that Write would fill.
 class Measure : public Position {
  public:
   template <Number N>
@@ -55,6 +56,7 @@ class Measure : public Position {
   void add(std::size_t size, std::size_t count) { at_ += padding(size) + size * count; }
 };
 
+/// Writes fields; gaps before aligned numbers become zeros.
 class Write : public Position {
  public:
   explicit Write(std::byte* out) : out_(out) {}
@@ -89,6 +91,7 @@ class Write : public Position {
   std::byte* out_;
 };
 
+/// Reads fields and checks every length against the bytes that are left.
 class Read : public Position {
  public:
   explicit Read(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -136,7 +139,7 @@ class Read : public Position {
   }
 
  private:
-  /// The next so many elements; null, and no longer good, where the bytes end before them.
+  /// The next `count` elements; null, and no longer good, where the bytes end before them.
   const std::byte* take(std::size_t size, std::size_t count) {
     const std::size_t gap = padding(size);
     if (!good_ || gap > bytes_.size() - at_ || count > (bytes_.size() - at_ - gap) / size) {
@@ -168,7 +171,7 @@ void write_cdr(const T& sample, std::span<std::byte> out) {
   for_each_field(sample, write);
   const std::size_t tail = padded(write.at()) - write.at();
   std::memset(out.data() + kHeaderBytes + write.at(), 0, tail);
-  // The last of the header's bytes says how many at the end mean nothing.
+  // The last byte of the header says how many bytes at the end are padding.
   const std::byte header[kHeaderBytes] = {std::byte{0}, kPlainLittleEndian, std::byte{0}, static_cast<std::byte>(tail)};
   std::memcpy(out.data(), header, kHeaderBytes);
 }

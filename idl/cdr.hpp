@@ -5,22 +5,24 @@
 
 #include "idl/dds.hpp"
 
-/// Wire samples as the bytes in which they travel: a header of four bytes, then plain CDR, little-endian (OMG, "DDS for
-/// Extensible and Dynamic Topic Types" 1.3, 7.4: XCDR version 1, final types). For files and memory; DDS has its own.
-/// For every wire type of dds.hpp; nothing here allocates but read_cdr().
+/// Wire samples as bytes: a header of four bytes, then plain CDR, little-endian (OMG, "DDS for Extensible and Dynamic
+/// Topic Types" 1.3, 7.4: XCDR version 1, final types). For files and memory; DDS has its own. For every wire type of
+/// dds.hpp; only read_cdr() allocates.
 namespace collided::wire {
 
-/// Bytes that write_cdr() fills.
+/// How many bytes write_cdr() fills.
 template <class T>
 std::size_t cdr_size(const T& sample);
 
+/// Writes a sample.
+///
 /// out  exactly cdr_size(sample) bytes
 template <class T>
 void write_cdr(const T& sample, std::span<std::byte> out);
 
-/// Bytes from outside. False where they are no such sample (a length beyond the end, a text without its zero or longer
-/// than its field, a truth that is neither 0 nor 1, big-endian or bytes left over): the sample then holds parts of it.
-/// Takes no more memory than the bytes have.
+/// Reads a sample from bytes of unknown origin. False where they are no such sample (a length beyond the end, a text
+/// without its zero or longer than its field, a bool that is neither 0 nor 1, big-endian, or bytes left over): the
+/// sample then holds parts of it. Takes no more memory than the bytes have.
 template <class T>
 [[nodiscard]] bool read_cdr(std::span<const std::byte> bytes, dds::Sample<T>& sample);
 

@@ -9,8 +9,9 @@
 
 #include "idl/dds.hpp"
 
-/// Rows of numbers as programs keep them, and the named columns of collided.idl in which they travel. A ray is a row of seven:
-/// its origin goes to points, its direction to directions, its length to lengths.
+/// Converts between rows of numbers, as programs keep them, and the named columns of collided.idl in which they travel.
+/// A ray is a row of seven numbers: its origin goes to `points`, its direction to `directions`, its length to
+/// `lengths`.
 namespace collided::wire {
 
 template <class Message>
@@ -32,7 +33,7 @@ inline constexpr Column<PoseBatch> kVelocityColumns[] = {{&PoseBatch::linear_vel
 inline constexpr Column<Reply> kHitColumns[] = {
     {&Reply::distances, 1}, {&Reply::distance_errors, 1}, {&Reply::exits, 1},       {&Reply::points, 3},
     {&Reply::normals, 3},   {&Reply::weights, 3},         {&Reply::point_errors, 1}};
-/// What stands first in a hit of a sweep: the end of the bracket, its width, its beginning.
+/// A hit of a sweep begins with the end of the bracket, its width and its beginning; the rest is as in other hits.
 inline constexpr Column<Reply> kSweepHitColumns[] = {
     {&Reply::sweep_ends, 1}, {&Reply::sweep_widths, 1}, {&Reply::sweep_begins, 1}, {&Reply::points, 3},
     {&Reply::normals, 3},    {&Reply::weights, 3},      {&Reply::point_errors, 1}};
@@ -63,9 +64,9 @@ inline constexpr Column<ProbeFrame> kProbeColumns[] = {{&ProbeFrame::clearances,
 template <class Message>
 using Columns = std::span<const Column<Message>>;
 
-/// Empty for what is no question about the world.
+/// The columns of a question of this kind; empty for a command and other kinds that ask nothing about the world.
 Columns<Query> question_columns(wire_contract::QueryKind kind);
-/// As the reply's own columns say which kind of question it answers.
+/// The columns of a reply's hits: those of sweeps where the reply has any of them filled.
 Columns<Reply> hit_columns(const Reply& reply);
 
 template <class Message>
@@ -75,7 +76,7 @@ constexpr std::uint32_t width_of(Columns<Message> columns) {
   return width;
 }
 
-/// Nothing where the columns are not of one length.
+/// Number of rows; nothing where the columns differ in length.
 template <class Message>
 std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> columns) {
   std::uint32_t count = 0;
@@ -88,15 +89,16 @@ std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> 
   return count;
 }
 
-/// How many questions of its kind a message has; nothing where its columns differ in length or another kind's are there.
+/// How many questions of its kind a message has; nothing where its columns differ in length or columns of another kind
+/// are filled.
 std::optional<std::uint32_t> question_count(const Query& query);
 
-/// Copies what stands at every `from_stride`-th number to every `to_stride`-th, `count` times kWidth numbers.
+/// Copies kWidth numbers `count` times, from every from_stride-th number to every to_stride-th.
 template <std::size_t kWidth>
 void copy_strided(const double* from, std::size_t from_stride, double* to, std::size_t to_stride, std::size_t count) {
   for (; count > 0; --count, from += from_stride, to += to_stride) std::memcpy(to, from, kWidth * sizeof(double));
 }
-/// Widths are 1, 3 and 4: known to the compiler, a row's numbers move at once.
+/// The same for a width of 1, 3 or 4. With a width that the compiler knows, a row's numbers move at once.
 inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_stride, double* to,
                       std::size_t to_stride, std::size_t count) {
   switch (width) {
@@ -106,7 +108,7 @@ inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_
   }
 }
 
-/// Puts rows into `memory` column by column and points the message there: it must outlive the write.
+/// Puts rows into `memory` column by column and points the message there: `memory` must outlive the write.
 template <class Message>
 void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory,
                   Message& message) {
@@ -123,10 +125,10 @@ void lend_columns(std::span<const double> rows, Columns<Message> columns, std::v
   }
 }
 
-/// Leaves no question of any kind in the message.
+/// Empties the columns of every kind of question.
 void clear_questions(Query& query);
 
-/// The rows of a message whose columns are of one length.
+/// The rows of a message whose columns are of one length, as row_count() says.
 template <class Message>
 void gather_rows(const Message& message, Columns<Message> columns, std::vector<double>& rows) {
   rows.clear();

@@ -2,34 +2,38 @@
 
 #include <cstdint>
 
-/// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}; the reply's text is the answer
-/// as one JSON object. A refusal has ReplyStatus::refused and {"error": MESSAGE, "hint": NEXT_STEP} as its text.
-/// Poses are [x, y, z, qw, qx, qy, qz]; names may be globs (* ? [..]) where it says so.
+/// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}. The reply's text is the
+/// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
+/// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
+/// that is said. Before each command below stand its arguments, an arrow, and the members of its answer.
 namespace collided::wire_contract::command {
 
-/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name), covers
-/// [[low 3, high 3 (m, of the world; or "inf", "-inf")]] (where its geometry is complete)
-/// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], covers, version.
+/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, foreign,
+/// replace (a scene of that name), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
+/// complete)
+/// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
+///    covers, version.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
 
-/// For a file that the server cannot read itself. file (its name, with the ending), bytes, checksum (CRC-32 of all of it)
-/// -> upload (number), piece_bytes
+/// Announces a file that the server cannot read itself. file (its name, with the ending), bytes, checksum (CRC-32 of
+/// all of it) -> upload (number), piece_bytes
 inline constexpr const char* kUpload = "upload";
 
-/// upload, first (byte, a multiple of piece_bytes), checksum (CRC-32); the piece is the query's blob. Pieces may come in any
-/// order and again. -> missing (pieces that have yet to come)
+/// upload, first (byte, a multiple of piece_bytes), checksum (CRC-32); the piece is the query's blob. Pieces may come
+/// in any order and more than once. -> missing (number of pieces that have yet to come)
 inline constexpr const char* kPiece = "piece";
 inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
 /// scene ("" = all), moving (true: also or, without scene, only moving objects)
-/// -> removed, ended, version
+/// -> removed, kept (objects of live publishers), ended, version
 inline constexpr const char* kClear = "clear";
 
-/// name, pose, layers, mask, group, moving; the shape is the query's blob -> name, id, version
+/// name, pose, layers, mask, group, moving, scale [3]; the shape is the query's blob -> name, id, version
 inline constexpr const char* kAdd = "add";
 
-/// name, pose, teleport -> name, moved_m, began [names], ended [names], version. Refused for an object of a live publisher.
+/// name, pose, teleport -> name, moved_m, began [names], ended [names], version. Refused for an object of a live
+/// publisher.
 inline constexpr const char* kMove = "move";
 
 /// name (glob) -> removed [names], ended, version. Refused for objects of a live publisher.
@@ -39,46 +43,49 @@ inline constexpr const char* kRemove = "remove";
 /// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale}], count, version
 inline constexpr const char* kList = "list";
 
-/// name -> as in list, and pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high], age_ns, contacts [names]
+/// name -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
+/// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
 inline constexpr const char* kGet = "get";
 
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], bytes
 inline constexpr const char* kPlan = "plan";
 
-/// -> covers (as in load, of all that is loaded; null: none was ever stated, all of space is covered), version
+/// -> covers (as in load, of all that is loaded; null: none was ever stated, so all of space is covered), version
 inline constexpr const char* kCovers = "covers";
 
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
-/// differences [text], questions [{kind, double, expansion, rational}] (answers by the highest rung they needed),
-/// opinion {agree, differ, failed, unsupported} (of pairs, where the server was started to ask FCL; else absent),
-/// float_repairs (times that a thread's floating-point settings had to be set back)
+///    differences [text], questions [{kind, double, expansion, rational}] (answers by the highest level needed),
+///    opinion {agree, differ, failed, unsupported} (counts, where the server was started to ask FCL; else absent),
+///    float_repairs (times that a thread's floating-point settings had to be restored)
 inline constexpr const char* kAudit = "audit";
 
-/// What the server has done since its start, for rates and quantiles by the difference of two answers
+/// What the server has done since its start; the difference of two answers gives rates and quantiles
 /// -> up_ns, version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
-///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, swept, kept_apart},
-///    poses {applied, late, unknown, refused, superseded, dropped}, refused (requests), undecided (answers),
-///    questions [{kind, answered, durations [[ns at most, count]]}] (of the samples that they come in), not_built [structure]
+///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
+///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
+///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
+///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
+///    not_built [structure]
 inline constexpr const char* kFigures = "figures";
 
-/// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0); one of that
-/// name is replaced.
-/// With remove true: only the name, a glob -> probes [names], version
+/// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0): sets a
+/// probe, in place of one of that name. With remove true: only the name, a glob. -> probes [names], version
 inline constexpr const char* kProbe = "probe";
 
 /// name (glob, "" = all) -> probes [{probe, object, origin, direction, reach_m, back_m, state, clearance, error, met,
 /// triangle, point, normal}], version
 inline constexpr const char* kProbes = "probes";
 
-/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000), as_of (as idl/instant.hpp; absent: latest),
-/// opinion ("fcl": that library is asked too, in a process of its own; absent: it is not)
-/// -> answer (hit, miss, undecided), version, stale (true: one of the two is where it was heard of last; absent: neither), and
-///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound, a_triangle,
-///          b_triangle]]
+/// a, b (names), certificate, triangles, most (triangle pairs reported; 10,000), as_of (as in instant.hpp; absent:
+/// latest), opinion ("fcl": that library is asked too, in a process of its own; absent: it is not)
+/// -> answer (hit, miss, undecided), version, stale (true: one of the two is where a lost publisher said last; absent:
+///    neither), and
+///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound,
+///          a_triangle, b_triangle]]
 ///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)
-///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than told)
+///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than reported)
 ///    with opinion:     opinion {verdict (agree, differ, failed, unsupported), touches, distance (m), why}; touches and
-///                      distance are what it says and absent where it says nothing
+///                      distance are FCL's answer, absent where it gives none
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
@@ -87,30 +94,32 @@ inline constexpr const char* kPair = "pair";
 /// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
 inline constexpr const char* kRecording = "recording";
 
-/// questions (of each kind), seed -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those,
-/// compared with rationals over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"),
-/// p50_ns, p99_ns}], seed, version. Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree,
-/// differ, failed, unsupported} (counts).
-/// Instead of questions and seed: of (ray, sphere, box or near); the questions are the query's blob, little-endian doubles, of
-/// each ray 7 (from, direction, length), sphere 4 (centre, radius), box 10 (centre, half sizes, rotation w x y z), near 4
-/// (point, reach); a length and a reach may be infinite. At most kMostMenuQuestions.
+/// questions (of each kind), seed
+/// -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those, compared with rationals
+///    over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"), p50_ns, p99_ns}],
+///    seed, version. Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree, differ,
+///    failed, unsupported} (counts).
+/// Instead of questions and seed: of (ray, sphere, box or near); the questions are the query's blob, little-endian
+/// doubles, of each ray 7 (from, direction, length), sphere 4 (centre, radius), box 10 (centre, half sizes, rotation
+/// w x y z), near 4 (point, reach); a length and a reach may be infinite. At most kMostMenuQuestions.
 inline constexpr std::uint64_t kMostMenuQuestions = 10'000;
 inline constexpr const char* kMenu = "menu";
 
-/// What viewers ask for. The answers are no JSON but FlatBuffers of idl/geometry.fbs; all but that of kPoses come as a
-/// Page, the first of as many as the answer needs: kMore asks for the next ones. What is of more than 512 MiB is refused.
+/// The commands of viewers. Their answers are no JSON but FlatBuffers of idl/geometry.fbs. All but that of kPoses come
+/// as a Page, the first of as many as the answer needs; kMore asks for the others. An answer above 512 MiB is refused.
+/// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
 
 /// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
 inline constexpr const char* kShapes = "shapes";
 
-/// surface (number, as a Run has it), epoch (of that Run), edges (true: with its edges), crease_cosine (of the angle between two normals beyond
-/// which their edge is a crease; 0.5) -> Page of a Surface
+/// surface (number, as a Run has it), epoch (of that Run), edges (true: with its edges), crease_cosine (0.5; an edge is
+/// a crease beyond this cosine of the angle between its two normals) -> Page of a Surface
 inline constexpr const char* kSurface = "surface";
 
-/// transfer, first (byte) -> Page. What nobody went on asking for is kept for half a minute.
+/// transfer, first (byte) -> Page. A buffer of which no page is asked for any more is kept for half a minute.
 inline constexpr const char* kMore = "more";
 
-/// -> Poses of everything that moves, up to 400,000 objects
+/// -> Poses of all moving objects, up to 400,000
 inline constexpr const char* kPoses = "poses";
 
 }  // namespace collided::wire_contract::command

@@ -23,7 +23,7 @@ using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
 Qos make_qos() { return Qos(dds_create_qos()); }
 
-// What topic, reader and writer of a row have in common.
+// The QoS that topic, reader and writer of a row share.
 Qos row_qos(const TopicQos& row, std::int64_t max_blocking_ns) {
   Qos qos = make_qos();
   const bool reliable = row.reliability == Reliability::reliable;
@@ -31,7 +31,7 @@ Qos row_qos(const TopicQos& row, std::int64_t max_blocking_ns) {
   dds_qset_history(qos.get(), row.keep_last > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, row.keep_last);
   if (row.durability == Durability::transient_local) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    // This, not the history, decides what a late joiner gets.
+    // This, not the history, decides what a reader that joins late receives.
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, std::max(row.keep_last, 1), DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
@@ -46,7 +46,7 @@ Entity make_group(dds_entity_t participant, const std::string& partition, const 
                       topic + (publisher ? ": create publisher" : ": create subscriber")));
 }
 
-// C calls these: an exception that left them would be lost in frames that cannot unwind, hence noexcept.
+// C calls these. An exception could not unwind through C's frames, so they are noexcept: it ends the process instead.
 void call_data(dds_entity_t reader, void* callbacks) noexcept {
   static_cast<EntityCallbacks*>(callbacks)->data(reader);
 }
@@ -72,7 +72,7 @@ Listener make_listener(EntityCallbacks& callbacks) {
   return listener;
 }
 
-// The configuration is XML put together from words of the user.
+// The configuration is XML put together from the user's words: a word must not be able to add an element.
 const std::string& checked_word(const std::string& word, const char* what) {
   const auto allowed = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
@@ -85,7 +85,7 @@ const std::string& checked_word(const std::string& word, const char* what) {
 }
 
 std::string network_config(const ParticipantOptions& options) {
-  // Big datagrams only where nothing can lose one fragment of them.
+  // Large datagrams only on the loopback, where no fragment of one can be lost.
   if (options.interface == "lo") {
     return R"(<Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>)"
            "<AllowMulticast>false</AllowMulticast><MaxMessageSize>65500B</MaxMessageSize>"
@@ -120,20 +120,20 @@ void Entity::reset() {
 
 std::string domain_config(const ParticipantOptions& options) {
   const std::string index = options.role == Role::server ? "auto" : "none";
-  // Whatever a client must have delivered it waits for itself. DDS would wait for a dead server's reader too.
+  // A client waits by itself for what must be delivered. DDS would wait for the reader of a dead server too.
   const std::string linger = options.role == Role::server ? "1s" : "0s";
   return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" + "<ExternalDomainId>" +
          std::to_string(options.domain) + "</ExternalDomainId>" + "<ParticipantIndex>" + index +
          "</ParticipantIndex><MaxAutoParticipantIndex>" + std::to_string(wire_contract::kMaxParticipantIndex) +
          "</MaxAutoParticipantIndex>" + peers_config(options) +
          "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
-         // A sample is put together in memory before anybody can refuse it, so its size is limited here.
+         // A sample is assembled in memory before anything can refuse it, so its size is limited here.
          "<MaxSampleSize>" +
          std::to_string(wire_contract::kMaxMessageBytes) +
          "B</MaxSampleSize>"
-         // max only asks; min would stop the start on a machine with small limits.
+         // `max` only requests; `min` would stop the start on a machine with small limits.
          R"(<SocketReceiveBufferSize max="8MB"/>)"
-         // The defaults answer a lost datagram after 100 ms; a question should not wait for that.
+         // By default a lost datagram is asked for again after 100 ms; a question should not wait for that.
          "<NackDelay>10ms</NackDelay><PreEmptiveAckDelay>5ms</PreEmptiveAckDelay>"
          "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
          R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
@@ -174,7 +174,7 @@ std::size_t Participant::others_seen() const {
     }));
     dds_return_loan(reader.get(), samples, count);
   }
-  return seen > 0 ? seen - 1 : 0;  // itself is among them
+  return seen > 0 ? seen - 1 : 0;  // this participant is among them
 }
 
 void Participant::set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds) {
@@ -228,8 +228,8 @@ ReaderBase::ReaderBase(const TopicBase& topic, const TopicQos& row, const std::s
                        EntityCallbacks callbacks)
     : callbacks_(std::make_unique<EntityCallbacks>(std::move(callbacks))) {
   const Qos qos = row_qos(row, 0);
-  // Histories bound what a writer keeps for slow readers; a reader drains by listener and must not lose what arrived
-  // while it drained. State topics keep the newest of each key.
+  // Histories bound what a writer keeps for slow readers. A reader drains from its listener and must not lose what
+  // arrives meanwhile. Topics of state keep the newest of each key.
   if (row.durability == Durability::volatile_data) { dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0); }
   if (row.reader_max_samples > 0) {
     dds_qset_resource_limits(qos.get(), row.reader_max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);

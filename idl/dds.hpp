@@ -24,14 +24,15 @@
 ///   dds::Participant participant({.domain = 0, .role = dds::Role::server});
 ///   dds::Topic<wire::Query> queries(participant, "collided");             // the row in topics.hpp sets its QoS
 ///   dds::Reader<wire::Query> reader(queries, {.data = [&](dds::Taker<wire::Query> taker) {
-///     while (taker.take(*free_sample)) { queue.push(free_sample); ... }   // listener: take and hand over, nothing else
+///     while (taker.take(*free_sample)) { queue.push(free_sample); ... }   // listener: only take and hand over
 ///   }});
 ///   dds::Topic<wire::Reply> replies(participant, "collided");
 ///   dds::Writer<wire::Reply> writer(replies, {.partition = wire_contract::reply_partition(client)});
 ///   dds::borrow(reply->answers, my_answers);                              // no copy: must outlive write()
 ///   if (!writer.write(*reply)) { /* timed out: the reader's queue is full */ }
 ///
-/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from it.
+/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from
+/// it.
 namespace collided::wire {
 
 using Definition = ::collided_wire_v2_Definition;
@@ -47,15 +48,15 @@ using Status = ::collided_wire_v2_Status;
 
 namespace collided::dds {
 
-/// "collided/query: create writer: Out Of Resources".
+/// An error of DDS with what was tried: "collided/query: create writer: Out Of Resources".
 struct DdsError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Hands `code` back, or throws when it is an error.
+/// Returns `code`, or throws DdsError with `what` where it is an error.
 dds_return_t check(dds_return_t code, std::string_view what);
 
-// ---- types -----------------------------------------------------------------------------------------------------------
+// ---- types
 
 /// A wire type's descriptor and its row of the topic table.
 template <class T>
@@ -101,8 +102,8 @@ struct WireType<wire::Status> {
   static constexpr const wire_contract::TopicQos& row = wire_contract::kStatusTopic;
 };
 
-/// One message with room that is reused: taking into it again keeps its sequences' buffers.
-/// Own what take() filled; borrow() may point its sequences elsewhere for the length of a write().
+/// One message whose memory is reused: taking into it again keeps its sequences' buffers. It owns what take() filled;
+/// borrow() may point its sequences elsewhere for the length of a write().
 template <class T>
 class Sample {
  public:
@@ -121,7 +122,8 @@ class Sample {
   T* operator->() { return &value_; }
   const T* operator->() const { return &value_; }
 
-  /// Of the last take: valid_data false means only the instance's state changed (info().instance_state).
+  /// About the last take. valid_data false: only the instance's state changed (info().instance_state), and only the key
+  /// is set.
   const dds_sample_info_t& info() const { return info_; }
 
  private:
@@ -134,13 +136,13 @@ class Sample {
 template <class Sequence>
 using ElementOf = std::remove_pointer_t<decltype(Sequence::_buffer)>;
 
-/// What a sequence holds.
+/// The elements of a sequence; valid as long as it is unchanged.
 template <class Sequence>
 std::span<const ElementOf<Sequence>> view(const Sequence& sequence) {
   return {sequence._buffer, sequence._length};
 }
 
-/// Points a sequence at memory of the caller; DDS reads it during write() only and never frees it.
+/// Points a sequence to memory of the caller. DDS reads it only during write() and never frees it.
 template <class Sequence, class Range>
 void borrow(Sequence& sequence, const Range& range) {
   const std::span<const ElementOf<Sequence>> elements(range);
@@ -150,7 +152,7 @@ void borrow(Sequence& sequence, const Range& range) {
   sequence._release = false;
 }
 
-/// Fills a bounded string; false (and an empty field) when `text` is longer than the field.
+/// Fills a bounded string. False, and an empty field, where the text is longer than the field.
 template <std::size_t kRoom>
 [[nodiscard]] bool set_text(char (&field)[kRoom], std::string_view text) {
   const bool fits = text.size() < kRoom;
@@ -160,9 +162,9 @@ template <std::size_t kRoom>
   return fits;
 }
 
-// ---- entities --------------------------------------------------------------------------------------------------------
+// ---- entities
 
-/// An entity handle that is deleted once.
+/// Owns a DDS entity and deletes it once.
 class Entity {
  public:
   Entity() = default;
@@ -174,19 +176,20 @@ class Entity {
     return *this;
   }
   dds_entity_t get() const { return handle_; }
+  /// Deletes the entity; waits for its callbacks under way.
   void reset();
 
  private:
   dds_entity_t handle_ = 0;
 };
 
-/// A server takes a participant index, so a fixed port that others find; a client takes none: clients find servers and
-/// not each other, and no number of them is too many.
+/// A server takes a participant index and with it a fixed port that others find. A client takes none: clients find
+/// servers but not each other, so there may be any number of them.
 enum class Role { server, client };
 
-/// interface       "lo": this machine only; "auto": the network, multicast discovery; else an interface's name
-/// peers           addresses to ask for participants besides
-/// process_domain  Cyclone's number for this domain inside this process, when two participants of one process are to
+/// interface       "lo": this machine only; "auto": the network, by multicast discovery; else an interface's name
+/// peers           addresses at which to look for participants besides
+/// process_domain  Cyclone's number for this domain within this process, where two participants of one process are to
 ///                 meet over the network stack (tests); none: `domain`
 struct ParticipantOptions {
   int domain = 0;  // 0 to kLastDomain
@@ -196,20 +199,21 @@ struct ParticipantOptions {
   std::optional<int> process_domain = {};
 };
 
-/// Cyclone's configuration for these options; throws DdsError on a character that no address or interface has.
+/// Cyclone's configuration for these options. Throws DdsError for a character that no address or interface has.
 std::string domain_config(const ParticipantOptions& options);
 
-/// One process's membership of a domain; make one per process and domain. Deleting it deletes what was made from it.
+/// A process's membership of a domain, one per process and domain. Deleting it deletes what was made from it.
 class Participant {
  public:
-  /// An existing CYCLONEDDS_URI wins over interface and peers; configured_by_environment() then says so.
+  /// A CYCLONEDDS_URI in the environment replaces interface and peers; configured_by_environment() then says so. Throws
+  /// DdsError, or std::invalid_argument for a domain out of range.
   explicit Participant(const ParticipantOptions& options);
 
   dds_entity_t get() const { return participant_.get(); }
   bool configured_by_environment() const { return configured_by_environment_; }
-  /// Other participants known now, of anybody.
+  /// How many other participants, of any program, are known now.
   std::size_t others_seen() const;
-  /// Test aid: hears nothing (deaf), sends nothing (mute), for `nanoseconds` or until called with false, false.
+  /// For tests: receives nothing (deaf) or sends nothing (mute) for `nanoseconds`, or until called with false, false.
   void set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds);
 
  private:
@@ -218,6 +222,7 @@ class Participant {
   bool configured_by_environment_ = false;
 };
 
+/// What a topic has in common with topics of other types.
 class TopicBase {
  public:
   dds_entity_t get() const { return topic_.get(); }
@@ -236,34 +241,36 @@ class TopicBase {
   Entity topic_;
 };
 
-/// A topic of the table; readers and writers of it share one.
+/// A topic of the table in topics.hpp; its readers and writers share it.
 template <class T>
 class Topic : public TopicBase {
  public:
-  /// row  of topics.hpp, where a type travels on more than one topic
+  /// row  of topics.hpp; to be given where a type travels on more than one topic
   Topic(const Participant& participant, std::string_view name_space,
         const wire_contract::TopicQos& row = WireType<T>::row)
       : TopicBase(participant, name_space, row, WireType<T>::descriptor) {}
 };
 
-/// Liveliness of the writers that a reader meets.
+/// How many of the writers that a reader has matched are alive.
 struct Liveliness {
   std::uint32_t alive = 0;
-  std::uint32_t not_alive = 0;
-  dds_instance_handle_t last_writer = 0;  // == publication_handle in the info of its samples
+  std::uint32_t not_alive = 0;            // matched, but their lease has run out
+  dds_instance_handle_t last_writer = 0;  // whose state changed last: publication_handle in the info of its samples
 };
 
-/// Callbacks run on DDS's receive thread: take, note, hand over. They must not block, throw, or make or delete entities,
-/// and may run before the constructor of their reader or writer has returned.
+/// Callbacks on DDS's receive thread: they may take, note and hand over. They must not block, throw, or make or delete
+/// entities, and may run before the constructor of their reader or writer has returned.
 struct EntityCallbacks {
   std::function<void(dds_entity_t)> data = {};
   std::function<void(std::uint32_t current)> matched = {};
   std::function<void(const Liveliness&)> liveliness = {};
 };
 
-/// partition   of the publisher or subscriber made for it; empty: the default one
-/// lease_ns    > 0: the writer is alive as long as it writes or asserts at least this often (MANUAL_BY_TOPIC)
-/// lifespan_ns > 0: samples not taken after this long vanish
+/// partition        of the publisher made for it; empty: the default one
+/// lease_ns         > 0: the writer counts as alive while it writes or asserts at least this often (MANUAL_BY_TOPIC)
+/// lifespan_ns      > 0: samples that are not taken within this time vanish
+/// max_blocking_ns  longest wait of a write for a reader that is full
+/// matched          called with the number of matched readers whenever that changes
 struct WriterOptions {
   std::string partition = {};
   std::int64_t lease_ns = 0;
@@ -272,13 +279,14 @@ struct WriterOptions {
   std::function<void(std::uint32_t readers)> matched = {};
 };
 
+/// What writers of all types have in common.
 class WriterBase {
  public:
   dds_entity_t get() const { return writer_.get(); }
   std::uint32_t matched_readers() const;
-  /// Keeps a writer with a lease alive. Once its lease has run out only a write revives it.
+  /// Keeps a writer with a lease alive. Once its lease has run out, only a write revives it.
   void assert_liveliness();
-  /// Waits until every matched reader has what was written; false after `nanoseconds`.
+  /// Waits until every matched reader has what was written; false if that takes longer than `nanoseconds`.
   bool wait_for_acknowledgements(std::int64_t nanoseconds);
 
  protected:
@@ -293,19 +301,19 @@ class WriterBase {
   Entity writer_;
 };
 
-/// Any thread may write.
+/// Writes samples of one type. Any thread may write.
 template <class T>
 class Writer : public WriterBase {
  public:
   explicit Writer(const Topic<T>& topic, WriterOptions options = {})
       : WriterBase(topic, topic.row(), std::move(options)) {}
-  /// False: timed out after max_blocking_ns because a reader is full.
+  /// False: a reader was full for max_blocking_ns. Throws DdsError.
   [[nodiscard]] bool write(const T& sample) { return write_sample(&sample); }
-  /// Ends the instance of sample's key.
+  /// Ends the instance of the sample's key: readers learn that it is gone.
   void dispose(const T& sample) { dispose_sample(&sample); }
 };
 
-/// Samples lent by a reader, given back on destruction.
+/// Samples lent by a reader without a copy, and given back by the destructor. The reader must outlive them.
 template <class T>
 class Loans {
  public:
@@ -334,25 +342,27 @@ class Loans {
   dds_sample_info_t infos_[kMost];
 };
 
-/// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
+/// The number of samples that a take returned; throws DdsError. 0 where the reader is being deleted while its callback
+/// runs.
 inline std::size_t taken_count(dds_return_t code) {
   if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) { return 0; }
   return static_cast<std::size_t>(check(code, "take"));
 }
 
-/// Takes from a reader; cheap to copy; valid as long as the reader.
+/// Takes samples from a reader; cheap to copy, and valid as long as the reader.
 template <class T>
 class Taker {
  public:
   explicit Taker(dds_entity_t reader) : reader_(reader) {}
   dds_entity_t reader() const { return reader_; }
 
-  /// The next sample into memory that is reused; false when there is none.
+  /// Takes the next sample into memory that is reused; false where there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
     return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
   }
-  /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
+  /// Takes as many samples as wait, at most samples.size() or 16, in one call; returns how many. Fewer than that: none
+  /// is left.
   [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
     constexpr std::size_t kMost = 16;
     void* buffers[kMost];
@@ -363,7 +373,7 @@ class Taker {
     for (std::size_t i = 0; i < count; ++i) { samples[i]->info_ = infos[i]; }
     return count;
   }
-  /// Up to 32 lent samples; call again until none come.
+  /// Up to 32 lent samples; to be called again until none comes.
   Loans<T> take_loans() const {
     Loans<T> loans(reader_);
     loans.count_ = static_cast<std::int32_t>(
@@ -375,7 +385,9 @@ class Taker {
   dds_entity_t reader_;
 };
 
-/// data: called when samples wait; the taker works even before the reader's constructor has returned.
+/// data       called when samples wait; the taker works even before the reader's constructor has returned
+/// matched    called with the number of matched writers whenever that changes
+/// partition  of the subscriber made for it; empty: the default one
 template <class T>
 struct ReaderOptions {
   std::function<void(Taker<T>)> data = {};
@@ -384,11 +396,12 @@ struct ReaderOptions {
   std::string partition = {};
 };
 
+/// What readers of all types have in common.
 class ReaderBase {
  public:
   dds_entity_t get() const { return reader_.get(); }
   std::uint32_t matched_writers() const;
-  /// == publication_handle in the info of their samples.
+  /// The handles of the matched writers: publication_handle in the info of their samples.
   std::vector<dds_instance_handle_t> matched_writer_handles() const;
 
  protected:
@@ -420,15 +433,15 @@ class Reader : public ReaderBase {
   }
 };
 
-/// Waits for readers without a callback. One thread waits; any thread may wake().
+/// Waits for readers that have no callback. One thread waits; any thread may wake().
 class WaitSet {
  public:
   explicit WaitSet(const Participant& participant);
-  /// wait() returns `token` while samples wait in the reader.
+  /// Makes wait() return `token` while samples wait in the reader. The token must not be -1.
   void attach(const ReaderBase& reader, std::intptr_t token);
   /// Makes the running or the next wait() return at once.
   void wake();
-  /// Tokens of the readers that have data; empty after `nanoseconds` or a wake().
+  /// The tokens of readers with samples; empty after `nanoseconds`, or woken with none.
   std::vector<std::intptr_t> wait(std::int64_t nanoseconds);
 
  private:

@@ -3,11 +3,12 @@
 #include <cstddef>
 #include <string_view>
 
-/// Name patterns, as every side matches them: * any run of bytes, ? one byte, [a-z] one of a set, [!a-z] none of it.
+/// Name patterns, matched alike by both sides: * any run of bytes, ? one byte, [a-z] one byte of a set, [!a-z] or
+/// [^a-z] one that is not in it.
 namespace collided::wire_contract {
 namespace glob_detail {
 
-/// Matches one set "[...]" at pattern[at]; moves `at` past it. A set without an end is a plain '['.
+/// Matches one set "[...]" at pattern[at] against a byte and moves `at` past the set. A '[' without an end is no set.
 inline bool matches_set(std::string_view pattern, std::size_t& at, char c, bool& is_set) {
   std::size_t i = at + 1;
   const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
@@ -29,8 +30,10 @@ inline bool matches_set(std::string_view pattern, std::size_t& at, char c, bool&
 
 }  // namespace glob_detail
 
-// One star is remembered: on a mismatch the last star takes one more character, which is enough, since a later star
-// can take whatever an earlier one could. So the time is at most pattern length times text length.
+/// Whether the whole text matches the pattern; an empty pattern matches only the empty text.
+///
+/// Only the last star is remembered: on a mismatch it takes one more byte. That is enough, since a later star can take
+/// whatever an earlier one could. The time is at most pattern length times text length.
 inline bool glob_matches(std::string_view pattern, std::string_view text) {
   std::size_t p = 0;
   std::size_t t = 0;

@@ -8,16 +8,17 @@
 
 namespace collided::wire_contract {
 
-/// The instant that a question is about: instant and instant_ns of a Query, and in commands the words "" for latest, "settled",
-/// "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest).
+/// The instant that a question is about: `instant` and `instant_ns` of a Query, and in commands a text: "" for latest,
+/// "settled", "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest).
 struct AskedInstant {
   enum class Kind : std::uint8_t { latest, settled, at, back };
   Kind kind = Kind::latest;
-  std::int64_t ns = 0;  // of `at` and `back`, not negative
+  std::int64_t ns = 0;  // for `at` and `back`, not negative
 
   friend bool operator==(const AskedInstant&, const AskedInstant&) = default;
 };
 
+/// The instant as text for a command.
 inline std::string text_of(const AskedInstant& instant) {
   switch (instant.kind) {
     case AskedInstant::Kind::latest: return {};
@@ -28,7 +29,7 @@ inline std::string text_of(const AskedInstant& instant) {
   return "-" + std::to_string(instant.ns);
 }
 
-/// Nothing for any other text.
+/// The instant of a command's text; nothing for any other text.
 inline std::optional<AskedInstant> asked_instant(std::string_view text) {
   if (text.empty()) return AskedInstant{};
   if (text == "settled") return AskedInstant{.kind = AskedInstant::Kind::settled};

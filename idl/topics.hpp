@@ -7,30 +7,43 @@
 #include <string_view>
 #include <vector>
 
-/// Names, codes and limits that both sides of the wire share. QoS beside each topic; dds.hpp turns it into entities.
+/// Names, codes, limits and times that both sides of the wire share, and the table of topics with their QoS, which
+/// dds.hpp turns into entities.
 namespace collided::wire_contract {
 
+/// The triangle of a primitive, which has none.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
-/// Of DDS. RTPS ports are 7400 + 250 * domain + ...: those of a later one leave the 16 bits.
+/// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
+/// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
+/// near: the nearest points of objects. sweep: a shape that moves from pose to pose.
 enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
+/// The kind must be one of the above.
 inline const char* name_of(QueryKind kind) {
   static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
+/// Which hits are wanted: the first one, any one, or all of them.
 enum class RayMode : std::uint8_t { closest, any, all };
 /// How much a question matters while not all can be answered: low ones are refused first, high ones never.
 enum class Importance : std::uint8_t { normal, low, high };
+/// invalid: the question's numbers are none that can be answered.
 enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
-/// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
+/// Why an answer is undecided. numeric: the arithmetic did not decide. stale_object: an object of a lost publisher may
+/// have moved there. recovering: after a crash objects may be missing. truncated: there was no room for all hits.
+/// deadline: the time was over. not_covered: the question reaches out of the space in which the loaded geometry was
+/// said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
+/// refused: the text says why. progress: more replies to the same request follow.
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is lost and its policy is `hold`.
+/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
+/// lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
+/// persisted: a contact that has begun goes on.
 enum class EventKind : std::uint8_t { began, persisted, ended };
-/// decided: of a doubt; where no contact begins then, the two are apart.
+/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -42,29 +55,35 @@ enum class EndReason : std::uint8_t {
   server_restarted,
   decided
 };
-/// Why it is not known whether two objects touch. Such a pair is told as one that touches, by `began` and `ended`, until it is
-/// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite.
-/// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end;
-/// publisher_lost: one is where its publisher said last, and may have gone on.
+/// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
+/// until it is decided: taking it for a contact errs on the safe side. Its depth is 0, with an infinite error bound.
+/// numeric: the test came out undecided; cost_limit: the motion from pose to pose could not be followed to its end;
+/// publisher_lost: one of the two is where its lost publisher said last, and may have gone on.
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
+/// recovering: after a crash, publishers and what commands added may not all be back.
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
+/// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out.
 enum class PublisherState : std::uint8_t { alive, silent, lost };
-/// What becomes of a lost publisher's objects.
+/// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
+/// be last, but stale, since they may have moved on. hold: they stay there as if known.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
-/// kAllSaid: every definition of the publisher was sent anew before this batch, with the newest poses.
-/// kStreamed: the publisher's objects move between their own poses; without, who is left out of an instant has rested.
-/// kMoreFollows: more batches of the same instant come; all of them are applied with the last.
+/// kTeleported: the objects are placed at their poses, not moved there.
+/// kAllSaid: the publisher has sent all its definitions again before this batch, with the newest poses.
+/// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested.
+/// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
 enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8 };
-/// Of a probe: its object is not in the world; nothing within reach; ahead; at 0; behind the surface; behind it by more
-/// than the probe looks back, so that the clearance is at most what is told; the test came out undecided.
+/// What a probe reads. absent: its object is not in the world. nothing: there is nothing within reach. gap: a surface
+/// is ahead. touching: a surface is at 0. collision: its origin is behind a surface. deeper: behind it by more than the
+/// probe looks back, so that the clearance is at most what is reported. undecided: the test came out undecided.
 enum class ProbeState : std::uint8_t { absent, nothing, gap, touching, collision, deeper, undecided };
 
+/// Numbers of a question's row, by kind; columns.hpp has their order.
 inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kSweepNumbers = 14;
-/// 0 for what is no question about the world.
+/// Numbers of a question of this kind; 0 for kinds that ask nothing about the world.
 inline constexpr std::uint32_t numbers_of(QueryKind kind) {
   switch (kind) {
     case QueryKind::ray: return kRayNumbers;
@@ -75,14 +94,16 @@ inline constexpr std::uint32_t numbers_of(QueryKind kind) {
     default: return 0;
   }
 }
+/// Numbers of a pose, a velocity and a hit.
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
 
-/// Limits that the border checks; beyond them a sample is refused with the number, never cut in silence.
+/// Limits that validation checks: beyond them a sample is refused with a message that names the number, never cut
+/// silently.
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
 inline constexpr std::uint32_t kMaxQuestionsPerRequest = 100'000;
-inline constexpr std::uint32_t kChunksInFlight = 4;
+inline constexpr std::uint32_t kChunksInFlight = 4;       // of one request, sent but not answered
 inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;  // 96 B a hit and more: a reply stays under 1 MiB
 inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
 inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
@@ -92,21 +113,23 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
-/// Poses bring |q| = 1 to this: a quaternion of floats, multiplied a few times, passes; a scaled one does not.
+/// How far the norm of a pose's quaternion may be from 1: one of floats, multiplied a few times, passes; a scaled one
+/// does not.
 inline constexpr double kUnitQuaternionSlack = 1e-6;
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
+/// transient_local: a reader that joins late still receives what the writer keeps.
 enum class Durability : std::uint8_t { volatile_data, transient_local };
 
-/// One row of the topic table. keep_last 0: keep all (bounded by max_samples on the reader).
+/// One row of the topic table.
 struct TopicQos {
   const char* suffix;  // the topic is "<namespace>/<suffix>"
   Reliability reliability;
   Durability durability;
-  int keep_last;
-  int reader_max_samples;  // 0: no limit; else admission: the reader refuses more until it is taken
-  bool autodispose;        // false: a crash reads "unknown", not "gone"
+  int keep_last;           // 0: keep all, bounded by reader_max_samples
+  int reader_max_samples;  // 0: no limit; else admission: a full reader takes no more until it is drained
+  bool autodispose;        // false: to a reader, a crashed writer's instances are unknown, not gone
 };
 
 inline constexpr TopicQos kObjectTopic{"object_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
@@ -114,49 +137,54 @@ inline constexpr TopicQos kPoseTopic{"pose_v2", Reliability::reliable, Durabilit
 inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
 inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
-/// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
+/// Contacts that go on, for subscribers that draw them: EventFrames of `persisted` only, first_sequence 0; written
+/// while it has readers.
 inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0,
                                           false};
 inline constexpr TopicQos kProbeTopic{"probe_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
-/// How far each publisher's samples are in each state: a Status with version, time and the columns of publishers only, after
-/// every step while it has readers. Who records needs it to tell which poses an answer was about.
+/// How far each publisher's samples are in each state: a Status with only version, time and the columns of publishers,
+/// after every step while it has readers. A recording needs it to tell which poses an answer was about.
 inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
-/// A publisher that says nothing for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
+/// A publisher that is silent for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
+/// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
-/// No status for this long: the client library says "disconnected". Nearly five periods, so that a machine with too much to
-/// do seldom looks like a dead server, and a dead server is known within a quarter of a second.
+/// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an
+/// overloaded machine seldom looks like a dead server, and a dead server is noticed within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
-/// No status for this long: half of the lease after which DDS gives up another's readers and what it kept for them.
+/// Without a status for this long, what was sent may be missing: this is half of the lease after which DDS gives up
+/// another participant's readers and what it kept for them.
 inline constexpr std::int64_t kForgottenNs = 5'000'000'000;
 
-/// So many partitions hold all replies. Each is a writer of the server's, which stays: DDS loses some 400 bytes with every
-/// writer that is made and deleted, and clients come by the thousand.
+/// All replies travel in so many partitions. Each has a writer in the server that stays: DDS loses some 400 bytes with
+/// every writer that is made and deleted, and clients come by the thousand.
 inline constexpr std::uint32_t kReplyPartitions = 256;
+/// Number of the partition of a client's replies.
 inline constexpr std::uint32_t reply_place(std::uint64_t client) {
   return static_cast<std::uint32_t>(client % kReplyPartitions);
 }
-/// "client_<2 hex digits>", the last ones of its number: the partition that a client's replies travel in, beside those of
-/// others with the same; the replies say whose they are.
+/// The partition of a client's replies: "client_" and the last two hex digits of its number. It has the replies of
+/// other clients with the same digits too; each reply says whose it is.
 std::string reply_partition(std::uint64_t client);
 
-/// "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is [A-Za-z_/][A-Za-z0-9_/]*, which is all
-/// that DDS accepts in a topic's name.
+/// The name of a topic: "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is
+/// [A-Za-z_/][A-Za-z0-9_/]*, which is all that DDS accepts in a topic's name.
 std::string topic_name(std::string_view name_space, const TopicQos& topic);
 
 /// Names as they travel beside their ids: zero-terminated, one after the other.
 std::vector<std::uint8_t> pack_names(std::span<const std::string> names);
 
-/// Views into `packed`. A last name without its zero is left out, so that a cut message yields whole names only.
+/// The names in `packed`, as views into it. A last name without its zero is left out, so a cut message yields whole
+/// names only.
 std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed);
 
-/// The shard of the contact topic that holds a pair (a < b).
+/// The shard of the contact topic that holds a pair, a < b.
 std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);
 
-/// Order-free hash of the pairs that hold: the sum of this over all (a, b, episode).
+/// Hash of a contact that holds. The sum of it over all contacts does not depend on their order.
 std::uint64_t contact_hash(std::uint64_t a, std::uint64_t b, std::uint64_t episode);
 
 }  // namespace collided::wire_contract

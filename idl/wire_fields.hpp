@@ -5,14 +5,14 @@
 
 #include "idl/dds.hpp"
 
-/// The members of each wire type in the order of collided.idl, for code that treats them all alike. CDR bytes that differ
-/// from Cyclone's own fail WireCdr.BytesAreThoseOfTheDdsLibrary.
+/// The members of each wire type in the order of collided.idl, for code that treats all of them alike. Where the order
+/// here is not that of Cyclone, WireCdr.BytesAreThoseOfTheDdsLibrary fails.
 namespace collided::wire {
 
 template <class Sample, class Wire>
 concept SampleOf = std::same_as<std::remove_const_t<Sample>, Wire>;
 
-/// Calls `field` with every member: numbers, bool, char[N], double[7], sequences of numbers.
+/// Calls `field` with every member: numbers, bool, char[N], double[N], sequences of numbers.
 template <SampleOf<Definition> S, class Field>
 void for_each_field(S& s, Field&& field) {
   field(s.publisher), field(s.object_number), field(s.incarnation), field(s.sequence_number), field(s.removed);

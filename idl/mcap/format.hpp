@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
-/// The layout of MCAP files (https://mcap.dev/spec, version 0): records of an opcode, a length and a content; messages in
+/// The layout of MCAP files (https://mcap.dev/spec, version 0): records of an opcode, a length and content; messages in
 /// chunks; a summary at the end. All numbers are little-endian.
 namespace collided::mcap {
 
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
+/// The kinds of records.
 enum class Opcode : std::uint8_t {
   header = 1,
   footer,
@@ -33,15 +34,15 @@ enum class Opcode : std::uint8_t {
 };
 
 inline constexpr std::size_t kRecordPrefixBytes = 9;    // opcode, length
-inline constexpr std::size_t kMessagePrefixBytes = 31;  // and channel, number, two times
-inline constexpr std::size_t kChunkPrefixBytes = 49;    // and two times, size, checksum, no compression, size
+inline constexpr std::size_t kMessagePrefixBytes = 31;  // record prefix, channel, number, two times
+inline constexpr std::size_t kChunkPrefixBytes = 49;  // record prefix, two times, size, checksum, no compression, size
 
-/// What a message says of itself.
+/// What stands in a message before its data.
 struct MessageHead {
   std::uint16_t channel = 0;
-  std::uint32_t number = 0;        // of the channel's messages
-  std::uint64_t log_time = 0;      // ns since 1970: when it was recorded
-  std::uint64_t publish_time = 0;  // and when it was sent
+  std::uint32_t number = 0;        // among the messages of the channel
+  std::uint64_t log_time = 0;      // when it was recorded, ns since 1970
+  std::uint64_t publish_time = 0;  // when it was sent, ns since 1970
 };
 
 namespace detail {
@@ -52,7 +53,8 @@ std::byte* put(std::byte* out, Number number) {
 }
 }  // namespace detail
 
-/// Fixed-size beginnings of records, written where the caller says: safe in a signal handler.
+/// Writes the beginning of a message record; safe in a signal handler, as the next function is.
+///
 /// out  kMessagePrefixBytes; the message's data follows
 inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uint64_t data_bytes) {
   out = detail::put(out, Opcode::message);
@@ -63,6 +65,8 @@ inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uin
   detail::put(out, head.publish_time);
 }
 
+/// Writes the beginning of a chunk record.
+///
 /// out  kChunkPrefixBytes; the chunk's records follow, uncompressed
 /// crc  of the records; 0: not known
 inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint64_t last_time,
@@ -77,7 +81,7 @@ inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint
   detail::put(out, records_bytes);
 }
 
-/// Bytes of a record as they are put together.
+/// The bytes of records while they are put together.
 class Bytes {
  public:
   template <class Number>
@@ -91,7 +95,8 @@ class Bytes {
     number(static_cast<std::uint32_t>(text.size()));
     raw(std::as_bytes(std::span(text)));
   }
-  /// A record's opcode, and room for its length; end() fills that in, with what is still to come counted too.
+  /// Begins a record with its opcode and room for its length. end() takes what this returns and fills in the length,
+  /// `to_come` bytes that are yet to be added included.
   std::size_t begin(Opcode opcode) {
     number(opcode);
     number(std::uint64_t{0});
@@ -100,7 +105,7 @@ class Bytes {
   void end(std::size_t begin, std::size_t to_come = 0) {
     patch(begin - 8, static_cast<std::uint64_t>(bytes_.size() - begin + to_come));
   }
-  /// A length in bytes of what stands between, for arrays and maps.
+  /// Begins an array or a map, which stands behind its length in bytes; end_list() fills that in.
   std::size_t begin_list() {
     number(std::uint32_t{0});
     return bytes_.size();

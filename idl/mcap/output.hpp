@@ -7,20 +7,22 @@
 
 namespace collided::mcap {
 
-/// Where a file's bytes go: all of a piece or nothing of it.
+/// Takes a file's bytes piece by piece: all of a piece or nothing of it.
 class Output {
  public:
   virtual ~Output() = default;
-  /// False: nothing of it was kept; problem() says why.
+  /// Appends a piece. False: nothing of it was kept, and problem() says why.
   [[nodiscard]] virtual bool append(std::span<const std::byte> bytes) = 0;
+  /// Why a piece was refused; empty: none was.
   virtual const std::string& problem() const = 0;
 };
 
-/// A file on disk that holds whole pieces at any time: one that did not fit is cut off again.
-/// One thread.
+/// A file on disk that holds only whole pieces at any time: one that did not fit is cut off again.
+///
+/// threads  one
 class FileOutput : public Output {
  public:
-  /// Makes the file or empties it; throws std::runtime_error with the path and the reason.
+  /// Makes the file, or empties it. Throws std::runtime_error with the path and the reason.
   explicit FileOutput(const std::string& path);
   ~FileOutput() override;
   FileOutput(const FileOutput&) = delete;
@@ -28,6 +30,7 @@ class FileOutput : public Output {
 
   bool append(std::span<const std::byte> bytes) override;
   const std::string& problem() const override { return problem_; }
+  /// Bytes of the whole pieces in the file.
   std::uint64_t size() const { return size_; }
 
  private:

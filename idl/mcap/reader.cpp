@@ -13,7 +13,7 @@
 namespace collided::mcap {
 namespace {
 
-/// Takes values from the front; once one did not fit everything is zero and good() false.
+/// Takes values from the front of some bytes. Once one does not fit, good() is false and every value 0 or empty.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -52,7 +52,7 @@ struct Record {
   std::span<const std::byte> content;
 };
 
-/// The next whole record; nothing where the bytes end before it does.
+/// Takes the next whole record; nothing where the bytes end before it does.
 std::optional<Record> next_record(Cursor& bytes) {
   Record record;
   record.opcode = static_cast<Opcode>(bytes.number<std::uint8_t>());
@@ -89,7 +89,7 @@ class Reading {
             "breaks off in the record at byte " + std::to_string(at) + "; what stands before it was read";
         break;
       }
-      // What follows repeats the channels and says where the chunks are: all of them have been read.
+      // What follows this record repeats the channels and says where the chunks are, all of which have been read.
       if (record->opcode == Opcode::data_end) {
         contents_.complete = ends_well();
         break;
@@ -176,10 +176,11 @@ class Reading {
     }
   }
 
-  /// 0 says that the writer knew none.
+  /// Whether the checksum fits; 0 means that the writer did not know it.
   static bool checks(std::span<const std::byte> records, std::uint32_t crc) {
     return crc == 0 || crc == crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size());
   }
+  /// Whether the bytes are whole records up to their end.
   static bool tiles(std::span<const std::byte> records) {
     Cursor inside(records);
     while (inside.left() > 0) {
@@ -229,7 +230,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t most_byt
     const ssize_t count = ::read(file.descriptor, bytes.data() + have, bytes.size() - have);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw std::runtime_error(path + ": " + std::strerror(errno));
-    if (count == 0) break;  // shorter than it was a moment ago
+    if (count == 0) break;  // the file has become shorter
     have += static_cast<std::size_t>(count);
   }
   bytes.resize(have);

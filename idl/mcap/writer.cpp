@@ -77,6 +77,7 @@ void Writer::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t 
 
 void Writer::flush() {
   if (chunk_messages_ == 0 || failed_) return;
+  // The entry is what the summary says of the chunk; it counts only once the output has taken the chunk.
   ChunkEntry entry{.first_time = chunk_first_,
                    .last_time = chunk_last_,
                    .start = written_bytes_,
@@ -137,7 +138,7 @@ void Writer::metadata(std::string_view name, const std::vector<std::pair<std::st
 
 bool Writer::close() {
   flush();
-  // A full disk may still have room for the end: what was cut off was larger.
+  // A full disk may still have room for the end, which is smaller than the chunk that was cut off.
   piece_.clear();
   const std::size_t data_end = piece_.begin(Opcode::data_end);
   piece_.number(std::uint32_t{0});  // no checksum over all: every chunk has its own
@@ -148,6 +149,7 @@ bool Writer::close() {
   const std::size_t footer = piece_.begin(Opcode::footer);
   piece_.number(summary_start);
   piece_.number(std::uint64_t{0});  // no table of the summary's groups
+  // The footer's length includes the checksum of the summary, which is appended after it.
   piece_.end(footer, sizeof(std::uint32_t));
   piece_.number(crc_of(piece_.all().subspan(summary)));
   piece_.raw(std::as_bytes(std::span(kMagic)));

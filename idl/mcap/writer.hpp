@@ -12,7 +12,8 @@
 
 namespace collided::mcap {
 
-/// A channel as a file describes it. Messages are of `encoding`, schemas of `schema_encoding` (names of the MCAP registry).
+/// A channel as a file describes it: its messages are of `encoding`, its schema is of `schema_encoding` (names of the
+/// MCAP registry).
 struct ChannelDescription {
   std::string topic;
   std::string encoding;
@@ -22,35 +23,42 @@ struct ChannelDescription {
   std::vector<std::pair<std::string, std::string>> metadata = {};
 };
 
-/// The beginning of a file: magic, header, schemas and channels, numbered from 1 in their order.
+/// Appends the beginning of a file: magic, header, schemas and channels, numbered from 1 in their order.
 void put_opening(Bytes& bytes, std::string_view library, const std::vector<ChannelDescription>& channels);
 
 /// Writes an MCAP file chunk by chunk, each with its checksum and index; close() adds the summary. A file that was not
 /// closed is whole up to its last chunk.
 ///
-/// limits   a chunk is written once it holds kChunkBytes, or at flush(); memory: that much, and 16 bytes a message for the
-///          indexes of the chunk at work, 100 bytes a chunk for the summary
+/// limits   a chunk is written once it holds kChunkBytes, or at flush(); memory: that much, and 16 bytes a message for
+///          the indexes of the chunk at work, 100 bytes a chunk for the summary
 /// errors   after the output has refused a piece nothing more is written but what close() still can; see failed()
 /// threads  one
 class Writer {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
+  /// Writes the beginning of the file. `output` must outlive the Writer.
   Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
 
-  /// channel  number in the order of the descriptions, from 1
+  /// Adds a message to the chunk at work.
+  ///
+  /// channel                 number in the order of the descriptions, from 1
+  /// log_time, publish_time  ns since 1970
   void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
              std::span<const std::byte> data);
-  /// What waits becomes a chunk.
+  /// Writes the messages that wait as a chunk.
   void flush();
-  /// Text that belongs to the whole file, in a record of its own.
+  /// Writes text that belongs to the whole file, as a record of its own.
   void metadata(std::string_view name, const std::vector<std::pair<std::string, std::string>>& entries);
-  /// False: the output took no end, so readers will find none.
+  /// Writes the end of the file. False: something could not be written, perhaps the end, which a reader then reports as
+  /// missing.
   bool close();
 
+  /// Whether the output has refused a piece.
   bool failed() const { return failed_; }
-  /// Given to write(); of these, those in chunks that the output refused are not in the file.
+  /// Messages given to write(). Those in chunks that the output refused are not in the file.
   std::uint64_t messages() const { return messages_; }
+  /// Messages in the file.
   std::uint64_t messages_written() const { return messages_written_; }
 
  private:

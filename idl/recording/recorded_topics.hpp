@@ -11,17 +11,18 @@
 #include "idl/mcap/writer.hpp"
 #include "idl/topics.hpp"
 
-/// What a recording holds: each topic of a namespace is a channel of an MCAP file, its messages the CDR bytes of cdr.hpp,
-/// its schema the text of collided.idl. Written by `collide record` and by the server's flight recorder.
+/// What a recording holds: each topic of a namespace is a channel of an MCAP file. Its messages are the CDR bytes of
+/// cdr.hpp, its schema is the text of collided.idl. Written by `collide record` and by the server's flight recorder.
 namespace collided::recording {
 
-/// The channel's number in files that are written here.
+/// A recorded topic; the value is its channel's number in files that are written here.
 enum class Recorded : std::uint16_t { object = 1, pose, query, reply, event, contact, probe, status, step };
 
+/// One row of the table of recorded topics.
 struct RecordedTopic {
   Recorded what;
   const wire_contract::TopicQos& row;
-  const char* type;  // in collided.idl
+  const char* type;  // its name in collided.idl
 };
 
 inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
@@ -39,10 +40,11 @@ inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
 /// The channels of a namespace, in the order of kRecordedTopics.
 std::vector<mcap::ChannelDescription> channels_of(std::string_view name_space);
 
-/// Which topic a channel of a file is of, by the end of its name and its schema's; nothing for channels of others.
+/// The topic of a file's channel, known by the end of the channel's name and by its schema's name; nothing for other
+/// channels.
 std::optional<Recorded> recorded_topic(const mcap::Channel& channel, const mcap::Contents& contents);
 
-/// "collided 0.2.0", as files name their writer.
+/// This program as files name their writer: "collided 0.2.0".
 std::string library_name();
 
 }  // namespace collided::recording

@@ -246,6 +246,7 @@ std::string Server::start() {
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get()},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
+  // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
   p.listeners =
       std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());

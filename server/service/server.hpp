@@ -24,6 +24,7 @@ struct StartError : std::runtime_error {
 /// threads  one
 class Server {
  public:
+  /// Throws StartError or LoadError.
   Server(const Options& options, std::shared_ptr<spdlog::logger> log);
   ~Server();
 

@@ -155,6 +155,7 @@ void WorldLoop::take(DefinitionSample& sample) {
   apply([&] { return publishers_.release_parked(now_ns); });
 }
 
+/// Steps where something has changed and the period since the last step is over.
 void WorldLoop::step_if_due() {
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   if (pending_changes_ == 0) return;
@@ -194,6 +195,7 @@ void WorldLoop::step_now() {
   sum_up(started_ns, stepped_ns);
 }
 
+/// Adds a step to the sums that any thread may read.
 void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   const std::int64_t ended_ns = steady_ns();
   const StepCost& cost = with_.world.cost();
@@ -244,6 +246,7 @@ const std::vector<ProbeReading>& WorldLoop::read_probes() {
   return probe_readings_;
 }
 
+/// Writes what the probes read, in frames of kMaxProbesPerFrame.
 void WorldLoop::publish_probes(const Stamp& stamp) {
   const auto name_of = [&](ObjectId id) {
     const ObjectInfo* info = with_.world.info(id);

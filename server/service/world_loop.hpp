@@ -32,14 +32,15 @@ struct LoopOptions {
 /// What the loop has done since the start. Not atomic: for the world's thread, or once run() has returned.
 struct LoopCounts {
   std::uint64_t steps = 0;
-  std::uint64_t stalled_steps = 0;   // readers held every free state; each was tried again
+  std::uint64_t stalled_steps = 0;   // readers held every free state; tried again each time
   std::uint64_t sweeps_skipped = 0;  // pairs whose motion could not be followed to its end
 };
 
 /// The loop of the one thread that writes the world: takes what has come in, steps, publishes what has changed.
 class WorldLoop {
  public:
-  /// What it works with; all must outlive the WorldLoop. The functions are called on the world's thread.
+  /// What it works with; all must outlive the WorldLoop. The functions are called on the world's
+  /// thread, but `notice` on any.
   struct Collaborators {
     World& world;
     const WorldClock& clock;
@@ -53,9 +54,8 @@ class WorldLoop {
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // at once, since a crash may be near; empty: not called
     // Called while the server recovers from a crash; empty: nothing to wait for.
-    std::function<bool()> is_adding_again =   // commands are still carried out again; this has no time limit
-        {};                                   // scenes and objects of commands are still being added; has no time limit
-    std::function<bool()> has_all_back = {};  // every publisher from before the crash is back
+    std::function<bool()> is_adding_again = {};  // commands are still carried out again; without time limit
+    std::function<bool()> has_all_back = {};     // every publisher from before the crash is back
     // Called before each step.
     std::function<bool()> leaves_out_details = {};  // overloaded: contacts that go on are not reported again
   };
@@ -73,12 +73,12 @@ class WorldLoop {
   void run();
   /// Whether the calling thread is the one of run().
   bool runs_here() const { return thread_.load() == std::this_thread::get_id(); }
-  /// Any thread.
-  /// Makes run() end soon; does not wait for it.
+  /// Makes run() end soon; does not wait for it. Any thread.
   void stop();
 
   /// For jobs on this thread.
   World& world() { return with_.world; }
+  /// For jobs on this thread; note_probes() after a change.
   Probes& probes() { return probes_; }
   /// To be called after probes() was changed.
   void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
@@ -101,6 +101,7 @@ class WorldLoop {
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
+  /// Whether contacts, or probes, have readers. Any thread.
   bool contacts_wanted() const { return with_.event_writer.contacts_wanted(); }
   bool probes_wanted() const { return with_.event_writer.probes_wanted(); }
   /// Number of probes as of the last note_probes(). Any thread.

@@ -106,6 +106,7 @@ json mesh_json(const CheckedMesh& checked) {
   return object;
 }
 
+/// One JSON object: the members of the static mesh in it, those of the objects' meshes in a list.
 void print_json(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report) {
   json object{{"scene", scene.name},      {"parts", scene.parts.size()}, {"objects", scene.objects.size()},
               {"triangles", 0},           {"placed", report.placed},     {"notes", report.notes},

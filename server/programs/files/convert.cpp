@@ -51,6 +51,7 @@ void move_to_origin(Scene& scene, const Vec3& origin) {
              shortest(origin.y()), shortest(origin.z()), grouped(rounded_count));
 }
 
+/// Builds the index of a mesh and keeps its bytes; throws Interrupted.
 void save_index(const TriangleMesh& mesh, BvhForm form, BvhReport& sum, SavedIndex& index) {
   const Bvh tree = Bvh::build(mesh, {.progress = {}, .cancelled = is_interrupted, .form = form});
   end_if_interrupted();
@@ -94,6 +95,7 @@ int convert(const ConvertOptions& options) {
              grouped(scene.mesh.triangles.size()), grouped(scene.objects.size()));
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
+  // Indexes and orders that the file brought are of the mesh as it was, so they are made anew.
   forget_indexes(scene);
   scene.collapses = {};
   const CollapseCost cost = options.cost == "length" ? CollapseCost::edge_length : CollapseCost::quadric;

@@ -7,7 +7,9 @@ namespace collided::engine::files {
 /// From then on Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing is left half written.
 void listen_for_interrupt();
 
-/// Whether Ctrl-C was pressed since listen_for_interrupt(). Any thread.
+/// Whether Ctrl-C was pressed since listen_for_interrupt().
+///
+/// threads  any
 bool is_interrupted();
 
 /// Thrown to end because the user asked for it; not an error.

@@ -16,6 +16,7 @@
 namespace collided::engine::files {
 namespace {
 
+/// The number of triangles that the user's target means; throws LoadError.
 std::size_t triangles_asked(const std::string& target, std::size_t triangle_count) {
   double number = 0;
   const char* const end = target.data() + target.size();
@@ -82,6 +83,7 @@ void simplify_to(Scene& scene, const std::string& target, CollapseCost cost) {
   TriangleMesh simpler = compact_mesh(scene.mesh, level);
   const Bvh tree = Bvh::build(scene.mesh);
   const Bvh simpler_tree = Bvh::build(simpler);
+  // Measured on the finished meshes, from both sides.
   const double off_by_m = surface_distance({scene.mesh, tree, part_of}, {simpler, simpler_tree, level_part_of});
   fmt::print("  simplify  {} of {} triangles, no point of either surface farther than {} m from the other\n",
              grouped(simpler.triangles.size()), grouped(count), shortest(off_by_m));

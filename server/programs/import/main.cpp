@@ -100,6 +100,7 @@ int main(int argument_count, char** argument_list) {
         stderr);
     return 2;
   }
+  // Opened before the sandbox, which allows no file to be opened for writing.
   const int output = ::open(arguments.output.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (output < 0) {
     std::fprintf(stderr, "%s: %s\n", arguments.output.c_str(), std::strerror(errno));

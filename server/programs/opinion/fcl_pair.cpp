@@ -130,6 +130,7 @@ double distance(const FclPart& a, const FclPart& b) {
   return fcl::distance(a.geometry.get(), a.at, b.geometry.get(), b.at, request, result);
 }
 
+/// Whether any two parts touch, else the least distance of two.
 std::string answer(const std::vector<FclPart>& a, const std::vector<FclPart>& b) {
   for (const FclPart& x : a) {
     for (const FclPart& y : b) {

@@ -31,9 +31,11 @@ class Arguments {
   /// Refuses every argument that is not among these: a misspelt one must not be ignored.
   void allow_only(std::initializer_list<const char*> names) const;
 
+  /// Whether there is such an argument.
   bool has(const char* name) const;
   /// Three numbers, which may be of any size; nothing where there is no such argument.
   std::optional<Vec3> vector(const char* name) const;
+  /// A text; `otherwise` where there is no such argument, here and below.
   std::string text(const char* name, const std::string& otherwise = {}) const;
   bool truth(const char* name, bool otherwise) const;
   /// A finite number.

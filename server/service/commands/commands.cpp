@@ -171,6 +171,7 @@ void Commands::run(CommandAsk ask) {
       {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
       {names::kProbes, &Commands::probes},
   };
+  // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
   if (stopping_.load())
     return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
@@ -215,6 +216,8 @@ void Commands::run(CommandAsk ask) {
   });
 }
 
+/// Has the world's thread carry out a command. A change is answered once it is on the disk; one that looks is answered
+/// at once.
 void Commands::on_world_thread(CommandAsk ask, Change change) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = change != &Commands::get && change != &Commands::probes;
@@ -244,6 +247,7 @@ json Commands::list(const Arguments& arguments) const {
   return {{"objects", objects}, {"count", count}, {"version", state->version}};
 }
 
+/// Which structures the server builds for this world, and which it leaves out and why.
 json Commands::plan(const Arguments& arguments) const {
   arguments.allow_only({});
   const SnapshotRing::Lease state = with_.loop.world().newest();
@@ -355,6 +359,7 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   DecodedShape decoded = decode_shape(ask.blob);
   if (!decoded.shape) throw BadCommand("add: " + decoded.refusal);
   if (decoded.shape->empty()) throw BadCommand("add: the shape is empty");
+  // Scaled here, on the way in: a shape in the world has no factors.
   if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
     if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
   }
@@ -379,6 +384,7 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
   const bool teleport = arguments.truth("teleport", false);
   const ObjectId id = find_object(name);
   refuse_if_live(*world.info(id));
+  // A step examines one motion of an object only, so an earlier one is examined first.
   if (world.has_moved(id)) with_.loop.step_now();
   const Vec3 before = world.newest()->poses[slot_of(id)].position;
   if (!world.move(id, *pose, with_.clock.now_ns(), teleport)) {
@@ -419,6 +425,7 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
   } else {
     chosen.push_back(find_object(name));
   }
+  // All or nothing: every chosen object is checked before the first one is removed.
   for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
   if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
     with_.loop.step_now();
@@ -432,6 +439,7 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
   return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
 }
 
+/// Removes scenes and objects; what live publishers have stays and is counted as kept.
 json Commands::clear(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"scene", "moving"});
   World& world = with_.loop.world();

@@ -49,6 +49,7 @@ json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
   return clocks;
 }
 
+/// The counts since the start, as idl/commands.hpp lists them under `figures`.
 json Commands::figures(const Arguments& arguments) const {
   arguments.allow_only({});
   const StepSums& sums = with_.loop.sums();

@@ -41,6 +41,7 @@ const std::shared_ptr<const StaticScene>* scene_of(const Snapshot& state, const 
   return nullptr;
 }
 
+/// Collects the objects of a state into one buffer, and refuses them beyond kMaxGeometryBytes.
 class ObjectsEncoder {
  public:
   ObjectsEncoder(const Snapshot& state, SurfaceNumbers& numbers)
@@ -78,6 +79,7 @@ class ObjectsEncoder {
   }
 
  private:
+  /// The runs of triangles that show the object: its part of a scene, its mesh, its hulls.
   std::vector<format::Run> runs_of(const ObjectInfo& info) {
     std::vector<format::Run> runs;
     const auto add_whole = [&](const std::shared_ptr<const TriangleMesh>& mesh, bool is_hull) {
@@ -117,6 +119,7 @@ struct Edges {
   std::vector<std::uint8_t> kinds;
 };
 
+/// The edges of a surface with their kinds, as geometry.fbs has them.
 Edges edges_of(const SurfaceNumbers::Found& surface, double crease_cosine) {
   const TriangleMesh& mesh = *surface.mesh;
   std::vector<bool> is_flat(mesh.triangles.size());

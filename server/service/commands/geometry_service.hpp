@@ -22,6 +22,8 @@ namespace collided::engine::service {
 class GeometryService {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
+  /// world  must outlive this
+  /// send   called from the thread of its own
   GeometryService(const World& world, Send send);
   ~GeometryService() { stop(); }
   GeometryService(const GeometryService&) = delete;

@@ -86,6 +86,7 @@ void Commands::load_upload(CommandAsk ask, const std::string& path) {
   slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
 }
 
+/// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.
 void Commands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
   const std::string path = load.path;
@@ -131,6 +132,8 @@ void Commands::load_one(Load load) {
   }
 }
 
+/// Puts a loaded scene into the world, where asked in place of the one of its name. On the world's thread; throws
+/// BadCommand, and then nothing was added.
 json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   World& world = with_.loop.world();
   const auto& scenes = world.newest()->scenes;

@@ -88,6 +88,7 @@ void describe_apart(const PairReport& report, json& answer) {
   answer["contained"] = kContained[static_cast<std::size_t>(report.contained)];
 }
 
+/// The answer to `pair` as idl/commands.hpp lists it.
 json described(const PairReport& report, const PairAsk& ask) {
   static constexpr const char* kAnswers[] = {"miss", "hit", "undecided"};
   json answer{{"answer", kAnswers[static_cast<std::size_t>(report.touches)]}};
@@ -109,6 +110,7 @@ json described(const PairReport& report, const PairAsk& ask) {
   return answer;
 }
 
+/// The object of that name in this state; throws BadCommand with the nearest names.
 ObjectId find_shown(const Snapshot& state, const std::string& name) {
   std::vector<std::string_view> others;
   for (const auto& info : *state.objects) {
@@ -151,6 +153,7 @@ std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, co
   return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
 }
 
+/// Checks the arguments at once and examines the pair on the thread for pairs.
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
   const auto work = [this](const Arguments& asked) -> json {
     if (stopping_.load()) throw BadCommand("pair: the server is stopping");

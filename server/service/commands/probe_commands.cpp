@@ -52,6 +52,7 @@ json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
   return {{"probes", changed}, {"version", with_.loop.world().newest()->version}};
 }
 
+/// What every probe reads in the newest state.
 json Commands::probes(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"name"});
   const std::string glob = arguments.text("name");

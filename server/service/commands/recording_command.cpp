@@ -58,6 +58,7 @@ std::string Commands::recording_path(std::uint64_t number) {
                    "ask for a new one");
 }
 
+/// Writes a new file and removes the oldest where more than kMostRecordings are kept.
 json Commands::write_recording(std::int64_t last_ns) {
   const std::uint64_t number = ++recordings_made_;
   const FlightFile file = with_.flight->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);

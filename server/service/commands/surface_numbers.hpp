@@ -14,6 +14,7 @@ namespace collided::engine::service {
 /// threads  one
 class SurfaceNumbers {
  public:
+  /// The number of a mesh; a new one where the mesh has none yet.
   std::uint64_t number_of(const std::shared_ptr<const TriangleMesh>& mesh);
   /// The number of a scene's static triangles, all together.
   std::uint64_t number_of(const std::shared_ptr<const StaticScene>& scene);
@@ -22,6 +23,7 @@ class SurfaceNumbers {
     std::shared_ptr<const TriangleMesh> mesh;  // null: it is gone, or the number was never given
     std::shared_ptr<const StaticScene> scene;  // of which the mesh is a part; null: the mesh is an object's
   };
+  /// The mesh of a number.
   Found find(std::uint64_t number) const;
 
  private:

@@ -109,6 +109,7 @@ void UploadReceiver::work(const CommandAsk& ask) {
   } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
 }
 
+/// Begins an upload: checks name and room, makes the file, and returns its number, which cannot be guessed.
 std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"file", "bytes", "checksum"});
   const std::string name = arguments.text("file");
@@ -155,6 +156,7 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
   return json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump();
 }
 
+/// Writes a piece to its place and notes its checksum, from which commit() combines that of the file.
 std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"upload", "first", "checksum"});
   Upload& upload = find(ask, arguments);

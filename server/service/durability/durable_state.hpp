@@ -66,8 +66,7 @@ class DurableState {
   void finish();
 
  private:
-  static constexpr std::size_t kMostJobs =  // beyond it changes of publishers wait; commands come in dozens
-      4'096;  // waiting, before changes of publishers are put off; commands come in dozens
+  static constexpr std::size_t kMostJobs = 4'096;  // waiting; beyond it publishers are not noted
   using Job = std::function<void()>;
 
   void put(Journal::Entry entry, Journal::Sync sync);

@@ -76,6 +76,7 @@ std::optional<Record> record_at(std::span<const std::byte> bytes) {
   RecordHead head;
   if (bytes.size() < sizeof head) return std::nullopt;
   std::memcpy(&head, bytes.data(), sizeof head);
+  // The three lengths are bounded first, so that their sum cannot overflow.
   for (const std::uint64_t part : {head.key_bytes, head.text_bytes, head.blob_bytes}) {
     if (part > kMostRecordBytes) return std::nullopt;
   }

@@ -48,6 +48,7 @@ std::uint64_t bytes_of(const Journal::Entry& entry);
 /// The record's bytes with their checksum. is_erased: the record removes the entry of this key.
 std::vector<std::byte> encode(const Journal::Entry& entry, bool is_erased);
 
+/// A record as read.
 struct Record {
   Journal::Entry entry;
   bool is_erased = false;

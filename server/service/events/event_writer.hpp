@@ -44,7 +44,9 @@ class EventWriter {
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;
+  /// Writes `began` and `ended` events; at most kMaxEventsPerFrame.
   virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
+  /// Writes `persisted` events, which may be lost.
   virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;
   /// as_of_sequence  the last event that the contacts include
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;

@@ -19,6 +19,7 @@ class NameBook {
   /// afterwards.
   void note(const OpenContact& contact, const World& world);
   void forget(const OpenContact& contact);
+  /// Empty where no noted contact names the object. Valid until the next note() or forget().
   std::string_view name(ObjectId id) const;
   /// The triangle's number as reported: that in the file.
   std::uint32_t triangle(ObjectId id, std::uint32_t triangle) const;

@@ -74,6 +74,7 @@ class Inbox {
   /// Moves all that waits into `arrivals`, which is cleared first; merged poses come last. Waits for something to
   /// arrive, at most until the given time; returns with nothing then, or when woken.
   void drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals);
+  /// Any thread.
   InboxCounts counts() const;
 
  private:

@@ -76,6 +76,7 @@ void Listeners::take_left_definitions() {
 void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
   const std::lock_guard lock(taking_definitions_);
   while (true) {
+    // What is left with DDS is taken by take_left_definitions() later.
     if (!inbox_.has_room_for_definitions()) {
       definitions_left_.store(true);
       return;

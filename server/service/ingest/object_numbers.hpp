@@ -14,6 +14,7 @@ class NumberIndex {
   /// find() of a number that was not set.
   static constexpr std::uint32_t kNone = 0xffffffff;
 
+  /// The place of a number, or kNone.
   std::uint32_t find(std::uint32_t number) const {
     if (number < dense_.size()) return dense_[number];
     if (number < kDenseNumbers) return kNone;

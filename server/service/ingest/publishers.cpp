@@ -79,6 +79,7 @@ void Publishers::retire(Publisher& publisher) {
 
 // ---- definitions
 
+/// A sample counts as seen even where its definition is refused: batches that wait for it must not wait for ever.
 Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   Publisher* publisher = nullptr;
   if (meet(sample.publisher, sample.incarnation, now_ns, publisher) == Applied::step_first) return Applied::step_first;
@@ -142,6 +143,7 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                        printable(publisher.name), *reason, counts_.definitions_refused));
     return;
   }
+  // To subscribers a renamed object is another one.
   const bool renamed = record.place == Place::in_world && record.described->definition.name != sample.name;
   leave(record, renamed ? EndReason::removed : EndReason::geometry_changed);
   record.pose = std::get<Pose>(checked_pose(sample.pose));
@@ -258,6 +260,7 @@ Applied Publishers::move(PoseSample& sample, std::int64_t now_ns) {
                        *reason, counts_.batches_malformed));
     return Applied::done;
   }
+  // Definitions have a topic of their own, so they may come later than poses that need them.
   if (sample.definitions_through > publisher->definitions_seen) {
     park(*publisher, sample);
     return Applied::done;

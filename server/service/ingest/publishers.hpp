@@ -44,8 +44,7 @@ struct PublisherCounts {
   std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
   std::uint64_t stamps_late = 0;  // batches stamped before an earlier one: they count as their publisher's next instant
-  std::uint64_t stamps_jumped =   // a clock went back or ahead by more than a lease: its objects are placed anew
-      0;                          // a clock went back or ahead by more than a lease: its objects are placed, not moved
+  std::uint64_t stamps_jumped = 0;       // a clock went back or ahead by more than a lease: its objects are placed
   std::uint64_t stamps_missing = 0;      // batches without one: the time of their reception counts
   std::uint64_t publishers_refused = 0;  // samples of publishers beyond the limit
 };

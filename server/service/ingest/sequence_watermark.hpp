@@ -35,8 +35,7 @@ class SequenceWatermark {
 
  private:
   /// DDS keeps no more under way, so a longer list means that the gap before it is lost.
-  static constexpr std::size_t kMostAhead =
-      wire_contract::kPoseTopic.keep_last;  // DDS keeps no more under way; a longer gap is lost
+  static constexpr std::size_t kMostAhead = wire_contract::kPoseTopic.keep_last;
   void note(std::uint64_t sequence, std::int64_t now_ns);
   void absorb();
 

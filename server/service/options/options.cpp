@@ -68,6 +68,7 @@ Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
   bool log_json = false;
   CLI::App app;
   add_flags(app, options, flags, log_json);
+  // The parser takes its words last first.
   std::vector<std::string> reversed = join_numbers(arguments);
   std::reverse(reversed.begin(), reversed.end());
   try {
@@ -155,6 +156,7 @@ std::string toml_value(const Effective& effective) {
     return fmt::format("[{}]", fmt::join(items, ", "));
   }
   const std::string& text = effective.values[0];
+  // Numbers and truths stand bare in TOML, all other texts in quotes.
   const bool bare = parse_whole(text).has_value() || text == "true" || text == "false";
   return bare ? text : quoted(text);
 }

@@ -77,6 +77,8 @@ struct OptionsError : std::runtime_error {
 /// The value of an environment variable, or null.
 using Environment = std::function<const char*(const char*)>;
 
+/// The options, and for each setting the text in effect and its origin. With show_help or show_version nothing else is
+/// parsed.
 struct ParsedOptions {
   Options options;
   std::vector<Effective> effective;  // in the order of settings()

@@ -264,6 +264,7 @@ void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecide
   count_levels(static_cast<QuestionKind>(kind));
 }
 
+/// Writes a text in as many replies as it needs, at least one.
 void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {
   columns_.clear();
   columns_.lend(*reply_);

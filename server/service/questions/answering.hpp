@@ -65,6 +65,7 @@ class Answering {
     BackgroundAudit& audit;
   };
 
+  /// Starts the workers. `replies` must outlive the Answering.
   Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
             Command command);
   ~Answering();
@@ -124,9 +125,8 @@ class Answering {
   FairQueue<Work> queue_;
   std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
-  std::atomic<std::uint32_t> takers_{
-      0};                           // threads that want to take; the first does, the others make it go round again
-  std::array<AskPointer, 4> next_;  // of the thread that takes: mostly all that one call brings
+  std::atomic<std::uint32_t> takers_{0};      // threads that want to take; see take()
+  std::array<AskPointer, 4> next_;            // of the thread that takes: mostly all that one call brings
   std::unique_ptr<Worker> listening_worker_;  // these three: used by the listener's thread alone
   AskPointer spare_;
   ShortQuestions short_questions_;

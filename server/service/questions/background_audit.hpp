@@ -41,6 +41,7 @@ class BackgroundAudit {
   void consider(const SnapshotRing::Lease& state, const Questions& asked, const Answers& given);
   std::uint64_t every() const { return every_; }
   bool asks_fcl() const { return asks_fcl_; }
+  /// Any thread.
   AuditCounts counts() const;
   /// The first differences, as sentences.
   std::vector<std::string> differences() const;

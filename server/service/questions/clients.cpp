@@ -65,6 +65,7 @@ std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
 }
 
 Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
+  // The listener keeps clients without a lock; once any was forgotten, it looks all of them up again.
   const std::uint64_t departures = departures_.load(std::memory_order_acquire);
   if (departures != std::exchange(recent_departures_, departures)) recent_.fill(nullptr);
   std::shared_ptr<Client>& place = recent_[id % kRecent];
@@ -102,6 +103,7 @@ std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, st
   std::erase_if(clients_, [&](const auto& entry) {
     Client& client = *entry.second;
     const std::lock_guard client_lock(client.mutex_);
+    // Asks that waited too long are handed back even if their client stays.
     const auto late = std::stable_partition(client.waiting_.begin(), client.waiting_.end(), [&](const AskPointer& ask) {
       return now_ns - ask->taken_ns <= kMatchPatienceNs;
     });

@@ -34,6 +34,7 @@ void ReplyColumns::lend(wire::Reply& reply) {
   dds::borrow(reply.objects, objects);
   dds::borrow(reply.triangles, triangles);
   dds::borrow(reply.hit_flags, hit_flags);
+  // A hit has either the columns of sweeps or those of other questions; the others stay empty.
   for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths,
                        &reply.sweep_begins}) {
     dds::borrow(*column, std::span<const double>());

@@ -15,6 +15,8 @@ std::size_t SnapshotLeases::states() const {
   return count;
 }
 
+/// The state for a new request: the newest, or where too many states are pinned a young one that is pinned already, or
+/// else the newest at the cost of the oldest requests.
 SnapshotRing::Lease SnapshotLeases::pin(std::uint64_t least_version, std::int64_t now_ns) {
   if (entries_.size() >= kMostRequests) entries_.erase(entries_.begin());
   SnapshotRing::Lease newest = world_.newest();

@@ -92,6 +92,7 @@ void FlightOpening::fold(const wire::Definition& definition) {
     publisher->objects.erase(found);
   }
   const auto posed = publisher->poses.find(definition.object_number);
+  // The definition has a pose of its own, which replaces an older one.
   if (posed != publisher->poses.end() && posed->second.sequence < definition.sequence_number) {
     publisher->poses.erase(posed);
     --poses_;

@@ -65,7 +65,9 @@ class FairQueue {
     return true;
   }
 
+  /// Whether clients have any room; without the lock, so a push() may still be refused.
   bool has_room() const { return waiting_.load(std::memory_order_relaxed) < limit_; }
+  /// Whether less than the limit of the server's own work waits.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
   /// How often push() returned false.
