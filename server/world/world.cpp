@@ -103,20 +103,34 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& 
   return indexed;
 }
 
-std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed) {
-  State& s = *state_;
+std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) const {
+  const State& s = *state_;
+  const auto leaves = [&](const ObjectInfo* info) { return replaces && info != nullptr && info->scene == scene.name; };
+  std::size_t loaded = s.rows.name_count();
+  for (std::uint32_t slot = 0; replaces && slot < s.rows.size(); ++slot) loaded -= leaves(s.rows.info(slot)) ? 1 : 0;
   const std::size_t added = scene.parts.size() + scene.objects.size();
-  if (s.rows.name_count() + added > s.options.max_objects) {
+  if (loaded + added > s.options.max_objects) {
     return Refusal{"scene '" + scene.name + "' has " + std::to_string(added) + " objects; with the " +
-                   std::to_string(s.rows.name_count()) + " loaded that is over the limit of " +
+                   std::to_string(loaded) + " loaded that is over the limit of " +
                    std::to_string(s.options.max_objects) + " (max_objects). Nothing was added"};
   }
+  const auto taken = [&](const std::string& name) -> std::optional<Refusal> {
+    const std::optional<ObjectId> owner = s.rows.find(name);
+    if (!owner || leaves(s.rows.find(*owner))) return std::nullopt;
+    return name_taken(name, s.rows.find(*owner));
+  };
   for (const Part& part : scene.parts) {
-    if (const auto taken = s.rows.find(part.name)) return name_taken(part.name, s.rows.find(*taken));
+    if (auto refusal = taken(part.name)) return refusal;
   }
   for (const SceneObject& object : scene.objects) {
-    if (const auto taken = s.rows.find(object.name)) return name_taken(object.name, s.rows.find(*taken));
+    if (auto refusal = taken(object.name)) return refusal;
   }
+  return std::nullopt;
+}
+
+std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed) {
+  State& s = *state_;
+  if (auto refusal = refusal_of(scene, false)) return std::move(*refusal);
   for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
     const ObjectId id = s.rows.take_slot();
     auto info = std::make_shared<ObjectInfo>();
@@ -146,7 +160,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   s.rows.place_all_movers_again();
-  return static_cast<std::uint32_t>(added);
+  return static_cast<std::uint32_t>(scene.parts.size() + scene.objects.size());
 }
 
 void World::State::gather_covers() {

@@ -94,6 +94,10 @@ class World {
   /// not.
   /// cost  slow: call it on a loading thread
   static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BvhOptions& options);
+  /// Why add_scene() would refuse this scene: a name that is taken, or a limit that would be exceeded.
+  ///
+  /// replaces  as if the loaded scene of its name, if there is one, had been removed
+  std::optional<Refusal> refusal_of(const Scene& scene, bool replaces) const;
   /// Adds static triangles and the scene's objects; returns how many objects. All or nothing: a name that is taken or a
   /// limit that would be exceeded refuses the whole scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);

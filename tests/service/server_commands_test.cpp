@@ -135,6 +135,20 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});
 }
 
+// What replaces a scene is looked at before that scene goes.
+TEST_F(ServerCommands, ASceneThatCannotTakeTheOthersPlaceLeavesItThere) {
+  start({"--max-objects", "50"});
+  Client client = connect();
+  const std::string path = folder_.write("roof.obj", "v -9 -9 6\nv 9 -9 6\nv 9 9 6\nv -9 9 6\nf 1 2 3 4\n");
+  done(client, "load", {{"path", path}});
+  std::string many = "v -9 -9 6\nv 9 -9 6\nv 9 9 6\n";
+  for (int i = 0; i < 30; ++i) many += "o part" + std::to_string(i) + "\nf 1 2 3\n";
+  folder_.write("roof.obj", many);
+  const std::string refused = refusal(client, "load", {{"path", path}, {"replace", true}});
+  EXPECT_NE(refused.find("over the limit of 50 (max_objects). Nothing was added"), std::string::npos) << refused;
+  EXPECT_NEAR(client.ask(RayQuestion{.origin = {6, 0, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 5, 1e-12);
+}
+
 // It has been moved through the floor, which was told then; after a crash it is where it was, and went nowhere.
 TEST_F(ServerCommands, WhatComesBackAfterACrashHasNoWayBehindIt) {
   testing_support::ChildProcess& first = start({}, "first");

@@ -16,18 +16,6 @@ namespace {
 
 constexpr std::int64_t kProgressPeriodNs = 100'000'000;
 
-/// Refuses a scene of whose names one belongs to an object outside of it.
-void refuse_taken_names(const World& world, const Scene& scene) {
-  const auto check = [&](const std::string& name) {
-    const std::optional<ObjectId> owner = world.find(name);
-    if (!owner || world.info(*owner)->scene == scene.name) return;
-    throw BadCommand(fmt::format("the name {} is taken by another object. Nothing was loaded", printable(name)),
-                     "load under another --name");
-  };
-  for (const Part& part : scene.parts) check(part.name);
-  for (const SceneObject& object : scene.objects) check(object.name);
-}
-
 }  // namespace
 
 /// The command with its arguments checked. Throws BadCommand.
@@ -111,6 +99,7 @@ void Commands::load_one(Load load) {
     send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
     return;
   } catch (const std::exception& failed) {
+    uploads_.forget(path);
     send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
     return;
   }
@@ -144,7 +133,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
                      "--replace it, or load under another --name");
   }
   if (there) {
-    refuse_taken_names(world, loaded.scene);
+    if (const std::optional<Refusal> refusal = world.refusal_of(loaded.scene, true)) throw BadCommand(refusal->reason);
     with_.loop.step_now();
     world.remove_scene(loaded.scene.name);
     with_.loop.note_change();

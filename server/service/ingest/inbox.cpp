@@ -138,6 +138,7 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   slice->definitions_through = merged.definitions_through;
   slice->source_time_ns = merged.source_time_ns;
   slice->received_ns = merged.received_ns;
+  slice->has_odd_columns = false;  // a spare sample still says what it was
   slice->flags = teleported ? wire_contract::kTeleported : 0;
   slice->object_numbers.clear();
   slice->poses.clear();

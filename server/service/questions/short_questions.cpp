@@ -1,11 +1,13 @@
 #include "server/service/questions/short_questions.hpp"
 
+#include "idl/instant.hpp"
 #include "server/service/questions/ask.hpp"
 
 namespace collided::engine::service {
 
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
   return now_ns >= not_before_ns_ && is_single(query) && query.text[0] == 0 &&
+         query.instant == static_cast<std::uint8_t>(wire_contract::AskedInstant::Kind::latest) &&
          query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::sweep);
 }
 

@@ -12,7 +12,7 @@ namespace collided::engine::service {
 /// threads  one
 class ShortQuestions {
  public:
-  /// A single ray, sphere, box or nearest point, while none of them took long of late.
+  /// A single ray, sphere, box or nearest point of the newest state, while none of them took long of late.
   bool is_short(const wire::Query& query, std::int64_t now_ns) const;
   /// To be called after each answer; steady clock.
   void took(std::int64_t started_ns, std::int64_t ended_ns);

@@ -20,8 +20,8 @@ inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id
 /// What becomes of the objects of a publisher that is lost.
 enum class LostPolicy : std::uint8_t {
   remove,  // they leave the world
-  freeze,  // they rest where the publisher last had them
-  hold,    // they rest there, and whatever meets them is in doubt
+  freeze,  // they rest where the publisher last had them, and what they may have reached since is in doubt
+  hold,    // they rest there, without doubt
 };
 
 /// A mesh with its index, both in the mesh's own frame; shared by every object that has the mesh.

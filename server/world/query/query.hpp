@@ -40,7 +40,8 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: the question reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
-/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is lost and its policy is `hold`.
+/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
+/// lost and its policy is `freeze`.
 /// kUncovered: the last entry of a question that is not_covered; its point is where the question leaves the covered
 /// space, its distance (of rays) the length up to there.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };

@@ -42,6 +42,24 @@ TEST(Inbox, KeepsTheOrder) {
   EXPECT_TRUE(drain(inbox).empty());
 }
 
+// A batch whose columns differ in length is merged away, and its memory carries the next publisher's poses.
+TEST(Inbox, AMalformedBatchSpoilsNoLaterOne) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
+  std::unique_ptr<PoseSample> odd = batch(1, {{1, 1}});
+  odd->has_odd_columns = true;
+  odd->poses.clear();
+  odd->object_numbers.clear();
+  inbox.push(std::move(odd));
+  inbox.push(batch(2, {{1, 2}}));
+  bool carried = false;
+  for (const Arrival& arrival : drain(inbox)) {
+    const PoseSample& sample = *std::get<std::unique_ptr<PoseSample>>(arrival);
+    EXPECT_FALSE(sample.has_odd_columns);
+    carried = carried || sample.object_numbers == std::vector<std::uint32_t>{1};
+  }
+  EXPECT_TRUE(carried);
+}
+
 // Beyond the limit the newest pose of each object stays, the ones before it are counted, and nothing is forgotten.
 TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
   Inbox inbox({.batches = 2, .poses = 100, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});

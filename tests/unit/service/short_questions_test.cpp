@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include "idl/columns.hpp"
+#include "idl/instant.hpp"
 #include "server/service/questions/short_questions.hpp"
 
 namespace collided::engine::service {
 namespace {
 
+using wire_contract::AskedInstant;
 using wire_contract::QueryKind;
 
 class ShortQuestionsTest : public ::testing::Test {
@@ -34,6 +36,16 @@ TEST_F(ShortQuestionsTest, OneQuestionIsShortAndMoreAreNot) {
   EXPECT_TRUE(questions_.is_short(query_, 0));
   query_.chunk_count = 2;
   EXPECT_FALSE(questions_.is_short(query_, 0));
+}
+
+// A past state has to be built first, which takes as long as thousands of rays.
+TEST_F(ShortQuestionsTest, AQuestionAboutAnEarlierInstantIsNot) {
+  for (const auto instant : {AskedInstant::Kind::settled, AskedInstant::Kind::at, AskedInstant::Kind::back}) {
+    query_.instant = static_cast<std::uint8_t>(instant);
+    EXPECT_FALSE(questions_.is_short(query_, 0)) << int{query_.instant};
+  }
+  query_.instant = static_cast<std::uint8_t>(AskedInstant::Kind::latest);
+  EXPECT_TRUE(questions_.is_short(query_, 0));
 }
 
 TEST_F(ShortQuestionsTest, CommandsAndGreetingsAreNot) {
