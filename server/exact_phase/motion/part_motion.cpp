@@ -22,6 +22,9 @@ using kernel::Convex;
 
 /// Beyond this many planes along one motion the parts slide along each other too closely to be separated.
 constexpr int kMostSteps = 512;
+/// So many more where a contact was found farther behind them than asked: parts that pass each other at a small angle
+/// approach far more slowly than the bound on their speed.
+constexpr int kMostNarrowing = 1 << 14;
 /// Cost, in looks, of an overlap that doubles do not decide, and of a graze.
 constexpr std::uint32_t kExactLooks = 8;
 
@@ -236,6 +239,22 @@ ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, d
   return verdict.yes() ? verdict : look_for_overlap(a, b, low, end, width, bracket);
 }
 
+/// Raises the lower end of a bracket by further planes, and lowers its upper end by overlaps found on the way, until it is
+/// as narrow as asked or no plane is found.
+void narrow(const Advance& advance, const PartMotion& a, const PartMotion& b, double width, TimeBracket& bracket) {
+  Vec3 normal = Vec3::Zero();
+  for (int step = 0; step < kMostNarrowing && bracket.high - bracket.low > width; ++step) {
+    const double gap_m = advance.part_at(bracket.low, normal);
+    if (!(gap_m > 0)) return;
+    const double ahead = advance.parted_for(normal, gap_m, bracket.low, bracket.high);
+    const double low = bracket.low + ahead * kShy;
+    if (!(low > bracket.low && low < bracket.high)) return;
+    bracket.low = low;
+    const double then = low + width * 0.9375;
+    if (then < bracket.high && overlap_at(a, b, then).yes()) bracket.high = then;
+  }
+}
+
 }  // namespace
 
 BoundedPart part_of(const Primitive& primitive) {
@@ -294,7 +313,9 @@ ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan spa
     return verdict;
   }
   if (looks != nullptr) *looks += kExactLooks;
-  return decide_graze(a, b, low, span.high, width, bracket);
+  const ExactResult verdict = decide_graze(a, b, low, span.high, width, bracket);
+  if (verdict.yes() && bracket.high - bracket.low > width) narrow(advance, a, b, width, bracket);
+  return verdict;
 }
 
 Contact contact_at(const PartMotion& a, const PartMotion& b, double t) {
