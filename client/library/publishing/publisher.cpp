@@ -5,6 +5,7 @@
 
 #include "client/library/asking/question_encoding.hpp"
 #include "client/library/connection/errors.hpp"
+#include "client/library/connection/wait_until.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 
 namespace collided {
@@ -82,11 +83,11 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
     std::unique_ptr<State> state(new State(std::move(connection), name));
     // Batches are volatile: one written before the server's reader was met would be lost.
     const Clock::time_point deadline = Clock::now() + state->connection_->options().wait;
-    while (state->pose_writer_.matched_readers() == 0 || state->object_writer_.matched_readers() == 0) {
-      if (Clock::now() > deadline) {
-        return Error{ErrorCode::no_server, "publisher '" + name + "': the server does not read poses", ""};
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto is_read = [&] {
+      return state->pose_writer_.matched_readers() > 0 && state->object_writer_.matched_readers() > 0;
+    };
+    if (!client::wait_until(deadline, is_read)) {
+      return Error{ErrorCode::no_server, "publisher '" + name + "': the server does not read poses", ""};
     }
     return state;
   } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }

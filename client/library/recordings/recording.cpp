@@ -6,6 +6,7 @@
 
 #include "client/library/commands/fetching.hpp"
 #include "client/library/connection/errors.hpp"
+#include "client/library/connection/wait_until.hpp"
 #include "idl/mcap/reader.hpp"
 
 namespace collided {
@@ -144,9 +145,7 @@ void Recording::State::wait_until_heard() const {
   constexpr std::chrono::milliseconds kEverybody{1'100};
   const Clock::time_point start = Clock::now();
   const auto heard = [&] { return readers_->step.matched_writers() > 0 && readers_->event.matched_writers() > 0; };
-  while (Clock::now() < start + kEverybody || (!heard() && Clock::now() < start + 2 * kEverybody)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  client::wait_until(start + 2 * kEverybody, [&] { return Clock::now() >= start + kEverybody && heard(); });
 }
 
 /// What the server's publishers and commands had brought into the world before. The reason where there is no such thing.

@@ -1,3 +1,4 @@
+#include "client/library/connection/wait_until.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 
 #include <algorithm>
@@ -76,10 +77,10 @@ ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, 
     publisher = std::make_unique<Publisher>(*this, incarnation);
     // Batches are volatile: one written before the server's reader was met would be lost.
     const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
-    while (publisher->pose_writer.matched_readers() == 0 || publisher->object_writer.matched_readers() == 0) {
-      if (Clock::now() > deadline) throw dds::DdsError("replay: the server reads no poses");
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    const auto is_read = [&] {
+      return publisher->pose_writer.matched_readers() > 0 && publisher->object_writer.matched_readers() > 0;
+    };
+    if (!client::wait_until(deadline, is_read)) throw dds::DdsError("replay: the server reads no poses");
   }
   return publisher.get();
 }

@@ -7,6 +7,7 @@
 #include "client/library/asking/vector_column.hpp"
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/json_reading.hpp"
+#include "client/library/connection/wait_until.hpp"
 #include "idl/columns.hpp"
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
@@ -127,13 +128,11 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
   try {
     std::unique_ptr<State> state(new State(std::move(connection), options));
     const client::Clock::time_point deadline = client::Clock::now() + state->connection_->options().wait;
-    while (state->reader_->matched_writers() == 0) {
-      if (state->connection_->pulse().silent()) { return state->connection_->disconnected(); }
-      if (client::Clock::now() > deadline) {
-        return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    const auto is_offered = [&] { return state->reader_->matched_writers() > 0; };
+    const auto is_silent = [&] { return state->connection_->pulse().silent(); };
+    const bool in_time = client::wait_until(deadline, [&] { return is_offered() || is_silent(); });
+    if (!is_offered() && is_silent()) return state->connection_->disconnected();
+    if (!in_time) return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
     return state;
   } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }

@@ -4,6 +4,7 @@
 
 #include "client/library/commands/fetching.hpp"
 #include "client/library/connection/errors.hpp"
+#include "client/library/connection/wait_until.hpp"
 #include "client/library/recordings/recorded_events.hpp"
 #include "client/library/watching/pair_filter.hpp"
 #include "client/library/watching/watch_decoding.hpp"
@@ -79,11 +80,13 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
 
 std::optional<Error> Watch::State::wait_for_server() const {
   const Clock::time_point deadline = Clock::now() + connection_->options().wait;
-  while (event_reader_->matched_writers() == 0 || contact_reader_->matched_writers() == 0) {
-    if (connection_->pulse().silent()) { return connection_->disconnected(); }
-    if (Clock::now() > deadline) { return Error{ErrorCode::no_server, "watch: the server offers no events", ""}; }
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  const auto is_offered = [&] {
+    return event_reader_->matched_writers() > 0 && contact_reader_->matched_writers() > 0;
+  };
+  const auto is_silent = [&] { return connection_->pulse().silent(); };
+  const bool in_time = client::wait_until(deadline, [&] { return is_offered() || is_silent(); });
+  if (!is_offered() && is_silent()) return connection_->disconnected();
+  if (!in_time) return Error{ErrorCode::no_server, "watch: the server offers no events", ""};
   return std::nullopt;
 }
 
