@@ -10,9 +10,11 @@ void declare_globals(CLI::App& app, Globals& globals) {
   app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
   app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
   app.add_flag("--table", globals.table, "For people (the default on a terminal)")->group(output);
-  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c")->group(output);
-  app.add_flag("-q,--quiet", globals.quiet, "No hints")->group(output);
-  app.add_flag("-v,--verbose", globals.verbose, "Say what the answer cost")->group(output);
+  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c; 'help' lists them")
+      ->group(output);
+  app.add_flag("--header", globals.header, "Names of the columns above plain output")->group(output);
+  app.add_flag("-q,--quiet", globals.quiet, "Data only: no hints, no progress")->group(output);
+  app.add_flag("-v,--verbose", globals.verbose, "Every digit, with bounds, and what the answer cost")->group(output);
   app.add_option("--color", globals.color, "auto, always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->group(output);

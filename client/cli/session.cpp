@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/output/terminal_width.hpp"
 
 namespace collided::cli {
 namespace {
@@ -57,7 +58,10 @@ bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal)
 
 Printer make_printer(Io& io, const Globals& globals) {
   return {io.out, chosen_format(io, globals), field_names(globals.fields),
-          color_wanted(io, globals, io.out_is_terminal)};
+          Appearance{.color = color_wanted(io, globals, io.out_is_terminal),
+                     .digits = globals.verbose ? Digits::all : Digits::rounded,
+                     .width = terminal_width(io),
+                     .header = globals.header}};
 }
 
 ConnectOptions connect_options(const Io& io, const Globals& globals) {

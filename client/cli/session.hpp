@@ -21,6 +21,7 @@ struct Globals {
   bool csv = false;
   bool plain = false;
   bool table = false;
+  bool header = false;
   bool quiet = false;
   bool verbose = false;
   bool exit_zero = false;

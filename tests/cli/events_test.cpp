@@ -70,11 +70,11 @@ TEST_F(EventsVerb, ALineAnEventInOrderOfTime) {
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "open     crate x shelf  since 90.000\n"
-            "100.995 began  crate x drone  depth 4 mm at 1 2 0.5  seq 12\n"
-            "100.998 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n"
+            "100.995 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 12\n"
+            "100.998 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n"
             "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n"
             "103.000 ended  crate x drone  after 2.01 s  (removed)  seq 14\n"
-            "104.000 began  shelf x cart  depth 4 mm at 1 2 0.5  seq 15\n"
+            "104.000 began  shelf x cart  depth 0.004 m at 1 2 0.5  seq 15\n"
             "105.000 ended  crate x shelf  after 15 s  (separated)  seq 16\n");
   EXPECT_EQ(ran.err, "7 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
   EXPECT_EQ(fake::server().connect_count, 0) << "no server is asked";
@@ -145,8 +145,8 @@ TEST_F(EventsVerb, ACutFileIsReadUpToThereAndSaysSo) {
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "open     crate x shelf  since 90.000\n"
-            "100.995 began  crate x drone  depth 4 mm at 1 2 0.5  seq 12\n"
-            "100.998 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n"
+            "100.995 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 12\n"
+            "100.998 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n"
             "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n");
   EXPECT_EQ(ran.err, "warning: " + path() + ": breaks off in the record at byte " + std::to_string(whole) +
                          "; what stands before it was read\n"
@@ -172,9 +172,9 @@ TEST_F(EventsVerb, AnEndWhoseBeginningWasLostBeginsThere) {
   write_run([](std::uint64_t first) { return first != 11; });
   const Ran ran = at_terminal("events " + path() + " --only drone");
   EXPECT_EQ(ran.out,
-            "101.999 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 13  resync\n"
+            "101.999 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 13  resync\n"
             "101.999 ended  shelf x drone  after 0 ns  (separated)  seq 13\n"
-            "103.000 began  crate x drone  depth 4 mm at 1 2 0.5  seq 14  resync\n"
+            "103.000 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 14  resync\n"
             "103.000 ended  crate x drone  after 0 ns  (removed)  seq 14\n");
   EXPECT_NE(ran.err.find("; 2 lost\n"), std::string::npos) << ran.err;
 }
@@ -234,7 +234,7 @@ TEST_F(EventsVerb, ALaterSampleOfWhatHoldsTellsOfTheBegin) {
   }
   const Ran ran = at_terminal("events " + path());
   EXPECT_EQ(ran.out,
-            "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n");
+            "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n");
   EXPECT_EQ(ran.err, "2 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
 }
 
@@ -252,9 +252,9 @@ TEST_F(EventsVerb, AServerThatStartsAgainEndsWhatIsGone) {
   }
   const Ran ran = at_terminal("events " + path());
   EXPECT_EQ(ran.out,
-            "101.000 began  crate x shelf  depth 4 mm at 1 2 0.5  seq 1\n"
+            "101.000 began  crate x shelf  depth 0.004 m at 1 2 0.5  seq 1\n"
             "110.000 ended  crate x shelf  after 9 s  (server_restarted)  seq 0  resync\n"
-            "111.000 began  shelf x cart  depth 4 mm at 1 2 0.5  seq 1\n");
+            "111.000 began  shelf x cart  depth 0.004 m at 1 2 0.5  seq 1\n");
 }
 
 TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {

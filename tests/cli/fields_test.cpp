@@ -117,7 +117,7 @@ TEST_F(Fields, OfAPairAreThoseOfItsAnswer) {
   EXPECT_EQ(records("pair x y --triangles").at(0),
             json::parse(R"({"a_triangle":23,"b_triangle":24,"from":[25,26,27],"to":[28,29,30],"error":31})"));
   const Ran ran = at_terminal("pair x y");
-  EXPECT_EQ(ran.out, "touching  depth 5 m ±6  at 13 14 15  apart by 5 10 15\n  bears at 18 19 20  21 m deep ±22\n");
+  EXPECT_EQ(ran.out, "touching  depth 5 m ±6  at 13 14 15  apart by 5 10 15\n  bears at 18 19 20  21 m ±22 deep\n");
 }
 
 Event event(EventKind what) {

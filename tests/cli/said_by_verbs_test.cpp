@@ -179,7 +179,7 @@ TEST_F(SaidByVerbs, TopIsAsWideAsItsTerminalAndEightyColumnsWhereThatDoesNotSay)
   fake::server().status.scenes = {std::string(200, 'x')};
   const auto columns_at = [](unsigned short columns) {
     const StandardTerminal terminal(columns);
-    const Ran ran = at_terminal("top -n 1 --every 10ms");
+    const Ran ran = at_terminal("top -n 1 --every 10ms", 0);
     const std::size_t begin = ran.out.find("\x1b[H") + 3;
     const std::string first = ran.out.substr(begin, ran.out.find("\x1b[K", begin) - begin);
     return std::count_if(first.begin(), first.end(),

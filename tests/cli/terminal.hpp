@@ -22,8 +22,9 @@ struct Terminal {
 /// Runs `collide WORDS`, the words split as a shell would.
 Ran collide(const std::string& words, const Terminal& terminal = {});
 
-/// As a person at a terminal sees it.
-inline Ran at_terminal(const std::string& words) {
-  return collide(words,
-                 {.out_is_terminal = true, .err_is_terminal = false, .in = {}, .environment = {{"NO_COLOR", "1"}}});
+/// As a person at a wide terminal sees it; 0: of a width that only the terminal itself knows.
+inline Ran at_terminal(const std::string& words, int columns = 160) {
+  Terminal terminal{.out_is_terminal = true, .err_is_terminal = false, .in = {}, .environment = {{"NO_COLOR", "1"}}};
+  if (columns > 0) terminal.environment["COLUMNS"] = std::to_string(columns);
+  return collide(words, terminal);
 }

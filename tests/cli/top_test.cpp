@@ -134,7 +134,7 @@ TEST_F(Top, RefreshesItsOwnScreenAndGivesTheOldOneBack) {
 // A line that wraps would push the page out of place.
 TEST_F(Top, NoLineIsWiderThanTheTerminal) {
   fake::server().status.scenes = {std::string(200, 'x')};
-  const Ran ran = at_terminal("top -n 1 --every 10ms");
+  const Ran ran = at_terminal("top -n 1 --every 10ms", 80);
   const std::size_t begin = ran.out.find("\x1b[H") + 3;
   const std::string first = ran.out.substr(begin, ran.out.find("\x1b[K", begin) - begin);
   std::size_t columns = 0;

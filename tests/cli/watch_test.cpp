@@ -40,7 +40,7 @@ TEST_F(WatchVerb, ALineAnEvent) {
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "open     arm/link_5 x shelf_3  since 12.201\n"
-            "12.201 began  drone_2 x pallet_07  depth 3.1 mm at 0.93 2 0.5  seq 881\n"
+            "12.201 began  drone_2 x pallet_07  depth 0.0031 m at 0.93 2 0.5  seq 881\n"
             "12.455 ended  drone_2 x pallet_07  after 254 ms  (separated)  seq 884\n");
   EXPECT_EQ(ran.err.substr(0, 12), "3 events in ");
   EXPECT_NE(ran.err.find(", 0 lost\n"), std::string::npos);
@@ -68,9 +68,8 @@ TEST_F(WatchVerb, WhereTheyBearIsAskedForAsTheyBegin) {
   };
   const Ran ran = at_terminal("watch -n 3 --manifold");
   EXPECT_EQ(asked, "drone_2 pallet_07;");
-  EXPECT_NE(
-      ran.out.find("seq 881\n  bears at 1 2 0.5  3 mm deep ±1e-15\n  bears at 1 3 0.5  2 mm deep ±1e-15\n12.455 ended"),
-      std::string::npos)
+  EXPECT_NE(ran.out.find("seq 881\n  bears at 1 2 0.5  0.003 m deep\n  bears at 1 3 0.5  0.002 m deep\n12.455 ended"),
+            std::string::npos)
       << ran.out;
   fake::server().events = events;
   const std::string records = collide("watch -n 3 --manifold --json --fields what,a,depth,point").out;

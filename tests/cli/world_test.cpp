@@ -264,7 +264,7 @@ TEST_F(World, ManyVerbsShareOneConnection) {
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out,
             "added crate (world 18205)\n"
-            "hit  crate  distance 4.6 m ±4.4e-16  at 1 2 0.4  normal 0 0 1\n"
+            "hit  crate  distance 4.6 m  at 1 2 0.4  normal 0 0 1\n"
             "removed crate (world 18207); it had 1 open contact, ended (removed)\n");
   EXPECT_EQ(fake::server().connect_count, 1);
 }

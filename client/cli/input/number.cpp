@@ -197,13 +197,4 @@ std::string format_duration(std::chrono::nanoseconds value) {
   return fmt::format("{} h {} m", minutes / 60, minutes % 60);
 }
 
-std::string format_length(double metres) {
-  const double size = std::abs(metres);
-  if (size == 0) return "0";
-  if (size < 1e-6 || size >= 1) return fmt::format("{} m", format_number(metres));
-  if (size < 1e-3) return fmt::format("{:.4g} um", metres * 1e6);
-  if (size < 0.1) return fmt::format("{:.4g} mm", metres * 1e3);
-  return fmt::format("{:.4g} m", metres);
-}
-
 }  // namespace collided::cli

@@ -60,7 +60,4 @@ std::string format_count(std::uint64_t value);
 /// "254 ms", "2.1 us", "3 h 12 m": for people.
 std::string format_duration(std::chrono::nanoseconds value);
 
-/// "3.1 mm", "0.93 m", "0": for people; the shortest text of the value in a unit that keeps it between 1 and 1000 below 1 m.
-std::string format_length(double metres);
-
 }  // namespace collided::cli

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -55,21 +56,18 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
   record.push_back({"covered_to", uncovered ? MaybeVector(uncovered->point) : MaybeVector()});
 }
 
-/// Beside its bound a value keeps every digit.
-std::string metres(double value) { return value == 0 ? "0" : format_number(value) + " m"; }
-
-std::string distance_text(const Hit& hit) {
-  return metres(hit.distance_m) + (hit.error_m == 0 ? " exact" : fmt::format(" ±{}", format_bound(hit.error_m)));
-}
-
 std::string hit_line(const Printer& printer, const AnswerView& view, const Hit& hit) {
   const bool ray = view.kind == QuestionKind::ray;
   std::string line = ray ? printer.paint(Paint::good, "hit") + "  " : std::string();
   const char* word = measures_depth(view.kind) ? "depth" : "distance";
-  line += fmt::format("{}  {} {}  at {}", printable(hit.object), word, distance_text(hit), format_vector(hit.point));
-  if (ray) line += "  normal " + format_vector(hit.normal);
+  const Digits digits = printer.digits();
+  line +=
+      fmt::format("{}  {} {}  at {}", printable(hit.object), word, readable_length(hit.distance_m, hit.error_m, digits),
+                  readable_point(hit.point, hit.point_error_m, digits));
+  if (ray) line += "  normal " + readable_direction(hit.normal, digits);
   if (hit.triangle != kNoTriangle) line += fmt::format("  triangle {}", hit.triangle);
-  if (hit.inside) line += ray ? fmt::format("  inside, out at {} m", format_number(hit.exit_m)) : "  inside";
+  if (hit.inside)
+    line += ray ? "  inside, out at " + readable_length(hit.exit_m, hit.error_m, Digits::rounded) : "  inside";
   if (hit.stale) line += "  stale";
   return line;
 }
@@ -78,8 +76,9 @@ void contact_row(Printer& printer, const Hit& hit) {
   std::string what = is_touching(hit) ? "touching" : "contact";
   if (hit.inside) what += " inside";
   if (hit.stale) what += " stale";
-  printer.row({"OBJECT", "WHAT", "DEPTH", "±", "CONTACT"}, {printable(hit.object), what, metres(hit.distance_m),
-                                                            format_bound(hit.error_m), format_vector(hit.point)});
+  printer.row({"OBJECT", "WHAT", "DEPTH", "CONTACT"},
+              {printable(hit.object), what, readable_length(hit.distance_m, hit.error_m, printer.digits()),
+               readable_point(hit.point, hit.point_error_m, printer.digits())});
 }
 
 std::string nothing_line(const Printer& printer, QuestionKind kind) {
@@ -95,8 +94,9 @@ std::string nothing_line(const Printer& printer, QuestionKind kind) {
 
 std::string where_uncovered(const AnswerView& view, const Answer& answer) {
   if (!answer.uncovered) return {};
-  const std::string place = ", at " + format_vector(answer.uncovered->point);
-  return view.kind == QuestionKind::ray ? place + fmt::format(" ({} on)", metres(answer.uncovered->covered_m)) : place;
+  const std::string place = ", at " + readable_point(answer.uncovered->point, 0, Digits::rounded);
+  if (view.kind != QuestionKind::ray) return place;
+  return place + fmt::format(" ({} on)", readable_length(answer.uncovered->covered_m, 0, Digits::rounded));
 }
 
 void print_for_people(Printer& printer, const AnswerView& view, const RawJson& id, const Answer& answer) {

@@ -4,6 +4,7 @@
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -86,6 +87,8 @@ Record event_record(const Event& event) {
           {"velocity_error", is_told && touches ? Value(event.velocity_error) : none}};
 }
 
+std::vector<std::string> usual_event_fields() { return {"time", "what", "a", "b", "depth", "after", "why", "doubt"}; }
+
 std::string event_line(const Printer& printer, const Event& event) {
   const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
   const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
@@ -97,7 +100,8 @@ std::string event_line(const Printer& printer, const Event& event) {
   if (event.kind == EventKind::ended)
     line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
   else if (event.doubt == Doubt::none)
-    line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
+    line += fmt::format("  depth {} at {}", readable_length(event.depth_m, event.depth_error_m, printer.digits()),
+                        readable_point(event.point, event.depth_error_m, printer.digits()));
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
   return line;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/suggest.hpp"
+#include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
 namespace {
@@ -114,12 +116,6 @@ void append_column_value(std::string& out, const Value& value, char separator) {
   }
 }
 
-/// Bytes of a line that take a column: continuation bytes of UTF-8 do not.
-std::size_t width(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-}
-
 }  // namespace
 
 void append_json_string(std::string& out, std::string_view text) {
@@ -148,17 +144,18 @@ std::string printable(std::string_view text) {
   return safe;
 }
 
-Printer::Printer(std::ostream& out, Format format, std::vector<std::string> fields, bool color)
-    : out_(out), format_(format), fields_(std::move(fields)), color_(color) {}
+Printer::Printer(std::ostream& out, Format format, std::vector<std::string> fields, Appearance appearance)
+    : out_(out), format_(format), fields_(std::move(fields)), appearance_(appearance) {}
 
-void Printer::select(const Record& record) {
+void Printer::choose_fields(const Record& record) {
   selected_.clear();
-  if (fields_.empty()) {
+  const std::vector<std::string>& chosen = fields_.empty() && format_ == Format::plain ? usual_fields_ : fields_;
+  if (chosen.empty()) {
     selected_.resize(record.size());
     std::iota(selected_.begin(), selected_.end(), std::size_t{0});
     return;
   }
-  for (const std::string& wanted : fields_) {
+  for (const std::string& wanted : chosen) {
     const auto found =
         std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == wanted; });
     if (found == record.end()) {
@@ -175,11 +172,17 @@ void Printer::select(const Record& record) {
 }
 
 void Printer::record(const Record& record) {
+  if (fields_.size() == 1 && fields_.front() == "help") return list_fields(record);
   // Records of one verb share their fields, so the choice is made once.
-  if (selected_.empty()) select(record);
+  if (selected_.empty()) choose_fields(record);
   if (format_ == Format::json) json(record);
   else if (format_ == Format::csv) separated(record, ',');
   else separated(record, '\t');
+}
+
+void Printer::list_fields(const Record& record) {
+  if (std::exchange(lists_fields_, true)) return;
+  for (const Field& field : record) out_ << field.name << '\n';
 }
 
 void Printer::json(const Record& record) {
@@ -199,12 +202,12 @@ void Printer::json(const Record& record) {
 
 void Printer::separated(const Record& record, char separator) {
   buffer_.clear();
-  if (separator == ',' && !header_written_) {
-    header_written_ = true;
+  const bool csv = separator == ',';
+  if ((csv || appearance_.header) && !std::exchange(header_written_, true)) {
     for (const std::size_t index : selected_) {
       const std::string name(record[index].name);
-      if (!buffer_.empty()) buffer_ += ',';
-      const bool three = std::holds_alternative<MaybeVector>(record[index].value);
+      if (!buffer_.empty()) buffer_ += separator;
+      const bool three = csv && std::holds_alternative<MaybeVector>(record[index].value);
       buffer_ += three ? fmt::format("{0}_x,{0}_y,{0}_z", name) : name;
     }
     buffer_ += '\n';
@@ -219,7 +222,7 @@ void Printer::separated(const Record& record, char separator) {
   out_ << buffer_;
 }
 
-void Printer::line(std::string_view text) { out_ << text << '\n'; }
+void Printer::line(std::string_view text) { out_ << wrapped(text, appearance_.width) << '\n'; }
 
 void Printer::row(const std::vector<std::string>& header, std::vector<std::string> cells) {
   if (rows_.empty()) rows_.push_back(header);
@@ -231,23 +234,24 @@ void Printer::finish() {
   for (const auto& cells : rows_) {
     widths.resize(std::max(widths.size(), cells.size()));
     for (std::size_t column = 0; column < cells.size(); ++column)
-      widths[column] = std::max(widths[column], width(cells[column]));
+      widths[column] = std::max(widths[column], columns_of(cells[column]));
   }
+  fit(widths, appearance_.width);
   for (std::size_t at = 0; at < rows_.size(); ++at) {
     std::string text;
     for (std::size_t column = 0; column < rows_[at].size(); ++column) {
-      const std::string& cell = rows_[at][column];
+      const std::string cell = cut_to(rows_[at][column], widths[column]);
       text += cell;
-      if (column + 1 < rows_[at].size()) text.append(widths[column] - width(cell) + 2, ' ');
+      if (column + 1 < rows_[at].size()) text.append(widths[column] - columns_of(cell) + 2, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);
-    line(at == 0 ? paint(Paint::faint, text) : text);
+    out_ << (at == 0 ? paint(Paint::faint, text) : text) << '\n';
   }
   rows_.clear();
 }
 
 std::string Printer::paint(Paint paint, std::string_view text) const {
-  if (!color_ || paint == Paint::plain) return std::string(text);
+  if (!appearance_.color || paint == Paint::plain) return std::string(text);
   constexpr std::array kCodes{"", "\x1b[32m", "\x1b[31m", "\x1b[33m", "\x1b[2m"};
   return fmt::format("{}{}\x1b[0m", kCodes[static_cast<std::size_t>(paint)], text);
 }

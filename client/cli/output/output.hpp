@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "client/cli/output/readable.hpp"
+
 namespace collided::cli {
 
 /// table: for people; plain: one record a line, fields apart by tabs; csv: with a header; json: one object a line.
@@ -40,35 +42,50 @@ using Record = std::vector<Field>;
 
 enum class Paint { plain, good, bad, doubt, faint };
 
+/// How text for people looks.
+struct Appearance {
+  bool color = false;
+  Digits digits = Digits::rounded;
+  std::size_t width = 0;  // columns of the terminal; 0: lines are not wrapped
+  bool header = false;    // names of the columns above plain output too
+};
+
 /// Writes records. Numbers are the shortest text that reads back to the same double; infinity is "inf".
 class Printer {
  public:
-  Printer(std::ostream& out, Format format, std::vector<std::string> fields, bool color);
+  Printer(std::ostream& out, Format format, std::vector<std::string> fields, Appearance appearance);
 
   /// True where people read and chose no fields: line() and columns are for them, record() for machines.
   bool human() const { return format_ == Format::table && fields_.empty(); }
   Format format() const { return format_; }
+  Digits digits() const { return appearance_.digits; }
 
-  /// One record; throws Failure when --fields names one that it does not have.
+  /// The columns of plain output where no --fields were given; the other forms keep all.
+  void set_usual_fields(std::vector<std::string> fields) { usual_fields_ = std::move(fields); }
+
+  /// One record; throws Failure when --fields names one that it does not have. `--fields help` lists the names instead.
   void record(const Record& record);
-  /// A line as people read it.
+  /// A line as people read it. One that is wider than the terminal goes on below, broken where two blanks are.
   void line(std::string_view text);
   /// A row of the table under a header; flushed by finish() with columns aligned.
   void row(const std::vector<std::string>& header, std::vector<std::string> cells);
-  /// Ends a table. Records and lines are flushed by the caller.
+  /// Ends a table, its widest columns cut where it is wider than the terminal. Records and lines are flushed by the caller.
   void finish();
 
   std::string paint(Paint paint, std::string_view text) const;
 
  private:
+  void choose_fields(const Record& record);
+  void list_fields(const Record& record);
   void json(const Record& record);
   void separated(const Record& record, char separator);
-  void select(const Record& record);
 
   std::ostream& out_;
   Format format_;
   std::vector<std::string> fields_;
-  bool color_;
+  Appearance appearance_;
+  std::vector<std::string> usual_fields_;
+  bool lists_fields_ = false;
   bool header_written_ = false;
   std::vector<std::size_t> selected_;
   std::vector<std::vector<std::string>> rows_;

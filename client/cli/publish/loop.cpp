@@ -129,6 +129,7 @@ class Loop {
         format_count(poses_), seconds, rate, format_count(late_), format_count(lost_))};
     source_.report(record, lines);
     Printer printer = make_printer(io_, globals_);
+    printer.set_usual_fields({"frames", "poses", "seconds", "late", "lost"});
     if (printer.human()) {
       for (const std::string& line : lines) printer.line(line);
     } else {

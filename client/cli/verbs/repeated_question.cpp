@@ -7,6 +7,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -89,7 +90,8 @@ class RepeatedQuestion {
     if (printer_.human()) {
       std::string line = fmt::format("{} {:<5}", clock_text(time), change);
       if (hit != nullptr) line += " " + printable(hit->object);
-      if (shows_value) line += fmt::format(" {} {}", word, format_length(hit->distance_m));
+      if (shows_value)
+        line += fmt::format(" {} {}", word, readable_length(hit->distance_m, hit->error_m, printer_.digits()));
       if (after) line += " after " + format_duration(*after);
       if (reason != UndecidedReason::none) line += fmt::format(" {}", explain(reason));
       printer_.line(line);

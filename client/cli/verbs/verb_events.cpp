@@ -32,6 +32,7 @@ class EventsCommand : public Command {
     for (const std::string& warning : recorded.warnings)
       print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_event_fields());
     for (const Event& event : recorded.events) {
       if (!session.io.out.good()) break;
       if (printer.human()) printer.line(event_line(printer, event));

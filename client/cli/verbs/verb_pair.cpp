@@ -7,6 +7,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -59,22 +60,25 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
 }
 
 void print_text(Printer& printer, const PairAnswer& pair) {
+  const Digits digits = printer.digits();
   if (pair.verdict == Verdict::undecided) {
     printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"), explain(pair.reason)));
   } else if (pair.verdict == Verdict::miss) {
-    printer.line(fmt::format("{}  {} ±{}  nearest {} | {}", printer.paint(Paint::good, "apart"),
-                             format_length(pair.distance_m), format_bound(pair.error_m), format_vector(pair.on_a),
-                             format_vector(pair.on_b)));
+    printer.line(fmt::format("{}  {}  nearest {} | {}", printer.paint(Paint::good, "apart"),
+                             readable_length(pair.distance_m, pair.error_m, digits),
+                             readable_point(pair.on_a, pair.error_m, digits),
+                             readable_point(pair.on_b, pair.error_m, digits)));
     if (pair.contained != Containment::none)
       printer.line(fmt::format("  {} lies within the other", word_of(pair.contained)));
   } else {
     const Vec3 displacement = pair.depth_m * pair.normal;
-    printer.line(fmt::format("{}  depth {} ±{}  at {}  apart by {}", printer.paint(Paint::bad, "touching"),
-                             format_length(pair.depth_m), format_bound(pair.error_m), format_vector(pair.point),
-                             format_vector(displacement)));
+    printer.line(fmt::format("{}  depth {}  at {}  apart by {}", printer.paint(Paint::bad, "touching"),
+                             readable_length(pair.depth_m, pair.error_m, digits),
+                             readable_point(pair.point, pair.error_m, digits),
+                             readable_point(displacement, pair.error_m, digits)));
     for (const ManifoldPoint& p : pair.manifold) {
-      printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m),
-                               format_bound(p.error_m)));
+      printer.line(fmt::format("  bears at {}  {} deep", readable_point(p.point, p.error_m, digits),
+                               readable_length(p.depth_m, p.error_m, digits)));
     }
   }
   if (pair.stale && pair.verdict != Verdict::undecided)
@@ -89,7 +93,8 @@ std::string_view word_of(OpinionVerdict verdict) {
 std::string words_of(const SecondOpinion& opinion) {
   if (!opinion.touches) return opinion.why;
   if (*opinion.touches) return "touching";
-  return opinion.distance_m ? "apart " + format_length(*opinion.distance_m) : "apart (" + opinion.why + ")";
+  return opinion.distance_m ? "apart " + readable_length(*opinion.distance_m, 0, Digits::rounded)
+                            : "apart (" + opinion.why + ")";
 }
 
 /// The other's answer; where it differs, ours beside it.
@@ -100,8 +105,9 @@ std::string opinion_line(const Printer& printer, const PairAnswer& pair) {
   std::string line = fmt::format("  FCL: {}  {}", printer.paint(paint, std::string(word_of(opinion.verdict))),
                                  printable(words_of(opinion)));
   if (differs && pair.verdict == Verdict::hit)
-    line += fmt::format(", ours: touching, depth {}", format_length(pair.depth_m));
-  if (differs && pair.verdict == Verdict::miss) line += fmt::format(", ours: apart {}", format_length(pair.distance_m));
+    line += fmt::format(", ours: touching, depth {}", readable_length(pair.depth_m, pair.error_m, printer.digits()));
+  if (differs && pair.verdict == Verdict::miss)
+    line += fmt::format(", ours: apart {}", readable_length(pair.distance_m, pair.error_m, printer.digits()));
   return line;
 }
 
@@ -177,8 +183,9 @@ class PairCommand : public Command {
     for (const TrianglePair& t : pair.triangle_pairs) {
       if (printer.human()) {
         printer.row({"A", "B", "FROM", "TO", "±"},
-                    {std::to_string(t.a_triangle), std::to_string(t.b_triangle), format_vector(t.from),
-                     format_vector(t.to), format_bound(t.error_m)});
+                    {std::to_string(t.a_triangle), std::to_string(t.b_triangle),
+                     readable_point(t.from, t.error_m, printer.digits()),
+                     readable_point(t.to, t.error_m, printer.digits()), format_bound(t.error_m)});
         continue;
       }
       printer.record({{"a_triangle", std::uint64_t{t.a_triangle}},

@@ -5,6 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -40,12 +41,12 @@ Record probe_record(const ProbeReading& reading) {
           {"world", reading.version}};
 }
 
-/// "-3.1 mm", with its bound where it has one.
-std::string clearance_text(const ProbeReading& reading) {
+/// "-0.0031 m": below 0 it is sunk in.
+std::string clearance_text(const ProbeReading& reading, Digits digits) {
   if (!has_met(reading)) return {};
   const std::string least = reading.state == Clearance::deeper ? "at most " : "";
-  return fmt::format("{}{}{} ±{}", least, reading.clearance_m > 0 ? "+" : "", format_length(reading.clearance_m),
-                     format_bound(reading.error_m));
+  return fmt::format("{}{}{}", least, reading.clearance_m > 0 ? "+" : "",
+                     readable_length(reading.clearance_m, reading.error_m, digits));
 }
 
 Paint paint_of(Clearance state) {
@@ -115,7 +116,7 @@ class ProbeCommand : public Command {
       }
       printer.row({"PROBE", "ON", "STATE", "CLEARANCE", "TO"},
                   {printable(reading.probe), printable(reading.object), std::string(name_of(reading.state)),
-                   clearance_text(reading), printable(reading.met)});
+                   clearance_text(reading, printer.digits()), printable(reading.met)});
     }
     printer.finish();
     return readings.empty() ? Exit::no : Exit::yes;
@@ -147,8 +148,8 @@ class ProbeCommand : public Command {
     std::string line = fmt::format("{} {}  {}", clock_text(reading.world_time), printable(reading.probe),
                                    printer.paint(paint_of(reading.state), name_of(reading.state)));
     if (has_met(reading))
-      line += fmt::format("  {}  {} {}", clearance_text(reading), reading.clearance_m > 0 ? "to" : "in",
-                          printable(reading.met));
+      line += fmt::format("  {}  {} {}", clearance_text(reading, printer.digits()),
+                          reading.clearance_m > 0 ? "to" : "in", printable(reading.met));
     return line;
   }
 

@@ -6,6 +6,7 @@
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -29,9 +30,12 @@ Record sweep_record(const Answer& answer) {
 }
 
 std::string contact_line(const Printer& printer, const Hit& hit) {
-  std::string line = fmt::format("{}  {}  at t in [{}, {}]  point {}  normal {}", printer.paint(Paint::bad, "contact"),
-                                 printable(hit.object), format_number(hit.time_low), format_number(hit.time_high),
-                                 format_vector(hit.point), format_vector(hit.normal));
+  const Digits digits = printer.digits();
+  const auto fraction = [&](double t) { return digits == Digits::all ? format_number(t) : readable_number(t); };
+  std::string line =
+      fmt::format("{}  {}  at t in [{}, {}]  point {}  normal {}", printer.paint(Paint::bad, "contact"),
+                  printable(hit.object), fraction(hit.time_low), fraction(hit.time_high),
+                  readable_point(hit.point, hit.point_error_m, digits), readable_direction(hit.normal, digits));
   if (hit.triangle != kNoTriangle) line += fmt::format("  triangle {}", hit.triangle);
   if (hit.stale) line += "  stale";
   return line;

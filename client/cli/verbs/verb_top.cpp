@@ -1,4 +1,3 @@
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +10,7 @@
 #include "client/cli/output/top_page.hpp"
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
+#include "client/cli/output/terminal_width.hpp"
 
 namespace collided::cli {
 namespace {
@@ -20,13 +20,6 @@ using Clock = std::chrono::steady_clock;
 /// A server says how it is twenty times a second; without a word for this long it is silent.
 constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
-constexpr std::size_t kColumns = 80;
-
-std::size_t columns_of_terminal() {
-  winsize size{};
-  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : kColumns;
-}
 
 /// The first `columns` characters: a line that wraps would push the others out of place.
 std::string_view cut(std::string_view line, std::size_t columns) {
@@ -41,20 +34,21 @@ std::string_view cut(std::string_view line, std::size_t columns) {
 /// A screen of its own while it lives; what stood there before comes back.
 class Screen {
  public:
-  explicit Screen(std::ostream& out) : out_(out) { out_ << "\x1b[?1049h\x1b[?25l"; }
-  ~Screen() { (out_ << "\x1b[?25h\x1b[?1049l").flush(); }
+  explicit Screen(const Io& io) : io_(io) { io_.out << "\x1b[?1049h\x1b[?25l"; }
+  ~Screen() { (io_.out << "\x1b[?25h\x1b[?1049l").flush(); }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
   void show(const std::vector<std::string>& lines) {
-    const std::size_t columns = columns_of_terminal();
-    out_ << "\x1b[H";
-    for (const std::string& line : lines) out_ << cut(line, columns) << "\x1b[K\n";
-    (out_ << "\x1b[J").flush();
+    const std::size_t columns = std::max<std::size_t>(1, terminal_width(io_));
+    std::ostream& out = io_.out;
+    out << "\x1b[H";
+    for (const std::string& line : lines) out << cut(line, columns) << "\x1b[K\n";
+    (out << "\x1b[J").flush();
   }
 
  private:
-  std::ostream& out_;
+  const Io& io_;
 };
 
 class TopCommand : public Command {
@@ -120,7 +114,7 @@ class TopCommand : public Command {
   Exit live(Session& session, const Globals& globals, const Until& until, std::chrono::nanoseconds period) {
     constexpr std::chrono::milliseconds kFirst{200};  // nobody waits a second for the first figures
     Keys keys(session.io.in);
-    Screen screen(session.io.out);
+    Screen screen(session.io);
     std::vector<std::string> lines;
     Clock::time_point heard = Clock::now();
     std::uint64_t count = 0;

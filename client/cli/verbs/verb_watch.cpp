@@ -11,6 +11,7 @@
 #include "client/cli/output/event_output.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -109,6 +110,7 @@ class WatchCommand : public Command {
       print_hint(session.io, globals,
                  fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_event_fields());
     const Until until(most, most_time);
     const Clock::time_point start = Clock::now();
     std::uint64_t count = 0;
@@ -152,8 +154,8 @@ class WatchCommand : public Command {
     if (!pair) return;
     for (const ManifoldPoint& p : pair->manifold) {
       if (printer.human()) {
-        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m),
-                                 format_bound(p.error_m)));
+        printer.line(fmt::format("  bears at {}  {} deep", readable_point(p.point, p.error_m, printer.digits()),
+                                 readable_length(p.depth_m, p.error_m, printer.digits())));
         continue;
       }
       Event point = event;

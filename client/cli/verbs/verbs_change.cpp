@@ -16,6 +16,7 @@
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/undo.hpp"
 #include "idl/commands.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -148,7 +149,8 @@ class MoveCommand : public Command {
   static void print(Session& session, const Globals& globals, const std::string& name, const nlohmann::json& answer) {
     const std::vector<std::string> began = texts_of(answer, "began");
     const std::vector<std::string> ended = texts_of(answer, "ended");
-    std::string line = fmt::format("moved {} {}", printable(name), format_length(number_of(answer, "moved_m")));
+    std::string line =
+        fmt::format("moved {} {}", printable(name), readable_length(number_of(answer, "moved_m"), 0, Digits::rounded));
     if (!began.empty()) line += "; began x " + joined(began);
     if (!ended.empty()) line += "; ended x " + joined(ended);
     print_done(session, globals,

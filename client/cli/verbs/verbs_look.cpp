@@ -6,6 +6,7 @@
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -42,6 +43,7 @@ class StatusCommand : public Command {
       Record all = record(status, options.domain);
       all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
+      printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
       printer.record(all);
     }
     printer.finish();
@@ -176,10 +178,11 @@ class ListCommand : public Command {
       const MaybeVector position = vector_of(object, "position");
       const std::string from =
           text_of(object, "publisher").empty() ? text_of(object, "scene") : text_of(object, "publisher");
-      printer.row({"OBJECT", "KIND", "MOVES", "AT", "FROM"},
-                  {printable(text_of(object, "name")), printable(text_of(object, "kind")),
-                   std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
-                   position.given ? format_vector(position.value) : std::string(), printable(from)});
+      printer.row(
+          {"OBJECT", "KIND", "MOVES", "AT", "FROM"},
+          {printable(text_of(object, "name")), printable(text_of(object, "kind")),
+           std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
+           position.given ? readable_point(position.value, 0, printer.digits()) : std::string(), printable(from)});
       return;
     }
     printer.record({{"name", text_of(object, "name")},

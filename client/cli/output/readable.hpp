@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+// Numbers as a person reads them. Machines get every digit: format_number() of number.hpp.
+namespace collided::cli {
+
+/// rounded: what the eye needs and the bound allows; all: every digit, each length with its bound (--verbose).
+enum class Digits { rounded, all };
+
+/// The value rounded to a micrometre or to four digits, whichever is finer, and no finer than its error: "1.8".
+///
+/// error  bound of the value, in its unit; 0: exact
+std::string readable_number(double value, double error = 0);
+
+/// A length in metres, "1.8 m". Its bound follows where it is larger than what rounding hides, and always with
+/// Digits::all: "1.7999999999999998 m ±2.2e-16", "0.2 m exact".
+std::string readable_length(double metres, double error_m, Digits digits);
+
+/// A point, "6 0 1.2", its coordinates rounded as lengths are.
+std::string readable_point(const Eigen::Vector3d& point, double error_m, Digits digits);
+
+/// A direction of length 1, four digits after the point: "0 0.7071 0.7071".
+std::string readable_direction(const Eigen::Vector3d& direction, Digits digits);
+
+}  // namespace collided::cli

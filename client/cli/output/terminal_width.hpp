@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+
+#include "client/cli/io.hpp"
+
+namespace collided::cli {
+
+/// Columns of the terminal that standard output is: COLUMNS where it is set, else what the terminal says, else 80. 0 where
+/// output is no terminal and COLUMNS is not set: then nothing is wrapped.
+std::size_t terminal_width(const Io& io);
+
+}  // namespace collided::cli

@@ -1,0 +1,81 @@
+#include "client/cli/output/wrapping.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace collided::cli {
+namespace {
+
+constexpr std::size_t kIndent = 5;
+constexpr std::size_t kLeastColumn = 6;
+
+bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }
+
+/// Where the text is to be broken so that at most `width` columns come before: behind the last two blanks, else behind the
+/// last blank; npos where there is none.
+std::size_t break_before(std::string_view text, std::size_t width) {
+  std::size_t one = std::string_view::npos;
+  std::size_t two = std::string_view::npos;
+  for (std::size_t at = 1; at < text.size() && columns_of(text.substr(0, at)) <= width; ++at) {
+    if (text[at] != ' ') continue;
+    one = at;
+    if (at + 1 < text.size() && text[at + 1] == ' ') two = at;
+  }
+  return two != std::string_view::npos ? two : one;
+}
+
+}  // namespace
+
+std::size_t columns_of(std::string_view text) {
+  std::size_t columns = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '\x1b') {
+      at = std::min(text.find('m', at), text.size());
+    } else if (begins_character(text[at])) {
+      ++columns;
+    }
+  }
+  return columns;
+}
+
+std::string wrapped(std::string_view text, std::size_t width) {
+  std::string lines;
+  std::size_t room = width;
+  while (width > 2 * kIndent && columns_of(text) > room) {
+    // Blanks at the beginning are an indentation, and no place to break.
+    const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
+    std::size_t at = break_before(text.substr(begin), room - std::min(room, begin));
+    if (at == std::string_view::npos) at = text.substr(begin).find(' ');
+    if (at == std::string_view::npos) break;
+    lines += text.substr(0, begin + at);
+    text.remove_prefix(begin + at);
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    if (text.empty()) return lines;
+    lines += '\n' + std::string(kIndent, ' ');
+    room = width - kIndent;
+  }
+  return lines + std::string(text);
+}
+
+void fit(std::vector<std::size_t>& widths, std::size_t width) {
+  if (width == 0 || widths.empty()) return;
+  const std::size_t gaps = 2 * (widths.size() - 1);
+  while (std::accumulate(widths.begin(), widths.end(), gaps) > width) {
+    const auto widest = std::max_element(widths.begin(), widths.end());
+    if (*widest <= kLeastColumn) return;
+    --*widest;
+  }
+}
+
+std::string cut_to(std::string_view text, std::size_t width) {
+  std::size_t columns = columns_of(text);
+  if (columns <= width || text.find('\x1b') != std::string_view::npos) return std::string(text);
+  while (columns + 1 > width) {
+    do text.remove_prefix(1);
+    while (!text.empty() && !begins_character(text.front()));
+    --columns;
+  }
+  return "…" + std::string(text);
+}
+
+}  // namespace collided::cli
