@@ -25,18 +25,21 @@ class Command {
 /// What `collide help` says of a verb.
 struct Verb {
   std::string_view name;
-  std::string_view group;
+  std::string_view group;  // empty: the help does not list it
   std::string_view summary;
   std::string_view usage;     // one form a line, without "collide"
   std::string_view examples;  // lines as typed after "collide "
   std::unique_ptr<Command> (*make)();
-  bool passes_words_on = false;  // the words go to another program as they are
+  bool passes_words_on = false;  // the words go on as they are: to another program, or to be completed
+  bool takes_shape = false;      // the help lists the shapes
 };
 
 /// Every verb that works, in the order of the help.
 std::span<const Verb> verbs();
 const Verb* find_verb(std::string_view name);
 
+std::unique_ptr<Command> make_completion();
+std::unique_ptr<Command> make_complete();
 std::unique_ptr<Command> make_ray();
 std::unique_ptr<Command> make_sphere();
 std::unique_ptr<Command> make_box();

@@ -5,7 +5,7 @@
 namespace collided::cli {
 
 void declare_globals(CLI::App& app, Globals& globals) {
-  const std::string output = "Output";
+  const std::string output(kOutputGroup);
   app.add_flag("--json", globals.json, "One JSON object a line")->group(output);
   app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
   app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
@@ -19,7 +19,7 @@ void declare_globals(CLI::App& app, Globals& globals) {
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->group(output);
   app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
-  const std::string connection = "Connection";
+  const std::string connection(kConnectionGroup);
   app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
   app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")
       ->group(connection);

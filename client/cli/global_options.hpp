@@ -4,6 +4,10 @@
 
 namespace collided::cli {
 
+/// Headings in the help under which those options stand.
+inline constexpr std::string_view kOutputGroup = "Output";
+inline constexpr std::string_view kConnectionGroup = "Connection";
+
 /// The options that every verb knows.
 void declare_globals(CLI::App& app, Globals& globals);
 

@@ -106,6 +106,10 @@ void print_failure(Io& io, const Globals& globals, const Failure& failure) {
   io.err.flush();
 }
 
+void print_warning(Io& io, std::string_view text) {
+  if (!text.empty()) io.err << "warning: " << text << '\n';
+}
+
 void print_hint(Io& io, const Globals& globals, std::string_view text) {
   if (!globals.quiet) io.err << text << '\n';
 }

@@ -68,6 +68,9 @@ Failure as_failure(const Error& error);
 /// "error: ..." with the hint indented below.
 void print_failure(Io& io, const Globals& globals, const Failure& failure);
 
+/// "warning: TEXT" on standard error: for what is done as asked and is surely not meant. Nothing for an empty text.
+void print_warning(Io& io, std::string_view text);
+
 /// A line on stderr unless -q.
 void print_hint(Io& io, const Globals& globals, std::string_view text);
 

@@ -10,7 +10,6 @@
 #include "server/service/commands/scene_loading.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/service/server.hpp"
-#include "server/world/query/plan.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -69,12 +68,6 @@ void add(World& world, const LoadedScene& loaded) {
   fmt::print("{}\n", describe(loaded));
 }
 
-void print_plan(const World& world) {
-  for (const PlanRow& row : plan_of(*world.newest(), false)) {
-    if (!row.built) fmt::print("  left out {}: {}\n", row.structure, row.reason);
-  }
-}
-
 }  // namespace
 
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns) {
@@ -82,7 +75,6 @@ void load_start_scenes(const Options& options, World& world, std::int64_t now_ns
   if (options.scenes.empty()) add(world, embedded_and_indexed());
   if (!options.covers.empty()) world.state_covers("", options.covers);
   world.step(now_ns, 1, {});
-  print_plan(world);
   std::fflush(stdout);
 }
 
@@ -90,7 +82,8 @@ std::string_view how_to_ask() {
   return "no scene was named, so this is the embedded one; try, in another terminal:\n"
          "  collide ray 0 0 5  0 0 -1        what is below (0 0 5)\n"
          "  collide add ball sphere 0.2 --at 0 0 1\n"
-         "  collide watch                    collisions as they begin and end\n";
+         "  collide watch                    collisions as they begin and end\n"
+         "  collide plan                     what was built for it, what was left out, and why\n";
 }
 
 }  // namespace collided::engine::service

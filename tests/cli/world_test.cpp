@@ -185,7 +185,7 @@ TEST_F(World, PlanSaysWhy) {
   replies["plan"] = {
       {"structures", {{{"structure", "grid"}, {"built", false}, {"why", "nothing moves"}, {"saves", "2 MB"}}}},
       {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}}};
-  EXPECT_EQ(at_terminal("plan").out, "STRUCTURE  BUILT  WHY            SAVES\ngrid       no     nothing moves  2 MB\n");
+  EXPECT_EQ(at_terminal("plan").out, "left out  grid: nothing moves; saves 2 MB\n");
   EXPECT_EQ(collide("plan --pairs").out, "sphere\tbox\tclosed form\n");
 }
 

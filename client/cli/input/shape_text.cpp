@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include <numbers>
+
 #include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/question.hpp"
 #include "client/cli/output/suggest.hpp"
+#include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
 namespace {
@@ -65,6 +68,16 @@ ShapePart parse_shape(std::string_view text) {
   if (colon == std::string_view::npos)
     throw bad_use(fmt::format("shape '{}' has no ':'", text), "write sphere:0.1, box:0.4,0.4,0.4 or capsule:0.05,0.3");
   return make_shape(text.substr(0, colon), parse_numbers({std::string(text.substr(colon + 1))}, Measure::length));
+}
+
+std::string angle_warning(std::string_view option, const std::string& angles) {
+  if (angles.empty() || angles.find_first_of("dr°") != std::string::npos) return {};
+  const Vec3 radians = parse_vector(angles, Measure::angle);
+  const double largest = radians.cwiseAbs().maxCoeff();
+  constexpr double kTurn = 2 * std::numbers::pi;
+  if (!(largest > kTurn)) return {};
+  return fmt::format("{}: {} radians is {} turns; degrees are written {}deg", option, format_number(largest),
+                     readable_number(largest / kTurn, 0.1), format_number(largest));
 }
 
 Pose parse_pose(const std::string& at, const std::string& rpy, const std::string& quat) {

@@ -7,12 +7,15 @@
 
 #include "client/cli/global_options.hpp"
 #include "client/cli/output/suggest.hpp"
+#include "client/cli/output/metavars.hpp"
+#include "client/cli/input/shape_text.hpp"
 
 namespace collided::cli {
 namespace {
 
 constexpr std::array<std::string_view, 7> kGroups{"Ask", "Follow", "Change", "Look", "Measure", "Files", "More"};
 constexpr std::size_t kOptionColumn = 28;
+constexpr std::string_view kCommonOptions = "options";
 
 std::string lines_after_collide(std::string_view text) {
   std::string lines;
@@ -24,20 +27,62 @@ std::string lines_after_collide(std::string_view text) {
   return lines;
 }
 
+std::string_view metavar(const CLI::Option& option) {
+  for (const std::string& name : option.get_lnames()) {
+    if (const std::string_view known = metavar_of("--" + name); !known.empty()) return known;
+  }
+  for (const std::string& name : option.get_snames()) {
+    if (const std::string_view known = metavar_of("-" + name); !known.empty()) return known;
+  }
+  return "VALUE";
+}
+
 std::string option_line(const CLI::Option& option) {
   std::string names = option.get_name(false, true);
-  if (option.get_items_expected_max() > 0) names += " ...";
+  if (option.get_items_expected_max() > 0) names += " " + std::string(metavar(option));
   std::string line = "  " + names;
   line += line.size() + 1 < kOptionColumn ? std::string(kOptionColumn - line.size(), ' ') : "  ";
   return line + option.get_description() + '\n';
 }
 
+/// The options of a parser, or those of its groups that every verb has.
+void print_options(Io& io, const CLI::App& app, bool common) {
+  std::vector<std::string> groups;
+  for (const CLI::Option* option : app.get_options()) {
+    const bool known = std::find(groups.begin(), groups.end(), option->get_group()) != groups.end();
+    const bool is_common = option->get_group() == kOutputGroup || option->get_group() == kConnectionGroup;
+    if (!known && !option->get_group().empty() && is_common == common) groups.push_back(option->get_group());
+  }
+  for (const std::string& group : groups) {
+    std::string lines;
+    for (const CLI::Option* option : app.get_options()) {
+      const bool positional = option->get_positional();
+      const bool is_help = option->get_name(false, true) == "-h,--help";
+      if (option->get_group() == group && !positional && !is_help) lines += option_line(*option);
+    }
+    if (!lines.empty()) io.out << '\n' << group << '\n' << lines;
+  }
+}
+
+void print_common_options(Io& io) {
+  io.out << "Options that every verb has\n";
+  CLI::App app("", "collide");
+  app.set_help_flag();
+  Globals ignored;
+  declare_globals(app, ignored);
+  print_options(io, app, true);
+}
+
 class HelpCommand : public Command {
  public:
   void declare(CLI::App& app) override { app.add_option("verb", verb_, "Verb to explain"); }
-  Exit run(Session& session, const Globals&) override {
+  Exit run(Session& session, const Globals& globals) override {
     if (verb_.empty()) {
       print_help(session.io);
+      return Exit::yes;
+    }
+    if (verb_ == kCommonOptions) {
+      print_common_options(session.io);
       return Exit::yes;
     }
     const Verb* verb = find_verb(verb_);
@@ -48,6 +93,10 @@ class HelpCommand : public Command {
     }
     CLI::App app(std::string(verb->summary), "collide");
     const std::unique_ptr<Command> command = verb->make();
+    if (verb->passes_words_on && !verb->group.empty()) {
+      static_cast<PassOn&>(*command).take_words({"--help"});
+      return command->run(session, globals);
+    }
     Globals ignored;
     declare_verb(app, *command, ignored);
     print_verb_help(session.io, *verb, app);
@@ -77,20 +126,10 @@ void print_help(Io& io) {
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {
   io.out << "collide " << verb.name << " - " << verb.summary << "\n\n" << lines_after_collide(verb.usage);
-  std::vector<std::string> groups;
-  for (const CLI::Option* option : app.get_options()) {
-    const bool known = std::find(groups.begin(), groups.end(), option->get_group()) != groups.end();
-    if (!known && !option->get_group().empty()) groups.push_back(option->get_group());
-  }
-  for (const std::string& group : groups) {
-    std::string lines;
-    for (const CLI::Option* option : app.get_options()) {
-      const bool positional = option->get_positional();
-      if (option->get_group() == group && !positional) lines += option_line(*option);
-    }
-    if (!lines.empty()) io.out << '\n' << group << '\n' << lines;
-  }
+  if (verb.takes_shape) io.out << "\nShapes\n" << kShapeTable;
+  print_options(io, app, false);
   if (!verb.examples.empty()) io.out << "\nExamples\n" << lines_after_collide(verb.examples);
+  io.out << "\nOutput and connection: collide help options\n";
 }
 
 std::unique_ptr<Command> make_help() { return std::make_unique<HelpCommand>(); }

@@ -42,6 +42,9 @@ std::string bare(std::string_view name) {
   return text;
 }
 
+/// A shorter text is in too many names.
+constexpr std::size_t kLeastPart = 3;
+
 }  // namespace
 
 std::vector<std::string> nearest_names(std::string_view wrong, const std::vector<std::string>& names,
@@ -52,9 +55,18 @@ std::vector<std::string> nearest_names(std::string_view wrong, const std::vector
   for (const std::string& name : names) {
     const std::size_t longer = std::max(name.size(), wrong.size());
     const std::size_t shorter = std::min(name.size(), wrong.size());
-    if (longer - shorter > limit + 2) continue;
-    const std::size_t distance = bare(name) == bare_wrong ? 0 : edit_distance(wrong, name);
-    if (distance <= limit) found.emplace_back(distance, name);
+    const std::size_t cut = name.rfind('/');
+    const std::string_view last =
+        cut == std::string::npos ? std::string_view() : std::string_view(name).substr(cut + 1);
+    if (bare(name) == bare_wrong) {
+      found.emplace_back(0, name);
+    } else if (longer - shorter <= limit + 2 && edit_distance(wrong, name) <= limit) {
+      found.emplace_back(edit_distance(wrong, name), name);
+    } else if (!last.empty() && edit_distance(wrong, last) <= limit) {
+      found.emplace_back(limit + 1 + edit_distance(wrong, last), name);
+    } else if (wrong.size() >= kLeastPart && name.find(wrong) != std::string::npos) {
+      found.emplace_back(3 * limit, name);
+    }
   }
   std::sort(found.begin(), found.end());
   std::vector<std::string> nearest;

@@ -70,6 +70,8 @@ class SweepCommand : public Command {
     if (from_.empty() || to_.empty()) throw bad_use("a way takes --from X Y Z and --to X Y Z");
     const std::vector<std::string> words(shape_.begin() + 1, shape_.end());
     const ShapePart part = make_shape(shape_.front(), parse_numbers(words, Measure::length));
+    print_warning(session.io, angle_warning("--rpy", rpy_));
+    print_warning(session.io, angle_warning("--to-rpy", to_rpy_));
     const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
     const AskOptions options = ask_options_of(texts_, globals);
     const Answers answers = take(session.client(globals).sweep({part}, std::span(&motion, 1), options));

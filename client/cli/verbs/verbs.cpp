@@ -43,7 +43,7 @@ constexpr Verb kVerbs[] = {
      "sweep SHAPE NUMBERS --from X Y Z --to X Y Z",
      "sweep sphere 0.1 --from 0 0 1 --to 2 0 1\nsweep box 1 0.1 0.1 --from 0 0 0 --to 0 0 0 --to-rpy 0 0 90deg "
      "--json",
-     make_sweep},
+     make_sweep, false, true},
     {"pair", "Ask", "how two objects stand to each other", "pair A B",
      "pair crate warehouse/floor\npair gear_a gear_b --triangles --csv\npair crate shelf --certificate",
      make_pair_verb},
@@ -69,7 +69,7 @@ constexpr Verb kVerbs[] = {
     {"view", "Look", "the running world as a page in the browser", "view\nview --save FILE",
      "view\nview --port 0 --for 10min\nview --save run.html --last 30s", make_view},
     {"add", "Change", "put an object into the world", "add NAME SHAPE NUMBERS [--at X Y Z]",
-     "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add},
+     "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add, false, true},
     {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z",
      "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},
     {"rm", "Change", "take objects out of the world", "rm NAME|GLOB ...", "rm crate", make_rm},
@@ -104,7 +104,11 @@ constexpr Verb kVerbs[] = {
      "events run.mcap --only 'drone_*' --from 2026-11-22T12:03:10Z --to 2026-11-22T12:03:12.5Z\nevents crash.mcap "
      "--from -2s --json",
      make_events},
-    {"help", "More", "what a verb does", "help [VERB]", "", make_help},
+    {"help", "More", "what a verb does", "help [VERB|options]", "help ray\nhelp options", make_help},
+    {"completion", "More", "completion of verbs, options and object names for a shell", "completion bash|zsh|fish",
+     "completion bash > ~/.local/share/bash-completion/completions/collide", make_completion},
+    {"complete", "", "what may stand where a command line is being typed, for a shell", "complete -- WORDS", "",
+     make_complete, true},
     {"version", "More", "versions", "version", "version --server", make_version},
 };
 

@@ -7,8 +7,13 @@
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/batch.hpp"
 #include "client/cli/verbs/repeated_question.hpp"
+#include "client/cli/input/shape_text.hpp"
+#include "client/cli/server_command.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::cli {
+
+namespace wire = wire_contract::command;
 namespace {
 
 /// What the four questions share: one question from the words, a batch from a file, a standing question.
@@ -31,6 +36,7 @@ class AskCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     AskOptions options = ask_options_of(texts_, globals);
     adjust(options);
+    print_warning(session.io, warning());
     const bool from_file = words_.size() == 1 && !is_number_text(words_.front());
     if (from_file) {
       if (watch_ || !repeat_.empty()) throw bad_use("--watch and --repeat take one question, not a file");
@@ -49,6 +55,8 @@ class AskCommand : public Command {
  protected:
   virtual void declare_own(CLI::App& app) = 0;
   virtual void adjust(AskOptions&) {}
+  /// What is surely not meant; empty: nothing.
+  virtual std::string warning() const { return {}; }
   /// The numbers of the question from words_ and the verb's own options.
   virtual Numbers numbers() const = 0;
 
@@ -104,7 +112,22 @@ class AskCommand : public Command {
         print_hint(session.io, globals, cost_line(answers, answer));
       code = exit_of(answer);
     }
+    if (code == Exit::no) hint_at_unknown_names(session, globals, options);
     return code;
+  }
+
+  /// "Nothing there" is no answer to a question about an object that does not exist.
+  static void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options) {
+    if (options.only.empty() || globals.quiet) return;
+    try {
+      const nlohmann::json listed =
+          server_command(session, globals, wire::kList, {{"name", options.only}, {"limit", 0}});
+      if (count_of(listed, "count") > 0) return;
+    } catch (const Failure&) {
+      return;  // the question was answered; only the hint is not
+    }
+    const std::string hint = fmt::format("no object's name matches --only '{}'", options.only);
+    print_hint(session.io, globals, hint);
   }
 
   AskTexts texts_;
@@ -167,6 +190,7 @@ class BoxCommand : public AskCommand {
     app.add_option("--quat", quat_, "Rotation w x y z");
     app.add_flag("--count", view_.count_only, "Only how many");
   }
+  std::string warning() const override { return angle_warning("--rpy", rpy_); }
   Numbers numbers() const override {
     if (center_.empty() != size_.empty()) throw bad_use("--center and --size go together");
     if (!rpy_.empty() && !quat_.empty()) throw bad_use("--rpy and --quat exclude each other");

@@ -71,6 +71,7 @@ class AddCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (words_.size() < 2) throw bad_use("a name and a shape are needed", kShapeForms);
     const std::string& name = words_[0];
+    print_warning(session.io, angle_warning("--rpy", rpy_));
     const ShapePart shape = this->shape(session);
     // A plane has no end, so it cannot move; nobody needs to say so.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
@@ -127,6 +128,7 @@ class MoveCommand : public Command {
     const std::string& name = words_[0];
     const std::vector<double> numbers = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
     if (numbers.size() != 3) throw bad_use(fmt::format("{} numbers; a position takes 3", numbers.size()));
+    print_warning(session.io, angle_warning("--rpy", rpy_));
     Pose pose = parse_pose({}, rpy_, quat_);
     pose.position = Vec3(numbers[0], numbers[1], numbers[2]);
     if (!pose.position.allFinite()) throw bad_use("a position must be finite");

@@ -279,7 +279,8 @@ class PlanCommand : public Command {
       }
     } else {
       for (const nlohmann::json& row : answer.value("structures", nlohmann::json::array())) {
-        print(printer, row, {"structure", "built", "why", "saves"}, {"STRUCTURE", "BUILT", "WHY", "SAVES"});
+        if (printer.human()) print_structure(printer, row);
+        else print(printer, row, {"structure", "built", "why", "saves"}, {});
       }
     }
     printer.finish();
@@ -287,6 +288,15 @@ class PlanCommand : public Command {
   }
 
  private:
+  /// Sentences, which a table would spread over hundreds of columns.
+  static void print_structure(Printer& printer, const nlohmann::json& row) {
+    const bool is_built = flag_of(row, "built");
+    std::string line = printer.paint(is_built ? Paint::good : Paint::faint, is_built ? "built   " : "left out") + "  " +
+                       printable(text_of(row, "structure")) + ": " + printable(text_of(row, "why"));
+    if (const std::string saves = text_of(row, "saves"); !saves.empty()) line += "; saves " + printable(saves);
+    printer.line(line);
+  }
+
   static void print(Printer& printer, const nlohmann::json& row, const std::vector<const char*>& keys,
                     const std::vector<std::string>& header) {
     Record record;

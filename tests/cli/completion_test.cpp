@@ -1,0 +1,63 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+using nlohmann::json;
+
+class Completion : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().command = [](const std::string& name, const json&, const Shape&) -> Result<std::string> {
+      EXPECT_EQ(name, "list");
+      return json{{"count", 2}, {"objects", {{{"name", "crate"}}, {{"name", "crane"}}}}}.dump();
+    };
+  }
+};
+
+TEST_F(Completion, VerbsOptionsAndObjects) {
+  EXPECT_EQ(collide("complete -- ra").out, "ray\n");
+  EXPECT_EQ(collide("complete -- co").out, "convert\ncompletion\n");
+  EXPECT_EQ(collide("complete -- ray --on").out, "--only\n");
+  EXPECT_EQ(collide("complete -- ray --only cra").out, "crate\ncrane\n");
+  EXPECT_EQ(collide("complete -- get crat").out, "crate\n");
+  EXPECT_EQ(collide("complete -- pair crate cran").out, "crane\n");
+  EXPECT_EQ(collide("complete -- help wat").out, "watch\n");
+  EXPECT_EQ(collide("complete -- load fil").out, "") << "a file may stand there";
+  EXPECT_EQ(collide("complete -- completion z").out, "zsh\n");
+}
+
+TEST_F(Completion, WithoutAServerThereIsNothingAndNoMessage) {
+  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    return Error{ErrorCode::no_server, "no collided answered", ""};
+  };
+  const Ran ran = collide("complete -- get cr");
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err, "");
+}
+
+TEST_F(Completion, NoShellOfThatName) {
+  EXPECT_EQ(collide("completion ksh").code, 2);
+  EXPECT_NE(collide("completion bash").out.find("complete -o default -F _collide collide"), std::string::npos);
+}
+
+// A new option gets a name for what it takes.
+TEST_F(Completion, EveryOptionOfEveryVerbSaysWhatItTakes) {
+  std::istringstream names(collide("complete --").out);
+  int verbs = 0;
+  for (std::string verb; std::getline(names, verb); ++verbs) {
+    const std::string help = collide("help " + verb).out;
+    EXPECT_EQ(help.find(" VALUE "), std::string::npos) << help;
+  }
+  EXPECT_GT(verbs, 25);
+  EXPECT_EQ(collide("help options").out.find(" VALUE "), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided
