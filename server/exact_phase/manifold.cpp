@@ -163,7 +163,7 @@ struct Flat {
 };
 
 // Projects points along the normal.
-struct View {
+struct Projection {
   Vec3 u;
   Vec3 v;
   Flat of(const Vec3& p, const Vec3& origin) const { return {u.dot(p - origin), v.dot(p - origin)}; }
@@ -174,24 +174,25 @@ double turn(const Flat& a, const Flat& b, const Flat& c) {
 }
 
 // A point in space and where it is seen.
-struct Corner {
+struct ProjectedPoint {
   Vec3 point;
   Flat seen;
 };
 
 /// What of a polygon, segment or point lies on the left of the line from p to q.
-std::vector<Corner> clipped(const std::vector<Corner>& corners, const Flat& p, const Flat& q, double slack) {
-  std::vector<Corner> kept;
+std::vector<ProjectedPoint> clipped(const std::vector<ProjectedPoint>& corners, const Flat& p, const Flat& q,
+                                    double slack) {
+  std::vector<ProjectedPoint> kept;
   const std::size_t count = corners.size();
   const std::size_t edges = count == 2 ? 1 : count;
-  const auto keep = [&](const Corner& c) { kept.push_back(c); };
+  const auto keep = [&](const ProjectedPoint& c) { kept.push_back(c); };
   if (count == 1) {
     if (turn(p, q, corners[0].seen) >= -slack) keep(corners[0]);
     return kept;
   }
   for (std::size_t i = 0; i < edges; ++i) {
-    const Corner& a = corners[i];
-    const Corner& b = corners[(i + 1) % count];
+    const ProjectedPoint& a = corners[i];
+    const ProjectedPoint& b = corners[(i + 1) % count];
     const double at_a = turn(p, q, a.seen);
     const double at_b = turn(p, q, b.seen);
     if (at_a >= -slack) keep(a);
@@ -205,7 +206,7 @@ std::vector<Corner> clipped(const std::vector<Corner>& corners, const Flat& p, c
   return kept;
 }
 
-double area_of(const std::vector<Corner>& polygon) {
+double area_of(const std::vector<ProjectedPoint>& polygon) {
   double twice = 0;
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
     twice += turn(polygon[0].seen, polygon[i].seen, polygon[i + 1].seen);
@@ -213,7 +214,7 @@ double area_of(const std::vector<Corner>& polygon) {
 }
 
 /// The part of a that lies over the polygon b.
-std::vector<Corner> shared(std::vector<Corner> a, std::vector<Corner> b, double size_m) {
+std::vector<ProjectedPoint> shared(std::vector<ProjectedPoint> a, std::vector<ProjectedPoint> b, double size_m) {
   const double area = area_of(b);
   if (area < 0) std::reverse(b.begin(), b.end());
   const double slack = 1e-12 * size_m * size_m;
@@ -222,7 +223,8 @@ std::vector<Corner> shared(std::vector<Corner> a, std::vector<Corner> b, double 
 }
 
 /// Parallel segments share a segment; others share a point, for which the contact's own is used.
-std::vector<Corner> shared_segments(const std::vector<Corner>& a, const std::vector<Corner>& b) {
+std::vector<ProjectedPoint> shared_segments(const std::vector<ProjectedPoint>& a,
+                                            const std::vector<ProjectedPoint>& b) {
   const Flat d{a[1].seen.x - a[0].seen.x, a[1].seen.y - a[0].seen.y};
   const Flat e{b[1].seen.x - b[0].seen.x, b[1].seen.y - b[0].seen.y};
   const double dd = d.x * d.x + d.y * d.y;
@@ -233,23 +235,23 @@ std::vector<Corner> shared_segments(const std::vector<Corner>& a, const std::vec
   const double last = std::min(1.0, std::max(along(b[0].seen), along(b[1].seen)));
   if (!(first < last)) return {};
   const auto at = [&](double t) {
-    return Corner{a[0].point + t * (a[1].point - a[0].point), {a[0].seen.x + t * d.x, a[0].seen.y + t * d.y}};
+    return ProjectedPoint{a[0].point + t * (a[1].point - a[0].point), {a[0].seen.x + t * d.x, a[0].seen.y + t * d.y}};
   };
   return {at(first), at(last)};
 }
 
-std::vector<Corner> shared(const Feature& a, const Feature& b, const Vec3& normal) {
-  const View view{normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal())};
+std::vector<ProjectedPoint> shared(const Feature& a, const Feature& b, const Vec3& normal) {
+  const Projection view{normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal())};
   const Vec3& origin = a.points.empty() ? b.on : a.points[0];
   double size_m = 0;
   const auto seen = [&](const Feature& feature) {
-    std::vector<Corner> corners;
+    std::vector<ProjectedPoint> corners;
     for (const Vec3& p : feature.points) corners.push_back({p, view.of(p, origin)});
-    for (const Corner& c : corners) size_m = std::max({size_m, std::abs(c.seen.x), std::abs(c.seen.y)});
+    for (const ProjectedPoint& c : corners) size_m = std::max({size_m, std::abs(c.seen.x), std::abs(c.seen.y)});
     return corners;
   };
-  const std::vector<Corner> of_a = seen(a);
-  const std::vector<Corner> of_b = seen(b);
+  const std::vector<ProjectedPoint> of_a = seen(a);
+  const std::vector<ProjectedPoint> of_b = seen(b);
   if (of_a.empty()) return of_b;
   if (of_b.empty()) return of_a;
   if (of_a.size() == 1 || of_b.size() == 1) return {};
@@ -279,7 +281,7 @@ void append_manifold(const ConvexPart& a, const ConvexPart& b, const Contact& co
   if (!two_triangles) {
     const Feature of_a = facing(a, normal);
     const Feature of_b = facing(b, -normal);
-    for (const Corner& corner : shared(of_a, of_b, normal)) {
+    for (const ProjectedPoint& corner : shared(of_a, of_b, normal)) {
       const Bounded top = height_over(of_a, corner.point, normal);
       const Bounded bottom = height_over(of_b, corner.point, normal);
       const Bounded depth = top - bottom;

@@ -56,7 +56,7 @@ bool append_mix(const Mix& mix, ExactMix& sums) {
 }
 
 /// A candidate for a common point: point / divisor, with divisor > 0.
-struct Candidate {
+struct PointCandidate {
   Vector<Dyadic> point;
   Dyadic divisor{1.0};
 };
@@ -69,7 +69,7 @@ bool is_flat_hull(const ConvexPart& part, const Convex& set) {
 
 /// The mix of the part's points on which the candidate's remainder (ball, disc, box or ellipsoid) is placed; nothing
 /// where none is known.
-std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const Candidate& c) {
+std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const PointCandidate& c) {
   const Mix whole{{0, Dyadic(1.0)}};
   if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing &&
                          set.count() == 2 && set.ball_m == 0)) {
@@ -101,7 +101,7 @@ std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const C
 }
 
 /// Uses the formulas of certificate.hpp's checker, over other numbers.
-bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const Mix& mix) {
+bool holds(const ConvexPart& part, const Convex& set, const PointCandidate& c, const Mix& mix) {
   if (const HalfSpace* ground = half_space_of(part)) {
     return dot(at(ground->normal), c.point - c.divisor * at(ground->point)).sign() <= 0;
   }
@@ -183,7 +183,7 @@ bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   return 2 * std::min(along, volume) > kLowest;
 }
 
-bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b,
+bool fill(const ConvexPart& a, const ConvexPart& b, const PointCandidate& c, const Mix& mix_a, const Mix& mix_b,
           Proof& proof) {
   if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
   proof.touches = true;
@@ -217,7 +217,7 @@ bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& trian
   const double of_b = std::clamp(n.dot((foot - triangle.a).cross(v)) / nn, 0.0, 1.0);
   const double of_c = std::clamp(n.dot(u.cross(foot - triangle.a)) / nn, 0.0, 1.0 - of_b);
   const Mix mix{{0, Dyadic(std::max(0.0, 1 - of_b - of_c))}, {1, Dyadic(of_b)}, {2, Dyadic(of_c)}};
-  Candidate c{at(Vec3::Zero()), Dyadic()};
+  PointCandidate c{at(Vec3::Zero()), Dyadic()};
   const Vec3 corner[3] = {triangle.a, triangle.b, triangle.c};
   for (const auto& [i, weight] : mix) {
     c.point = c.point + weight * at(corner[i]);
@@ -231,7 +231,7 @@ bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& trian
 }
 
 /// Tries one candidate point.
-bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proof& proof) {
+bool at_point(const ConvexPart& a, const ConvexPart& b, const PointCandidate& c, Proof& proof) {
   const std::optional<Mix> mix_a = mix_beside(a, convex_of(a), c);
   if (!mix_a) return false;
   const std::optional<Mix> mix_b = mix_beside(b, convex_of(b), c);
@@ -242,11 +242,11 @@ bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proo
 bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid,
                 Proof& proof) {
   const Convex set = convex_of(solid);
-  std::vector<Candidate> candidates;
+  std::vector<PointCandidate> candidates;
   for (int i = 0; i < set.count(); ++i) candidates.push_back({at(set.point(i))});
   if (set.plus != Convex::Plus::nothing) candidates.push_back({at(set.carrier[0] + set.support(-ground.normal))});
   if (set.plus == Convex::Plus::box) {
-    Candidate corner{at(set.carrier[0])};
+    PointCandidate corner{at(set.carrier[0])};
     for (int k = 0; k < 3; ++k) {
       const Vec3 axis = set.axes.col(k);
       const Dyadic reach(ground.normal.dot(axis) > 0 ? -set.half_m[k] : set.half_m[k]);
@@ -262,7 +262,7 @@ bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& 
     }
   }
   return std::any_of(candidates.begin(), candidates.end(),
-                     [&](const Candidate& c) { return at_point(a, b, c, proof); });
+                     [&](const PointCandidate& c) { return at_point(a, b, c, proof); });
 }
 
 /// A part shrunk towards a point inside it.

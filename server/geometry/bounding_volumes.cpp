@@ -47,14 +47,14 @@ Vec3 middle_of(const Aabb& box) { return box.low / 2 + box.high / 2; }
 
 /// normal . point in double, and whether that is exact: products with 0, 1 and -1 are; their sum is where it rounds
 /// nothing.
-struct Reach {
+struct SupportValue {
   double value;
   bool is_exact;
 };
 
 bool is_simple(const Vec3& normal) { return (normal.array() == 0 || normal.array().abs() == 1).all(); }
 
-Reach simple_reach(const Vec3& normal, const Vec3& point) {
+SupportValue simple_reach(const Vec3& normal, const Vec3& point) {
   double sum = 0;
   bool is_exact = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -98,7 +98,8 @@ Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normal
   for (const Vec3& normal : normals) simple.push_back(is_simple(normal));
   for (const Vec3& point : points) {
     for (std::size_t i = 0; i < normals.size(); ++i) {
-      const Reach reach = simple[i] ? simple_reach(normals[i], point) : Reach{normals[i].dot(point), false};
+      const SupportValue reach =
+          simple[i] ? simple_reach(normals[i], point) : SupportValue{normals[i].dot(point), false};
       double low = reach.value;
       double high = reach.value;
       // Bounds keep what is exact; other products are widened by their roundings.

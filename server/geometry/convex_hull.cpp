@@ -10,9 +10,9 @@ namespace collided::engine {
 namespace {
 
 /// The incremental construction; lost_: a sign could not be decided.
-class Builder {
+class HullBuilder {
  public:
-  explicit Builder(std::span<const Vec3> points) : points_(points) {}
+  explicit HullBuilder(std::span<const Vec3> points) : points_(points) {}
 
   std::optional<TriangleMesh> build();
 
@@ -30,7 +30,7 @@ class Builder {
   bool lost_ = false;
 };
 
-int Builder::in_front(const Face& face, std::uint32_t point) {
+int HullBuilder::in_front(const Face& face, std::uint32_t point) {
   const Vec3& a = points_[face[0]];
   const Vec3& b = points_[face[1]];
   const Vec3& c = points_[face[2]];
@@ -40,7 +40,7 @@ int Builder::in_front(const Face& face, std::uint32_t point) {
 }
 
 /// Finds four corners that are not in one plane: two that differ, one off their line, one off their plane.
-bool Builder::begin(std::array<std::uint32_t, 4>& corner) {
+bool HullBuilder::begin(std::array<std::uint32_t, 4>& corner) {
   const auto count = static_cast<std::uint32_t>(points_.size());
   corner[0] = 0;
   std::uint32_t next = 1;
@@ -69,7 +69,7 @@ bool Builder::begin(std::array<std::uint32_t, 4>& corner) {
   return true;
 }
 
-void Builder::add(std::uint32_t point) {
+void HullBuilder::add(std::uint32_t point) {
   rim_.clear();
   const auto seen =
       std::partition(faces_.begin(), faces_.end(), [&](const Face& face) { return in_front(face, point) <= 0; });
@@ -91,7 +91,7 @@ void Builder::add(std::uint32_t point) {
   for (const auto& [from, to] : rim_) faces_.push_back({from, to, point});
 }
 
-TriangleMesh Builder::packed() const {
+TriangleMesh HullBuilder::packed() const {
   constexpr std::uint32_t kUnused = 0xffffffff;
   std::vector<std::uint32_t> number(points_.size(), kUnused);
   for (const Face& face : faces_) {
@@ -107,7 +107,7 @@ TriangleMesh Builder::packed() const {
   return mesh;
 }
 
-std::optional<TriangleMesh> Builder::build() {
+std::optional<TriangleMesh> HullBuilder::build() {
   std::array<std::uint32_t, 4> corner{};
   if (points_.size() < 4 || !begin(corner)) return std::nullopt;
   const auto [a, b, c, d] = corner;
@@ -123,6 +123,6 @@ std::optional<TriangleMesh> Builder::build() {
 
 }  // namespace
 
-std::optional<TriangleMesh> convex_hull(std::span<const Vec3> points) { return Builder(points).build(); }
+std::optional<TriangleMesh> convex_hull(std::span<const Vec3> points) { return HullBuilder(points).build(); }
 
 }  // namespace collided::engine

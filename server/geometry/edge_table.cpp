@@ -6,7 +6,7 @@
 namespace collided::engine {
 namespace {
 
-struct Side {
+struct TriangleSide {
   std::uint32_t high;
   HalfEdge half;
 };
@@ -14,7 +14,7 @@ struct Side {
 /// The sides sorted by their lower point (counting sort): bucket p is [starts[p], starts[p + 1]).
 struct Buckets {
   std::vector<std::uint32_t> starts;
-  std::vector<Side> sides;
+  std::vector<TriangleSide> sides;
 };
 
 /// Calls visit(from, to, half) for each side that is an edge.
@@ -50,14 +50,16 @@ Buckets buckets_of(const TriangleMesh& mesh, std::span<const std::uint32_t> poin
 }
 
 /// Insertion sort for the usual few: only the centre of a fan has many sides.
-void sort(std::span<Side> sides) {
-  const auto before = [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.half < b.half; };
+void sort(std::span<TriangleSide> sides) {
+  const auto before = [](const TriangleSide& a, const TriangleSide& b) {
+    return a.high != b.high ? a.high < b.high : a.half < b.half;
+  };
   if (sides.size() > 24) {
     std::sort(sides.begin(), sides.end(), before);
     return;
   }
   for (std::size_t i = 1; i < sides.size(); ++i) {
-    const Side moved = sides[i];
+    const TriangleSide moved = sides[i];
     std::size_t k = i;
     for (; k > 0 && before(moved, sides[k - 1]); --k) sides[k] = sides[k - 1];
     sides[k] = moved;
@@ -75,7 +77,7 @@ EdgeTable edge_table(const TriangleMesh& mesh, std::span<const std::uint32_t> po
   table.is_upward.reserve(buckets.sides.size());
   table.edges.reserve(buckets.sides.size() / 2 + 2);
   for (std::uint32_t low = 0; low < mesh.vertices.size(); ++low) {
-    const std::span<Side> sides =
+    const std::span<TriangleSide> sides =
         std::span(buckets.sides).subspan(buckets.starts[low], buckets.starts[low + 1] - buckets.starts[low]);
     sort(sides);
     for (std::size_t i = 0; i < sides.size(); ++i) {

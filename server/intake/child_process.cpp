@@ -54,9 +54,9 @@ class Pipe {
 };
 
 /// A file in memory with these bytes, at its beginning.
-class InputFile {
+class ChildInput {
  public:
-  explicit InputFile(std::span<const std::byte> bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
+  explicit ChildInput(std::span<const std::byte> bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
     while (file_ >= 0 && !bytes.empty()) {
       const ssize_t written = ::write(file_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
@@ -65,11 +65,11 @@ class InputFile {
     }
     is_whole_ = file_ >= 0 && bytes.empty() && ::lseek(file_, 0, SEEK_SET) == 0;
   }
-  ~InputFile() {
+  ~ChildInput() {
     if (file_ >= 0) ::close(file_);
   }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
+  ChildInput(const ChildInput&) = delete;
+  ChildInput& operator=(const ChildInput&) = delete;
   bool is_whole() const { return is_whole_; }
   int descriptor() const { return file_; }
 
@@ -79,7 +79,7 @@ class InputFile {
 };
 
 /// Starts the program; the process id, or minus the error.
-pid_t start(const std::vector<std::string>& words, const InputFile& input, const Pipe& output, const Pipe& errors) {
+pid_t start(const std::vector<std::string>& words, const ChildInput& input, const Pipe& output, const Pipe& errors) {
   std::vector<char*> arguments;
   for (const std::string& word : words) { arguments.push_back(const_cast<char*>(word.c_str())); }
   arguments.push_back(nullptr);
@@ -129,7 +129,7 @@ void read_until_end(pid_t child, Pipe& output, Pipe& errors, std::chrono::millis
 ChildResult run_child(const std::vector<std::string>& words, std::chrono::milliseconds time_limit,
                       const std::function<bool()>& cancelled, std::span<const std::byte> input) {
   ChildResult result;
-  const InputFile input_file(input);
+  const ChildInput input_file(input);
   Pipe output;
   Pipe errors;
   if (!input_file.is_whole() || !output.is_open() || !errors.is_open()) {

@@ -29,7 +29,7 @@ namespace {
 enum class Content { mesh, cloud, objects, saved };
 
 /// What is known of a format before a file of it is read.
-struct Format {
+struct FileFormat {
   const char* ending;
   const char* name;
   Content content;
@@ -39,7 +39,7 @@ struct Format {
   bool asks_for_bytes = false;  // its reader calls fetch
 };
 
-constexpr Format kFormats[] = {
+constexpr FileFormat kFormats[] = {
     {".obj", "OBJ", Content::mesh, read_obj, false, 0, true},
     {".stl", "STL", Content::mesh, read_stl},
     {".ply", "PLY", Content::mesh, read_ply},
@@ -57,14 +57,14 @@ constexpr Format kFormats[] = {
     {".cscene", "the scene file", Content::saved, read_scene_file, true, 'z'},
 };
 /// Every other one, which a process of its own turns into a scene file.
-constexpr Format kOther{"", "the converter", Content::saved, nullptr};
+constexpr FileFormat kOther{"", "the converter", Content::saved, nullptr};
 
-const Format& format_of(const std::string& file) {
+const FileFormat& format_of(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   const auto found = std::find_if(std::begin(kFormats), std::end(kFormats),
-                                  [&](const Format& format) { return format.ending == ending; });
+                                  [&](const FileFormat& format) { return format.ending == ending; });
   return found == std::end(kFormats) ? kOther : *found;
 }
 
@@ -102,14 +102,14 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
 Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
 /// Who says what was taken.
-std::string because(const Format& format, bool is_asked, bool is_said, std::string_view option) {
+std::string because(const FileFormat& format, bool is_asked, bool is_said, std::string_view option) {
   if (is_asked) return "as asked";
   return is_said ? fmt::format("as {} says", format.name)
                  : fmt::format("since {} does not say; {} does", format.name, option);
 }
 
 /// Unit, up axis and origin as they were taken, and who says so.
-void tell_placement(const Format& format, const Reading& reading) {
+void tell_placement(const FileFormat& format, const Reading& reading) {
   const LoadOptions& options = reading.options;
   const char up = options.up != 0 ? options.up : format.up;
   std::vector<std::string>& placed = reading.report.placed;
@@ -121,7 +121,7 @@ void tell_placement(const Format& format, const Reading& reading) {
 }
 
 /// From the file's units and axes to metres with z up. A scene that has both already is not touched.
-void place(const Format& format, const Reading& reading, Scene& scene) {
+void place(const FileFormat& format, const Reading& reading, Scene& scene) {
   tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
   const bool turns = (reading.options.up != 0 ? reading.options.up : format.up) == 'y';
@@ -224,12 +224,12 @@ void drop_bytes(Reading& reading) {
   reading.bytes = {};
 }
 
-Scene load(const Format& format, Reading reading) {
+Scene load(const FileFormat& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
   if (format.read == nullptr) {
     std::string endings;
-    for (const Format& known : kFormats) endings += fmt::format(" {}", known.ending);
+    for (const FileFormat& known : kFormats) endings += fmt::format(" {}", known.ending);
     refuse(reading, fmt::format("the ending is none of{}", endings));
   }
   if (format.content != Content::saved) reading.bytes = without_mark(reading);
@@ -284,7 +284,7 @@ Scene load_scene_from_memory(std::span<const char> bytes, const std::string& fil
 
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const auto begin = std::chrono::steady_clock::now();
-  const Format& format = format_of(path);
+  const FileFormat& format = format_of(path);
   Scene scene;
   if (format.read == nullptr) {
     scene = load_converted(path, options, report);

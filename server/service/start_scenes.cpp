@@ -16,10 +16,10 @@ namespace {
 
 /// A line of progress on the terminal that is drawn over and over and leaves no trace. Draws nothing in the first
 /// moments, nor where stderr is no terminal.
-class ProgressLine {
+class StartProgress {
  public:
-  explicit ProgressLine(std::string what) : what_(std::move(what)) {}
-  ~ProgressLine() {
+  explicit StartProgress(std::string what) : what_(std::move(what)) {}
+  ~StartProgress() {
     if (drawn_.load()) fmt::print(stderr, "\r\x1b[K");
   }
   void show(double fraction) {
@@ -52,7 +52,7 @@ bool is_stop_pending() {
 }
 
 LoadedScene load(const Options& options, const std::string& path) {
-  ProgressLine line("loading " + path);
+  StartProgress line("loading " + path);
   LoadOptions load_options;
   load_options.unit_m = options.unit_m;
   load_options.up = options.up;

@@ -6,7 +6,7 @@
 
 #include "client/draw/drawing/drawing.hpp"
 #include "client/draw/drawing/outlines.hpp"
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "tests/cli/fake_client.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "client/cli/output/output.hpp"
 #include "client/cli/output/text_row.hpp"
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "client/view/foxglove_scene.hpp"
 #include "client/view/page_messages.hpp"

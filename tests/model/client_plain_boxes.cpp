@@ -84,4 +84,13 @@ std::map<std::string, std::vector<PlainBox>> PlainBoxes::allowed(const AskOption
   return chosen;
 }
 
+std::string sheet(std::array<int, 2> low, std::array<int, 2> high, int z) {
+  const auto corner = [&](int x, int y) {
+    const Vec3 v = metres({x, y, z});
+    return "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z()) + "\n";
+  };
+  return "o sheet\n" + corner(low[0], low[1]) + corner(high[0], low[1]) + corner(high[0], high[1]) +
+         corner(low[0], high[1]) + "f 1 2 3\nf 1 3 4\n";
+}
+
 }  // namespace collided::model

@@ -18,6 +18,9 @@ using Lattice = std::array<int, 3>;
 inline constexpr double kStep_m = 0.125;
 inline Vec3 metres(const Lattice& at) { return {at[0] * kStep_m, at[1] * kStep_m, at[2] * kStep_m}; }
 
+/// A rectangle at the height z as an OBJ of two triangles named "sheet"; corners and height on the lattice.
+std::string sheet(std::array<int, 2> low, std::array<int, 2> high, int z);
+
 struct PlainBox {
   Vec3 low;
   Vec3 high;

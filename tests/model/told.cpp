@@ -1,5 +1,7 @@
 #include "tests/model/told.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
 namespace collided::model {
@@ -93,6 +95,18 @@ std::string told(const ProbeReading& reading, const NamesById& names) {
          line(" state %d", static_cast<int>(reading.state)) + number(reading.clearance_m) + number(reading.error_m) +
          " met " + (reading.met == 0 ? "" : names.of(reading.met)) + line(" triangle %u at", reading.triangle) +
          told(reading.point) + told(reading.normal);
+}
+
+void expect_same(const Lines& here, const Lines& twin, const std::string& what) {
+  if (here == twin) return;
+  std::string text = what;
+  for (const std::string& line : here) {
+    if (std::find(twin.begin(), twin.end(), line) == twin.end()) text += "\n  here: " + line;
+  }
+  for (const std::string& line : twin) {
+    if (std::find(here.begin(), here.end(), line) == here.end()) text += "\n  twin: " + line;
+  }
+  ADD_FAILURE() << text;
 }
 
 }  // namespace collided::model

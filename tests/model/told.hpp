@@ -67,4 +67,7 @@ std::pair<std::string, std::string> pair_of(const OpenContact& contact, const Na
 Lines told(const PairReport& report);
 std::string told(const ProbeReading& reading, const NamesById& names);
 
+/// Fails with the lines that only one of the two has, after `what`.
+void expect_same(const Lines& here, const Lines& twin, const std::string& what);
+
 }  // namespace collided::model

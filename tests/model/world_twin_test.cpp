@@ -6,6 +6,7 @@
 #include <set>
 
 #include "server/world/objects/indexed_mesh.hpp"
+#include "tests/model/filtered_question.hpp"
 #include "tests/model/plain_world.hpp"
 #include "tests/model/random_world.hpp"
 #include "tests/model/told.hpp"
@@ -22,38 +23,6 @@ int steps_asked() {
   const char* asked = std::getenv("COLLIDED_TWIN_STEPS");
   return asked != nullptr ? std::atoi(asked) : 300;
 }
-
-/// Like the product's globs, of the few patterns that are asked here: by themselves, a star at the end, a mark anywhere.
-bool fits(std::string_view pattern, std::string_view name) {
-  if (pattern.empty() || name.empty()) return pattern == name || pattern == "*";
-  if (pattern[0] == '*') return fits(pattern.substr(1), name) || fits(pattern, name.substr(1));
-  return (pattern[0] == '?' || pattern[0] == name[0]) && fits(pattern.substr(1), name.substr(1));
-}
-
-/// The lines that only one of the two has.
-void expect_same(const Lines& here, const Lines& twin, const std::string& what) {
-  if (here == twin) return;
-  std::string text = what;
-  for (const std::string& line : here) {
-    if (std::find(twin.begin(), twin.end(), line) == twin.end()) text += "\n  here: " + line;
-  }
-  for (const std::string& line : twin) {
-    if (std::find(here.begin(), here.end(), line) == here.end()) text += "\n  twin: " + line;
-  }
-  ADD_FAILURE() << text;
-}
-
-struct Filtered {
-  std::uint32_t mask = 0xffffffff;
-  std::string only, skip;
-  HitMode mode = HitMode::closest;
-  std::uint32_t max_hits = 1'000;
-  double error_m = 0;
-
-  bool allows(std::string_view name, std::uint32_t layers) const {
-    return (layers & mask) != 0 && (only.empty() || fits(only, name)) && (skip.empty() || !fits(skip, name));
-  }
-};
 
 class WorldTwin : public testing::Test {
  protected:

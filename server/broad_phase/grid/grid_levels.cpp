@@ -77,7 +77,7 @@ std::vector<Group> group_sizes(const Histogram& histogram) {
 }
 
 /// reach: largest coordinate of the level's boxes, or more, which only makes cells wider than necessary.
-void set_cells(Level& level, double reach) {
+void set_cells(GridLevel& level, double reach) {
   const double largest = level.cell_m.maxCoeff();
   // Never more than the largest box: such a cell holds its own coordinates.
   const double least = std::max(largest * kLeastCellAspect, std::min(largest, reach * kLeastCellOfReach));
@@ -140,7 +140,7 @@ void Levels::choose_levels(std::span<const Aabb> boxes) {
 std::uint32_t Levels::lay_out() {
   std::uint32_t place = 0;
   std::uint32_t loose_count = entry_count;
-  for (Level& level : levels) {
+  for (GridLevel& level : levels) {
     const std::uint32_t count = level.end;
     loose_count -= count;
     level.begin = place;
@@ -155,7 +155,7 @@ std::uint32_t Levels::lay_out() {
 /// Writes the numbers of each level's boxes and of the loose ones into members_, at the level's places.
 void Levels::share_out(std::span<const Aabb> boxes) {
   std::vector<std::uint32_t> next;
-  for (const Level& level : levels) next.push_back(level.begin);
+  for (const GridLevel& level : levels) next.push_back(level.begin);
   next.push_back(loose_begin);
   members_.resize(loose_end);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -167,7 +167,7 @@ void Levels::share_out(std::span<const Aabb> boxes) {
   }
 }
 
-void Levels::set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members) {
+void Levels::set_axes(std::span<const Aabb> boxes, GridLevel& level, std::span<const std::uint32_t> members) {
   Extent extent = all_;
   if (!members.empty()) {
     extent = Extent{};
@@ -206,7 +206,7 @@ void Levels::pad(std::uint32_t from, std::uint32_t to) {
 }
 
 template <class Element>
-void Levels::fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+void Levels::fill_level(std::span<const Aabb> boxes, const GridLevel& level, std::span<const std::uint32_t> members,
                         std::vector<Element>& sorted, std::vector<Element>& scratch) {
   sorted.resize(level.count());
   for (std::uint32_t i = 0; i < level.count(); ++i) {
@@ -226,7 +226,7 @@ void Levels::fill_level(std::span<const Aabb> boxes, const Level& level, std::sp
 }
 
 /// Fills the directory: the first place of each bucket of keys, about one bucket per two boxes.
-void Levels::index_level(Level& level) {
+void Levels::index_level(GridLevel& level) {
   level.last_key = keys[level.end - 1];
   level.bucket_shift = 0;
   while (level.last_key >> level.bucket_shift > level.count() / 2) ++level.bucket_shift;
@@ -282,7 +282,7 @@ void Levels::rebuild(std::span<const Aabb> boxes) {
   const bool all_in_one = levels.size() == 1 && levels[0].count() == boxes.size();
   if (!all_in_one) share_out(boxes);
   directory.clear();
-  for (Level& level : levels) {
+  for (GridLevel& level : levels) {
     std::span<const std::uint32_t> members;  // none: every box is one
     if (!all_in_one) members = std::span(members_).subspan(level.begin, level.count());
     set_axes(boxes, level, members);
@@ -304,7 +304,7 @@ std::size_t Levels::bytes() const {
                       exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
                       (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +
                       (keyed_.capacity() + other_keyed_.capacity()) * sizeof(Keyed);
-  for (const Level& level : levels) {
+  for (const GridLevel& level : levels) {
     for (const Axis& axis : level.axes) bytes += axis.bytes();
   }
   return bytes;

@@ -33,7 +33,7 @@ struct Entry {
 
 /// Boxes of similar size, each stored in the one cell of its low corner. Cells are larger than every box on each axis,
 /// so overlapping boxes have cells at most one apart; for needles that lie the same way cells are as narrow.
-struct Level {
+struct GridLevel {
   Vec3 cell_m = Vec3::Ones();
   Vec3 inverse = Vec3::Ones();
   std::uint32_t begin = 0;  // first and last place of its boxes; begin is the first of a block
@@ -78,7 +78,7 @@ struct Extent {
 /// a level's last box there is at least one place with kNoKey. Boxes that fit no level (unbounded, or too few of their
 /// size for one) are loose: every query tests each of them. Where there are few boxes all are loose.
 struct Levels {
-  std::vector<Level> levels;  // small boxes first
+  std::vector<GridLevel> levels;  // small boxes first
   bvh::PlainArray<BoxBlock> blocks;
   bvh::PlainArray<Key> keys;               // by place
   bvh::PlainArray<std::uint32_t> numbers;  // by place
@@ -91,7 +91,7 @@ struct Levels {
 
   Entry entry(std::uint32_t place) const { return {&blocks[place / kBlock], place % kBlock, numbers[place]}; }
   /// The level's first place with at least this key; its end if there is none.
-  std::uint32_t first_place(const Level& level, Key key) const {
+  std::uint32_t first_place(const GridLevel& level, Key key) const {
     if (key > level.last_key) return level.end;
     const std::uint32_t* bucket = directory.data() + level.first_bucket + (key >> level.bucket_shift);
     std::uint32_t low = bucket[0];
@@ -116,11 +116,11 @@ struct Levels {
   void choose_levels(std::span<const Aabb> boxes);
   std::uint32_t lay_out();
   void share_out(std::span<const Aabb> boxes);
-  void set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members);
+  void set_axes(std::span<const Aabb> boxes, GridLevel& level, std::span<const std::uint32_t> members);
   template <class Element>
-  void fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+  void fill_level(std::span<const Aabb> boxes, const GridLevel& level, std::span<const std::uint32_t> members,
                   std::vector<Element>& sorted, std::vector<Element>& scratch);
-  void index_level(Level& level);
+  void index_level(GridLevel& level);
   [[gnu::always_inline]] inline void store(const Aabb& box, std::uint32_t number, Key key, std::uint32_t place) {
     blocks[place / kBlock].set(place % kBlock, box);
     keys[place] = key;

@@ -37,7 +37,7 @@ struct Meetings {
 };
 
 /// The search for all pairs. Each search returns false once the walk is over.
-struct Search {
+struct PairSearch {
   const Levels& levels;
   Grid::PairFound found;
   WalkCost& cost;
@@ -56,7 +56,7 @@ struct Search {
   struct Rows {
     Key to_row[kWindows];
 
-    explicit Rows(const Level& level) {
+    explicit Rows(const GridLevel& level) {
       const Key y_step = Key{1} << level.y_shift;
       const Key z_step = Key{1} << level.z_shift;
       const Key all[kWindows] = {0, y_step - 1, z_step - y_step - 1, z_step - 1, z_step + y_step - 1};
@@ -100,7 +100,7 @@ struct Search {
   }
 
   /// All pairs within a level: a sweep in which every window moves along.
-  HWY_INLINE bool own_level(const Level& level) const {
+  HWY_INLINE bool own_level(const GridLevel& level) const {
     const Key* last = levels.keys.data() + kBlock - 1;
     const Rows rows(level);
     Meetings meetings;
@@ -145,7 +145,7 @@ struct Search {
   }
 
   /// All pairs of a level of small boxes and one of larger boxes.
-  HWY_INLINE bool larger_level(const Level& level, const Level& larger) const {
+  HWY_INLINE bool larger_level(const GridLevel& level, const GridLevel& larger) const {
     for (std::uint32_t place = level.begin; place < level.end; ++place) {
       const Entry entry = levels.entry(place);
       const CellRange cells = cells_reaching(larger, Vec3(entry.low(0), entry.low(1), entry.low(2)),
@@ -172,7 +172,7 @@ struct Search {
 };
 
 void FindPairs(const Levels& levels, Grid::PairFound found, WalkCost& cost) {
-  const Search search{levels, found, cost};
+  const PairSearch search{levels, found, cost};
   for (std::size_t l = 0; l < levels.levels.size(); ++l) {
     if (!search.own_level(levels.levels[l])) return;
     for (std::size_t larger = l + 1; larger < levels.levels.size(); ++larger) {

@@ -14,12 +14,12 @@ constexpr double kLeast = 16 * std::numeric_limits<double>::denorm_min();
 
 /// The parameters at which a ray may be within [low, high]; empty where entry > exit. Zero components are decided by
 /// comparison; an overflow leaves the axis unrestricted.
-struct Span {
+struct SlabSpan {
   double entry = 0;
   double exit = 0;
 };
 
-void clip(const Ray& ray, int axis, double low, double high, Span& span) {
+void clip(const Ray& ray, int axis, double low, double high, SlabSpan& span) {
   const double o = ray.origin[axis];
   const double d = ray.direction[axis];
   if (d == 0) {
@@ -38,8 +38,8 @@ void clip(const Ray& ray, int axis, double low, double high, Span& span) {
   }
 }
 
-Span clip(const Ray& ray, const Entry& entry, double limit) {
-  Span span{0, limit};
+SlabSpan clip(const Ray& ray, const Entry& entry, double limit) {
+  SlabSpan span{0, limit};
   for (int axis = 0; axis < 3; ++axis) clip(ray, axis, entry.low(axis), entry.high(axis), span);
   return span;
 }
@@ -63,7 +63,7 @@ double clamped(double cell, Cell low, Cell high) {
 /// x; near to far. A box belongs to the slab and block of its own cell, so none is visited twice.
 class SlabWalk {
  public:
-  SlabWalk(const Levels& levels, const Level& level, const Ray& ray, WalkCost& cost)
+  SlabWalk(const Levels& levels, const GridLevel& level, const Ray& ray, WalkCost& cost)
       : levels_(levels),
         level_(level),
         ray_(ray),
@@ -73,14 +73,14 @@ class SlabWalk {
   /// visit(entry, limit) returns the new limit.
   template <typename Visit>
   double walk(double limit, const Visit& visit) {
-    Span span{0, limit};
+    SlabSpan span{0, limit};
     for (int axis = 0; axis < 3; ++axis) clip(ray_, axis, level_.bounds.low[axis], level_.bounds.high[axis], span);
     if (!(span.entry <= span.exit)) return limit;
     const CellRange reached = reach(span);
     if (!is_sharp(span) || !is_short(reached)) return in_range(level_.occupied, limit, visit);
     Slice slab{main_, reached.low[main_], reached.high[main_], ray_.direction[main_] >= 0, 1};
     for (; limit >= 0 && slab.next();) {
-      Span here{span.entry, std::min(span.exit, limit)};
+      SlabSpan here{span.entry, std::min(span.exit, limit)};
       if (!clip_to(slab, here)) continue;
       limit = walk_blocks(slab, here, limit, visit);
     }
@@ -110,12 +110,12 @@ class SlabWalk {
   };
 
   template <typename Visit>
-  double walk_blocks(const Slice& slab, const Span& span, double limit, const Visit& visit) const {
+  double walk_blocks(const Slice& slab, const SlabSpan& span, double limit, const Visit& visit) const {
     constexpr Cell kBlock = 16;
     const CellRange reached = reach(span);
     Slice block{0, reached.low[0], reached.high[0], ray_.direction[0] >= 0, kBlock};
     while (limit >= 0 && block.next()) {
-      Span here{span.entry, std::min(span.exit, limit)};
+      SlabSpan here{span.entry, std::min(span.exit, limit)};
       if (!clip_to(block, here)) continue;
       CellRange range = reach(here);
       range.low[0] = std::max(block.from, reached.low[0]);
@@ -127,7 +127,7 @@ class SlabWalk {
   }
 
   /// Restricts the span to where the ray may meet boxes with cells in the slice: these end less than a cell beyond it.
-  bool clip_to(const Slice& slice, Span& span) const {
+  bool clip_to(const Slice& slice, SlabSpan& span) const {
     const double cell_m = level_.cell_m[slice.axis];
     const double low = static_cast<double>(slice.from) * cell_m - margin(slice.axis);
     const double high = static_cast<double>(slice.from + slice.width + 1) * cell_m + margin(slice.axis);
@@ -138,7 +138,7 @@ class SlabWalk {
   double margin(int axis) const { return 0x1p-8 * level_.cell_m[axis]; }
 
   /// Whether points along the ray are known to within 2^-9 of a cell, half the margin.
-  bool is_sharp(const Span& span) const {
+  bool is_sharp(const SlabSpan& span) const {
     const double largest = std::max({ray_.origin.cwiseAbs().maxCoeff(), level_.bounds.high.cwiseAbs().maxCoeff(),
                                      level_.bounds.low.cwiseAbs().maxCoeff()});
     return largest * 0x1p-41 < level_.cell_m.minCoeff() && std::isfinite(span.entry);
@@ -152,7 +152,7 @@ class SlabWalk {
   }
 
   /// Cells with boxes that the ray may meet within the span.
-  CellRange reach(const Span& span) const {
+  CellRange reach(const SlabSpan& span) const {
     Vec3 lowest;
     Vec3 highest;
     for (int axis = 0; axis < 3; ++axis) {
@@ -168,7 +168,7 @@ class SlabWalk {
   template <typename Visit>
   double in_range(const CellRange& range, double limit, const Visit& visit) const {
     for_each_in(levels_, level_, range, cost_, [&](const Entry& entry) {
-      const Span span = clip(ray_, entry, limit);
+      const SlabSpan span = clip(ray_, entry, limit);
       if (span.entry <= span.exit) limit = visit(entry, limit);
       return limit >= 0;
     });
@@ -176,7 +176,7 @@ class SlabWalk {
   }
 
   const Levels& levels_;
-  const Level& level_;
+  const GridLevel& level_;
   const Ray& ray_;
   WalkCost& cost_;
   int main_;
@@ -184,7 +184,7 @@ class SlabWalk {
 
 /// One level's walk outward from a point, in boxes that double in size until nothing nearer can remain.
 template <typename Visit>
-double walk_near_level(const Levels& levels, const Level& level, const Vec3& point, double limit_m2, WalkCost& cost,
+double walk_near_level(const Levels& levels, const GridLevel& level, const Vec3& point, double limit_m2, WalkCost& cost,
                        const Visit& visit) {
   double radius = level.cell_m.maxCoeff();
   for (int axis = 0; axis < 3; ++axis) {
@@ -216,7 +216,7 @@ double walk_near_level(const Levels& levels, const Level& level, const Vec3& poi
 
 }  // namespace
 
-CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high) {
+CellRange cells_reaching(const GridLevel& level, const Vec3& low, const Vec3& high) {
   CellRange range;
   for (int axis = 0; axis < 3; ++axis) {
     const Cell first = level.occupied.low[axis];
@@ -247,7 +247,7 @@ void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, Wal
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end; ++i) {
     if (!visit(levels.entry(i))) return;
   }
-  for (const Level& level : levels.levels) {
+  for (const GridLevel& level : levels.levels) {
     if (!for_each_in(levels, level, cells_reaching(level, asked.low, asked.high), cost, visit)) return;
   }
 }
@@ -259,10 +259,10 @@ void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound
     return found(entry.box(), current);
   };
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit >= 0; ++i) {
-    const Span span = clip(ray, levels.entry(i), limit);
+    const SlabSpan span = clip(ray, levels.entry(i), limit);
     if (span.entry <= span.exit) limit = visit(levels.entry(i), limit);
   }
-  for (const Level& level : levels.levels) {
+  for (const GridLevel& level : levels.levels) {
     if (limit >= 0) limit = SlabWalk(levels, level, ray, cost).walk(limit, visit);
   }
 }
@@ -276,7 +276,7 @@ void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::N
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit_m2 >= 0; ++i) {
     if (is_within(levels.entry(i), point, limit_m2)) limit_m2 = visit(levels.entry(i), limit_m2);
   }
-  for (const Level& level : levels.levels) {
+  for (const GridLevel& level : levels.levels) {
     if (limit_m2 >= 0) limit_m2 = walk_near_level(levels, level, point, limit_m2, cost, visit);
   }
 }

@@ -14,7 +14,7 @@ void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound
 void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, WalkCost& cost);
 
 /// Cells with boxes that may reach [low, high], within the occupied ones; may be empty (low > high on some axis).
-CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high);
+CellRange cells_reaching(const GridLevel& level, const Vec3& low, const Vec3& high);
 
 inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
   bool inside = true;
@@ -29,7 +29,7 @@ struct NumberRange {
   std::uint64_t low[3];
   std::uint64_t high[3];
 
-  NumberRange(const Level& level, const CellRange& cells) {
+  NumberRange(const GridLevel& level, const CellRange& cells) {
     for (int k = 0; k < 3; ++k) {
       low[k] = level.axes[k].at_least(cells.low[k]);
       high[k] = level.axes[k].at_most(cells.high[k]);
@@ -40,7 +40,7 @@ struct NumberRange {
   double row_count() const {
     return static_cast<double>(high[1] - low[1] + 1) * static_cast<double>(high[2] - low[2] + 1);
   }
-  bool holds(const Level& level, Key key) const {
+  bool holds(const GridLevel& level, Key key) const {
     const std::uint64_t number[3] = {key & ((Key{1} << level.y_shift) - 1),
                                      key >> level.y_shift & ((Key{1} << (level.z_shift - level.y_shift)) - 1),
                                      key >> level.z_shift};
@@ -52,7 +52,7 @@ struct NumberRange {
 
 /// Calls visit_row(first, last) with the first and last key of each row in the range; false ends the visit.
 template <typename VisitRow>
-bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cost, const VisitRow& visit_row) {
+bool for_each_row_in(const GridLevel& level, const NumberRange& range, WalkCost& cost, const VisitRow& visit_row) {
   for (std::uint64_t z = range.low[2]; z <= range.high[2]; ++z) {
     for (std::uint64_t y = range.low[1]; y <= range.high[1]; ++y) {
       ++cost.nodes;
@@ -64,7 +64,8 @@ bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cos
 
 /// Calls visit(entry) for each entry of the level whose cell is in the range, once; false ends the visit.
 template <typename Visit>
-bool for_each_in(const Levels& levels, const Level& level, const CellRange& cells, WalkCost& cost, const Visit& visit) {
+bool for_each_in(const Levels& levels, const GridLevel& level, const CellRange& cells, WalkCost& cost,
+                 const Visit& visit) {
   if (cells.empty()) return true;
   const NumberRange range(level, cells);
   if (range.empty()) return true;

@@ -21,9 +21,9 @@ constexpr std::uint32_t kLeastJob = 4096;
 constexpr std::size_t kRun = 65536;
 
 /// Reports the build's progress and checks for cancellation; both on the caller's thread only.
-class Watch {
+class BuildWatch {
  public:
-  Watch(const BvhOptions& options, std::uint64_t total) : options_(options), total_(total) {}
+  BuildWatch(const BvhOptions& options, std::uint64_t total) : options_(options), total_(total) {}
 
   void placed(std::uint32_t count, bool callers_thread) {
     const std::uint64_t done = done_ += count;
@@ -46,7 +46,7 @@ class Watch {
 };
 
 /// Nodes and leaves in the order of a walk, so that each subtree is contiguous.
-struct Piece {
+struct Subtree {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
   std::uint32_t depth = 0;
@@ -104,14 +104,14 @@ void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
 }
 
 /// Builds subtrees over ranges of primitives, which it reorders; ranges of different calls must not overlap.
-class Builder {
+class BvhBuilder {
  public:
   /// Of the layout it reads only how triangles are stored.
-  Builder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, Watch& watch)
+  BvhBuilder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, BuildWatch& watch)
       : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
 
   /// Builds the subtree over the range. Ranges of at most job_size are left in `jobs`, unless that is null.
-  Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Piece& piece, std::uint32_t job_size,
+  Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Subtree& piece, std::uint32_t job_size,
             std::vector<Job>* jobs) const {
     piece.depth = std::max(piece.depth, depth + 1);
     if (watch_.cancelled()) return kNothing;
@@ -174,7 +174,7 @@ class Builder {
     return count;
   }
 
-  Ref add_collapsed(const Collapse& collapse, int part, std::uint32_t depth, Piece& piece) const {
+  Ref add_collapsed(const Collapse& collapse, int part, std::uint32_t depth, Subtree& piece) const {
     piece.depth = std::max(piece.depth, depth + 1);
     if (collapse.is_leaf(part)) return add_leaf(collapse.range(part), piece);
     int children[kWidth];
@@ -190,7 +190,7 @@ class Builder {
     return index;
   }
 
-  Ref add_leaf(const Range& range, Piece& piece) const {
+  Ref add_leaf(const Range& range, Subtree& piece) const {
     Leaf leaf{};
     int count = 0;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -207,7 +207,7 @@ class Builder {
   const TriangleMesh& mesh_;
   const Layout& layout_;
   std::span<Primitive> primitives_;
-  Watch& watch_;
+  BuildWatch& watch_;
 };
 
 /// One box per triangle.
@@ -263,8 +263,8 @@ struct Places {
   std::vector<std::size_t> first_node{0};
   std::vector<std::size_t> first_leaf{0};
 
-  Places(const std::vector<Piece>& pieces) {
-    for (const Piece& piece : pieces) {
+  Places(const std::vector<Subtree>& pieces) {
+    for (const Subtree& piece : pieces) {
       first_node.push_back(first_node.back() + piece.nodes.size());
       first_leaf.push_back(first_leaf.back() + piece.leaves.size());
     }
@@ -276,13 +276,13 @@ struct Places {
 };
 
 /// Concatenates the pieces, freeing each, and attaches each job's root to its parent.
-void join(std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots, unsigned threads,
+void join(std::vector<Subtree>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots, unsigned threads,
           Layout& layout) {
   const Places places(pieces);
   layout.nodes = PlainArray<Node>(places.first_node.back());
   layout.leaves = PlainArray<Leaf>(places.first_leaf.back());
   in_parallel(threads, pieces.size(), [&](std::size_t p, bool) {
-    const Piece piece = std::move(pieces[p]);
+    const Subtree piece = std::move(pieces[p]);
     std::copy(piece.leaves.begin(), piece.leaves.end(), layout.leaves.data() + places.first_leaf[p]);
     Node* nodes = layout.nodes.data() + places.first_node[p];
     for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
@@ -306,11 +306,11 @@ void set_root_box(const Range& all, Layout& layout) {
 }
 
 /// Fills the report from pieces that are not joined yet.
-void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, BvhReport& report) {
+void count_up(const std::vector<Subtree>& pieces, std::uint64_t primitive_bytes, BvhReport& report) {
   std::uint64_t nodes = 0;
   std::uint64_t leaves = 0;
   report.peak_bytes = primitive_bytes;
-  for (const Piece& piece : pieces) {
+  for (const Subtree& piece : pieces) {
     nodes += piece.nodes.size();
     leaves += piece.leaves.size();
     report.depth = std::max(report.depth, piece.depth);
@@ -323,7 +323,7 @@ void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, B
 }
 
 /// Builds each piece on one thread, so that no thread waits for another.
-void build_pieces(const Builder& builder, const Range& all, unsigned threads, std::vector<Piece>& pieces,
+void build_pieces(const BvhBuilder& builder, const Range& all, unsigned threads, std::vector<Subtree>& pieces,
                   std::vector<Job>& jobs, std::vector<Ref>& roots) {
   const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));
   pieces.resize(1);
@@ -352,12 +352,12 @@ Layout build_layout(const TriangleMesh& mesh, const BvhOptions& options, BvhRepo
   }
   const std::span<Primitive> all_primitives(primitives.data(), primitives.size());
   const Range all = range_over(all_primitives, threads);
-  Watch watch(options, primitives.size());
+  BuildWatch watch(options, primitives.size());
   watch.ask();
-  std::vector<Piece> pieces;
+  std::vector<Subtree> pieces;
   std::vector<Job> jobs;
   std::vector<Ref> roots;
-  build_pieces(Builder(mesh, layout, all_primitives, watch), all, threads, pieces, jobs, roots);
+  build_pieces(BvhBuilder(mesh, layout, all_primitives, watch), all, threads, pieces, jobs, roots);
   if (watch.cancelled()) return {};
   count_up(pieces, primitives.bytes(), report);
   report.split_triangles = static_cast<std::uint32_t>(layout.splits.size());

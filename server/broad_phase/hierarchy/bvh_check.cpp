@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Box {
+struct NodeBox {
   float low[3];
   float high[3];
 
@@ -29,8 +29,8 @@ struct Box {
   }
 };
 
-Box box_of(const Node& node, int slot) {
-  Box box;
+NodeBox box_of(const Node& node, int slot) {
+  NodeBox box;
   for (int axis = 0; axis < 3; ++axis) {
     box.low[axis] = node.plane[axis][0][slot];
     box.high[axis] = node.plane[axis][1][slot];
@@ -38,7 +38,7 @@ Box box_of(const Node& node, int slot) {
   return box;
 }
 
-bool is_nothing(const Box& box) {
+bool is_nothing(const NodeBox& box) {
   bool all = true;
   for (int axis = 0; axis < 3; ++axis) all = all && box.low[axis] == kInfinity && box.high[axis] == -kInfinity;
   return all;
@@ -47,12 +47,12 @@ bool is_nothing(const Box& box) {
 /// A reference to part of a triangle, in a leaf whose box does not contain the whole triangle.
 struct PartialReference {
   std::uint32_t triangle;
-  Box box;
+  NodeBox box;
 };
 
 /// Where a leaf is attached, and how many triangles its reference claims.
 struct LeafPlace {
-  Box box;
+  NodeBox box;
   int count = 0;
 };
 
@@ -92,7 +92,7 @@ class Check {
 
  private:
   std::string_view check_root() {
-    Box root;
+    NodeBox root;
     for (int axis = 0; axis < 3; ++axis) {
       root.low[axis] = layout_.root_low[axis];
       root.high[axis] = layout_.root_high[axis];
@@ -108,7 +108,7 @@ class Check {
   }
 
   /// Notes a child and that no other parent has it. first: the lowest number allowed for an inner child.
-  std::string_view hang(Ref ref, const Box& box, std::uint32_t depth, std::size_t first) {
+  std::string_view hang(Ref ref, const NodeBox& box, std::uint32_t depth, std::size_t first) {
     if (depth + 1 > kMaxDepth) return "a path is too deep";
     deepest_ = std::max(deepest_, depth);
     if (is_leaf(ref)) {
@@ -125,7 +125,7 @@ class Check {
     depth_[ref] = static_cast<std::uint8_t>(depth);
     const Node& node = layout_.nodes[ref];
     for (int slot = 0; slot < kWidth; ++slot) {
-      const Box inner = box_of(node, slot);
+      const NodeBox inner = box_of(node, slot);
       if (node.child[slot] == kNothing) {
         if (!is_nothing(inner)) return "a missing child has a box";
         continue;

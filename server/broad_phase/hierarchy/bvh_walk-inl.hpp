@@ -54,7 +54,7 @@ struct Slabs {
 
 /// Children of a node in the order of the walk. waiting: those that the ray may meet and that are not visited yet, one
 /// bit each, lowest first.
-struct alignas(32) Frame {
+struct alignas(32) WalkFrame {
   float entry[kWidth];
   Ref child[kWidth];
   unsigned waiting;
@@ -65,9 +65,9 @@ HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__
 enum class Way { near_first, most_occluding_first };
 
 /// Writes a node's children into the frame and returns those that the ray may meet at a parameter in [0, limit], in the
-/// form of Frame::waiting.
+/// form of WalkFrame::waiting.
 template <Way kWay>
-HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float limit, Frame& frame) {
+HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float limit, WalkFrame& frame) {
   const RayFrame& ray = slabs.ray;
   const std::uint32_t order = kWay == Way::near_first ? node.order[ray.octant] : node.occlusion_order();
   HWY_ALIGN float unordered[kWidth];
@@ -273,7 +273,7 @@ struct TriangleCall {
 };
 
 /// How far a walk still searches: the caller's limit, and the local one, which certain hits shorten further.
-struct Reach {
+struct WalkReach {
   double limit;
   float local;
 
@@ -287,7 +287,8 @@ struct Reach {
 
 /// Offers one candidate; false: the walk is over.
 template <bool kCorners, class Call>
-HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, int lane, Reach& reach, WalkCost& cost) {
+HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, int lane, WalkReach& reach,
+                     WalkCost& cost) {
   ++cost.candidates;
   reach.shorten(ray, call.template tell<kCorners>(leaf, lane, reach.limit));
   return !reach.is_over();
@@ -296,7 +297,7 @@ HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, in
 /// Offers the candidates of a leaf, nearest first.
 template <bool kCorners, class Call>
 HWY_INLINE bool tell_every(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, const float* estimate,
-                           Reach& reach, WalkCost& cost) {
+                           WalkReach& reach, WalkCost& cost) {
   while (met != 0) {
     int next = __builtin_ctz(met);
     for (unsigned rest = met & (met - 1); rest != 0; rest &= rest - 1) {
@@ -322,7 +323,7 @@ class SureHits {
   /// Takes a leaf's hits, and offers those that are not certain. False: the walk is over.
   template <bool kCorners, class Call>
   HWY_INLINE bool visit(const Call& call, const RayFrame& ray, const Leaf& leaf, const TriangleTest<kCorners>& test,
-                        unsigned met, Reach& reach, WalkCost& cost) {
+                        unsigned met, WalkReach& reach, WalkCost& cost) {
     HWY_ALIGN float low[kWidth];
     HWY_ALIGN float high[kWidth];
     test.bounds(low, high);
@@ -351,7 +352,7 @@ class SureHits {
 
   /// Offers those that may still be the nearest, in order of their lower bounds. False: the walk is over.
   template <bool kCorners, class Call>
-  HWY_INLINE bool settle(const Call& call, const RayFrame& ray, Reach& reach, WalkCost& cost) {
+  HWY_INLINE bool settle(const Call& call, const RayFrame& ray, WalkReach& reach, WalkCost& cost) {
     while (count_ > 0) {
       int next = 0;
       for (int i = 1; i < count_; ++i) next = low_[i] < low_[next] ? i : next;
@@ -392,7 +393,7 @@ class SureHits {
 /// lane, so that every instruction set finds the same one.
 template <bool kCorners, class Call>
 HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, unsigned sure,
-                                   Reach& reach, WalkCost& cost) {
+                                   WalkReach& reach, WalkCost& cost) {
   for (; met != 0; met &= met - 1) {
     const int lane = __builtin_ctz(met);
     if ((sure >> lane & 1u) != 0 || !tell<kCorners>(call, ray, leaf, lane, reach, cost)) return leaf.triangle[lane];
@@ -401,11 +402,11 @@ HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const 
 }
 
 /// Goes to the next waiting child that is not beyond the limit; false: there is none.
-HWY_INLINE bool climb(const Frame* stack, float limit, Frame*& top, Ref& ref) {
+HWY_INLINE bool climb(const WalkFrame* stack, float limit, WalkFrame*& top, Ref& ref) {
   float entry;
   do {
     if (top == stack) return false;
-    Frame& frame = top[-1];
+    WalkFrame& frame = top[-1];
     const unsigned place = place_of(frame.waiting);
     frame.waiting &= frame.waiting - 1;
     top -= frame.waiting == 0 ? 1 : 0;

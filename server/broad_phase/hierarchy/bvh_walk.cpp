@@ -107,29 +107,29 @@ HWY_INLINE unsigned wholly_within(const Boxes& boxes, const LocalPoint& point, f
   return bits_of(hn::Le(sum, hn::Set(kFloats, limit)));
 }
 
-struct Triplet {
+struct LaneVector {
   Lanes x;
   Lanes y;
   Lanes z;
 };
-HWY_INLINE Triplet minus(const Triplet& a, const Triplet& b) {
+HWY_INLINE LaneVector minus(const LaneVector& a, const LaneVector& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 /// The point a + s b.
-HWY_INLINE Triplet along(const Triplet& a, Lanes s, const Triplet& b) {
+HWY_INLINE LaneVector along(const LaneVector& a, Lanes s, const LaneVector& b) {
   return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
 }
-HWY_INLINE Lanes product(const Triplet& a, const Triplet& b) {
+HWY_INLINE Lanes product(const LaneVector& a, const LaneVector& b) {
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
-HWY_INLINE Triplet across(const Triplet& a, const Triplet& b) {
+HWY_INLINE LaneVector across(const LaneVector& a, const LaneVector& b) {
   return {hn::NegMulAdd(a.z, b.y, hn::Mul(a.y, b.z)), hn::NegMulAdd(a.x, b.z, hn::Mul(a.z, b.x)),
           hn::NegMulAdd(a.y, b.x, hn::Mul(a.x, b.y))};
 }
-HWY_INLINE Lanes largest_of(const Triplet& a) { return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z))); }
+HWY_INLINE Lanes largest_of(const LaneVector& a) { return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z))); }
 
 /// The point nearest to the origin on the segment from a along the edge.
-HWY_INLINE Triplet foot_on(const Triplet& a, const Triplet& edge) {
+HWY_INLINE LaneVector foot_on(const LaneVector& a, const LaneVector& edge) {
   const Lanes motion = hn::Div(hn::Neg(product(a, edge)), hn::Add(product(edge, edge), hn::Set(kFloats, 0x1p-100f)));
   return along(a, hn::Min(hn::Max(motion, hn::Zero(kFloats)), hn::Set(kFloats, 1.0f)), edge);
 }
@@ -137,9 +137,9 @@ HWY_INLINE Triplet foot_on(const Triplet& a, const Triplet& edge) {
 /// Triangle corners relative to the queried point, with a bound on each coordinate's error beyond the rounding of the
 /// differences.
 struct SeenTriangles {
-  Triplet a;
-  Triplet b;
-  Triplet c;
+  LaneVector a;
+  LaneVector b;
+  LaneVector c;
   float error;
 };
 
@@ -155,18 +155,18 @@ HWY_INLINE SeenTriangles seen_triangles(const Leaf& leaf, int first, bool has_co
       corner[i][axis] = has_corners ? hn::Sub(stored, center) : hn::Add(corner[0][axis], stored);
     }
   }
-  const auto triplet = [&](int i) { return Triplet{corner[i][0], corner[i][1], corner[i][2]}; };
+  const auto triplet = [&](int i) { return LaneVector{corner[i][0], corner[i][1], corner[i][2]}; };
   // Stored corners are off by at most 5 * 2^-24, see triangle_boxes.
   return {triplet(0), triplet(1), triplet(2), slack + 0x1p-21f};
 }
 
 /// An approximation of each triangle's point nearest to the origin.
-HWY_INLINE Triplet feet_of(const SeenTriangles& t) {
-  const Triplet ab = minus(t.b, t.a);
-  const Triplet ac = minus(t.c, t.a);
-  Triplet best = foot_on(t.a, ab);
+HWY_INLINE LaneVector feet_of(const SeenTriangles& t) {
+  const LaneVector ab = minus(t.b, t.a);
+  const LaneVector ac = minus(t.c, t.a);
+  LaneVector best = foot_on(t.a, ab);
   Lanes best2 = product(best, best);
-  const auto try_foot = [&](const Triplet& foot, auto allowed) {
+  const auto try_foot = [&](const LaneVector& foot, auto allowed) {
     const Lanes foot2 = product(foot, foot);
     const auto better = hn::And(allowed, hn::Lt(foot2, best2));
     best = {hn::IfThenElse(better, foot.x, best.x), hn::IfThenElse(better, foot.y, best.y),
@@ -176,7 +176,7 @@ HWY_INLINE Triplet feet_of(const SeenTriangles& t) {
   const auto always = hn::Eq(best2, best2);
   try_foot(foot_on(t.a, ac), always);
   try_foot(foot_on(t.b, minus(t.c, t.b)), always);
-  const Triplet normal = across(ab, ac);
+  const LaneVector normal = across(ab, ac);
   const Lanes zero = hn::Zero(kFloats);
   auto inside = hn::Ge(product(normal, across(t.a, t.b)), zero);
   inside = hn::And(inside, hn::Ge(product(normal, across(t.b, t.c)), zero));
@@ -192,7 +192,7 @@ HWY_INLINE Triplet feet_of(const SeenTriangles& t) {
 /// quotient, and |w| is at most sqrt(3) times the largest coordinate: below 2 error + 2^-20 of that.
 HWY_INLINE Lanes squares_below(const Leaf& leaf, int first, bool has_corners, const LocalPoint& point) {
   const SeenTriangles t = seen_triangles(leaf, first, has_corners, point);
-  const Triplet foot = feet_of(t);
+  const LaneVector foot = feet_of(t);
   const Lanes foot2 = product(foot, foot);
   const Lanes least = hn::Min(product(t.a, foot), hn::Min(product(t.b, foot), product(t.c, foot)));
   const Lanes largest = hn::Max(largest_of(t.a), hn::Max(largest_of(t.b), largest_of(t.c)));

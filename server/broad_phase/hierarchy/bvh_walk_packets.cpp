@@ -15,7 +15,7 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 using Goal = Bvh::RayGoal;
 
 /// A waiting child, with the parameter at which each ray enters it; infinity where it does not.
-struct alignas(32) Waiting {
+struct alignas(32) WaitingNode {
   float entry[kWidth];
   Ref ref;
 };
@@ -84,7 +84,7 @@ class Packet {
     for (float& entry : stack_[0].entry) entry = 0;
     stack_[size++].ref = layout_.root;
     while (size > 0) {
-      const Waiting& top = stack_[--size];
+      const WaitingNode& top = stack_[--size];
       const Ref ref = top.ref;
       unsigned active = 0;
       for (int part = 0; part < kParts; ++part) {
@@ -139,7 +139,7 @@ class Packet {
     for (int place = kWidth; place-- > 0;) {
       const unsigned child = order >> (3 * place) & 7u;
       if ((maybe >> child & 1u) == 0) continue;
-      Waiting& waiting = stack_[size];
+      WaitingNode& waiting = stack_[size];
       bool is_met = false;
       for (int part = 0; part < kParts; ++part) {
         const int lane = part * kLanes;
@@ -174,7 +174,7 @@ class Packet {
     for (; active != 0; active &= active - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(active));
       const RayFrame& ray = ray_[i];
-      Reach& reach = reach_[i];
+      WalkReach& reach = reach_[i];
       const TriangleTest<kCorners> test(leaf, ray);
       const unsigned met = test.met(reach.local < ray.parameter_cap ? reach.local : ray.parameter_cap) & present;
       if (met == 0) continue;
@@ -207,9 +207,9 @@ class Packet {
   HWY_ALIGN float visited_[kWidth];  // nodes visited by each ray; far below 2^24, so floats count exactly
   float sure_limit_[kWidth];
   RayFrame ray_[kWidth];
-  Reach reach_[kWidth];
+  WalkReach reach_[kWidth];
   SureHits sure_hits_[kWidth];
-  Waiting stack_[kStackSize + kWidth];
+  WaitingNode stack_[kStackSize + kWidth];
 };
 
 template <Goal kGoal, bool kCorners>

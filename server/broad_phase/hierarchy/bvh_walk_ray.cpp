@@ -21,9 +21,9 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
   const Slabs slabs(ray);
   const float sure_limit = kGoal == Goal::any ? ray.sure_limit(limit) : 0;
   SureHits sure_hits;
-  Frame stack[kMaxDepth + 1];
-  Frame* top = stack;
-  Reach reach{limit, ray.local_limit(limit)};
+  WalkFrame stack[kMaxDepth + 1];
+  WalkFrame* top = stack;
+  WalkReach reach{limit, ray.local_limit(limit)};
   if (reach.local < 0) return Bvh::kNoTriangle;
   Ref ref = layout.root;
   while (true) {

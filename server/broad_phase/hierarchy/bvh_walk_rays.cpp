@@ -18,17 +18,17 @@ using Goal = Bvh::RayGoal;
 /// The state of a ray between two turns.
 struct Traveller {
   RayFrame ray;
-  Reach reach = {};
+  WalkReach reach = {};
   float sure_limit = 0;
   Ref ref = kNothing;
   unsigned met = 0;        // triangles of the leaf `ref` that wait for their corners
   int fetched = 0;         // stage of prefetching the corners: 0 nothing, 1 indices, 2 corners
   bool is_ending = false;  // only certain hits are left to offer
   Bvh::RayTask* task = nullptr;
-  Frame* top = nullptr;
+  WalkFrame* top = nullptr;
   SureHits sure_hits;
   HWY_ALIGN float estimate[kWidth];
-  Frame stack[kMaxDepth + 1];
+  WalkFrame stack[kMaxDepth + 1];
 };
 
 /// The steps of many rays' walks; the state of each is in its Traveller.

@@ -70,12 +70,12 @@ Edges edges_of(const Core& core) {
 }
 
 /// {x : normal . x <= offset}; a few of them bound a core.
-struct HalfSpace {
+struct CoreHalfSpace {
   Vec3 normal;
   double offset;
 };
 
-using HalfSpaces = Few<HalfSpace, 6>;
+using HalfSpaces = Few<CoreHalfSpace, 6>;
 
 /// The half-spaces that bound a core, grown by the slack of clipping; none for points and segments.
 HalfSpaces half_spaces_of(const Core& core, double size_m) {
@@ -107,7 +107,7 @@ HalfSpaces half_spaces_of(const Core& core, double size_m) {
 bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
   double low = 0;
   double high = 1;
-  for (const HalfSpace& space : spaces) {
+  for (const CoreHalfSpace& space : spaces) {
     const double at_a = space.normal.dot(edge.a) - space.offset;
     const double at_b = space.normal.dot(edge.b) - space.offset;
     if (at_a > 0 && at_b > 0) return false;

@@ -22,7 +22,7 @@ std::size_t farthest(const std::vector<Point>& corners, const Point& n) {
 }
 
 /// A corner of a minus one of b.
-struct Difference {
+struct MinkowskiVertex {
   Point w;
   std::size_t of_a = 0;
   std::size_t of_b = 0;
@@ -32,15 +32,15 @@ struct Difference {
 struct Foot {
   Point sum;
   Dyadic total;
-  std::vector<Difference> corners;
+  std::vector<MinkowskiVertex> corners;
   std::vector<Dyadic> weights;
 };
 
 /// The weights of the origin's foot on the plane, line or point through all corners; their sum is at least zero.
-std::vector<Dyadic> weights_of(const std::vector<Difference>& corners) {
+std::vector<Dyadic> weights_of(const std::vector<MinkowskiVertex>& corners) {
   if (corners.size() == 1) return {Dyadic(1.0)};
   std::vector<Point> w;
-  for (const Difference& corner : corners) w.push_back(corner.w);
+  for (const MinkowskiVertex& corner : corners) w.push_back(corner.w);
   if (w.size() == 2) return {dot(w[1], w[1] - w[0]), dot(w[0], w[0] - w[1])};
   const Point n = cross(w[1] - w[0], w[2] - w[0]);
   if (w.size() == 3) return {dot(n, cross(w[1], w[2])), dot(n, cross(w[2], w[0])), dot(n, cross(w[0], w[1]))};
@@ -53,8 +53,8 @@ std::vector<Dyadic> weights_of(const std::vector<Difference>& corners) {
 
 /// The point of the simplex nearest to the origin lies inside exactly one of its faces: the one for which no other
 /// corner is nearer along the foot. Tests one face.
-bool nearest_in(const std::vector<Difference>& simplex, unsigned which, Foot& foot) {
-  std::vector<Difference> face;
+bool nearest_in(const std::vector<MinkowskiVertex>& simplex, unsigned which, Foot& foot) {
+  std::vector<MinkowskiVertex> face;
   for (std::size_t i = 0; i < simplex.size(); ++i) {
     if (which >> i & 1) face.push_back(simplex[i]);
   }
@@ -65,14 +65,14 @@ bool nearest_in(const std::vector<Difference>& simplex, unsigned which, Foot& fo
     found.total = found.total + found.weights[i];
   }
   const Dyadic level = square(found.sum);
-  for (const Difference& corner : simplex) {
+  for (const MinkowskiVertex& corner : simplex) {
     if ((dot(found.sum, corner.w) * found.total - level).sign() < 0) return false;
   }
   foot = std::move(found);
   return true;
 }
 
-bool nearest_of(const std::vector<Difference>& simplex, Foot& foot) {
+bool nearest_of(const std::vector<MinkowskiVertex>& simplex, Foot& foot) {
   for (unsigned which = 1; which < 1u << simplex.size(); ++which) {
     if (nearest_in(simplex, which, foot)) return true;
   }
@@ -88,11 +88,11 @@ Decision search(const std::vector<Point>& of_a, const std::vector<Point>& of_b, 
       if (!p.x.finite() || !p.y.finite() || !p.z.finite()) return Decision::undecided;
     }
   }
-  const auto difference = [&](std::size_t i, std::size_t j) { return Difference{of_a[i] - of_b[j], i, j}; };
-  std::vector<Difference> simplex{difference(0, 0)};
+  const auto difference = [&](std::size_t i, std::size_t j) { return MinkowskiVertex{of_a[i] - of_b[j], i, j}; };
+  std::vector<MinkowskiVertex> simplex{difference(0, 0)};
   while (nearest_of(simplex, foot)) {
     if (is_origin(foot.sum)) return Decision::yes;
-    const Difference next = difference(farthest(of_a, -foot.sum), farthest(of_b, foot.sum));
+    const MinkowskiVertex next = difference(farthest(of_a, -foot.sum), farthest(of_b, foot.sum));
     const Dyadic level = square(foot.sum);
     const Dyadic along = dot(foot.sum, next.w) * foot.total;
     if (ball.sign() == 0 && along.sign() > 0) return Decision::no;
@@ -156,7 +156,7 @@ std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {
   const Dyadic share_b = no_balls ? Dyadic() : Dyadic(a.ball_m);
   CommonPoint common{.point = Point(Vec3(Vec3::Zero())), .divisor = foot.total * (share_a + share_b)};
   for (std::size_t i = 0; i < foot.corners.size(); ++i) {
-    const Difference& corner = foot.corners[i];
+    const MinkowskiVertex& corner = foot.corners[i];
     const Dyadic& weight = foot.weights[i];
     common.point = common.point + weight * (share_a * of_a[corner.of_a] + share_b * of_b[corner.of_b]);
     common.mix_a.emplace_back(static_cast<std::uint32_t>(corner.of_a), weight);

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostSteps = 128;
 
 /// The nearest point so far: the corners that carry it, and their weights.
-struct Nearest {
+struct NearestOfSimplex {
   Vec3 point = Vec3::Zero();
   double distance2 = std::numeric_limits<double>::infinity();
   int corner[4] = {0, 0, 0, 0};
@@ -21,7 +21,7 @@ struct Nearest {
   int count = 0;
 };
 
-void consider(Nearest& best, const Vec3& point, std::initializer_list<std::pair<int, double>> parts) {
+void consider(NearestOfSimplex& best, const Vec3& point, std::initializer_list<std::pair<int, double>> parts) {
   const double distance2 = point.squaredNorm();
   if (!(distance2 < best.distance2)) return;
   best.point = point;
@@ -33,14 +33,14 @@ void consider(Nearest& best, const Vec3& point, std::initializer_list<std::pair<
   }
 }
 
-void consider_edge(Nearest& best, const DifferencePoint* w, int i, int j) {
+void consider_edge(NearestOfSimplex& best, const DifferencePoint* w, int i, int j) {
   const Vec3 edge = w[j].w - w[i].w;
   const double length2 = edge.squaredNorm();
   const double t = length2 > 0 ? -w[i].w.dot(edge) / length2 : 0;
   if (t > 0 && t < 1) consider(best, w[i].w + t * edge, {{i, 1 - t}, {j, t}});
 }
 
-void consider_face(Nearest& best, const DifferencePoint* w, int i, int j, int k) {
+void consider_face(NearestOfSimplex& best, const DifferencePoint* w, int i, int j, int k) {
   const Vec3& a = w[i].w;
   const Vec3 ab = w[j].w - a;
   const Vec3 ac = w[k].w - a;
@@ -55,8 +55,8 @@ void consider_face(Nearest& best, const DifferencePoint* w, int i, int j, int k)
 }
 
 /// Every step comes nearer, so the newest corner, the last, is always part of the result.
-Nearest nearest_of(const DifferencePoint* w, int count) {
-  Nearest best;
+NearestOfSimplex nearest_of(const DifferencePoint* w, int count) {
+  NearestOfSimplex best;
   const int newest = count - 1;
   consider(best, w[newest].w, {{newest, 1.0}});
   for (int i = 0; i < newest; ++i) consider_edge(best, w, i, newest);
@@ -80,7 +80,7 @@ bool enclosed(const DifferencePoint* w, double* weight) {
 }
 
 /// Drops the corners that do not carry the nearest point.
-void keep(Proposal& proposal, const Nearest& nearest) {
+void keep(Proposal& proposal, const NearestOfSimplex& nearest) {
   DifferencePoint kept[4];
   for (int i = 0; i < nearest.count; ++i) {
     kept[i] = proposal.corner[nearest.corner[i]];
@@ -160,7 +160,7 @@ Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
       proposal.nearest = Vec3::Zero();
       return proposal;
     }
-    const Nearest nearest = nearest_of(proposal.corner, proposal.count);
+    const NearestOfSimplex nearest = nearest_of(proposal.corner, proposal.count);
     if (!(nearest.distance2 < distance2)) {
       --proposal.count;
       return proposal;

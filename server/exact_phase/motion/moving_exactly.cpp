@@ -7,7 +7,7 @@
 namespace collided::engine::kernel {
 namespace {
 
-struct Question {
+struct MovingPair {
   Sides<Dyadic> sides;
   Gaps<Dyadic> gaps;
 
@@ -17,7 +17,7 @@ struct Question {
 };
 
 /// While the points stay in one plane, contact can begin only where a turn or a gap changes its sign.
-std::vector<AlgebraicTime> changes_in_plane(const Question& question, const Dyadic& from) {
+std::vector<AlgebraicTime> changes_in_plane(const MovingPair& question, const Dyadic& from) {
   std::vector<AlgebraicTime> times;
   const auto add = [&](const Path<Dyadic>& v) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -30,7 +30,7 @@ std::vector<AlgebraicTime> changes_in_plane(const Question& question, const Dyad
 }
 
 /// The first of several times at which there is contact.
-Decision first_of(std::vector<AlgebraicTime>& times, const Question& question, double width, TimeBracket& bracket) {
+Decision first_of(std::vector<AlgebraicTime>& times, const MovingPair& question, double width, TimeBracket& bracket) {
   for (AlgebraicTime& time : times) time.narrow(width);
   const auto earlier = [](const AlgebraicTime& a, const AlgebraicTime& b) {
     return sign(a.low() - b.low()) == Sign::negative;
@@ -54,7 +54,7 @@ Decision first_contact_exactly(const Quartet& q, double from, double width, Time
   const MovingQuartet<Dyadic> moving(q);
   TimePolynomial coplanarity = moving.coplanarity();
   coplanarity.trim();
-  const Question question{Sides<Dyadic>(moving), Gaps<Dyadic>(moving)};
+  const MovingPair question{Sides<Dyadic>(moving), Gaps<Dyadic>(moving)};
   const Dyadic begin(from);
   if (coplanarity.count() > 0) {
     auto times = roots_between(coplanarity, begin, Dyadic(1));

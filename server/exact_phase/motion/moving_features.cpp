@@ -16,7 +16,7 @@ using Times = Polynomial<Bounded>;
 /// Spans of time that the filter tests before it hands over to rationals.
 constexpr int kMostSpans = 48;
 
-struct Range {
+struct TimeRange {
   double low;
   double high;
 };
@@ -31,7 +31,7 @@ bool finite(const Quartet& q) {
 /// ends have it.
 bool parted_by_axis(const Quartet& q) {
   const auto range = [&](int first, int last, int axis, Vec3 MovingPoint::*when) {
-    Range r{(q.point[first].*when)[axis], (q.point[first].*when)[axis]};
+    TimeRange r{(q.point[first].*when)[axis], (q.point[first].*when)[axis]};
     for (int i = first + 1; i < last; ++i) {
       r.low = std::min(r.low, (q.point[i].*when)[axis]);
       r.high = std::max(r.high, (q.point[i].*when)[axis]);
@@ -40,10 +40,10 @@ bool parted_by_axis(const Quartet& q) {
   };
   const int first_count = q.kind == Quartet::Kind::point_face ? 1 : 2;
   for (int axis = 0; axis < 3; ++axis) {
-    const Range start_a = range(0, first_count, axis, &MovingPoint::start);
-    const Range start_b = range(first_count, 4, axis, &MovingPoint::start);
-    const Range end_a = range(0, first_count, axis, &MovingPoint::end);
-    const Range end_b = range(first_count, 4, axis, &MovingPoint::end);
+    const TimeRange start_a = range(0, first_count, axis, &MovingPoint::start);
+    const TimeRange start_b = range(first_count, 4, axis, &MovingPoint::start);
+    const TimeRange end_a = range(0, first_count, axis, &MovingPoint::end);
+    const TimeRange end_b = range(first_count, 4, axis, &MovingPoint::end);
     if (start_a.high < start_b.low && end_a.high < end_b.low) return true;
     if (start_b.high < start_a.low && end_b.high < end_a.low) return true;
   }
@@ -51,9 +51,9 @@ bool parted_by_axis(const Quartet& q) {
 }
 
 /// How a cubic crosses zero on a span of time, from the signs of its Bernstein coefficients.
-enum class Crossing { none, always, once, unsure };
+enum class ZeroCrossing { none, always, once, unsure };
 
-Crossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, Sign& before_high) {
+ZeroCrossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, Sign& before_high) {
   const auto span = cubic.on_span(low, high);
   const int last = cubic.count() - 1;
   std::array<Sign, 4> s{};
@@ -63,18 +63,18 @@ Crossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, S
     same = same && s[i] == s[0];
   }
   before_high = s[last];
-  if (same && s[0] != Sign::unsure) return s[0] == Sign::zero ? Crossing::always : Crossing::none;
+  if (same && s[0] != Sign::unsure) return s[0] == Sign::zero ? ZeroCrossing::always : ZeroCrossing::none;
   const bool strict_ends =
       (s[0] == Sign::negative && s[last] == Sign::positive) || (s[0] == Sign::positive && s[last] == Sign::negative);
-  if (!strict_ends) return Crossing::unsure;
+  if (!strict_ends) return ZeroCrossing::unsure;
   // One change of sign, whatever the unsure signs between are, unless they could change back and forth.
-  return last < 3 || s[1] == s[0] || s[2] == s[3] ? Crossing::once : Crossing::unsure;
+  return last < 3 || s[1] == s[0] || s[2] == s[3] ? ZeroCrossing::once : ZeroCrossing::unsure;
 }
 
 /// What double with a running bound can decide about one pair of features.
-class Filter {
+class FeatureFilter {
  public:
-  Filter(const Quartet& q, double width) : moving_(q), cubic_(moving_.coplanarity()), width_(width) {}
+  FeatureFilter(const Quartet& q, double width) : moving_(q), cubic_(moving_.coplanarity()), width_(width) {}
 
   Decision run(TimeBracket& bracket);
   /// There is surely no contact before this time; 0 where even the start is open.
@@ -83,8 +83,8 @@ class Filter {
  private:
   Decision search(TimeBracket& bracket);
   Decision sides_on(double low, double high) const;
-  bool narrow(Range& span, Sign before_high) const;
-  Decision cross(Range span, Sign before_high, Decision inside, TimeBracket& bracket);
+  bool narrow(TimeRange& span, Sign before_high) const;
+  Decision cross(TimeRange span, Sign before_high, Decision inside, TimeBracket& bracket);
 
   MovingQuartet<Bounded> moving_;
   Times cubic_;
@@ -94,12 +94,12 @@ class Filter {
   double clear_until_ = 0;
 };
 
-Decision Filter::sides_on(double low, double high) const {
+Decision FeatureFilter::sides_on(double low, double high) const {
   return meets_in_plane(sides_, gaps_, [&](const Times& p) { return p.sign_on(low, high); });
 }
 
 /// Narrows the span around its only root to the given width; false where that cannot be certain.
-bool Filter::narrow(Range& span, Sign before_high) const {
+bool FeatureFilter::narrow(TimeRange& span, Sign before_high) const {
   if (span.high - span.low <= width_) return true;
   std::array<double, 4> coefficient{};
   for (int i = 0; i < cubic_.count(); ++i) coefficient[i] = cubic_[i].value;
@@ -114,29 +114,29 @@ bool Filter::narrow(Range& span, Sign before_high) const {
 }
 
 /// Whether there is contact at the only time in the span at which the four points lie in one plane.
-Decision Filter::cross(Range span, Sign before_high, Decision inside, TimeBracket& bracket) {
+Decision FeatureFilter::cross(TimeRange span, Sign before_high, Decision inside, TimeBracket& bracket) {
   if (!narrow(span, before_high)) return Decision::undecided;
   if (inside == Decision::undecided) inside = sides_on(span.low, span.high);
   if (inside == Decision::yes) bracket = {span.low, span.high};
   return inside;
 }
 
-Decision Filter::search(TimeBracket& bracket) {
+Decision FeatureFilter::search(TimeBracket& bracket) {
   // The earliest span is last, so that the first contact found is the first of all.
-  std::array<Range, kMostSpans> open;
+  std::array<TimeRange, kMostSpans> open;
   int open_count = 0;
   open[open_count++] = {0, 1};
   double unsure_since = 2;
   for (int looked = 0; looked < kMostSpans && open_count > 0; ++looked) {
-    const Range span = open[--open_count];
+    const TimeRange span = open[--open_count];
     Sign before_high = Sign::unsure;
     const Decision inside = sides_on(span.low, span.high);
-    const Crossing crosses =
-        inside == Decision::no ? Crossing::none : crossing(cubic_, span.low, span.high, before_high);
-    Decision here = crosses == Crossing::none ? Decision::no : Decision::undecided;
-    if (crosses == Crossing::once) here = cross(span, before_high, inside, bracket);
-    if (crosses == Crossing::always) here = inside;
-    if (here == Decision::yes && crosses == Crossing::always) {
+    const ZeroCrossing crosses =
+        inside == Decision::no ? ZeroCrossing::none : crossing(cubic_, span.low, span.high, before_high);
+    Decision here = crosses == ZeroCrossing::none ? Decision::no : Decision::undecided;
+    if (crosses == ZeroCrossing::once) here = cross(span, before_high, inside, bracket);
+    if (crosses == ZeroCrossing::always) here = inside;
+    if (here == Decision::yes && crosses == ZeroCrossing::always) {
       bracket = {std::min(unsure_since, span.low), span.low};
       // The start itself is open, and contact at 0 is a different answer from contact soon after.
       return span.low > 0 && bracket.low == 0 ? Decision::undecided : here;
@@ -148,8 +148,8 @@ Decision Filter::search(TimeBracket& bracket) {
       clear_until_ = span.high;
       continue;
     }
-    if (crosses == Crossing::once) return Decision::undecided;
-    if (crosses == Crossing::always && span.high - span.low <= width_) {
+    if (crosses == ZeroCrossing::once) return Decision::undecided;
+    if (crosses == ZeroCrossing::always && span.high - span.low <= width_) {
       if (unsure_since < 2) return Decision::undecided;
       unsure_since = span.low;
       continue;
@@ -162,7 +162,7 @@ Decision Filter::search(TimeBracket& bracket) {
   return open_count == 0 && unsure_since == 2 ? Decision::no : Decision::undecided;
 }
 
-Decision Filter::run(TimeBracket& bracket) {
+Decision FeatureFilter::run(TimeBracket& bracket) {
   if (cubic_.sign_on(0.0, 1.0) == Sign::positive || cubic_.sign_on(0.0, 1.0) == Sign::negative) return Decision::no;
   return search(bracket);
 }
@@ -170,7 +170,7 @@ Decision Filter::run(TimeBracket& bracket) {
 ExactResult first_contact(const Quartet& q, double width, TimeBracket& bracket) {
   if (!finite(q)) return {Decision::undecided, Level::filter};
   if (parted_by_axis(q)) return {Decision::no, Level::filter};
-  Filter filter(q, width);
+  FeatureFilter filter(q, width);
   const Decision quick = filter.run(bracket);
   if (quick != Decision::undecided) return {quick, Level::filter};
   ++rungs.uncertain;

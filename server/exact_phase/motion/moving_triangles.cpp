@@ -8,12 +8,12 @@
 namespace collided::engine {
 namespace {
 
-struct Span {
+struct MotionSpan {
   double low;
   double high;
 };
 
-Span reach(const MovingTriangle& t, int axis, Vec3 MovingPoint::*when) {
+MotionSpan reach(const MovingTriangle& t, int axis, Vec3 MovingPoint::*when) {
   const auto [low, high] = std::minmax({(t.a.*when)[axis], (t.b.*when)[axis], (t.c.*when)[axis]});
   return {low, high};
 }
@@ -26,10 +26,10 @@ bool finite(const MovingTriangle& t) {
 /// Whether on some axis one triangle stays strictly above the other. Exact.
 bool parted_by_axis(const MovingTriangle& a, const MovingTriangle& b) {
   for (int axis = 0; axis < 3; ++axis) {
-    const Span start_a = reach(a, axis, &MovingPoint::start);
-    const Span start_b = reach(b, axis, &MovingPoint::start);
-    const Span end_a = reach(a, axis, &MovingPoint::end);
-    const Span end_b = reach(b, axis, &MovingPoint::end);
+    const MotionSpan start_a = reach(a, axis, &MovingPoint::start);
+    const MotionSpan start_b = reach(b, axis, &MovingPoint::start);
+    const MotionSpan end_a = reach(a, axis, &MovingPoint::end);
+    const MotionSpan end_b = reach(b, axis, &MovingPoint::end);
     if (start_a.high < start_b.low && end_a.high < end_b.low) return true;
     if (start_b.high < start_a.low && end_b.high < end_a.low) return true;
   }

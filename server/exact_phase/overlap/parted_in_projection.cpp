@@ -27,11 +27,11 @@ Seen seen_widest(const Triangle& t) {
 }
 
 /// a - b, and whether that was rounded (Knuth's sum without error).
-struct Difference {
+struct RoundedDifference {
   double value;
   bool is_rounded;
 };
-Difference difference(double a, double b) {
+RoundedDifference difference(double a, double b) {
   const double value = a - b;
   const double part = a - value;
   return {value, (a - (value + part)) + (part - b) != 0};
@@ -57,10 +57,10 @@ int turn_of_products(double a, double b, double c, double d) {
 }
 
 int rarely_sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) {
-  const Difference pu = difference(p[u], o[u]);
-  const Difference pv = difference(p[v], o[v]);
-  const Difference qu = difference(q[u], o[u]);
-  const Difference qv = difference(q[v], o[v]);
+  const RoundedDifference pu = difference(p[u], o[u]);
+  const RoundedDifference pv = difference(p[v], o[v]);
+  const RoundedDifference qu = difference(q[u], o[u]);
+  const RoundedDifference qv = difference(q[v], o[v]);
   // Two zero factors make both products exactly zero, whatever the others are.
   if ((pu.value == 0 && qu.value == 0) || (pv.value == 0 && qv.value == 0)) return 0;
   if (pu.is_rounded || pv.is_rounded || qu.is_rounded || qv.is_rounded) return kTurnUnsure;

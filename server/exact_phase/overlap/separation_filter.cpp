@@ -37,7 +37,7 @@ struct BoxAxes {
 };
 
 /// Collects gaps (distance between projections minus the extents of the bodies), each with the error of its axis.
-class Gaps {
+class AxisGaps {
  public:
   /// True: this axis surely separates.
   bool add(double gap, double error) {
@@ -80,7 +80,7 @@ Decision quickly_overlaps(const Box& a, const Box& b) {
   const auto reach_over = [](const Vec3& half, const double(&over)[3][3], int j) {
     return half[0] * over[0][j] + half[1] * over[1][j] + half[2] * over[2][j];
   };
-  Gaps gaps;
+  AxisGaps gaps;
   for (int i = 0; i < 3; ++i) {
     const double gap_a = std::abs(dot(between, frame_a.normal[i])) - a.half_m[i] * frame_a.volume;
     if (gaps.add(gap_a - reach_over(b.half_m, b_over_a, i), error)) return Decision::no;
@@ -116,7 +116,7 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   const double singular = kSeparationError * frame.largest * frame.largest * frame.largest;
   if (!(frame.volume > singular)) return Decision::undecided;
 
-  Gaps gaps;
+  AxisGaps gaps;
   const double face_error = kSeparationError * frame.largest * frame.largest * reach;
   bool inside[3] = {true, true, true};
   for (int i = 0; i < 3; ++i) {

@@ -23,7 +23,7 @@ double sum_up(double a, double b) { return -sum_down(-a, -b); }
 
 /// The part of the ray in which a hit may be: it begins in [entry_low, entry_high] and ends in [exit_low, exit_high],
 /// both infinite where nothing ends it. Written so that NaN makes nothing certain.
-struct Range {
+struct HitRange {
   double entry_low = 0;
   double entry_high = 0;
   double exit_low = kInfinity;
@@ -40,8 +40,8 @@ struct Range {
   bool surely_empty() const { return entry_low > exit_high; }
 };
 
-Range range_of(const Ray& ray, const ImplicitSurface& surface) {
-  Range range;
+HitRange range_of(const Ray& ray, const ImplicitSurface& surface) {
+  HitRange range;
   if (std::isfinite(ray.length_m))
     range.end_before(Bounded(ray.length_m) / sqrt(square(Vector<Bounded>(ray.direction))));
   for (int axis = 0; axis < 3; ++axis) {
@@ -140,7 +140,7 @@ int most_sign_changes(const Along::Coefficients& coefficient, int count) {
   return std::max({up, down, 0});
 }
 
-struct Span {
+struct ValueSpan {
   double low = 0;
   double high = 0;
 };
@@ -148,12 +148,12 @@ struct Span {
 /// Isolates the roots of a polynomial in a span, one after the other.
 class RootSearch {
  public:
-  RootSearch(const Along& polynomial, const Span& whole) : polynomial_(polynomial) { left_[count_++] = whole; }
+  RootSearch(const Along& polynomial, const ValueSpan& whole) : polynomial_(polynomial) { left_[count_++] = whole; }
 
   /// no: there is none left. yes: the span holds one simple root, with certain signs at its ends.
-  Decision next(Span& isolated) {
+  Decision next(ValueSpan& isolated) {
     for (; steps_ < kMostSteps && count_ > 0; ++steps_) {
-      const Span span = left_[--count_];
+      const ValueSpan span = left_[--count_];
       const auto coefficient = polynomial_.on_span(Bounded(span.low), Bounded(span.high));
       const int changes = most_sign_changes(coefficient, polynomial_.count());
       const Sign first = sign(coefficient[0]);
@@ -174,7 +174,7 @@ class RootSearch {
 
   /// Avoids the middle, where symmetrical scenes have their roots. False where neither of two places has a certain
   /// sign.
-  bool split(const Span& span) {
+  bool split(const ValueSpan& span) {
     if (count_ + 2 > static_cast<int>(left_.size())) return false;
     for (const double share : {0.46875, 0.5390625}) {
       const double at = span.low + share * (span.high - span.low);
@@ -189,13 +189,13 @@ class RootSearch {
 
   static constexpr int kMostSteps = 200;
   const Along& polynomial_;
-  std::array<Span, 64> left_{};
+  std::array<ValueSpan, 64> left_{};
   int count_ = 0;
   int steps_ = 0;
 };
 
 /// An approximation of the root: Newton's steps while they stay between the signs, otherwise halving. Decides nothing.
-double guessed_root(const Along& p, Span span, bool rises) {
+double guessed_root(const Along& p, ValueSpan span, bool rises) {
   double t = span.low + (span.high - span.low) / 2;
   for (int step = 0; step < 64; ++step) {
     double value = 0;
@@ -214,7 +214,7 @@ double guessed_root(const Along& p, Span span, bool rises) {
 }
 
 /// Narrows to the points nearest to the root, on both sides, at which double has a certain sign.
-Span narrowed(const Along& p, const Span& span) {
+ValueSpan narrowed(const Along& p, const ValueSpan& span) {
   const bool rises = sign(p.at(Bounded(span.high))) == Sign::positive;
   const Sign before = rises ? Sign::negative : Sign::positive;
   const Sign after = rises ? Sign::positive : Sign::negative;
@@ -222,7 +222,7 @@ Span narrowed(const Along& p, const Span& span) {
   const Bounded there = p.at(Bounded(guess));
   const double slope = std::abs(p.derivative().at(Bounded(guess)).value);
   double reach = std::max(1.25 * (std::abs(there.value) + there.bound()) / slope, kRoundoff * std::abs(guess));
-  Span close = span;
+  ValueSpan close = span;
   for (int step = 0; step < 5; ++step, reach *= 6) {
     const double low = guess - reach;
     const double high = guess + reach;
@@ -242,15 +242,15 @@ Bounded between(double low, double high) {
 
 FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
   FilteredMeeting result;
-  const Range range = range_of(ray, surface);
+  const HitRange range = range_of(ray, surface);
   if (range.surely_empty()) return {.meets = Decision::no, .low = 0, .high = 0, .point = {}};
   const Shifted from = shifted(ray, surface);
   Along p = along(surface, from.origin, from.direction);
   p.trim();
   if (p.count() == 0) return result;
   const double bound = p.count() > 1 ? root_bound(p) : 0;
-  const Span whole{std::max(sum_down(range.entry_low, -from.shift), -bound),
-                   std::min(sum_up(range.exit_high, -from.shift), bound)};
+  const ValueSpan whole{std::max(sum_down(range.entry_low, -from.shift), -bound),
+                        std::min(sum_up(range.exit_high, -from.shift), bound)};
   if (!std::isfinite(whole.low) || !std::isfinite(whole.high)) return result;
   if (p.count() == 1 || whole.low > whole.high) {
     const bool sure = p.count() > 1 || sign(p[0]) == Sign::positive || sign(p[0]) == Sign::negative;
@@ -259,10 +259,10 @@ FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
   }
   RootSearch search(p, whole);
   for (int root = 0; root < p.count(); ++root) {
-    Span isolated;
+    ValueSpan isolated;
     const Decision found = search.next(isolated);
     if (found != Decision::yes) return {.meets = found, .low = 0, .high = 0, .point = {}};
-    const Span close = narrowed(p, isolated);
+    const ValueSpan close = narrowed(p, isolated);
     const double low = std::max(sum_down(from.shift, close.low), range.entry_low);
     const double high = std::min(sum_up(from.shift, close.high), range.exit_high);
     if (high < range.entry_low) continue;

@@ -81,10 +81,10 @@ struct SeenBall {
 };
 
 /// A segment with a round side of constant radius.
-struct Side {
+struct LateralSurface {
   Segment<Dyadic> axis;
   Dyadic radius;
-  explicit Side(const Convex& set)
+  explicit LateralSurface(const Convex& set)
       : axis(Vector<Dyadic>(set.carrier[0]), Vector<Dyadic>(set.carrier[1])),
         radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {}
 };
@@ -188,8 +188,8 @@ Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius
 /// side by side.
 Decision sides_meet(const Convex& a, const Convex& b) {
   if (!has_side(a) || !has_side(b)) return Decision::undecided;
-  const Side of_a(a);
-  const Side of_b(b);
+  const LateralSurface of_a(a);
+  const LateralSurface of_b(b);
   const Vector<Dyadic>& d = of_a.axis.d;
   const Vector<Dyadic>& e = of_b.axis.d;
   const Vector<Dyadic> w = of_a.axis.a - of_b.axis.a;

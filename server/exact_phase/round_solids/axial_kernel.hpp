@@ -51,7 +51,7 @@ N side_form(const AxialSolid<N>& solid, const AboutAxis<N>& p, const AboutAxis<N
 
 /// A point of a segment by weights of its two ends: not negative, and not normalised.
 template <class N>
-struct Share {
+struct SegmentWeights {
   N first;
   N second;
 };
@@ -60,8 +60,8 @@ struct Share {
 template <class N>
 struct Clip {
   Decision is_any = Decision::yes;
-  Share<N> low{N(1.0), N(0.0)};
-  Share<N> high{N(0.0), N(1.0)};
+  SegmentWeights<N> low{N(1.0), N(0.0)};
+  SegmentWeights<N> high{N(0.0), N(1.0)};
 
   /// p and q: how far the segment's ends are behind a plane; the part in front of it is dropped.
   void keep_behind(const N& p, const N& q) {
@@ -76,7 +76,8 @@ struct Clip {
     if (is_any != Decision::yes || (sign_low != Sign::negative && sign_high != Sign::negative)) return;
     const N for_low = abs(at_high);
     const N for_high = abs(at_low);
-    const Share<N> crossing{for_low * low.first + for_high * high.first, for_low * low.second + for_high * high.second};
+    const SegmentWeights<N> crossing{for_low * low.first + for_high * high.first,
+                                     for_low * low.second + for_high * high.second};
     (sign_low == Sign::negative ? low : high) = crossing;
   }
 };
@@ -93,7 +94,7 @@ Decision meets_edge(const AxialSolid<N>& solid, const Vector<N>& p, const Vector
   const N pp = side_form(solid, at_p, at_p);
   const N pq = side_form(solid, at_p, at_q);
   const N qq = side_form(solid, at_q, at_q);
-  const auto form = [&](const Share<N>& s, const Share<N>& t) {
+  const auto form = [&](const SegmentWeights<N>& s, const SegmentWeights<N>& t) {
     return s.first * t.first * pp + (s.first * t.second + s.second * t.first) * pq + s.second * t.second * qq;
   };
   const N low = form(clip.low, clip.low);

@@ -10,7 +10,7 @@ namespace collided::engine::kernel {
 namespace {
 
 /// One side of a face: its edge, and the face's corner opposite.
-struct Side {
+struct FaceSide {
   std::uint32_t low;
   std::uint32_t high;
   std::uint32_t face;
@@ -28,7 +28,7 @@ bool is_in_front(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 /// Whether faces that were a convex surface still are one after each corner was rounded on its own: every face has
 /// area, and none has its neighbour's corner in front (local convexity of a closed surface makes the whole convex).
 bool is_still_convex(const std::vector<Vec3>& corners, const std::vector<TriangleCorners>& faces) {
-  std::vector<Side> sides;
+  std::vector<FaceSide> sides;
   for (std::uint32_t face = 0; face < faces.size(); ++face) {
     const TriangleCorners& corner = faces[face];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -37,7 +37,7 @@ bool is_still_convex(const std::vector<Vec3>& corners, const std::vector<Triangl
     }
   }
   std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
+            [](const FaceSide& a, const FaceSide& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
   if (sides.size() % 2 != 0) return false;
   for (std::size_t i = 0; i < sides.size(); i += 2) {
     if (sides[i].low != sides[i + 1].low || sides[i].high != sides[i + 1].high) return false;

@@ -12,13 +12,13 @@ namespace collided::engine::kernel {
 namespace {
 
 /// In the order in which in_order() takes pairs.
-enum class Kind { flat, ball, capsule, axial, ellipsoid };
+enum class SolidKind { flat, ball, capsule, axial, ellipsoid };
 
-Kind kind_of(const Convex& set) {
-  if (set.plus == Convex::Plus::ellipsoid) return Kind::ellipsoid;
-  if (set.disc_m > 0) return Kind::axial;
-  if (set.ball_m == 0) return Kind::flat;
-  return set.count() == 1 ? Kind::ball : Kind::capsule;
+SolidKind kind_of(const Convex& set) {
+  if (set.plus == Convex::Plus::ellipsoid) return SolidKind::ellipsoid;
+  if (set.disc_m > 0) return SolidKind::axial;
+  if (set.ball_m == 0) return SolidKind::flat;
+  return set.count() == 1 ? SolidKind::ball : SolidKind::capsule;
 }
 
 ExactResult by_rationals(Decision decision) { return {decision, Level::rational}; }
@@ -128,9 +128,9 @@ ExactResult meets_capsule(const Convex& a, const Convex& capsule) {
   const Vec3& first = capsule.carrier[0];
   const Vec3& second = capsule.carrier[1];
   if (are_apart && (leads_away(a, first, second) || leads_away(a, second, first))) return by_rationals(Decision::no);
-  if (are_apart && kind_of(a) == Kind::ellipsoid) return ellipsoid_meets_side(a, capsule);
+  if (are_apart && kind_of(a) == SolidKind::ellipsoid) return ellipsoid_meets_side(a, capsule);
   const Decision sides = sides_meet(a, capsule);
-  const bool ends_known = are_apart && kind_of(a) == Kind::axial && !tapers(a);
+  const bool ends_known = are_apart && kind_of(a) == SolidKind::axial && !tapers(a);
   return by_rationals(sides == Decision::undecided && ends_known ? cylinder_meets_capsule_side(a, capsule) : sides);
 }
 
@@ -140,20 +140,20 @@ bool end_parts(const Convex& axial, const Convex& other) {
   return parted_along(axis, axial, other) == Decision::yes || parted_along(-axis, axial, other) == Decision::yes;
 }
 
-ExactResult in_order(const Convex& a, Kind kind_a, const Convex& b, Kind kind_b) {
-  if (kind_a >= Kind::capsule && (kind_a == Kind::axial || kind_b == Kind::axial)) {
-    if (kind_a == Kind::axial && end_parts(a, b)) return by_rationals(Decision::no);
-    if (kind_b == Kind::axial && end_parts(b, a)) return by_rationals(Decision::no);
+ExactResult in_order(const Convex& a, SolidKind kind_a, const Convex& b, SolidKind kind_b) {
+  if (kind_a >= SolidKind::capsule && (kind_a == SolidKind::axial || kind_b == SolidKind::axial)) {
+    if (kind_a == SolidKind::axial && end_parts(a, b)) return by_rationals(Decision::no);
+    if (kind_b == SolidKind::axial && end_parts(b, a)) return by_rationals(Decision::no);
   }
-  if (kind_b == Kind::ellipsoid) {
-    if (kind_a == Kind::flat) return by_rationals(ellipsoid_meets_flat(b, a));
-    if (kind_a == Kind::capsule) return meets_capsule(b, a);
-    if (kind_a == Kind::axial) return ellipsoid_meets_axial(b, a);
+  if (kind_b == SolidKind::ellipsoid) {
+    if (kind_a == SolidKind::flat) return by_rationals(ellipsoid_meets_flat(b, a));
+    if (kind_a == SolidKind::capsule) return meets_capsule(b, a);
+    if (kind_a == SolidKind::axial) return ellipsoid_meets_axial(b, a);
     return by_rationals(ellipsoids_meet(a, b));
   }
-  if (kind_a == Kind::flat) return axial_meets_flat(b, a);
-  if (kind_a == Kind::ball) return by_rationals(axial_meets_ball(b, a.carrier[0], a.ball_m));
-  if (kind_a == Kind::capsule) return meets_capsule(b, a);
+  if (kind_a == SolidKind::flat) return axial_meets_flat(b, a);
+  if (kind_a == SolidKind::ball) return by_rationals(axial_meets_ball(b, a.carrier[0], a.ball_m));
+  if (kind_a == SolidKind::capsule) return meets_capsule(b, a);
   const Decision parallel = parallel_axials_meet(a, b);
   if (parallel != Decision::undecided) return by_rationals(parallel);
   const Decision sides = sides_meet(a, b);
@@ -163,8 +163,8 @@ ExactResult in_order(const Convex& a, Kind kind_a, const Convex& b, Kind kind_b)
 }  // namespace
 
 ExactResult round_sets_meet(const Convex& a, const Convex& b) {
-  const Kind kind_a = kind_of(a);
-  const Kind kind_b = kind_of(b);
+  const SolidKind kind_a = kind_of(a);
+  const SolidKind kind_b = kind_of(b);
   return kind_a <= kind_b ? in_order(a, kind_a, b, kind_b) : in_order(b, kind_b, a, kind_a);
 }
 

@@ -70,16 +70,16 @@ bool join_points(const Found& found, double crack_m, TriangleMesh& mesh, MendRep
 }
 
 /// A triangle with the points that its sides must go through, in their order along each side.
-struct Cut {
+struct EdgeCut {
   TriangleCorners corners{};
   std::array<std::vector<std::uint32_t>, 3> points;
 };
 
 /// Fans from the corner across one side after the other: no piece lacks area where the whole has some.
-void cut_up(Cut whole, std::vector<TriangleCorners>& pieces) {
-  std::vector<Cut> waiting{std::move(whole)};
+void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
+  std::vector<EdgeCut> waiting{std::move(whole)};
   while (!waiting.empty()) {
-    Cut cut = std::move(waiting.back());
+    EdgeCut cut = std::move(waiting.back());
     waiting.pop_back();
     std::size_t k = 0;
     while (k < 3 && cut.points[k].empty()) ++k;
@@ -94,7 +94,7 @@ void cut_up(Cut whole, std::vector<TriangleCorners>& pieces) {
     along.push_back(cut.corners[next]);
     const std::size_t piece_count = along.size() - 1;
     for (std::size_t i = piece_count; i-- > 0;) {  // the first one is taken from the stack first
-      Cut piece{.corners = {along[i], along[i + 1], cut.corners[last]}, .points = {}};
+      EdgeCut piece{.corners = {along[i], along[i + 1], cut.corners[last]}, .points = {}};
       if (i + 1 == piece_count) piece.points[1] = cut.points[next];
       if (i == 0) piece.points[2] = cut.points[last];
       waiting.push_back(std::move(piece));
@@ -103,7 +103,7 @@ void cut_up(Cut whole, std::vector<TriangleCorners>& pieces) {
 }
 
 bool cut_edges(const Found& found, MendedMesh& mended) {
-  std::map<std::uint32_t, Cut> cuts;  // by triangle: the order of the pieces is the file's
+  std::map<std::uint32_t, EdgeCut> cuts;  // by triangle: the order of the pieces is the file's
   MendReport& report = mended.report;
   for (const Seam& seam : found.seams) {
     if (seam.kind == Seam::Kind::beside_point) continue;

@@ -29,7 +29,7 @@ class SeamSearch {
 
   Seams run(const Aabb& bounds) {
     if (borders_.empty() || !std::isfinite((bounds.high - bounds.low).squaredNorm())) return {};
-    std::vector<Segment> segments;
+    std::vector<MeshSegment> segments;
     segments.reserve(borders_.size());
     for (const Border& border : borders_) segments.push_back({at(border.from), at(border.to)});
     const SegmentGrid grid(segments, bounds, std::max(reach_.crack_m, reach_.on_edge_m));

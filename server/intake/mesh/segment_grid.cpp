@@ -27,7 +27,7 @@ std::uint64_t SegmentGrid::key_of(const Level& level, const Cell& cell) {
   return key;
 }
 
-SegmentGrid::SegmentGrid(std::span<const Segment> segments, const Aabb& bounds, double reach_m)
+SegmentGrid::SegmentGrid(std::span<const MeshSegment> segments, const Aabb& bounds, double reach_m)
     : origin_(bounds.empty() ? Vec3::Zero() : bounds.low), reach_m_(reach_m) {
   const double diagonal_m = bounds.empty() ? 1 : (bounds.high - bounds.low).norm();
   const int least_power = std::ilogb(std::max(diagonal_m, std::numeric_limits<double>::min())) - kMostHalvings;

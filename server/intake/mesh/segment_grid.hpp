@@ -9,7 +9,7 @@
 
 namespace collided::engine {
 
-struct Segment {
+struct MeshSegment {
   Vec3 a;
   Vec3 b;
 };
@@ -22,7 +22,7 @@ struct Segment {
 class SegmentGrid {
  public:
   /// bounds  of the segments; finite, and so is its diagonal
-  SegmentGrid(std::span<const Segment> segments, const Aabb& bounds, double reach_m);
+  SegmentGrid(std::span<const MeshSegment> segments, const Aabb& bounds, double reach_m);
 
   /// Calls visit(number of the segment), each at most once.
   template <class Visit>

@@ -35,15 +35,15 @@ Vec3 curve_point(const Vec3* points, std::size_t degree, std::size_t count, doub
 }
 
 /// Control points, row after row.
-struct Grid {
+struct ControlGrid {
   std::vector<Vec3> points;
   std::size_t columns;
   std::size_t rows;
 };
 
 /// Of the derivative along the rows of a spline of that degree, taken `order` times before.
-Grid derivative(const Grid& from, std::size_t degree, std::size_t order) {
-  Grid to{{}, from.columns - 1, from.rows};
+ControlGrid derivative(const ControlGrid& from, std::size_t degree, std::size_t order) {
+  ControlGrid to{{}, from.columns - 1, from.rows};
   const std::size_t left = degree - order;  // of the degree
   const std::size_t count = from.columns + order;
   for (std::size_t row = 0; row < from.rows; ++row) {
@@ -56,8 +56,8 @@ Grid derivative(const Grid& from, std::size_t degree, std::size_t order) {
   return to;
 }
 
-Grid transposed(const Grid& from) {
-  Grid to{{}, from.rows, from.columns};
+ControlGrid transposed(const ControlGrid& from) {
+  ControlGrid to{{}, from.rows, from.columns};
   for (std::size_t column = 0; column < from.columns; ++column) {
     for (std::size_t row = 0; row < from.rows; ++row) to.points.push_back(from.points[row * from.columns + column]);
   }
@@ -65,13 +65,13 @@ Grid transposed(const Grid& from) {
 }
 
 /// A spline lies in the hull of its control points.
-double longest(const Grid& grid) {
+double longest(const ControlGrid& grid) {
   double length = 0;
   for (const Vec3& point : grid.points) length = std::max(length, point.norm());
   return length * (1 + kBoundSlack);
 }
 
-double second_derivative(const Grid& grid, std::size_t degree) {
+double second_derivative(const ControlGrid& grid, std::size_t degree) {
   return degree < 2 ? 0 : longest(derivative(derivative(grid, degree, 0), degree, 1));
 }
 
@@ -85,9 +85,9 @@ Vec3 SplinePatch::at(double first, double second) const {
 }
 
 SecondDerivatives SplinePatch::second_derivatives() const {
-  const Grid grid{points, columns, rows()};
-  const Grid turned = transposed(grid);
-  const Grid both = derivative(transposed(derivative(grid, first_degree, 0)), second_degree, 0);
+  const ControlGrid grid{points, columns, rows()};
+  const ControlGrid turned = transposed(grid);
+  const ControlGrid both = derivative(transposed(derivative(grid, first_degree, 0)), second_degree, 0);
   return {second_derivative(grid, first_degree), longest(both), second_derivative(turned, second_degree)};
 }
 

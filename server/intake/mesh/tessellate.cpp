@@ -22,14 +22,14 @@ void require(bool holds, const char* what) {
 bool is_size(double size_m) { return size_m > 0 && std::isfinite(size_m); }
 
 /// Pieces along both parameters.
-struct Counts {
+struct GridCounts {
   double first;
   double second;
 };
 
 /// The counts as asked, or grown from the least ones until the bound is no more than the error, the way that helps more.
 template <class Bound>
-Counts counts_for(const Fineness& fineness, Counts least, const Bound& bound) {
+GridCounts counts_for(const Fineness& fineness, GridCounts least, const Bound& bound) {
   if (fineness.error_m == 0) {
     require(fineness.first >= least.first && fineness.second >= least.second,
             "tessellation: too few pieces to make the surface");
@@ -37,7 +37,7 @@ Counts counts_for(const Fineness& fineness, Counts least, const Bound& bound) {
   }
   require(is_size(fineness.error_m), "tessellation: the error must be finite and above 0");
   const auto grown = [](double count) { return std::floor(count * 1.02) + 1; };
-  Counts counts = least;
+  GridCounts counts = least;
   while (bound(counts.first, counts.second) > fineness.error_m) {
     require(2 * counts.first * counts.second <= static_cast<double>(fineness.triangles_at_most),
             "tessellation: the error asked for takes too many triangles");
@@ -69,8 +69,8 @@ double unit_sphere_error(double slices, double bands) {
   return versine(pi / (2 * bands)) + std::cos(pi / (2 * bands)) * versine(pi / slices);
 }
 
-Counts sphere_counts(const Fineness& fineness, double longest_m) {
-  const Counts counts = counts_for(
+GridCounts sphere_counts(const Fineness& fineness, double longest_m) {
+  const GridCounts counts = counts_for(
       fineness, {3, 2}, [&](double slices, double bands) { return longest_m * unit_sphere_error(slices, bands); });
   check_count(2 * counts.first * (counts.second - 1), fineness);
   return counts;
@@ -95,7 +95,7 @@ void add_cap(std::uint32_t first, unsigned slices, std::uint32_t tip, bool is_up
 
 unsigned slices_for(double radius_m, Fineness fineness) {
   fineness.second = 1;
-  const Counts counts =
+  const GridCounts counts =
       counts_for(fineness, {3, 1}, [&](double slices, double) { return radius_m * versine(pi / slices); });
   check_count(4 * counts.first, fineness);
   return static_cast<unsigned>(counts.first);
@@ -116,7 +116,7 @@ Tessellation tessellate_sphere(double radius_m, const Fineness& fineness) {
 Tessellation tessellate_ellipsoid(const Vec3& half_m, const Fineness& fineness) {
   require(is_size(half_m.minCoeff()) && is_size(half_m.maxCoeff()),
           "sphere or ellipsoid: radii must be finite and above 0");
-  const Counts counts = sphere_counts(fineness, half_m.maxCoeff());
+  const GridCounts counts = sphere_counts(fineness, half_m.maxCoeff());
   Tessellation surface{
       latitude_longitude_sphere(1, static_cast<unsigned>(counts.first), static_cast<unsigned>(counts.second))};
   for (Vec3& vertex : surface.mesh.vertices) vertex = vertex.cwiseProduct(half_m);
@@ -164,7 +164,7 @@ Tessellation tessellate_torus(double ring_m, double tube_m, const Fineness& fine
           "torus: ring and tube must be finite and above 0, the tube thinner than the ring");
   const SecondDerivatives bounds{ring_m + tube_m, tube_m, tube_m};
   const auto error = [&](double slices, double around) { return bounds.chord_error(2 * pi / slices, 2 * pi / around); };
-  const Counts counts = counts_for(fineness, {3, 3}, error);
+  const GridCounts counts = counts_for(fineness, {3, 3}, error);
   check_count(2 * counts.first * counts.second, fineness);
   const auto slices = static_cast<std::uint32_t>(counts.first);
   const auto around = static_cast<std::uint32_t>(counts.second);
@@ -192,7 +192,7 @@ Tessellation tessellate_heights(const HeightFunction& function, const Fineness& 
   const auto error = [&](double columns, double rows) {
     return function.bounds.chord_error(size[0] / columns, size[1] / rows);
   };
-  const Counts counts = counts_for(fineness, {1, 1}, error);
+  const GridCounts counts = counts_for(fineness, {1, 1}, error);
   check_count(2 * counts.first * counts.second, fineness);
   Tessellation surface;
   double reach_m = function.low.cwiseAbs().maxCoeff() + function.high.cwiseAbs().maxCoeff();
@@ -227,7 +227,7 @@ Tessellation tessellate_patch(const SplinePatch& patch, const Fineness& fineness
   require(std::isfinite(reach_m), "spline patch: a point is not finite");
   const SecondDerivatives bounds = patch.second_derivatives();
   const auto error = [&](double first, double second) { return bounds.chord_error(1 / first, 1 / second); };
-  const Counts counts = counts_for(fineness, {1, 1}, error);
+  const GridCounts counts = counts_for(fineness, {1, 1}, error);
   const double across = counts.first * (patch.columns - patch.first_degree);
   const double along = counts.second * (rows - patch.second_degree);
   check_count(2 * across * along, fineness);

@@ -11,11 +11,11 @@
 namespace collided::engine {
 namespace {
 
-struct Corner {
+struct PolygonCorner {
   PlanePoint at;
   std::uint32_t vertex;
 };
-using Loop = std::vector<Corner>;
+using Loop = std::vector<PolygonCorner>;
 
 /// The first two edges that go through each other, by the corners they begin at.
 std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const Loop& loop) {
@@ -35,12 +35,12 @@ double share_along(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c
 }
 
 /// The middle of the two edges where they cross; nothing where they pass by each other in space, as in a bent polygon.
-std::optional<Corner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap,
-                                     std::vector<Vec3>& vertices) {
-  const Corner& a = loop[i];
-  const Corner& b = loop[i + 1];
-  const Corner& c = loop[k];
-  const Corner& d = loop[(k + 1) % loop.size()];
+std::optional<PolygonCorner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap,
+                                            std::vector<Vec3>& vertices) {
+  const PolygonCorner& a = loop[i];
+  const PolygonCorner& b = loop[i + 1];
+  const PolygonCorner& c = loop[k];
+  const PolygonCorner& d = loop[(k + 1) % loop.size()];
   const double along_first = share_along(a.at, b.at, c.at, d.at);
   const double along_second = share_along(c.at, d.at, a.at, b.at);
   const Vec3 on_first = vertices[a.vertex] + along_first * (vertices[b.vertex] - vertices[a.vertex]);
@@ -48,7 +48,7 @@ std::optional<Corner> crossing_point(const Loop& loop, std::size_t i, std::size_
   if (!((on_first - on_second).norm() <= largest_gap)) return std::nullopt;
   vertices.push_back(on_first / 2 + on_second / 2);
   const PlanePoint at{a.at[0] + along_first * (b.at[0] - a.at[0]), a.at[1] + along_first * (b.at[1] - a.at[1])};
-  return Corner{at, static_cast<std::uint32_t>(vertices.size() - 1)};
+  return PolygonCorner{at, static_cast<std::uint32_t>(vertices.size() - 1)};
 }
 
 double size_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
@@ -59,7 +59,7 @@ double size_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& 
 
 void cut_lobe(const Loop& lobe, const std::vector<Vec3>& vertices, std::vector<TriangleCorners>& triangles) {
   std::vector<std::uint32_t> corners;
-  for (const Corner& corner : lobe) corners.push_back(corner.vertex);
+  for (const PolygonCorner& corner : lobe) corners.push_back(corner.vertex);
   triangulate(corners, vertices, triangles);
 }
 
@@ -83,7 +83,7 @@ std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> c
       continue;
     }
     const auto [i, k] = *crossing;
-    const std::optional<Corner> at = crossing_point(loop, i, k, largest_gap, vertices);
+    const std::optional<PolygonCorner> at = crossing_point(loop, i, k, largest_gap, vertices);
     if (!at || vertices.size() - vertex_count > kMaxCrossings) {
       vertices.resize(vertex_count);
       return {};

@@ -2,42 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
+#include "server/geometry/expansion.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
-namespace {
-
-/// A sum of doubles kept without error: parts that do not overlap, smallest first.
-struct ExactSum {
-  std::array<double, 12> parts{};
-  std::size_t part_count = 0;
-
-  void add(double value) {
-    for (std::size_t i = 0; i < part_count; ++i) {
-      const double sum = parts[i] + value;
-      const double rounded_part = sum - value;
-      parts[i] = (value - (sum - rounded_part)) + (parts[i] - rounded_part);
-      value = sum;
-    }
-    parts[part_count++] = value;
-  }
-  void add_product(double a, double b) {
-    const double product = a * b;
-    add(std::fma(a, b, -product));
-    add(product);
-  }
-  int sign() const {
-    for (std::size_t i = part_count; i-- > 0;) {
-      if (parts[i] != 0) { return parts[i] > 0 ? 1 : (parts[i] < 0 ? -1 : 0); }
-    }
-    return 0;
-  }
-};
-
-}  // namespace
 
 int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   const double left = (a[0] - c[0]) * (b[1] - c[1]);
@@ -46,15 +16,10 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   if (std::abs(determinant) > kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min()) {
     return determinant > 0 ? 1 : -1;
   }
-  // The product of c with itself cancels, so six products of the coordinates as given make the whole determinant.
-  ExactSum sum;
-  sum.add_product(a[0], b[1]);
-  sum.add_product(-a[0], c[1]);
-  sum.add_product(-c[0], b[1]);
-  sum.add_product(-a[1], b[0]);
-  sum.add_product(a[1], c[0]);
-  sum.add_product(c[1], b[0]);
-  return sum.sign();
+  const auto exact = [](double from, double to) { return Expansion(to) - Expansion(from); };
+  const Expansion turned = exact(c[0], a[0]) * exact(c[1], b[1]) - exact(c[1], a[1]) * exact(c[0], b[0]);
+  const double leading = turned.lost() ? 0.0 : turned.leading();
+  return leading > 0 ? 1 : (leading < 0 ? -1 : 0);
 }
 
 bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d) {

@@ -9,13 +9,13 @@
 namespace collided::engine {
 namespace {
 
-struct Normals {
+struct EdgeNormals {
   Vec3 sum = Vec3::Zero();   // Newell's
   Vec3 seen = Vec3::Zero();  // of each coordinate plane; unlike the sum, lobes that turn both ways do not cancel
 };
 
-Normals normals_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
-  Normals normals;
+EdgeNormals normals_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
+  EdgeNormals normals;
   const Vec3& origin = vertices[corners[0]];
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 from = vertices[corners[i]] - origin;
@@ -36,7 +36,7 @@ std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, const 
 
 std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
                                   const std::vector<Vec3>& vertices) {
-  const Normals normals = normals_of(corners.first(ring_ends[0]), vertices);
+  const EdgeNormals normals = normals_of(corners.first(ring_ends[0]), vertices);
   int drop = 0;
   normals.seen.maxCoeff(&drop);
   const int u = (drop + 1) % 3;
@@ -51,7 +51,7 @@ std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, std::s
 bool Flatness::is_flat() const { return off_plane_m <= kFlatEnough * size_m; }
 
 Flatness flatness(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
-  const Normals normals = normals_of(corners, vertices);
+  const EdgeNormals normals = normals_of(corners, vertices);
   const double length = normals.sum.stableNorm();
   if (!(length > 0)) return {};
   const Vec3 normal = normals.sum / length;

@@ -16,17 +16,19 @@ enum Component : std::uint64_t { kByte = 5120, kUnsignedByte, kShort, kUnsignedS
 enum Mode : std::uint64_t { kTriangles = 4, kStrip, kFan, kModeEnd };
 
 /// x_parent = linear * x + offset.
-struct Placement {
+struct NodePlacement {
   Mat3 linear = Mat3::Identity();
   Vec3 offset = Vec3::Zero();
 
-  Placement operator*(const Placement& child) const { return {linear * child.linear, linear * child.offset + offset}; }
+  NodePlacement operator*(const NodePlacement& child) const {
+    return {linear * child.linear, linear * child.offset + offset};
+  }
 };
 
 Vec3 vec3(const JsonView& view) { return {view.at(std::size_t{0}).number(), view.at(1).number(), view.at(2).number()}; }
 
-Placement placement_of(const JsonView& node) {
-  Placement placement;
+NodePlacement placement_of(const JsonView& node) {
+  NodePlacement placement;
   if (node.has("matrix")) {
     const JsonView matrix = node.at("matrix");
     for (std::size_t i = 0; i < 9; ++i) placement.linear(i % 3, i / 3) = matrix.at(i / 3 * 4 + i % 3).number();
@@ -53,7 +55,7 @@ class GltfReader {
     // Our own stack: how deep a file nests is the file's choice.
     struct Waiting {
       std::uint64_t node;
-      Placement parent;
+      NodePlacement parent;
     };
     std::vector<Waiting> waiting;
     const std::vector<std::uint64_t> roots = root_nodes();
@@ -64,7 +66,7 @@ class GltfReader {
       const JsonView node = root_.element("nodes", now.node);
       if (visited_[now.node]) node.complain("stands in the scene twice or below itself");
       visited_[now.node] = true;
-      const Placement placement = now.parent * placement_of(node);
+      const NodePlacement placement = now.parent * placement_of(node);
       if (node.has("mesh")) add_mesh(node, placement);
       for (std::size_t i = node.size_of("children"); i-- > 0;) {
         waiting.push_back({node.element("children", i).index(visited_.size()), placement});
@@ -102,7 +104,7 @@ class GltfReader {
     return roots;
   }
 
-  void add_mesh(const JsonView& node, const Placement& placement) {
+  void add_mesh(const JsonView& node, const NodePlacement& placement) {
     const JsonView mesh = root_.element("meshes", node.at("mesh").index(root_.size_of("meshes")));
     Part part{.name = node.text_or("name", mesh.text_or("name", "")),
               .first_triangle = static_cast<std::uint32_t>(scene_.mesh.triangles.size())};
@@ -116,7 +118,7 @@ class GltfReader {
     if (part.triangle_count > 0) scene_.parts.push_back(std::move(part));
   }
 
-  void add_primitive(const JsonView& primitive, const Placement& placement) {
+  void add_primitive(const JsonView& primitive, const NodePlacement& placement) {
     const std::uint64_t mode = primitive.index_or("mode", kModeEnd, kTriangles);
     const JsonView attributes = primitive.at("attributes");
     if (mode < kTriangles || !attributes.has("POSITION")) {
@@ -137,7 +139,7 @@ class GltfReader {
   }
 
   template <class Corner>
-  void add_triangles(std::uint64_t mode, std::uint64_t corner_count, const Placement& placement, Corner&& corner) {
+  void add_triangles(std::uint64_t mode, std::uint64_t corner_count, const NodePlacement& placement, Corner&& corner) {
     const std::uint64_t count = mode == kTriangles ? corner_count / 3 : corner_count < 3 ? 0 : corner_count - 2;
     check_triangle_count(reading_, scene_.mesh.triangles.size() + count);
     surplus_count_ += mode == kTriangles ? corner_count % 3 : 0;
@@ -156,7 +158,7 @@ class GltfReader {
   }
 
   /// A file may show one mesh any number of times, so its size does not bound how many there will be.
-  std::uint64_t add_positions(const JsonView& accessor, const Placement& placement) {
+  std::uint64_t add_positions(const JsonView& accessor, const NodePlacement& placement) {
     const std::vector<double> numbers = numbers_of(accessor);
     const std::uint64_t count = numbers.size() / 3;
     check_vertex_count(reading_, scene_.mesh.vertices.size() + count);

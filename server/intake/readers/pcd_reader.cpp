@@ -15,7 +15,7 @@ namespace collided::engine {
 namespace {
 
 /// One column of a PCD file.
-struct Field {
+struct PcdField {
   std::string name;
   std::uint64_t bytes = 0;
   char type = 'F';
@@ -25,7 +25,7 @@ struct Field {
 };
 
 struct PcdHeader {
-  std::vector<Field> fields;
+  std::vector<PcdField> fields;
   std::uint64_t point_count = 0;
   std::uint64_t point_bytes = 0;
   std::string data;
@@ -55,11 +55,11 @@ class PcdHeaderReader {
       if (header_.fields.empty() || header_.fields.size() > kMaxFields)
         cursor_.complain(fmt::format("{} fields, allowed are 1 to {}", header_.fields.size(), kMaxFields));
     } else if (key == "SIZE") {
-      for (Field& field : header_.fields) field.bytes = whole("size of a field", 1, 8);
+      for (PcdField& field : header_.fields) field.bytes = whole("size of a field", 1, 8);
     } else if (key == "TYPE") {
-      for (Field& field : header_.fields) field.type = type();
+      for (PcdField& field : header_.fields) field.type = type();
     } else if (key == "COUNT") {
-      for (Field& field : header_.fields) field.count = whole("count of a field", 1, 1 << 20);
+      for (PcdField& field : header_.fields) field.count = whole("count of a field", 1, 1 << 20);
     } else if (key == "POINTS") {
       header_.point_count = whole("number of points", 0, kMaxVertices);
       has_count_ = true;
@@ -97,7 +97,7 @@ class PcdHeaderReader {
              fmt::format("{} points, the most that a cloud may have are {}", header_.point_count, kMaxCloudPoints));
     }
     std::uint64_t words = 0;
-    for (Field& field : header_.fields) {
+    for (PcdField& field : header_.fields) {
       field.offset = header_.point_bytes;
       field.word_offset = words;
       header_.point_bytes += field.bytes * field.count;
@@ -109,13 +109,13 @@ class PcdHeaderReader {
 
   std::size_t column(const std::string& name) const {
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
-      const Field& field = header_.fields[i];
+      const PcdField& field = header_.fields[i];
       if (field.name == name) return i;
     }
     refuse(reading_, fmt::format("no field {}; a cloud needs x, y and z", name));
   }
 
-  void check_type(const Field& field) const {
+  void check_type(const PcdField& field) const {
     const bool is_float = field.type == 'F' && (field.bytes == 4 || field.bytes == 8);
     const bool is_whole = field.type != 'F' && (field.bytes == 1 || field.bytes == 2 || field.bytes == 4);
     if (!is_float && !is_whole)
@@ -131,7 +131,7 @@ class PcdHeaderReader {
   bool has_count_ = false;
 };
 
-double value_at(const char* bytes, const Field& field) {
+double value_at(const char* bytes, const PcdField& field) {
   constexpr std::endian kOrder = std::endian::little;
   if (field.type == 'F')
     return field.bytes == 8 ? number_at<double>(bytes, kOrder) : static_cast<double>(number_at<float>(bytes, kOrder));
@@ -265,7 +265,7 @@ class PcdReader {
     const std::string_view bytes = rest();
     check_room(header_.point_count * header_.point_bytes, bytes.size());
     for (std::uint64_t i = 0; i < header_.point_count; ++i) {
-      add(point_at([&](const Field& field) { return bytes.data() + i * header_.point_bytes + field.offset; }), i);
+      add(point_at([&](const PcdField& field) { return bytes.data() + i * header_.point_bytes + field.offset; }), i);
     }
   }
 
@@ -282,7 +282,7 @@ class PcdReader {
     const std::optional<std::string> plain = unpack_lzf(bytes.substr(8, packed), size);
     if (!plain) refuse(reading_, fmt::format("the packed points do not unpack to {} bytes", size));
     for (std::uint64_t i = 0; i < header_.point_count; ++i) {
-      add(point_at([&](const Field& field) {
+      add(point_at([&](const PcdField& field) {
             return plain->data() + header_.point_count * field.offset + i * field.bytes * field.count;
           }),
           i);
@@ -293,7 +293,7 @@ class PcdReader {
   Vec3 point_at(PlaceOf&& place_of) const {
     Vec3 point;
     for (int axis = 0; axis < 3; ++axis) {
-      const Field& field = header_.fields[header_.axes[axis]];
+      const PcdField& field = header_.fields[header_.axes[axis]];
       point[axis] = value_at(place_of(field), field);
     }
     return point;

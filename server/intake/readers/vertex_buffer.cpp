@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
 /// What is wrong with a buffer; never leaves this file.
-struct Flaw {
+struct VertexFlaw {
   std::string what;
 };
 
@@ -26,13 +26,13 @@ Number read_at(std::span<const std::byte> bytes, std::size_t at) {
   return number;
 }
 
-struct Piece {
+struct BufferPiece {
   const char* name;
   std::size_t corner_count;
   std::size_t fewest_corners;
 };
 
-Piece piece_of(BufferKind kind) {
+BufferPiece piece_of(BufferKind kind) {
   switch (kind) {
     case BufferKind::points: return {"point", 1, 1};
     case BufferKind::segments: return {"segment", 2, 2};
@@ -41,12 +41,12 @@ Piece piece_of(BufferKind kind) {
     case BufferKind::fan:
     case BufferKind::strip: return {"triangle", 1, 3};
   }
-  throw Flaw{fmt::format("kind {}, allowed are 0 to 5", static_cast<int>(kind))};
+  throw VertexFlaw{fmt::format("kind {}, allowed are 0 to 5", static_cast<int>(kind))};
 }
 
 /// Number of the primitive that first uses corner i of the sequence.
 std::size_t piece_with(BufferKind kind, std::size_t i) {
-  const Piece piece = piece_of(kind);
+  const BufferPiece piece = piece_of(kind);
   if (piece.corner_count > 1) return i / piece.corner_count;
   return i < piece.fewest_corners ? 0 : i - piece.fewest_corners + 1;
 }
@@ -54,25 +54,25 @@ std::size_t piece_with(BufferKind kind, std::size_t i) {
 void check_layout(const VertexBuffer& buffer) {
   const std::size_t position_bytes = buffer.is_double ? 24 : 12;
   if (buffer.stride_bytes < position_bytes || buffer.offset_bytes > buffer.stride_bytes - position_bytes) {
-    throw Flaw{fmt::format("stride {} and offset {} bytes, a position of {} bytes does not fit into a vertex",
-                           buffer.stride_bytes, buffer.offset_bytes, position_bytes)};
+    throw VertexFlaw{fmt::format("stride {} and offset {} bytes, a position of {} bytes does not fit into a vertex",
+                                 buffer.stride_bytes, buffer.offset_bytes, position_bytes)};
   }
   const std::size_t rest = buffer.vertices.size() % buffer.stride_bytes;
   if (rest != 0 && rest < buffer.offset_bytes + position_bytes) {
-    throw Flaw{fmt::format("{} bytes of vertices, the last one breaks off after {} of {}", buffer.vertices.size(), rest,
-                           buffer.stride_bytes)};
+    throw VertexFlaw{fmt::format("{} bytes of vertices, the last one breaks off after {} of {}", buffer.vertices.size(),
+                                 rest, buffer.stride_bytes)};
   }
   if (buffer.index_bytes != 0 && buffer.index_bytes != 2 && buffer.index_bytes != 4) {
-    throw Flaw{fmt::format("indices of {} bytes, allowed are 2 and 4, and 0 for none", buffer.index_bytes)};
+    throw VertexFlaw{fmt::format("indices of {} bytes, allowed are 2 and 4, and 0 for none", buffer.index_bytes)};
   }
   if (buffer.index_bytes == 0 ? !buffer.indices.empty() : buffer.indices.size() % buffer.index_bytes != 0) {
-    throw Flaw{fmt::format("{} bytes of indices of {} bytes each", buffer.indices.size(), buffer.index_bytes)};
+    throw VertexFlaw{fmt::format("{} bytes of indices of {} bytes each", buffer.indices.size(), buffer.index_bytes)};
   }
 }
 
 std::vector<Vec3> read_vertices(const VertexBuffer& buffer) {
   const std::size_t count = (buffer.vertices.size() + buffer.stride_bytes - 1) / buffer.stride_bytes;
-  if (count > kMaxVertices) throw Flaw{fmt::format("{} vertices, limit {}", count, kMaxVertices)};
+  if (count > kMaxVertices) throw VertexFlaw{fmt::format("{} vertices, limit {}", count, kMaxVertices)};
   std::vector<Vec3> vertices(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i * buffer.stride_bytes + buffer.offset_bytes;
@@ -82,18 +82,18 @@ std::vector<Vec3> read_vertices(const VertexBuffer& buffer) {
                                                 : static_cast<double>(read_at<float>(buffer.vertices, at + 4 * axis));
     }
     const Vec3& v = vertices[i];
-    if (!v.allFinite()) throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])};
+    if (!v.allFinite()) throw VertexFlaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])};
   }
   return vertices;
 }
 
 /// The vertex numbers in the order in which they are joined.
 std::vector<std::uint32_t> read_sequence(const VertexBuffer& buffer, std::size_t vertex_count) {
-  const Piece piece = piece_of(buffer.kind);
+  const BufferPiece piece = piece_of(buffer.kind);
   const std::size_t count = buffer.index_bytes == 0 ? vertex_count : buffer.indices.size() / buffer.index_bytes;
   if (count < piece.fewest_corners || count % piece.corner_count != 0) {
-    throw Flaw{fmt::format("{} corners, a {} takes {}{}", count, piece.name, piece.fewest_corners,
-                           piece.corner_count > 1 ? ", and the last one is not whole" : "")};
+    throw VertexFlaw{fmt::format("{} corners, a {} takes {}{}", count, piece.name, piece.fewest_corners,
+                                 piece.corner_count > 1 ? ", and the last one is not whole" : "")};
   }
   std::vector<std::uint32_t> sequence(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -101,8 +101,8 @@ std::vector<std::uint32_t> read_sequence(const VertexBuffer& buffer, std::size_t
                   : buffer.index_bytes == 2 ? read_at<std::uint16_t>(buffer.indices, 2 * i)
                                             : read_at<std::uint32_t>(buffer.indices, 4 * i);
     if (sequence[i] >= vertex_count) {
-      throw Flaw{fmt::format("{} {}: index {} is vertex {} of {}", piece.name, piece_with(buffer.kind, i), i,
-                             sequence[i], vertex_count)};
+      throw VertexFlaw{fmt::format("{} {}: index {} is vertex {} of {}", piece.name, piece_with(buffer.kind, i), i,
+                                   sequence[i], vertex_count)};
     }
   }
   return sequence;
@@ -144,7 +144,7 @@ std::variant<DecodedBuffer, std::string> decode_buffer(const VertexBuffer& buffe
     decoded.mesh.vertices = read_vertices(buffer);
     join(buffer.kind, read_sequence(buffer, decoded.mesh.vertices.size()), decoded);
     return decoded;
-  } catch (const Flaw& flaw) { return flaw.what; }
+  } catch (const VertexFlaw& flaw) { return flaw.what; }
 }
 
 std::variant<Shape, std::string> shape_of_buffer(const VertexBuffer& buffer, double radius_m) {

@@ -142,7 +142,7 @@ class SceneEncoder {
     if (order.empty()) return 0;
     std::uint32_t* numbers = nullptr;
     const auto vector = builder_.CreateUninitializedVector(2 * order.size(), &numbers);
-    std::memcpy(numbers, order.data(), order.size() * sizeof(Collapse));
+    std::memcpy(numbers, order.data(), order.size() * sizeof(EdgeCollapse));
     return vector;
   }
 
@@ -170,7 +170,7 @@ inline std::uint64_t encoded_bytes(const Shape& shape) {
 /// Never less than the buffer will have.
 inline std::uint64_t encoded_bytes(const Scene& scene) {
   std::uint64_t bytes =
-      1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(Collapse);
+      1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(EdgeCollapse);
   for (const Part& part : scene.parts) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }

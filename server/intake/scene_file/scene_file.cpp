@@ -20,7 +20,7 @@
 namespace collided::engine {
 namespace {
 
-static_assert(sizeof(Collapse) == 2 * sizeof(std::uint32_t));
+static_assert(sizeof(EdgeCollapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
 
 /// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
@@ -89,7 +89,7 @@ CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_cou
                            numbers->size(), vertex_count)};
   }
   CollapseOrder order(numbers->size() / 2);
-  if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(Collapse));
+  if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(EdgeCollapse));
   if (const std::string flaw = flaw_of(order, vertex_count); !flaw.empty()) throw Flaw{flaw};
   return order;
 }

@@ -12,7 +12,7 @@ constexpr std::size_t kBlockBytes = 64;
 constexpr char kMagic[8] = {'C', 'S', 'C', 'N', 'I', 'D', 'X', '1'};
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
-struct Entry {
+struct IndexEntry {
   std::uint64_t mesh = 0;  // 0: the scene's, 1 + i: object i's
   std::uint64_t first_byte = 0;
   std::uint64_t byte_count = 0;
@@ -46,7 +46,7 @@ bool read_last(std::span<const char> file, LastRecord& last) {
   std::memcpy(&last, file.data() + file.size() - sizeof(LastRecord), sizeof(LastRecord));
   return std::memcmp(last.magic, kMagic, sizeof(kMagic)) == 0 && last.byte_order == kByteOrder &&
          last.table_bytes <= last.list_first_byte && last.list_first_byte <= file.size() - sizeof(LastRecord) &&
-         file.size() - sizeof(LastRecord) - last.list_first_byte == last.entry_count * sizeof(Entry);
+         file.size() - sizeof(LastRecord) - last.list_first_byte == last.entry_count * sizeof(IndexEntry);
 }
 
 SavedIndex kept(std::span<const std::byte> bytes, const std::shared_ptr<const void>& keeper) {
@@ -63,7 +63,7 @@ SavedIndex kept(std::span<const std::byte> bytes, const std::shared_ptr<const vo
 std::vector<std::span<const std::byte>> index_section(const Scene& scene, std::size_t before_bytes,
                                                       std::vector<std::byte>& padding, std::vector<std::byte>& list) {
   std::vector<std::span<const std::byte>> pieces;
-  std::vector<Entry> entries;
+  std::vector<IndexEntry> entries;
   padding.assign(kBlockBytes, std::byte{0});
   std::size_t at = before_bytes;
   const auto align = [&] {
@@ -85,7 +85,7 @@ std::vector<std::span<const std::byte>> index_section(const Scene& scene, std::s
   LastRecord last{
       .table_bytes = before_bytes, .list_first_byte = at, .entry_count = static_cast<std::uint32_t>(entries.size())};
   std::memcpy(last.magic, kMagic, sizeof(kMagic));
-  append(list, entries.data(), entries.size() * sizeof(Entry));
+  append(list, entries.data(), entries.size() * sizeof(IndexEntry));
   append(list, &last, sizeof(last));
   pieces.push_back(list);
   return pieces;
@@ -104,8 +104,8 @@ bool attach_indexes(std::span<const char> file, const std::shared_ptr<const void
   std::uint64_t told = last.table_bytes;
   std::uint64_t after = 0;
   for (std::uint32_t i = 0; i < last.entry_count; ++i) {
-    Entry entry;
-    std::memcpy(&entry, file.data() + last.list_first_byte + i * sizeof(Entry), sizeof(Entry));
+    IndexEntry entry;
+    std::memcpy(&entry, file.data() + last.list_first_byte + i * sizeof(IndexEntry), sizeof(IndexEntry));
     const bool fits = entry.mesh >= after && entry.mesh <= scene.objects.size() && entry.byte_count > 0 &&
                       entry.first_byte >= told && entry.first_byte <= last.list_first_byte &&
                       entry.byte_count <= last.list_first_byte - entry.first_byte &&

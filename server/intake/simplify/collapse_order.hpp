@@ -10,14 +10,14 @@
 namespace collided::engine {
 
 /// One step of simplifying a mesh: every corner at `removed` goes to `kept`; triangles with two equal corners vanish.
-struct Collapse {
+struct EdgeCollapse {
   std::uint32_t removed;
   std::uint32_t kept;
 };
 
 /// The steps from a mesh to its simplest form, each one vertex number fewer. Any number of them from the first on is a
 /// level of detail; vertices never move, and what is left of a triangle keeps its number.
-using CollapseOrder = std::vector<Collapse>;
+using CollapseOrder = std::vector<EdgeCollapse>;
 
 /// A level of detail: triangles of the original by number, with the corners that are left to them.
 struct LevelTriangles {

@@ -19,12 +19,12 @@ namespace collided::engine {
 namespace {
 
 /// The placement of a node: x_W = linear * x + offset.
-struct Placement {
+struct AssimpPlacement {
   Mat3 linear = Mat3::Identity();
   Vec3 offset = Vec3::Zero();
 };
 
-Placement operator*(const Placement& parent, const aiMatrix4x4& m) {
+AssimpPlacement operator*(const AssimpPlacement& parent, const aiMatrix4x4& m) {
   Mat3 linear;
   linear << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
   return {parent.linear * linear, parent.linear * Vec3(m.a4, m.b4, m.c4) + parent.offset};
@@ -38,11 +38,11 @@ class AssimpReader {
   Scene read() {
     count_names();
     // A stack of our own instead of recursion: the file chooses how deep it nests.
-    std::vector<std::pair<const aiNode*, Placement>> waiting = {{from_.mRootNode, {}}};
+    std::vector<std::pair<const aiNode*, AssimpPlacement>> waiting = {{from_.mRootNode, {}}};
     while (!waiting.empty()) {
       const auto [node, parent] = waiting.back();
       waiting.pop_back();
-      const Placement placement = parent * node->mTransformation;
+      const AssimpPlacement placement = parent * node->mTransformation;
       add_part(*node, placement);
       for (unsigned i = node->mNumChildren; i-- > 0;) { waiting.emplace_back(node->mChildren[i], placement); }
     }
@@ -68,7 +68,7 @@ class AssimpReader {
     return needs_parent ? fmt::format("{}/{}", node.mParent->mName.C_Str(), name) : name;
   }
 
-  void add_part(const aiNode& node, const Placement& placement) {
+  void add_part(const aiNode& node, const AssimpPlacement& placement) {
     const std::size_t first = scene_.mesh.triangles.size();
     for (unsigned i = 0; i < node.mNumMeshes; ++i) { add_mesh(*from_.mMeshes[node.mMeshes[i]], node, placement); }
     const std::size_t count = scene_.mesh.triangles.size() - first;
@@ -79,7 +79,7 @@ class AssimpReader {
     }
   }
 
-  void add_mesh(const aiMesh& mesh, const aiNode& node, const Placement& placement) {
+  void add_mesh(const aiMesh& mesh, const aiNode& node, const AssimpPlacement& placement) {
     const std::size_t first_vertex = scene_.mesh.vertices.size();
     const std::uint64_t limit = std::min<std::uint64_t>(options_.max_triangles, 0xffffffff);
     // A file may show one mesh any number of times, so the file's size does not bound this.
@@ -119,7 +119,7 @@ class AssimpReader {
   }
 
   // Looks at the mesh before the node moves it: afterwards its numbers are no longer those of single precision.
-  void warn_of_lost_digits(const aiMesh& mesh, const Placement& placement) {
+  void warn_of_lost_digits(const aiMesh& mesh, const AssimpPlacement& placement) {
     if (!precision_warning_.empty()) { return; }
     TriangleMesh raw;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {

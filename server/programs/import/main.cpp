@@ -23,7 +23,7 @@
 
 namespace {
 
-struct Arguments {
+struct ImportArguments {
   std::string input;
   std::string output;
   collided::engine::LoadOptions options;
@@ -48,7 +48,7 @@ bool parse_option(std::string_view option, std::string_view value, collided::eng
   return option == "--up" && (value == "y" || value == "z");
 }
 
-bool parse(int argument_count, char** arguments, Arguments& parsed) {
+bool parse(int argument_count, char** arguments, ImportArguments& parsed) {
   if (argument_count < 3) return false;
   parsed.input = arguments[1];
   parsed.output = arguments[2];
@@ -67,13 +67,13 @@ void print(const char* head, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) { std::printf("%s: %s\n", head, line.c_str()); }
 }
 
-collided::engine::Scene read(const Arguments& arguments, collided::engine::LoadReport& report) {
+collided::engine::Scene read(const ImportArguments& arguments, collided::engine::LoadReport& report) {
   if (collided::engine::is_read_here(arguments.input))
     return collided::engine::load_scene(arguments.input, arguments.options, report);
   return collided::engine::read_with_assimp(arguments.input, arguments.options, report);
 }
 
-int convert(const Arguments& arguments, int output) {
+int convert(const ImportArguments& arguments, int output) {
   try {
     collided::engine::LoadReport report;
     collided::engine::save_scene(output, "scene.cscene", read(arguments, report));
@@ -92,7 +92,7 @@ int convert(const Arguments& arguments, int output) {
 }  // namespace
 
 int main(int argument_count, char** argument_list) {
-  Arguments arguments;
+  ImportArguments arguments;
   if (!parse(argument_count, argument_list, arguments)) {
     std::fputs(
         "collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] "

@@ -77,14 +77,14 @@ constexpr const char* kHarmless[] = {"read",
                                      "exit_group"};
 
 /// A seccomp filter under construction; the first fault is kept and returned by load().
-class Filter {
+class SyscallFilter {
  public:
-  explicit Filter(std::uint32_t otherwise) : context_(::seccomp_init(otherwise)) {}
-  ~Filter() {
+  explicit SyscallFilter(std::uint32_t otherwise) : context_(::seccomp_init(otherwise)) {}
+  ~SyscallFilter() {
     if (context_ != nullptr) ::seccomp_release(context_);
   }
-  Filter(const Filter&) = delete;
-  Filter& operator=(const Filter&) = delete;
+  SyscallFilter(const SyscallFilter&) = delete;
+  SyscallFilter& operator=(const SyscallFilter&) = delete;
 
   /// Adds a rule for a system call. One that this kernel does not have needs none.
   template <class... Conditions>
@@ -109,7 +109,7 @@ std::string enter_sandbox(int output) {
   if (!limit_ourselves()) return std::string("its limits cannot be set: ") + std::strerror(errno);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (!kSandboxLimitsCalls) return {};
-  Filter filter(SCMP_ACT_KILL_PROCESS);
+  SyscallFilter filter(SCMP_ACT_KILL_PROCESS);
   for (const char* name : kHarmless) filter.rule(SCMP_ACT_ALLOW, name);
   for (const int stream : {1, 2, output}) {
     for (const char* name : {"write", "pwrite64", "writev", "fsync", "ftruncate", "fallocate"})

@@ -63,7 +63,7 @@ bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   }
 }
 
-struct Search {
+struct SelfIntersectionSearch {
   const TriangleMesh& mesh;
   const SearchControl& control;
   std::vector<bool> is_flat;
@@ -93,7 +93,7 @@ struct Search {
 }  // namespace
 
 SelfIntersections self_intersections(const TriangleMesh& mesh, const Bvh& tree, const SearchControl& control) {
-  Search search{.mesh = mesh, .control = control, .is_flat = std::vector<bool>(mesh.triangles.size())};
+  SelfIntersectionSearch search{.mesh = mesh, .control = control, .is_flat = std::vector<bool>(mesh.triangles.size())};
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) search.is_flat[i] = has_zero_area(mesh.triangle(i));
   WalkCost cost;
   tree.walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, search, cost);

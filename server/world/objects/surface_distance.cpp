@@ -25,14 +25,14 @@ constexpr double kCloseEnough = 1.02;
 constexpr std::size_t kBatch = 2048;
 
 /// A triangle, or a piece of one, with its bound.
-struct Piece {
+struct TrianglePiece {
   Triangle triangle;
   std::uint32_t part = 0;
   double upper_m = kNoBound;  // no point of it is farther from the other surface
-  bool operator<(const Piece& other) const { return upper_m < other.upper_m; }
+  bool operator<(const TrianglePiece& other) const { return upper_m < other.upper_m; }
 };
 
-struct Nearest {
+struct NearestTriangle {
   double upper_m = kNoBound;
   std::uint32_t triangle = TriangleNeighbours::kNone;
 };
@@ -43,8 +43,8 @@ double distance_at_most(const Vec3& point, const Triangle& triangle) {
 }
 
 /// The nearest triangle of a part, and a bound on its distance.
-Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) {
-  Nearest best;
+NearestTriangle nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) {
+  NearestTriangle best;
   const auto look = [&](std::uint32_t triangle, double limit_m2) {
     if (to.part_of[triangle] != part) return limit_m2;
     const double upper_m = distance_at_most(point, to.mesh.triangle(triangle));
@@ -66,19 +66,19 @@ class OneSide {
   double bound(double owed_m) {
     reached_m_ = owed_m;
     measure_all();
-    std::priority_queue<Piece> pieces;
+    std::priority_queue<TrianglePiece> pieces;
     double upper_m = 0;
-    for (Piece& piece : open_) {
+    for (TrianglePiece& piece : open_) {
       if (piece.upper_m > kCloseEnough * reached_m_) pieces.push(piece);
       else upper_m = std::max(upper_m, piece.upper_m);
     }
     // Always cut the piece with the largest bound: only it can lower the result.
     for (std::size_t cuts = 0; cuts < options_.pieces_at_most && !pieces.empty(); ++cuts) {
-      const Piece piece = pieces.top();
+      const TrianglePiece piece = pieces.top();
       if (!(piece.upper_m > kCloseEnough * reached_m_) || (options_.cancelled && options_.cancelled())) break;
       pieces.pop();
       for (const Triangle& half : halves(piece.triangle)) {
-        Piece smaller{half, piece.part, piece.upper_m};
+        TrianglePiece smaller{half, piece.part, piece.upper_m};
         smaller.upper_m = std::min(piece.upper_m, measured(half, piece.part));
         pieces.push(smaller);
       }
@@ -98,12 +98,12 @@ class OneSide {
     run_in_parallel((count + kBatch - 1) / kBatch,
                     [&](std::size_t batch) {
                       SheetOverTable sheet(to_.mesh, neighbours_);
-                      std::vector<Piece> open;
+                      std::vector<TrianglePiece> open;
                       double reached_m = 0;
                       for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
                         const auto number = static_cast<std::uint32_t>(i);
-                        Piece piece{from_.mesh.triangle(number), from_.part_of[number], kNoBound};
-                        const Nearest at_middle =
+                        TrianglePiece piece{from_.mesh.triangle(number), from_.part_of[number], kNoBound};
+                        const NearestTriangle at_middle =
                             nearest((piece.triangle.a + piece.triangle.b + piece.triangle.c) / 3, piece.part, to_);
                         if (at_middle.triangle != TriangleNeighbours::kNone) {
                           piece.upper_m = sheet.height_at_most(piece.triangle, at_middle.triangle);
@@ -121,8 +121,8 @@ class OneSide {
 
   /// Bounds by their corners the triangles whose table bound exceeds the distances seen so far.
   void measure_what_stands_out() {
-    std::vector<Piece> doubtful;
-    for (const Piece& piece : waiting_) {
+    std::vector<TrianglePiece> doubtful;
+    for (const TrianglePiece& piece : waiting_) {
       if (piece.upper_m > kCloseEnough * reached_m_) doubtful.push_back(piece);
       else upper_of_rest_m_ = std::max(upper_of_rest_m_, piece.upper_m);
     }
@@ -148,7 +148,7 @@ class OneSide {
     double upper_m = kNoBound;
     double reached_m = 0;
     for (const Vec3& corner : corners) {
-      const Nearest found = nearest(corner, part, to_);
+      const NearestTriangle found = nearest(corner, part, to_);
       if (found.triangle == TriangleNeighbours::kNone) return kNoBound;
       reached_m = std::max(reached_m, found.upper_m);
       double farthest_m = 0;
@@ -176,9 +176,9 @@ class OneSide {
   const DistanceOptions& options_;
   const TriangleNeighbours neighbours_;
   std::mutex mutex_;
-  double reached_m_ = 0;        // a distance that does occur, up to roundings
-  std::vector<Piece> waiting_;  // bounded as tables only
-  std::vector<Piece> open_;     // may be worth cutting
+  double reached_m_ = 0;                // a distance that does occur, up to roundings
+  std::vector<TrianglePiece> waiting_;  // bounded as tables only
+  std::vector<TrianglePiece> open_;     // may be worth cutting
   double upper_of_rest_m_ = 0;
 };
 

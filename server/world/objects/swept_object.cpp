@@ -31,9 +31,9 @@ struct PartPair {
 
 /// The search for the first contacts of two bodies. Parts of a are its primitives and triangles; b has triangles, or is
 /// tested primitive by primitive.
-class Search {
+class SweptSearch {
  public:
-  Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
+  SweptSearch(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
       : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of) {}
 
   /// Every triangle of b belongs to the same touch.
@@ -69,8 +69,8 @@ class Search {
   std::uint32_t looks_ = 0;
 };
 
-void Search::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
-                  TimeSpan span) {
+void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
+                       TimeSpan span) {
   SweptTouch* touch = touch_of_(b_triangle);
   if (touch == nullptr) return;
   if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
@@ -86,8 +86,8 @@ void Search::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotio
 /// Tests the pieces of the motion in order of time. near(span, most, found) lists the pairs that may meet in a piece
 /// and returns whether it listed them all; motion_m is how far the parts move in all.
 template <class Near>
-void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
-                  const auto& meet_pair) {
+void SweptSearch::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
+                       const auto& meet_pair) {
   if (is_exhausted() || (is_one && is_settled(kNoTriangle, span))) return;
   std::vector<PartPair> found;
   const double length = span.high - span.low;
@@ -139,7 +139,7 @@ bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, dou
   return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
 }
 
-void Search::primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a) {
+void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a) {
   const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
   const double largest_m = std::max(size_of(own), size_of(other.tree->bounds()));
   if (are_blurred(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, largest_m)) {
@@ -169,7 +169,7 @@ void Search::primitive_and_mesh(const PartMotion& primitive, const SweptBody& ot
   look({0, 1}, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
 }
 
-void Search::meshes() {
+void SweptSearch::meshes() {
   const double motion_m = a_.motion.length_m(a_.mesh_reach_m) + b_.motion.length_m(b_.mesh_reach_m);
   const auto [smaller_m, larger_m] = std::minmax({size_of(a_.tree->bounds()), size_of(b_.tree->bounds())});
   if (are_blurred(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m, larger_m)) {
@@ -200,7 +200,8 @@ void Search::meshes() {
 }
 
 /// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.
-void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
+void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground,
+                              bool ground_is_a) {
   SweptTouch* touch = touch_of_(kNoTriangle);
   if (touch == nullptr) return;
   const HalfSpace placed = place(holder.motion.to, ground);
@@ -220,7 +221,7 @@ void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const H
   }
 }
 
-void Search::run() {
+void SweptSearch::run() {
   const auto ground_of = [](const Primitive& primitive) { return std::get_if<HalfSpace>(&primitive); };
   for (const Primitive& own : a_.primitives) {
     if (const HalfSpace* ground = ground_of(own)) {
@@ -266,7 +267,7 @@ SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.
 
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch) {
   const auto one = [&](std::uint32_t) { return &touch; };
-  Search search(a, b, options, cost, one);
+  SweptSearch search(a, b, options, cost, one);
   search.is_one = true;
   search.run();
   touch.is_cut_short = search.is_exhausted();
@@ -275,7 +276,7 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
                  TouchOf touch_of) {
-  Search search(a, scene, options, cost, touch_of);
+  SweptSearch search(a, scene, options, cost, touch_of);
   search.run();
   return !search.is_exhausted();
 }

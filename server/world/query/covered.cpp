@@ -40,7 +40,7 @@ bool is_within(double middle, double down, double up, double low, double high) {
 }
 
 /// How far a question reaches from its beginning along each axis, at most.
-struct Extent {
+struct QuestionExtent {
   Vec3 from = Vec3::Zero();
   Vec3 down = Vec3::Zero();
   Vec3 up = Vec3::Zero();
@@ -72,8 +72,8 @@ bool contains(const Aabb& box, const Vec3& point) {
 /// Far enough from underflow and overflow that only the usual roundings apply.
 bool is_plain(double length) { return length > kSmallestPlain && length < kLargestPlain; }
 
-Extent extent_of(const Ray& ray) {
-  Extent extent{.from = ray.origin};
+QuestionExtent extent_of(const Ray& ray) {
+  QuestionExtent extent{.from = ray.origin};
   const double length = stable_length(ray.direction);
   for (int axis = 0; axis < 3; ++axis) {
     const double along = ray.direction[axis];
@@ -87,24 +87,24 @@ Extent extent_of(const Ray& ray) {
   return extent;
 }
 
-Extent extent_of(const Vec3& center, double radius_m) {
+QuestionExtent extent_of(const Vec3& center, double radius_m) {
   return {.from = center, .down = Vec3::Constant(radius_m), .up = Vec3::Constant(radius_m)};
 }
 
 /// For bounds that were rounded outward: the differences from the point `from` are rounded outward again.
-Extent extent_of(const Vec3& from, const Aabb& bounds) {
+QuestionExtent extent_of(const Vec3& from, const Aabb& bounds) {
   const auto outward = [](double x) { return x == 0 ? 0 : std::nextafter(x, kEndless); };
   return {.from = from, .down = (from - bounds.low).unaryExpr(outward), .up = (bounds.high - from).unaryExpr(outward)};
 }
 
-Extent extent_of_box(const double* n) {
+QuestionExtent extent_of_box(const double* n) {
   const bool is_turned = n[7] != 0 || n[8] != 0 || n[9] != 0;
   if (is_turned) return extent_of(point_of(n), bounds(box_of(n)));
   return {.from = point_of(n), .down = {n[3], n[4], n[5]}, .up = {n[3], n[4], n[5]}};
 }
 
 /// The sweep up to its contact, where there is one.
-Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
+QuestionExtent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
   const Vec3 from = point_of(n);
   const Vec3 to = point_of(n + kPoseNumbers);
   const double part = hits.empty() ? 1 : std::min(1.0, hits.front().exit_m * (1 + kSlack) + kSlack);
@@ -144,7 +144,7 @@ double reach_claimed(const Questions& asked, const double* n, std::span<const An
   return std::min(n[3], nearest(hits.back()));
 }
 
-std::optional<Leaving> leaves(const Extent& extent, std::span<const Aabb> covers) {
+std::optional<Leaving> leaves(const QuestionExtent& extent, std::span<const Aabb> covers) {
   if (extent.is_in_one_of(covers)) return std::nullopt;
   const std::optional<Aabb> outside = nearest_part_outside(extent.around(), covers, extent.from);
   if (!outside) return std::nullopt;
@@ -195,7 +195,7 @@ double length_covered(const Ray& ray, std::span<const Aabb> covers) {
 }  // namespace
 
 std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> covers) {
-  const Extent extent = extent_of(ray);
+  const QuestionExtent extent = extent_of(ray);
   if (extent.is_in_one_of(covers)) return std::nullopt;
   const bool is_along_axis = (ray.direction.array() != 0).count() == 1;
   if (is_along_axis && !nearest_part_outside(extent.around(), covers, ray.origin)) return std::nullopt;

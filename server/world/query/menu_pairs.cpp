@@ -23,7 +23,7 @@ constexpr std::chrono::seconds kAskingTime{10};
 /// An object of more triangles is left out: each report would build an index of them.
 constexpr std::size_t kMostParts = 50'000;
 
-struct Candidate {
+struct MenuObject {
   ObjectId id = 0;
   Aabb bounds;
   std::size_t part_count = 0;
@@ -91,7 +91,7 @@ class RandomPairs {
   RandomPairs(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
     for (const auto& info : *snapshot.objects) {
       if (!info) continue;
-      Candidate candidate;
+      MenuObject candidate;
       candidate.id = info->id;
       candidate.part_count = part_count_of(snapshot, info->id);
       if (candidate.part_count == 0 || candidate.part_count > kMostParts) continue;
@@ -103,18 +103,18 @@ class RandomPairs {
     }
   }
   bool has_pairs() const { return candidates_.size() > 1; }
-  std::pair<const Candidate*, const Candidate*> next() {
-    const Candidate& a = candidates_[random_() % candidates_.size()];
-    const Candidate* b = &a;
+  std::pair<const MenuObject*, const MenuObject*> next() {
+    const MenuObject& a = candidates_[random_() % candidates_.size()];
+    const MenuObject* b = &a;
     while (b == &a) b = &candidates_[random_() % candidates_.size()];
     return {&a, random_() % 2 == 0 ? b : &nearest_to(a)};
   }
 
  private:
-  const Candidate& nearest_to(const Candidate& a) const {
-    const Candidate* nearest = nullptr;
+  const MenuObject& nearest_to(const MenuObject& a) const {
+    const MenuObject* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
-    for (const Candidate& b : candidates_) {
+    for (const MenuObject& b : candidates_) {
       const double gap_m = gap_between(a.bounds, b.bounds);
       if (&b == &a || gap_m >= least) continue;
       least = gap_m;
@@ -124,7 +124,7 @@ class RandomPairs {
   }
 
   std::mt19937_64 random_;
-  std::vector<Candidate> candidates_;
+  std::vector<MenuObject> candidates_;
 };
 
 /// Pairs of one kind, reported in every way that there is.
@@ -141,7 +141,7 @@ class PairQuestions {
         cancelled_(options.cancelled) {}
 
   std::uint32_t asked() { return table_.row(0).asked; }
-  void ask(const Candidate& a, const Candidate& b) {
+  void ask(const MenuObject& a, const MenuObject& b) {
     for (std::size_t m = 0; m < kMethods; ++m) {
       const MenuMethod& method = table_.methods()[m];
       const PrecisionScope precision({.highest = method.highest});
@@ -160,7 +160,7 @@ class PairQuestions {
  private:
   static constexpr std::size_t kMethods = 3;
 
-  void judge(const Candidate& a, const Candidate& b) {
+  void judge(const MenuObject& a, const MenuObject& b) {
     const ExactPair exact(parts_with_bounds(snapshot_, a.id), parts_with_bounds(snapshot_, b.id));
     for (std::size_t m = 0; m < kMethods; ++m) {
       MenuRow& row = table_.row(m);

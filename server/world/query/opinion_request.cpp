@@ -67,9 +67,9 @@ struct BadRequest : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-class Reader {
+class ReplyReader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit ReplyReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <class Number>
   Number number() {
@@ -113,7 +113,7 @@ class Reader {
   std::span<const std::byte> bytes_;
 };
 
-Hull Reader::hull() {
+Hull ReplyReader::hull() {
   const auto vertex_count = number<std::uint32_t>();
   const auto face_count = number<std::uint32_t>();
   constexpr std::size_t kVertexBytes = 3 * sizeof(double);
@@ -136,7 +136,7 @@ Hull Reader::hull() {
   return {.mesh = std::move(mesh)};
 }
 
-ConvexPart Reader::part() {
+ConvexPart ReplyReader::part() {
   const auto kind = number<std::uint8_t>();
   if (kind == kTriangleKind) {
     const Vec3 a = vector();
@@ -160,7 +160,7 @@ ConvexPart Reader::part() {
   throw BadRequest(fmt::format("a part is of kind {}, the last one is {}", kind, kTriangleKind));
 }
 
-std::vector<ConvexPart> Reader::parts(std::uint32_t count) {
+std::vector<ConvexPart> ReplyReader::parts(std::uint32_t count) {
   std::vector<ConvexPart> parts;
   for (std::uint32_t i = 0; i < count; ++i) parts.push_back(part());
   return parts;
@@ -183,7 +183,7 @@ std::variant<OpinionRequest, std::string> read_opinion_request(std::span<const s
   try {
     if (bytes.size() > kMostOpinionBytes)
       throw BadRequest(fmt::format("{} bytes, allowed {}", bytes.size(), kMostOpinionBytes));
-    Reader reader(bytes);
+    ReplyReader reader(bytes);
     if (reader.number<std::uint64_t>() != kFormat) throw BadRequest("it does not begin as one");
     const auto a_count = reader.number<std::uint32_t>();
     const auto b_count = reader.number<std::uint32_t>();

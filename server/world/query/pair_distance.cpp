@@ -56,7 +56,7 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
 }
 
 /// The nearest pair so far, and a distance below which no tested pair is.
-struct Nearest {
+struct NearestPair {
   Separation best;
   double low_m;
 
@@ -73,7 +73,7 @@ struct TriangleWalk {
   Triangle triangle;
   bool is_of_a;
   double radius_m;  // of the triangle, about the point from which the walk starts
-  Nearest& nearest;
+  NearestPair& nearest;
 
   double operator()(std::uint32_t number, double) const {
     const Triangle found = place(*other.frame, other.info->mesh->mesh->triangle(number));
@@ -85,7 +85,7 @@ struct TriangleWalk {
 
 /// Two meshes: walks the larger one's index from each triangle of the smaller. A walk over pairs of boxes would meet
 /// most pairs where one shell lies in the other.
-void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost& cost) {
+void search_meshes(const Placed& a, const Placed& b, NearestPair& nearest, WalkCost& cost) {
   const bool from_a = a.info->mesh->mesh->triangles.size() <= b.info->mesh->mesh->triangles.size();
   const Placed& from = from_a ? a : b;
   const Placed& other = from_a ? b : a;
@@ -112,7 +112,7 @@ bool is_bare_mesh(const Placed& object) { return object.info->mesh && object.inf
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
   constexpr double kMuchNearer = 0.75;
   const Separation first = first_bound(a, b, cost);
-  Nearest nearest{first, first.distance_m - first.error_m};
+  NearestPair nearest{first, first.distance_m - first.error_m};
   const bool are_meshes = is_bare_mesh(a) && is_bare_mesh(b);
   if (are_meshes) search_meshes(a, b, nearest, cost);
   bool again = !are_meshes;

@@ -4,7 +4,7 @@ namespace collided::engine {
 namespace {
 
 /// One walk over pairs; stops everywhere as soon as the visit returns false.
-struct PairWalk {
+struct PartPairWalk {
   const Placed& a;
   const Placed& b;
   double gap_m;
@@ -55,7 +55,7 @@ struct PairWalk {
 }  // namespace
 
 void visit_part_pairs(const Placed& a, const Placed& b, double gap_m, const PartPairVisit& visit, WalkCost& cost) {
-  PairWalk walk{a, b, gap_m, visit, cost};
+  PartPairWalk walk{a, b, gap_m, visit, cost};
   walk.primitives_of_a();
   if (walk.goes_on && a.info->mesh) walk.mesh_of_a();
 }

@@ -12,7 +12,7 @@ namespace collided::engine {
 namespace {
 
 // What the scene consists of, as far as the plan's sentences need it.
-struct Counts {
+struct SceneCounts {
   std::uint64_t static_triangles = 0;
   std::uint32_t moving = 0;
   std::uint32_t placed = 0;  // objects with shapes of their own that do not move
@@ -24,8 +24,8 @@ struct Counts {
   std::uint32_t meshes = 0;  // distinct ones among them
 };
 
-Counts count(const Snapshot& snapshot) {
-  Counts counts;
+SceneCounts count(const Snapshot& snapshot) {
+  SceneCounts counts;
   std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
@@ -81,7 +81,7 @@ std::string index_words(const StaticScene& scene) {
 }
 
 /// The size of all static geometry, then each scene's index.
-std::string tree_words(const Snapshot& snapshot, const Counts& counts) {
+std::string tree_words(const Snapshot& snapshot, const SceneCounts& counts) {
   std::uint64_t bytes = 0;
   for (const auto& scene : snapshot.scenes) bytes += scene->bytes();
   std::string words = number(counts.static_triangles, "static triangles, ") + number(bytes, "bytes all in");
@@ -94,7 +94,7 @@ std::string tree_words(const Snapshot& snapshot, const Counts& counts) {
 }  // namespace
 
 std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
-  const Counts c = count(snapshot);
+  const SceneCounts c = count(snapshot);
   const bool has_static = c.static_triangles > 0;
   const bool has_objects = c.moving + c.placed > 0;
   std::vector<PlanRow> rows;

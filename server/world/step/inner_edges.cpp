@@ -31,7 +31,7 @@ bool has_faces(const ObjectInfo& info) {
 }
 
 /// A contact seen from one of its two bodies, the mover.
-struct Side {
+struct MoverContact {
   ObjectId mover = 0;
   std::size_t number = 0;  // index of the open contact
   ObjectId body = 0;       // the other one
@@ -75,8 +75,9 @@ class Correction {
       if (a.moving && has_faces(b)) sides_.push_back({open.a, i, open.b, open.b_triangle, open.contact.normal, false});
       if (b.moving && has_faces(a)) sides_.push_back({open.b, i, open.a, open.a_triangle, -open.contact.normal, false});
     }
-    std::sort(sides_.begin(), sides_.end(),
-              [](const Side& x, const Side& y) { return x.mover != y.mover ? x.mover < y.mover : x.body < y.body; });
+    std::sort(sides_.begin(), sides_.end(), [](const MoverContact& x, const MoverContact& y) {
+      return x.mover != y.mover ? x.mover < y.mover : x.body < y.body;
+    });
   }
 
   void look_at(std::size_t first, std::size_t end) {
@@ -88,16 +89,16 @@ class Correction {
     }
     for (std::size_t i = first; i < end; ++i) {
       if (!sides_[i].is_covered || !ledger_.found(sides_[i].number)) continue;
-      if (const Side* face = face_for(sides_[i], first, end)) take_normal(sides_[i], *face);
+      if (const MoverContact* face = face_for(sides_[i], first, end)) take_normal(sides_[i], *face);
     }
   }
 
   /// The uncovered contact whose normal is closest and covers this one; null where an uncovered one has the same
   /// normal.
-  const Side* face_for(const Side& side, std::size_t first, std::size_t end) const {
-    const Side* best = nullptr;
+  const MoverContact* face_for(const MoverContact& side, std::size_t first, std::size_t end) const {
+    const MoverContact* best = nullptr;
     for (std::size_t k = first; k < end; ++k) {
-      const Side& other = sides_[k];
+      const MoverContact& other = sides_[k];
       if (other.is_covered) continue;
       if (is_same(other, side)) return nullptr;
       const bool nearer = best == nullptr || other.normal.dot(side.normal) > best->normal.dot(side.normal);
@@ -106,10 +107,12 @@ class Correction {
     return best;
   }
 
-  static bool is_same(const Side& a, const Side& b) { return a.normal.dot(b.normal) >= 1 - kSameNormal; }
+  static bool is_same(const MoverContact& a, const MoverContact& b) {
+    return a.normal.dot(b.normal) >= 1 - kSameNormal;
+  }
 
   /// Along the first contact's normal, the other body comes no nearer to the mover.
-  bool covers(const Side& one, const Side& other) const {
+  bool covers(const MoverContact& one, const MoverContact& other) const {
     if (one.normal.dot(other.normal) < -kSameNormal) return false;
     const Vec3 towards = -one.normal;
     const Vec3& origin = ledger_.open()[one.number].contact.point;
@@ -129,7 +132,7 @@ class Correction {
   }
 
   /// How far the touched part of the side's body reaches along a direction, from the origin.
-  Bounded reach_of(const Side& side, const Vec3& along, const Vec3& origin) const {
+  Bounded reach_of(const MoverContact& side, const Vec3& along, const Vec3& origin) const {
     if (const std::optional<Triangle> triangle = touched_triangle(side)) {
       return kernel::reach_value(Convex(*triangle), along, +1, origin);
     }
@@ -151,7 +154,7 @@ class Correction {
     return kernel::reach_value(Convex(Sphere{half_space.point, 0}), along, +1, origin);
   }
 
-  std::optional<Triangle> touched_triangle(const Side& side) const {
+  std::optional<Triangle> touched_triangle(const MoverContact& side) const {
     if (side.triangle == kNoTriangle) return std::nullopt;
     const ObjectInfo& own = info(side.body);
     if (own.mesh) return place(rows_[slot_of(side.body)].frame, own.mesh->mesh->triangle(side.triangle));
@@ -162,7 +165,7 @@ class Correction {
     return std::nullopt;
   }
 
-  void take_normal(const Side& side, const Side& from) {
+  void take_normal(const MoverContact& side, const MoverContact& from) {
     const OpenContact& open = ledger_.open()[side.number];
     const Contact& face = ledger_.open()[from.number].contact;
     const Vec3 towards = -from.normal;
@@ -180,11 +183,11 @@ class Correction {
   const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
   ContactLedger& ledger_;
   // Reused from step to step.
-  static thread_local std::vector<Side> sides_;
+  static thread_local std::vector<MoverContact> sides_;
   static thread_local std::vector<std::pair<std::size_t, Contact>> corrected_;
 };
 
-thread_local std::vector<Side> Correction::sides_;
+thread_local std::vector<MoverContact> Correction::sides_;
 thread_local std::vector<std::pair<std::size_t, Contact>> Correction::corrected_;
 
 }  // namespace

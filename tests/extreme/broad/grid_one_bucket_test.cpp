@@ -24,7 +24,7 @@ TEST(ExtremeGridOneBucket, EveryBoxIsStillFoundAndInBoundedTime) {
   grid::Levels levels;
   levels.rebuild(boxes);
   ASSERT_EQ(levels.levels.size(), 1u);
-  const grid::Level& level = levels.levels[0];
+  const grid::GridLevel& level = levels.levels[0];
   ASSERT_EQ(levels.keys[level.begin + kCount - 1] >> level.bucket_shift, 0u) << "the scene must be worth testing";
 
   const Grid grid = extreme::grid_of(boxes);

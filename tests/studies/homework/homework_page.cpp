@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 
 namespace collided::homework {

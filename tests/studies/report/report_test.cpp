@@ -5,7 +5,7 @@
 #include <regex>
 #include <unistd.h>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"

@@ -40,13 +40,13 @@ std::uint64_t point_count(const TriangleMesh& mesh) {
 }
 
 /// Rays from inside a closed body through points of its seams that meet no triangle.
-std::size_t leaks(const TriangleMesh& mesh, const std::vector<Segment>& seams, std::size_t ray_count,
+std::size_t leaks(const TriangleMesh& mesh, const std::vector<MeshSegment>& seams, std::size_t ray_count,
                   std::mt19937_64& random) {
   const Bvh tree = Bvh::build(mesh);
   std::uniform_real_distribution<double> unit(0, 1);
   std::size_t leaked = 0;
   for (std::size_t i = 0; i < ray_count; ++i) {
-    const Segment& seam = seams[random() % seams.size()];
+    const MeshSegment& seam = seams[random() % seams.size()];
     const Vec3 target = seam.a + unit(random) * (seam.b - seam.a);
     const Vec3 eye = 0.2 * Vec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
     const Ray ray{eye, target - eye};
@@ -72,7 +72,7 @@ std::size_t seam_rays() {
 /// A ball of two tessellations, one above the equator and one below, each with its own number of points along it.
 struct HalfBalls {
   TriangleMesh mesh;
-  std::vector<Segment> seam;
+  std::vector<MeshSegment> seam;
 };
 
 HalfBalls half_balls(unsigned upper, unsigned lower) {

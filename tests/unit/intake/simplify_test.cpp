@@ -179,7 +179,7 @@ TEST(IntakeSimplify, VerticesBetweenPartsStay) {
   std::set_intersection(first.begin(), first.end(), second.begin(), second.end(), std::inserter(both, both.end()));
   ASSERT_GT(both.size(), 10u);
   SimplifyReport report;
-  for (const Collapse& step : simplify(mesh, {.part_ends = part_ends}, report))
+  for (const EdgeCollapse& step : simplify(mesh, {.part_ends = part_ends}, report))
     EXPECT_FALSE(both.contains(step.removed));
 }
 

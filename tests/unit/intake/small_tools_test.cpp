@@ -229,7 +229,7 @@ TEST(IntakeSegmentGrid, NeverMissesASegmentInReachAndNamesNoneTwice) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto anywhere = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   for (const double reach_m : {0.0, 1e-9, 0.03}) {
-    std::vector<Segment> segments;
+    std::vector<MeshSegment> segments;
     Aabb bounds;
     for (int i = 0; i < 400; ++i) {
       const Vec3 a = anywhere();
@@ -240,7 +240,7 @@ TEST(IntakeSegmentGrid, NeverMissesASegmentInReachAndNamesNoneTwice) {
     }
     const SegmentGrid grid(segments, bounds, reach_m);
     for (std::uint32_t i = 0; i < segments.size(); ++i) {
-      const Segment& s = segments[i];
+      const MeshSegment& s = segments[i];
       for (const double share : {0.0, 0.5, 1.0}) {
         const std::vector<std::uint32_t> seen = near(grid, s.a + share * (s.b - s.a) + 0.57 * reach_m * anywhere());
         EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), i)) << i << ' ' << share << ' ' << reach_m;
@@ -252,7 +252,7 @@ TEST(IntakeSegmentGrid, NeverMissesASegmentInReachAndNamesNoneTwice) {
 
 // However small a segment is beside the whole, its cells still lie about it alone.
 TEST(IntakeSegmentGrid, SegmentsWithoutLengthAreSeenFromTheirOwnPlaces) {
-  std::vector<Segment> points;
+  std::vector<MeshSegment> points;
   for (int i = 0; i < 100; ++i) points.push_back({Vec3(i, 0, 0), Vec3(i, 0, 0)});
   const SegmentGrid grid(points, {Vec3::Zero(), {99, 0, 0}}, 0);
   for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(near(grid, points[i].a), std::vector<std::uint32_t>{i});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 
 namespace collided::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "tests/studies/report/figures/figures.hpp"
 
 namespace collided::report {

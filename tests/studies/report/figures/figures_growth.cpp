@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "tests/studies/report/figures/figures.hpp"
 
 namespace collided::report {

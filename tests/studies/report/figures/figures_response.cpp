@@ -2,7 +2,7 @@
 #include <cmath>
 #include <map>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "tests/studies/report/figures/figures.hpp"
 
 namespace collided::report {

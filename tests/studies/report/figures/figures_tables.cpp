@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "tests/studies/report/figures/figures.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "client/draw/axis_map.hpp"
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/axis_map.hpp"
+#include "tests/studies/plot/plot.hpp"
 
 namespace collided::draw {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "client/draw/axis_map.hpp"
+#include "tests/studies/plot/axis_map.hpp"
 
 namespace collided::draw {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 
 namespace collided::draw {

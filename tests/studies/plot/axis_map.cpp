@@ -1,4 +1,4 @@
-#include "client/draw/axis_map.hpp"
+#include "tests/studies/plot/axis_map.hpp"
 
 #include <algorithm>
 #include <cmath>

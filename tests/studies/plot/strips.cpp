@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "client/draw/axis_map.hpp"
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/axis_map.hpp"
+#include "tests/studies/plot/plot.hpp"
 
 namespace collided::draw {
 namespace {

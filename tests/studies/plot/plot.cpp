@@ -1,9 +1,9 @@
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/draw/axis_map.hpp"
+#include "tests/studies/plot/axis_map.hpp"
 
 namespace collided::draw {
 namespace {

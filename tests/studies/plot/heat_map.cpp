@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "client/draw/plot.hpp"
+#include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 
 namespace collided::draw {
