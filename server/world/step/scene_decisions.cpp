@@ -6,7 +6,6 @@
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
-namespace {}  // namespace
 
 void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   if (is_bare_mesh(mover) && apart_.holds(mover, partner_of(scene_number))) {
