@@ -102,8 +102,8 @@ struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Loads a file: .obj .stl .ply .off .surfaces .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene in this
-/// process; files of any other ending, and foreign ones, by the converter process (collided-import).
+/// Loads a file: .obj .stl .ply .off .surfaces .gltf .glb .json and .cityjson (CityJSON) .xyz .pcd .bt .csv .urdf
+/// .cscene in this process; files of any other ending, and foreign ones, by the converter process (collided-import).
 ///
 /// returns   the whole scene
 /// throws    LoadError: nothing is loaded

@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// A sum of doubles kept without error: parts that do not overlap, smallest first.
+/// A sum of doubles without rounding: parts whose digits do not overlap, smallest first.
 struct ExactSum {
   std::array<double, 12> parts{};
   std::size_t part_count = 0;
@@ -46,7 +46,7 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   if (std::abs(determinant) > kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min()) {
     return determinant > 0 ? 1 : -1;
   }
-  // The product of c with itself cancels, so six products of the coordinates as given make the whole determinant.
+  // The products of c with itself cancel, so six products of given coordinates make the whole determinant.
   ExactSum sum;
   sum.add_product(a[0], b[1]);
   sum.add_product(-a[0], c[1]);
