@@ -34,8 +34,8 @@ class ExactSum {
     for (const double x : a.terms_) {
       for (const double y : b.terms_) {
         const double product = x * y;
-        constexpr double kSmallestExactProduct =
-            0x1p-960;  // for smaller products the rounding error may not be a double
+        // The rounding error of a smaller product may not be a double.
+        constexpr double kSmallestExactProduct = 0x1p-960;
         result.lost_ = result.lost_ || !(std::abs(product) > kSmallestExactProduct);
         result.add(std::fma(x, y, -product));
         result.add(product);
