@@ -23,7 +23,7 @@ struct Io {
   }
 };
 
-/// Set by SIGINT and SIGTERM; every loop looks at it.
+/// Set by SIGINT and SIGTERM. Every loop checks it and ends.
 inline std::atomic<bool> stop_requested{false};
 
 }  // namespace collided::cli

@@ -13,7 +13,7 @@ char sniff_separator(std::string_view line);
 /// and "" for a quote. Throws Failure for an open quote.
 void split_cells(std::string_view line, char separator, std::vector<std::string>& cells);
 
-/// True for lines that hold no data: empty, blanks, or a comment after '#'.
+/// Whether a line has no data: it is empty, blank, or a comment after '#'.
 bool is_blank_line(std::string_view line);
 
 }  // namespace collided::cli
