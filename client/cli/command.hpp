@@ -14,7 +14,8 @@ class App;
 
 namespace collided::cli {
 
-/// One verb while it runs: options are declared on the parser, which fills the members, then run() does the work.
+/// One verb of one command line. declare() declares its options on the parser, which fills the members; then run() does
+/// the work. It throws Failure where it cannot. One thread.
 class Command {
  public:
   virtual ~Command() = default;
@@ -22,22 +23,24 @@ class Command {
   virtual Exit run(Session& session, const Globals& globals) = 0;
 };
 
-/// What `collide help` says of a verb.
+/// A verb in the table of verbs: its help, and how to make its command.
 struct Verb {
   std::string_view name;
-  std::string_view group;  // empty: the help does not list it
+  std::string_view group;  // heading in the help; empty: the help does not list it
   std::string_view summary;
   std::string_view usage;     // one form a line, without "collide"
   std::string_view examples;  // lines as typed after "collide "
   std::unique_ptr<Command> (*make)();
-  bool passes_words_on = false;  // the words go on as they are: to another program, or to be completed
-  bool takes_shape = false;      // the help lists the shapes
+  bool passes_words_on = false;  // its words are not parsed here but passed to another program or completed
+  bool takes_shape = false;      // its help lists the shapes
 };
 
-/// Every verb that works, in the order of the help.
+/// All verbs, in the order of the help.
 std::span<const Verb> verbs();
+/// The verb of that name, or null.
 const Verb* find_verb(std::string_view name);
 
+// One function for each verb, defined in client/cli/verbs.
 std::unique_ptr<Command> make_completion();
 std::unique_ptr<Command> make_complete();
 std::unique_ptr<Command> make_ray();
@@ -73,7 +76,8 @@ std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 
-/// For verbs whose words are passed on: check, convert and implicit take them here instead of through declare().
+/// A verb whose words are not parsed here, such as check, convert and implicit: it gets them by take_words() before
+/// run().
 class PassOn : public Command {
  public:
   virtual void take_words(std::vector<std::string> words) = 0;

@@ -6,7 +6,7 @@
 
 namespace collided::cli {
 
-/// What the process ends with; scripts rely on the numbers.
+/// Exit codes of the process. Scripts rely on the numbers: do not change them.
 enum class Exit : int {
   yes = 0,
   no = 1,
@@ -18,7 +18,7 @@ enum class Exit : int {
   interrupted = 130,
 };
 
-/// Ends the verb: `message` is printed after "error: ", each line of `hint` indented below it.
+/// Thrown to end the verb. `message` is printed after "error: ", and each line of `hint` indented below it.
 struct Failure : std::runtime_error {
   Failure(Exit exit_code, const std::string& message, std::string next_step = {})
       : std::runtime_error(message), code(exit_code), hint(std::move(next_step)) {}
@@ -26,7 +26,7 @@ struct Failure : std::runtime_error {
   std::string hint;
 };
 
-/// Bad use or bad input: nothing was sent.
+/// The Failure for bad use or bad input: nothing was sent.
 inline Failure bad_use(const std::string& message, std::string hint = {}) {
   return {Exit::bad_use, message, std::move(hint)};
 }

@@ -4,14 +4,14 @@
 
 namespace collided::cli {
 
-/// Headings in the help under which those options stand.
+/// The headings in the help for the options of every verb.
 inline constexpr std::string_view kOutputGroup = "Output";
 inline constexpr std::string_view kConnectionGroup = "Connection";
 
-/// The options that every verb knows.
+/// Declares the options that every verb has.
 void declare_globals(CLI::App& app, Globals& globals);
 
-/// Everything that `collide VERB` takes: its own options, help, and the globals.
+/// Declares everything that `collide VERB` takes: its own options, help, and the options of every verb.
 void declare_verb(CLI::App& app, Command& command, Globals& globals);
 
 }  // namespace collided::cli

@@ -9,7 +9,7 @@
 
 namespace collided::cli {
 
-/// Sleeps until a time on the steady clock or an interrupt; false when interrupted.
+/// Sleeps until a time on the steady clock. False where it was interrupted.
 inline bool sleep_until(std::chrono::steady_clock::time_point when) {
   constexpr std::chrono::milliseconds kInterruptCheck{50};
   while (!stop_requested) {
@@ -20,7 +20,7 @@ inline bool sleep_until(std::chrono::steady_clock::time_point when) {
   return false;
 }
 
-/// When a run ends: after a count, after a time, or never.
+/// When a run ends: after a count (0: any), after a time, or when interrupted.
 class Until {
  public:
   using Clock = std::chrono::steady_clock;
@@ -38,7 +38,7 @@ class Until {
   Clock::time_point end_;
 };
 
-/// The next of what is followed; what is printed so far goes out before waiting for it.
+/// The next item of a watch; nothing if none comes within 50 ms or before the end. Output is flushed before it waits.
 template <class Watched>
 auto next_of(Watched& watch, Io& io, const Until& until) -> decltype(watch.next(std::chrono::nanoseconds(0))) {
   if (auto next = watch.next(std::chrono::nanoseconds(0))) return next;

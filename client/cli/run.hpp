@@ -7,7 +7,7 @@
 
 namespace collided::cli {
 
-/// The program `collide` from its arguments (without its own name) to its exit code. Never throws.
+/// Runs the program `collide` with these arguments, without its own name. Returns its exit code. Never throws.
 int run(const std::vector<std::string>& arguments, Io& io);
 
 }  // namespace collided::cli

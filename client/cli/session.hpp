@@ -15,7 +15,7 @@
 
 namespace collided::cli {
 
-/// The options that every verb knows, as the user wrote them.
+/// The options that every verb has, as the user wrote them.
 struct Globals {
   bool json = false;
   bool csv = false;
@@ -35,12 +35,13 @@ struct Globals {
   std::string timeout;
 };
 
-/// One process's connection, made when a verb first needs it and shared by the verbs of `collide -`.
+/// The process's connection to the server, made when a verb first needs it. The verbs of `collide -` share it. One
+/// thread.
 class Session {
  public:
   explicit Session(Io& session_io) : io(session_io) {}
 
-  /// Connects on first use; throws Failure (no_server) when nobody answers.
+  /// The client, connected on first use. Throws Failure (no_server) where no server answers.
   Client& client(const Globals& globals);
 
   Io& io;
@@ -49,32 +50,34 @@ class Session {
   std::optional<Client> client_;
 };
 
-/// The output form: flag, then COLLIDE_OUTPUT, then table on a terminal and plain elsewhere.
+/// A printer in the form that the options say, else COLLIDE_OUTPUT, else a table on a terminal and plain elsewhere.
 Printer make_printer(Io& io, const Globals& globals);
 
-/// True where --color, NO_COLOR, CLICOLOR_FORCE and TERM allow colour on that stream.
+/// Whether that stream is coloured, by --color, NO_COLOR, CLICOLOR_FORCE and TERM.
 bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal);
 
-/// Domain, namespace, interface: flag > COLLIDED_* > ROS_DOMAIN_ID > default.
+/// Where to connect: each option by its flag, else its COLLIDED_ variable, else ROS_DOMAIN_ID for the domain, else the
+/// default.
 ConnectOptions connect_options(const Io& io, const Globals& globals);
 
-/// --timeout, default 2 s.
+/// The time of --timeout, or `otherwise`.
 std::chrono::nanoseconds timeout_of(const Globals& globals,
                                     std::chrono::nanoseconds otherwise = std::chrono::seconds(2));
 
-/// The library's error as the end of a verb.
+/// A library's error as a Failure, with its exit code.
 Failure as_failure(const Error& error);
 
-/// "error: ..." with the hint indented below.
+/// Prints "error: ..." on standard error, with the hint indented below.
 void print_failure(Io& io, const Globals& globals, const Failure& failure);
 
-/// "warning: TEXT" on standard error: for what is done as asked and is surely not meant. Nothing for an empty text.
+/// Prints "warning: TEXT" on standard error, for what is done as written but is surely not meant. Prints nothing for an
+/// empty text.
 void print_warning(Io& io, std::string_view text);
 
-/// A line on stderr unless -q.
+/// Prints a line on standard error, unless -q.
 void print_hint(Io& io, const Globals& globals, std::string_view text);
 
-/// The value, or the library's error thrown as Failure.
+/// The value of a result; throws its error as a Failure.
 template <class T>
 T take(Result<T> result) {
   if (!result) throw as_failure(result.error());

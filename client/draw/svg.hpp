@@ -6,7 +6,7 @@
 
 namespace collided::draw {
 
-/// Paper and ink, one accent for what is ours, and six colours that stay apart for the colour-blind.
+/// Colours: paper, ink, one accent for this project's data, and six colours that colour-blind readers can distinguish.
 /// source  Okabe, Ito, "Color Universal Design", 2008
 inline constexpr const char* kPaper = "#fbfaf6";
 inline constexpr const char* kInk = "#1d1d1b";
@@ -16,6 +16,7 @@ inline constexpr const char* kAccent = "#c8450c";
 inline constexpr const char* kPalette[] = {"#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b5b5b"};
 inline constexpr int kPaletteSize = 6;
 
+/// A rectangle in pixels, y downward.
 struct Rectangle {
   double x = 0;
   double y = 0;
@@ -30,28 +31,30 @@ struct Rectangle {
   }
 };
 
+/// Which point of a text is placed.
 enum class Anchor { start, middle, end };
 
-/// Width of a text in pixels, for the wider of the sans-serif fonts in use (DejaVu Sans), so that what is placed by it
-/// does not overlap in a narrower one.
+/// Width of a text in pixels in the widest of the usual sans-serif fonts (DejaVu Sans), so that texts placed by it do
+/// not overlap in a narrower one either.
 double text_width(std::string_view text, double size_px);
 
-/// The least rectangle that holds the text whose base line starts, is centred or ends at (x, y).
+/// The bounding rectangle of a text whose base line starts, is centred or ends at (x, y).
 Rectangle text_box(double x, double y, std::string_view text, double size_px, Anchor anchor);
 
+/// The text with the characters escaped that XML reserves.
 std::string escaped(std::string_view text);
 
-/// A pixel coordinate: two digits after the point, in any locale, without a minus before zero.
+/// A pixel coordinate as text: two digits after the point, whatever the locale, and no minus before zero.
 std::string pixels(double value);
 
 /// "1e-6" for powers of ten and small or large numbers, "0.25" for the others.
 std::string tick_text(double value);
 
-/// Cut at blanks into lines no wider than width_px.
+/// The text broken at blanks into lines no wider than width_px.
 std::vector<std::string> wrapped(std::string_view text, double size_px, double width_px);
 
-/// An SVG under construction. Every text and every mark is remembered as a rectangle, so that what is placed later can
-/// keep clear of it. Same calls, same bytes.
+/// An SVG under construction. It remembers the rectangle of every text and mark, so that what is placed later can avoid
+/// them. The same calls give the same bytes. One thread.
 class Canvas {
  public:
   Canvas(double width, double height, std::string_view title);
@@ -59,15 +62,17 @@ class Canvas {
   void line(double x0, double y0, double x1, double y1, const char* color, double width, const char* dash = nullptr);
   void polyline(const std::vector<std::pair<double, double>>& points, const char* color, double width,
                 const char* dash = nullptr);
-  /// Closed and filled, its edges in the same colour, so that neighbours leave no gap.
+  /// A filled polygon. Its edges are drawn in the same colour, so that neighbours leave no gap.
   void polygon(const std::vector<std::pair<double, double>>& points, const std::string& color);
   void rectangle(const Rectangle& r, const char* fill, const char* stroke = nullptr);
   void text(double x, double y, std::string_view content, double size_px, Anchor anchor, const char* color = kInk,
             bool bold = false);
   void vertical_text(double x, double y, std::string_view content, double size_px, const char* color = kInk);
-  /// One of six shapes, 0 round; hollow: outline only.
+  /// A mark of one of six shapes; 0 is round.
+  /// hollow  outline only
   void mark(double x, double y, int shape, const char* color, bool hollow = false);
 
+  /// Whether the rectangle overlaps nothing that was placed.
   bool is_free(const Rectangle& r) const;
   void occupy(const Rectangle& r) { occupied_.push_back(r); }
 
@@ -82,7 +87,7 @@ class Canvas {
   std::vector<Rectangle> occupied_;
 };
 
-/// Bold at the top, in as many lines as it needs; returns where the drawing may begin.
+/// Writes the title in bold at the top, in as many lines as it needs. Returns the y from which on the drawing has room.
 double draw_title(Canvas& canvas, std::string_view title);
 
 }  // namespace collided::draw

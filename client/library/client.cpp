@@ -14,11 +14,11 @@ namespace collided {
 
 struct [[gnu::visibility("hidden")]] Client::State {
   std::shared_ptr<client::Connection> connection;
-  client::Workers workers;  // goes first: its tasks ask over the connection
+  client::Workers workers;  // destroyed first, since its tasks use the connection
 
   template <Question Q>
   std::future<Result<Answers>> ask_later(std::vector<Q> questions, AskOptions options) {
-    // Shared, because std::function wants to be copied.
+    // Shared, since a std::function must be copyable.
     auto promise = std::make_shared<std::promise<Result<Answers>>>();
     std::future<Result<Answers>> answers = promise->get_future();
     auto task = [this, promise, questions = std::move(questions), options = std::move(options)] {
@@ -130,7 +130,7 @@ Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string
 
 Result<ServerStatus> Client::status() {
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }
-  // Right after connecting the first one may be under way: it comes twenty times a second.
+  // Right after connecting, the first status may still be under way.
   const auto first = client::Clock::now() + std::chrono::nanoseconds(wire_contract::kStatusLostNs);
   state_->connection->pulse().wait_for_status(first);
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }

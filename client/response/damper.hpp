@@ -4,40 +4,43 @@
 
 namespace collided::response {
 
-/// A linear spring with a damper beside it that pushes and never pulls. The damping ratio is of each contact's own
-/// oscillator, d / (2 sqrt(k m)) with the reduced mass m, so that restitution does not depend on the masses.
+/// A contact force: a linear spring with a parallel damper that pushes and never pulls. The damping ratio is
+/// d / (2 sqrt(k m)) with the reduced mass m of each contact, so that the restitution does not depend on the masses.
 struct Spring {
   double stiffness_n_m = 1e6;
-  double damping_ratio = 0;  // 0: nothing lost
+  double damping_ratio = 0;  // 0: no energy is lost
 
   double damping(double reduced_mass_kg) const;    // N s/m
   double frequency(double reduced_mass_kg) const;  // rad/s, undamped
 };
 
-/// How fast two bodies part after such a contact, over how fast they met; without a load.
+/// The restitution of such a contact without a load: the speed at which the bodies part divided by that of approach.
+///
 /// error      1e-15
-/// source     Schwager, Poeschel, "Coefficient of restitution and linear-dashpot model revisited", Granular Matter 9, 2007
+/// source     Schwager, Poeschel, "Coefficient of restitution and linear-dashpot model revisited", Granular Matter 9,
+///            2007
 double restitution_of_damping(double damping_ratio);
 
-/// The damping ratio that gives a restitution, kLeastDampedRestitution to 1: by bisection, the function falls throughout.
-/// Throws std::invalid_argument outside.
+/// The inverse: the damping ratio for a restitution from kLeastDampedRestitution to 1, by bisection. Throws
+/// std::invalid_argument for other values.
 double damping_of_restitution(double restitution);
 
-/// One contact of the linear spring, solved: m y" + d y' + k y = load, y the depth, until the force would pull.
+/// One contact of the spring in closed form: the solution of m y" + d y' + k y = load for the depth y, until the force
+/// would pull. Immutable.
 /// source     any text on the damped oscillator; Magnus, Popp, "Schwingungen", 2.1
 class ContactPhase {
  public:
-  /// approach_m_s  at the start: at least 0 where that is the onset
-  /// load_n        pushes the two together (weight), or apart where negative
-  /// depth_m       at the start: 0 at the onset; else the two have been in contact, and the spring pushes
+  /// approach_m_s  at the start; 0 or more where the contact begins there
+  /// load_n        pushes the two together (a weight); negative: apart
+  /// depth_m       at the start; 0 where the contact begins there, else the spring pushes already
   ContactPhase(const Spring& spring, double reduced_mass_kg, double approach_m_s, double load_n, double depth_m = 0);
 
   double depth(double seconds) const;
   double depth_rate(double seconds) const;
-  /// Until the spring lets go; infinite where the load keeps them together. Undamped in closed form, else by bisection
-  /// between the force's largest and least value, which are in closed form.
+  /// Time until the spring lets go; infinite where the load keeps the two together. In closed form without damping,
+  /// else by bisection between the times of the largest and the least force, which are in closed form.
   double duration() const { return duration_s_; }
-  /// Deepest from the start on; of an endless contact, too.
+  /// The largest depth from the start on, also of an endless contact.
   double deepest() const;
 
  private:
@@ -45,11 +48,11 @@ class ContactPhase {
   double find_end() const;
 
   double decay_ = 0;  // 1/s
-  double turn_ = 0;   // rad/s, damped; of an overdamped contact the rate of its hyperbolic functions
+  double turn_ = 0;   // rad/s, with damping; for an overdamped contact the rate of the hyperbolic functions
   bool oscillates_ = true;
   double start_m_ = 0;
   double approach_m_s_ = 0;
-  double rest_ = 0;    // depth at which the spring bears the load
+  double rest_ = 0;    // depth at which the spring balances the load
   double cosine_ = 0;  // y = rest + e^(-decay t) (cosine cos turn t + sine sin turn t); cosh and sinh where overdamped
   double sine_ = 0;
   double frequency_ = 0;

@@ -34,7 +34,7 @@ class Pipe {
   int write_end() const { return ends_[1]; }
   void close_write_end() { close_end(1); }
 
-  /// Takes what is there; closes at the end.
+  /// Appends what can be read now; closes the end that is read at the end of the stream.
   void drain_into(std::string& text) {
     std::array<char, 4096> piece;
     const ssize_t got = ::read(ends_[0], piece.data(), piece.size());
@@ -53,7 +53,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// A file in memory with these bytes, at its beginning.
+/// A file in memory that holds these bytes, positioned at its beginning.
 class ChildInput {
  public:
   explicit ChildInput(std::span<const std::byte> bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
@@ -78,7 +78,7 @@ class ChildInput {
   bool is_whole_ = false;
 };
 
-/// Starts the program; the process id, or minus the error.
+/// Starts the program. Returns the process id, or the negated error number.
 pid_t start(const std::vector<std::string>& words, const ChildInput& input, const Pipe& output, const Pipe& errors) {
   std::vector<char*> arguments;
   for (const std::string& word : words) { arguments.push_back(const_cast<char*>(word.c_str())); }
@@ -111,7 +111,7 @@ void read_until_end(pid_t child, Pipe& output, Pipe& errors, std::chrono::millis
   bool is_ended = false;
   while (output.is_open() || errors.is_open()) {
     std::array<pollfd, 2> waits = {pollfd{output.read_end(), POLLIN, 0}, pollfd{errors.read_end(), POLLIN, 0}};
-    ::poll(waits.data(), waits.size(), kLook_ms);  // a closed end is -1, which poll passes over: nothing happens there
+    ::poll(waits.data(), waits.size(), kLook_ms);  // a closed end is -1, which poll() ignores
     if (waits[0].revents != 0) { output.drain_into(result.output); }
     if (waits[1].revents != 0) { errors.drain_into(result.errors); }
     if (is_ended) { continue; }
@@ -145,7 +145,7 @@ ChildResult run_child(const std::vector<std::string>& words, std::chrono::millis
   errors.close_write_end();
   try {
     read_until_end(child, output, errors, time_limit, cancelled, result);
-  } catch (...) {  // from the caller's cancelled(): no process of ours is left behind
+  } catch (...) {  // thrown by the caller's cancelled(): leave no process behind
     ::kill(-child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     throw;

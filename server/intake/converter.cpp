@@ -43,7 +43,7 @@ std::chrono::seconds time_limit() {
   return std::chrono::seconds(seconds);
 }
 
-/// The first line of what the converter complained about, made fit for a message.
+/// The first line of the converter's error stream, as text for a message.
 std::string first_line(std::string_view text) {
   constexpr std::size_t kMost = 400;
   std::string line(text.substr(0, std::min(text.find('\n'), kMost)));

@@ -6,7 +6,7 @@
 
 namespace collided::engine {
 
-/// A directory of our own under the system's temporary one; goes with all that is in it.
+/// A new directory under the system's temporary one. The destructor removes it with everything in it.
 class TemporaryDirectory {
  public:
   /// throws    LoadError naming `file` when none can be made
@@ -21,14 +21,16 @@ class TemporaryDirectory {
   std::string path_;
 };
 
-/// The .cscene file that the converter process made from another file; removed with this.
+/// Converts a file of any format to a .cscene file in a separate process, the converter. The destructor removes the
+/// .cscene file.
 ///
-/// The converter (collided-import) is $COLLIDED_IMPORT, else it stands beside the running program, else where the
-/// install put it. It sets itself limits on memory, processor time and system calls and is ended after $COLLIDED_IMPORT_SECONDS
-/// (default 900). What it prints is passed on: lines that begin with "placed: ", "note: ", "mended: ", "refused: " or
-/// "warning: " go to the report, anything on its error stream goes into the LoadError.
+/// The converter (collided-import) is found by find_helper_program and COLLIDED_IMPORT. It limits its own memory,
+/// processor time and system calls, and is ended after $COLLIDED_IMPORT_SECONDS (default 900). Lines of its output that
+/// begin with "placed: ", "note: ", "mended: ", "refused: " or "warning: " go to the report; its error stream goes into
+/// the LoadError.
 class ConvertedFile {
  public:
+  /// Runs the converter to its end.
   /// throws    LoadError when there is no converter, it fails or takes too long, or the caller cancels
   ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options, LoadReport& report);
 

@@ -25,7 +25,7 @@ std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZ
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) : name_(file_name(path)) {
-  // Not blocking: opening a pipe that nobody writes would wait for ever.
+  // Not blocking: opening a pipe without a writer would wait for ever.
   file_.number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat state {};
   if (file_.number < 0 || ::fstat(file_.number, &state) != 0) {
@@ -41,7 +41,7 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
   if (byte_count_ == 0) { refuse_file(name_, "the file is empty"); }
   if (access != Access::mapped) {
     reserve();
-    // The first bytes tell a format's marks.
+    // The first page is needed in any case: it tells formats apart.
     if (access == Access::copied_as_asked) fetch_before(1);
     else copy_all(options);
     return;
@@ -55,7 +55,8 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
   file_.close();
 }
 
-/// Addresses for the whole file, none of which may be touched before fetch_before() makes it a copy of the file's.
+/// Reserves addresses for the whole file. They must not be read until fetch_before() has copied the file's bytes to
+/// them.
 void FileBytes::reserve() {
   void* const memory = ::mmap(nullptr, byte_count_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) {
@@ -74,7 +75,7 @@ void FileBytes::copy_all(const LoadOptions& options) {
   }
 }
 
-/// Whole pages, so that pieces do not share one.
+/// Copies whole pages, so that no page is copied in two pieces.
 void FileBytes::fetch_before(std::size_t byte) {
   const std::size_t end = std::min((byte + page_bytes() - 1) / page_bytes() * page_bytes(), byte_count_);
   if (!copy_ || end <= fetched_bytes_) return;

@@ -14,10 +14,12 @@ class FileBytes {
  public:
   enum class Access { copied, copied_as_asked, mapped };
 
-  /// access   copied: nothing that happens to the file once this is made matters. copied_as_asked: only what fetch() has asked
-  ///          for is there, and nothing that happens to the file does more than make it throw. mapped: no copy, for files that
-  ///          are only ever replaced by rename, as save_scene does; one that is cut short in place would end the process.
-  /// throws   LoadError for what is not a regular file, is unreadable or larger than options.max_file_bytes
+  /// access  copied: what happens to the file afterwards has no effect
+  ///         copied_as_asked: only the bytes that fetch_before() was called for can be read; where the file changes
+  ///         meanwhile, that call may throw, and nothing worse happens
+  ///         mapped: no copy, for files that are only ever replaced by rename, as save_scene does; if such a file were
+  ///         cut short in place, reading it would end the process
+  /// throws  LoadError where the path is not a regular file, cannot be read, or is larger than options.max_file_bytes
   FileBytes(const std::string& path, Access access, const LoadOptions& options);
   ~FileBytes();
   FileBytes(const FileBytes&) = delete;
@@ -25,14 +27,14 @@ class FileBytes {
 
   std::span<const char> bytes() const { return {data_, byte_count_}; }
 
-  /// Copies the bytes before that one that are not there yet; those beyond must not be read.
+  /// Copies the bytes before `byte` that are not there yet. Those from `byte` on must not be read.
   /// throws    LoadError where the file has become shorter or cannot be read
   void fetch_before(std::size_t byte);
 
-  /// Gives the whole pages of a mapped file before that byte back; they must not be read any more.
+  /// Returns to the system the memory of a mapped file's whole pages before `byte`; they must not be read any more.
   void forget_before(std::size_t byte);
 
-  /// Gives the whole pages inside a piece of a copy back; they must not be read any more.
+  /// Returns to the system the memory of the whole pages inside a piece of a copy; they must not be read any more.
   /// threads   any, for pieces that do not overlap
   void give_back(std::span<const char> piece) const;
 
@@ -53,7 +55,7 @@ class FileBytes {
   std::string name_;
   OpenFile file_;  // until all of it is copied
   std::size_t fetched_bytes_ = 0;
-  std::unique_ptr<char[], Unmap> copy_;  // mapped rather than allocated, so that pages can go as soon as they are read
+  std::unique_ptr<char[], Unmap> copy_;  // mapped, not allocated: pages can be returned once they are read
   void* map_ = nullptr;                  // of the file
   const char* data_ = nullptr;
   std::size_t byte_count_ = 0;

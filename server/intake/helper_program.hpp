@@ -4,13 +4,14 @@
 
 namespace collided::engine {
 
-/// A program of ours that is run as a process of its own.
+/// A program of this project that another one runs as a separate process.
 struct HelperProgram {
   std::string path;     // empty where there is none
   std::string why_not;  // "NAME, which is not in ... nor ...; VARIABLE may name it"
 };
 
-/// Looks where an environment variable says; without it beside this program, then where programs of ours are installed.
+/// Finds a program: where the environment variable says; if that is not set, beside the running program, then in the
+/// folder where this project's programs are installed.
 HelperProgram find_helper_program(const std::string& name, const char* variable);
 
 }  // namespace collided::engine

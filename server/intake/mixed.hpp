@@ -4,7 +4,7 @@
 
 namespace collided::engine {
 
-/// Every bit of the result depends on every bit of the value.
+/// A hash in which every bit of the result depends on every bit of the value. Pure; the same on every machine.
 /// source    the finalizer of SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014
 inline std::uint64_t mixed(std::uint64_t value) {
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;

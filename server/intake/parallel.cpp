@@ -32,7 +32,8 @@ struct Run {
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between) {
   Run run;
-  // Tasks are handed out in order, so when one fails every smaller one has been started and will be heard.
+  // Tasks are handed out in order, so when one fails, every one with a smaller number has been started and its failure
+  // will be seen.
   const auto take_one = [&] {
     const std::size_t index = run.next.fetch_add(1);
     if (index >= task_count) { return false; }
@@ -57,7 +58,7 @@ void run_in_parallel(std::size_t task_count, const std::function<void(std::size_
         });
       }
     } catch (const std::system_error&) {
-      // No memory for another stack: fewer do the work.
+      // There is no memory for another stack: fewer threads do the work.
     }
     try {
       while (take_one()) { between(run.done.load()); }

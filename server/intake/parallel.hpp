@@ -5,10 +5,11 @@
 
 namespace collided::engine {
 
-/// Runs task(0) ... task(task_count - 1) on all cores, this thread among them.
+/// Runs task(0) ... task(task_count - 1) on as many threads as there are cores, the calling one among them.
 ///
-/// between   called on this thread after each of its own tasks with the number of tasks done; may throw, which ends
-///           the run. All threads have ended when this returns or throws.
+/// between   called on the calling thread after each of its own tasks, with the number of tasks done. It may throw,
+///           which ends the run
+/// promise   all other threads have ended when this returns or throws
 /// throws    what the task with the smallest number threw, so that the outcome does not depend on the threads
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between);

@@ -25,7 +25,7 @@
 namespace collided::engine {
 namespace {
 
-/// What a reader gives: one mesh in parts, one cloud of points, or objects of their own; a whole scene as it was saved.
+/// What a reader returns: one mesh in parts, one cloud of points, separate objects, or a whole scene as it was saved.
 enum class Content { mesh, cloud, objects, saved };
 
 /// What is known of a format before a file of it is read.
@@ -34,9 +34,9 @@ struct FileFormat {
   const char* name;
   Content content;
   Scene (*read)(const Reading&);
-  bool says_metres = false;     // by its definition
-  char up = 0;                  // the same; 0: it does not say
-  bool asks_for_bytes = false;  // its reader calls fetch
+  bool says_metres = false;     // the format is defined in metres
+  char up = 0;                  // the axis that the format defines to be up; 0: none
+  bool asks_for_bytes = false;  // its reader calls Reading::fetch, so the file is copied in steps
 };
 
 constexpr FileFormat kFormats[] = {
@@ -56,7 +56,7 @@ constexpr FileFormat kFormats[] = {
     {".urdf", "URDF", Content::objects, read_urdf, true, 'z'},
     {".cscene", "the scene file", Content::saved, read_scene_file, true, 'z'},
 };
-/// Every other one, which a process of its own turns into a scene file.
+/// Any other format: the converter process turns the file into a scene file.
 constexpr FileFormat kOther{"", "the converter", Content::saved, nullptr};
 
 const FileFormat& format_of(const std::string& file) {
@@ -85,7 +85,7 @@ void check_options(const Reading& reading) {
   }
 }
 
-/// What a text editor may put before the first word.
+/// The bytes without the byte order mark that a text editor may put first.
 std::span<const char> without_mark(const Reading& reading) {
   const std::string_view text(reading.begin(), reading.bytes.size());
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
@@ -101,14 +101,14 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
 
 Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
-/// Who says what was taken.
+/// Why a unit or axis was taken: the caller or the format says so, or it is assumed.
 std::string because(const FileFormat& format, bool is_asked, bool is_said, std::string_view option) {
   if (is_asked) return "as asked";
   return is_said ? fmt::format("as {} says", format.name)
                  : fmt::format("since {} does not say; {} does", format.name, option);
 }
 
-/// Unit, up axis and origin as they were taken, and who says so.
+/// Reports the unit, up axis and origin that were taken, and why.
 void tell_placement(const FileFormat& format, const Reading& reading) {
   const LoadOptions& options = reading.options;
   const char up = options.up != 0 ? options.up : format.up;
@@ -120,7 +120,8 @@ void tell_placement(const FileFormat& format, const Reading& reading) {
   placed.emplace_back("the origin is that of the file");
 }
 
-/// From the file's units and axes to metres with z up. A scene that has both already is not touched.
+/// Converts the scene from the file's unit and axes to metres with z up. Numbers do not change where that is so
+/// already.
 void place(const FileFormat& format, const Reading& reading, Scene& scene) {
   tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
@@ -191,7 +192,7 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
   tell(found.equal_vertices, "vertices with the coordinates of another one kept");
 }
 
-/// Mends where that is asked for, and tells what is odd.
+/// Mends the meshes if requested, and reports what is odd.
 void finish_mesh(const Reading& reading, Scene& scene) {
   const auto tell = [&](const std::vector<std::string>& lines) {
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
@@ -210,7 +211,7 @@ void check_mesh(const Reading& reading, const Scene& scene) {
   }
 }
 
-/// The radius is in metres already.
+/// Gives the points of a cloud their radius, which is in metres whatever the file's unit.
 void set_radius(const Reading& reading, SceneObject& cloud) {
   for (Primitive& point : cloud.shape.primitives) { std::get<Sphere>(point).radius_m = reading.options.radius_m; }
   if (reading.options.radius_m == 0) {
@@ -218,7 +219,7 @@ void set_radius(const Reading& reading, SceneObject& cloud) {
   }
 }
 
-/// What is done after the reading needs memory of its own.
+/// Returns the memory of the file's bytes, since the steps after reading need memory themselves.
 void drop_bytes(Reading& reading) {
   if (reading.give_back) reading.give_back(reading.bytes);
   reading.bytes = {};
@@ -244,13 +245,14 @@ Scene load(const FileFormat& format, Reading reading) {
   }
   place(format, reading, scene);
   if (format.content == Content::cloud) set_radius(reading, scene.objects.front());
-  // A saved scene was looked at when it was saved.
+  // A saved scene was examined when it was saved.
   if (format.content == Content::mesh || reading.options.mend_m) finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;
 }
 
-/// A file that is read here, by a process of its own all the same. What it makes of it is checked as any scene file is.
+/// Has the converter process read a file of a format that this process could read too, since the file is not trusted.
+/// Its result is checked like any scene file.
 Scene load_apart(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
   const auto bytes = std::make_shared<FileBytes>(converted.path(), FileBytes::Access::copied, LoadOptions{});
@@ -263,7 +265,8 @@ Scene load_apart(const std::string& path, const LoadOptions& options, LoadReport
 
 Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
-  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, {});  // the limit on bytes was for what came
+  const FileBytes bytes(converted.path(), FileBytes::Access::mapped,
+                        {});  // the limit on bytes is for the original file
   const Reading reading{file_name(path), bytes.bytes(), options, report};
   check_options(reading);
   Scene scene = read_scene_file(reading);
@@ -301,7 +304,7 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
       bytes->fetch_before(static_cast<std::size_t>(end - bytes->bytes().data()));
     };
     scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back, fetch});
-    // Saved indexes go on using the end of a mapping.
+    // Saved indexes remain in use in the last part of the mapping.
     if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

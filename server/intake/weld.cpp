@@ -15,7 +15,7 @@ constexpr std::uint32_t kFree = 0xffffffff;
 
 std::uint64_t hash_of(const Vec3& point) {
   const auto bits = [&](int axis) { return std::bit_cast<std::uint64_t>(point[axis] + 0.0); };  // -0 + 0 is 0
-  // Odd numbers without pattern: two places differ in the sum unless three products happen to cancel.
+  // Odd factors without a pattern: two places have different sums unless three products happen to cancel.
   return mixed(bits(0) * 0x9e3779b97f4a7c15u + bits(1) * 0xc2b2ae3d27d4eb4fu + bits(2) * 0x165667b19e3779f9u);
 }
 
@@ -25,12 +25,12 @@ std::uint64_t hash_of(const TriangleCorners& corners) {
   return mixed(mixed(std::uint64_t{corners[0]} << 32 | corners[1]) + corners[2]);
 }
 
-/// Numbers of things in an open table; the things stay where they are.
+/// A hash table with open addressing that holds only the numbers of things, which stay where they are.
 class IndexTable {
  public:
   explicit IndexTable(std::size_t count) : slots_(std::bit_ceil(4 * count + 1), kFree) {}
 
-  /// The number of the equal thing that came first, which is index itself for a new one.
+  /// The number of the first equal thing, which is `index` itself if there is none yet.
   template <class Equal>
   std::uint32_t find_or_add(std::uint64_t hash, std::uint32_t index, const Equal& equals) {
     const std::size_t mask = slots_.size() - 1;
@@ -47,7 +47,7 @@ class IndexTable {
   std::vector<std::uint32_t> slots_;
 };
 
-/// Marks of hashes, 16 to 32 bits for each of `count`.
+/// A set of hashes that may report others too: a bit field of 16 to 32 bits for each of `count` hashes.
 class HashMarks {
  public:
   explicit HashMarks(std::size_t count)
@@ -62,9 +62,9 @@ class HashMarks {
   std::size_t mask_;
 };
 
-/// The things, ascending, whose hash may be another one's as well: all that have an equal, the first of them included,
-/// and about a tenth of the others at most. Where hardly anything is equal, as in most meshes, that spares the table of
-/// all: marks are 2 to 4 bytes a thing.
+/// The things, in ascending order, whose hash may occur twice: all that have an equal, including the first of each, and
+/// at most about a tenth of the others. Where hardly anything is equal, as in most meshes, only these need a table; the
+/// marks take 2 to 4 bytes a thing.
 /// source   Bloom, "Space/time trade-offs in hash coding with allowable errors", 1970, with one hash
 template <class HashOf>
 std::vector<std::uint32_t> likely_equal(std::uint32_t count, const HashOf& hash_of_thing) {
@@ -83,7 +83,7 @@ std::vector<std::uint32_t> likely_equal(std::uint32_t count, const HashOf& hash_
       else met.add(hashes[i]);
     }
   }
-  // By other bits than those that made them meet: what met by chance alone is told apart.
+  // The second round uses other bits of the hashes, so it removes most that agreed by chance.
   HashMarks doubtful(2 * met_again.size());
   for (const std::uint32_t hash : met_again) doubtful.add(mixed(hash));
   std::vector<std::uint32_t> likely;

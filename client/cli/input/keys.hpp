@@ -6,7 +6,8 @@
 
 namespace collided::cli {
 
-/// Keys as they are pressed, while it lives; the terminal is as before afterwards. No keys where the file is no terminal.
+/// Reads single keys from a terminal as they are pressed. The destructor restores the terminal's mode. A file that is
+/// not a terminal gives no keys. One thread.
 class Keys {
  public:
   explicit Keys(int file);
@@ -14,7 +15,7 @@ class Keys {
   Keys(const Keys&) = delete;
   Keys& operator=(const Keys&) = delete;
 
-  /// The next key, without waiting.
+  /// The next key that was pressed; nothing if there is none. Does not wait.
   std::optional<char> next();
 
  private:

@@ -6,19 +6,19 @@
 
 namespace collided::cli {
 
-/// Lines of a file descriptor, with a say in waiting: a pipe that pauses must not hold back answers already asked for.
-/// A line longer than kLongestLine is cut and the rest skipped; the reader says so.
+/// Reads lines from a file descriptor. The caller can see whether reading would wait, so that a pipe that pauses does
+/// not hold back the answers to earlier lines. A line longer than kLongestLine is cut; see line_was_cut(). One thread.
 class LineReader {
  public:
   static constexpr std::size_t kLongestLine = 1 << 20;
 
   explicit LineReader(int file) : file_(file), buffer_(kBufferBytes) {}
 
-  /// The next line without its line end; false at the end of input or when interrupted. Waits.
+  /// Reads the next line, without its line end. False at the end of input or when interrupted. May wait.
   bool next(std::string& line);
-  /// True if next() would return at once.
+  /// Whether next() would return at once.
   bool ready();
-  /// Number of the line that next() gave last, from 1.
+  /// Number of the last line that was read, from 1.
   std::size_t line_number() const { return line_number_; }
   bool line_was_cut() const { return cut_; }
   bool failed() const { return failed_; }
@@ -38,7 +38,7 @@ class LineReader {
   bool cut_ = false;
 };
 
-/// Opens a file for reading, or takes `in` for "-". Throws Failure with the reason.
+/// A file opened for reading, or the descriptor `in` for "-". Throws Failure with the reason.
 class InputFile {
  public:
   InputFile(const std::string& path, int in);
@@ -46,7 +46,7 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
   int descriptor() const { return file_; }
-  /// "rays.csv", or "stdin".
+  /// Its name for messages: "rays.csv", or "stdin".
   const std::string& name() const { return name_; }
 
  private:

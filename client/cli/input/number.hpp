@@ -10,7 +10,7 @@
 
 namespace collided::cli {
 
-/// What a number measures: decides which units may follow it and what it is without one.
+/// What a number measures. It decides which units may follow, and which unit is meant where none does (named first).
 enum class Measure {
   none,      // no unit
   length,    // metres: nm um mm cm m km in ft
@@ -20,44 +20,45 @@ enum class Measure {
   speed,     // metres per second: mm/s m/s km/h
 };
 
-/// One number with its unit, in SI. Throws Failure naming the text: not a number, `nan`, out of range, unknown unit.
+/// A number with its unit, in SI units; may be infinite. Throws Failure with the text where it is not a number, is
+/// `nan` or out of range, or has an unknown unit.
 double parse_number(std::string_view text, Measure measure = Measure::none);
 
-/// As parse_number, but infinity is refused too.
+/// The same, but infinity is refused too.
 double parse_finite(std::string_view text, Measure measure = Measure::none);
 
-/// "0,0,5" or "0 0 5" given as separate texts: every number in order.
+/// All numbers of texts such as "0,0,5", or "0" "0" "5", in order.
 std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure measure = Measure::none);
 
 /// Exactly three finite numbers separated by commas.
 Eigen::Vector3d parse_vector(std::string_view text, Measure measure = Measure::none);
 
-/// A time of at least 0, rounded to nanoseconds; "inf" is the largest.
+/// A time of 0 or more, rounded to nanoseconds; "inf" is the largest one.
 std::chrono::nanoseconds parse_duration(std::string_view text);
 
-/// Decimal, 0x or 0b; at most 32 bits.
+/// A whole number of up to 32 bits, decimal, 0x or 0b.
 std::uint32_t parse_bits(std::string_view text);
 
-/// A count of at least `low`, digits only.
+/// A count, in digits only, of at least `low`.
 std::uint64_t parse_count(std::string_view text, std::uint64_t low = 0);
 
-/// True for texts that parse whole as a number or a list of them with commas or colons, units allowed: `-1`, `-.5`, `-inf`,
+/// Whether the whole text is a number, or several with commas or colons, possibly with units: `-1`, `-.5`, `-inf`,
 /// `-3mm`, `-1,0,5`, `-1,0,0:1,1,1`. Such a token is never an option.
 bool is_number_text(std::string_view text);
 
-/// The shortest text that reads back to the same double.
+/// The shortest text that reads back as the same double.
 std::string format_number(double value);
 
-/// Three shortest numbers with blanks between.
+/// Three such numbers with blanks between.
 std::string format_vector(const Eigen::Vector3d& value);
 
-/// Two significant digits, for error bounds beside a value.
+/// A number with two significant digits, for the error bound of a value.
 std::string format_bound(double value);
 
-/// "18 204": thousands apart, for people.
+/// A count for people, with thousands apart: "18 204".
 std::string format_count(std::uint64_t value);
 
-/// "254 ms", "2.1 us", "3 h 12 m": for people.
+/// A time for people: "254 ms", "2.1 us", "3 h 12 m".
 std::string format_duration(std::chrono::nanoseconds value);
 
 }  // namespace collided::cli

@@ -13,24 +13,27 @@
 
 namespace collided::cli {
 
+/// The kinds of questions that are typed and read from files.
 enum class QuestionKind { ray, sphere, box, near };
 
-/// Questions of one kind; the alternatives stand in the order of QuestionKind.
+/// Questions of one kind. The alternatives are in the order of QuestionKind.
 using Questions = std::variant<std::vector<RayQuestion>, std::vector<SphereQuestion>, std::vector<BoxQuestion>,
                                std::vector<NearQuestion>>;
 
+/// An empty list of that kind.
 Questions no_questions(QuestionKind kind);
 std::size_t question_count(const Questions& questions);
+/// Client::ask_async and Client::ask, for any kind.
 std::future<Result<Answers>> ask_async(Client& client, Questions questions, const AskOptions& options);
 Result<Answers> ask(Client& client, const Questions& questions, const AskOptions& options);
 
 /// One number of a question in a file: a CSV column.
 struct Column {
   std::string_view name;
-  std::string_view other_name;  // also understood; may be empty
+  std::string_view other_name;  // accepted too; may be empty
 };
 
-/// A key of a question in JSON: `count` numbers that are the columns from `first` on.
+/// A key of a question in JSON. Its value has `count` numbers, for the columns from `first` on.
 struct JsonKey {
   std::string_view name;
   std::size_t first;
@@ -44,12 +47,12 @@ struct QuestionForm {
   std::string_view plural;
   std::span<const Column> columns;
   std::span<const JsonKey> keys;
-  std::size_t fewest_bare;  // numbers of a line without header: at least this many of the first columns,
+  std::size_t fewest_bare;  // a line without a header has at least this many numbers, for the first columns,
   std::size_t most_bare;    // and at most this many
 };
 const QuestionForm& form_of(QuestionKind kind);
 
-/// The numbers of one question by column, and which were given.
+/// The numbers of one question by column, and a bit for each that was given.
 struct Numbers {
   std::array<double, kMostColumns> value{};
   std::uint32_t given = 0;
@@ -65,10 +68,10 @@ struct Numbers {
   Vec3 vector(std::size_t first) const { return {value[first], value[first + 1], value[first + 2]}; }
 };
 
-/// Adds the question to those of its kind; throws Failure when numbers are missing or mean nothing.
+/// Adds the question with these numbers. Throws Failure where numbers are missing or make no question.
 void add_question(Questions& questions, const Numbers& numbers);
 
-/// Columns of each kind, by name: the same for files and for what is typed.
+/// The columns of each kind by name, for files and for the command line alike.
 namespace column {
 enum Ray : std::size_t { kFrom = 0, kDirection = 3, kLength = 6, kTo = 7 };
 enum Sphere : std::size_t { kSphereCenter = 0, kRadius = 3 };
@@ -76,7 +79,7 @@ enum Box : std::size_t { kLow = 0, kHigh = 3, kBoxCenter = 6, kSize = 9, kQuater
 enum Near : std::size_t { kPoint = 0, kReach = 3 };
 }  // namespace column
 
-/// Roll, pitch, yaw about the fixed x, y, z axes, in this order.
+/// The rotation by roll, pitch and yaw, about the fixed x, y and z axes in this order.
 Quat from_roll_pitch_yaw(const Vec3& angles_rad);
 
 /// A rotation of four numbers w x y z; throws Failure unless the norm is 1 within 1e-6, then normalises.

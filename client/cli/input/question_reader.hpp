@@ -11,22 +11,23 @@
 
 namespace collided::cli {
 
-/// Questions of one kind, one a line: NDJSON (the first byte is '{'), or CSV / blanks with or without a header.
-/// A bad line is refused with line and column, and reading goes on.
+/// Reads questions of one kind from a file, one a line: NDJSON where the first byte is '{', else numbers separated by
+/// commas or blanks, with or without a header. A bad line is refused with its line and column, and reading goes on. One
+/// thread.
 class QuestionReader {
  public:
   QuestionReader(const InputFile& file, QuestionKind kind);
 
   enum class Found { question, refused, end };
   struct Line {
-    RawJson id;  // the caller's, else the number of the record from 0
+    RawJson id;  // the one in the file, else the number of the record from 0
     std::size_t number = 0;
     std::string refusal;  // "line 4812: 'NaN' in column dz"; empty for a question
   };
 
-  /// The next record: a question is added to `questions`. Waits.
+  /// Reads the next record and, if it is a question, adds it to `questions`. May wait.
   Found next(Questions& questions, Line& line);
-  /// True if next() would not wait.
+  /// Whether next() would not wait.
   bool ready() { return lines_.ready(); }
 
  private:

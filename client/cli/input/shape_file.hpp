@@ -7,11 +7,11 @@
 
 namespace collided::cli {
 
-/// points FILE R | polyline FILE R | heights FILE DX [DY]: words from the kind on. Rows of numbers, apart by blanks or
-/// commas; "-" is `in`; '#' begins a comment. Throws Failure naming the line.
+/// Reads a shape from the words points FILE R | polyline FILE R | heights FILE DX [DY]. The file has rows of numbers
+/// separated by blanks or commas, and comments after '#'; "-" is the descriptor `in`. Throws Failure with the line.
 ShapePart read_shape(const std::vector<std::string>& words, int in);
 
-/// Whether the kind takes a file.
+/// Whether this kind of shape is read from a file.
 bool is_file_kind(const std::string& kind);
 
 }  // namespace collided::cli

@@ -8,12 +8,13 @@
 
 namespace collided::cli {
 
-/// What `add` takes.
+/// The shapes that `add` takes, for errors.
 inline constexpr const char* kShapeForms =
     "shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n"
     "points FILE R, polyline FILE R, heights FILE DX [DY]";
 
-/// The same for the help: lengths in metres or with a unit, an object's own axes, its centre at the origin.
+/// The same for the help. Lengths are in metres or have a unit; axes are the object's own, with its centre at the
+/// origin.
 inline constexpr const char* kShapeTable =
     "  sphere R                  a ball\n"
     "  box X Y Z                 full lengths\n"
@@ -26,18 +27,18 @@ inline constexpr const char* kShapeTable =
     "  polyline FILE R           lines with a thickness\n"
     "  heights FILE DX [DY]      heights on a grid\n";
 
-/// sphere R | box X Y Z (full lengths) | capsule R L (L between the two centres, along z) | cylinder R L | cone R H |
-/// ellipsoid X Y Z (full lengths) | plane [NX NY NZ] (solid behind it). Throws Failure.
+/// Makes a shape: sphere R | box X Y Z (full lengths) | capsule R L (L between the two centres, along z) | cylinder R L
+/// | cone R H | ellipsoid X Y Z (full lengths) | plane [NX NY NZ] (solid behind it). Throws Failure.
 ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers);
 
-/// "sphere:0.1", "box:0.4,0.4,0.4", "capsule:5cm,30cm".
+/// The same from one text: "sphere:0.1", "box:0.4,0.4,0.4", "capsule:5cm,30cm".
 ShapePart parse_shape(std::string_view text);
 
-/// A warning for angles of more than a whole turn that were given without a unit, so in radians, though degrees are meant
-/// surely; empty where there is nothing to say.
+/// A warning where an angle without a unit, so in radians, is more than a whole turn: surely degrees are meant. Else
+/// empty.
 std::string angle_warning(std::string_view option, const std::string& angles);
 
-/// A pose from "--at", "--rpy" and "--quat" as written; empty texts leave the default.
+/// The pose that the texts of "--at", "--rpy" and "--quat" give; an empty text leaves the default. Throws Failure.
 Pose parse_pose(const std::string& at, const std::string& rpy, const std::string& quat);
 
 }  // namespace collided::cli

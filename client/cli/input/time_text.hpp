@@ -6,8 +6,11 @@
 
 namespace collided::cli {
 
-/// "2026-11-22T12:03:10.5Z", with "+01:00" for Z too; "1795348990.5", seconds since 1970; "+2s" from the begin on; "-2s"
-/// before the end. To the nanosecond. Throws Failure naming the option and the text. may_be  what else it could have been, for the Failure
+/// A time in a recording: "2026-11-22T12:03:10.5Z", also with "+01:00" for Z; "1795348990.5" in seconds since 1970;
+/// "+2s" after the begin; "-2s" before the end. To the nanosecond.
+///
+/// throws  Failure with the option and the text
+/// may_be  what else the text may be, for the Failure
 RunTime parse_time(std::string_view option, std::string_view text, std::string_view may_be);
 
 }  // namespace collided::cli

@@ -11,28 +11,29 @@
 
 namespace collided::cli {
 
-/// How the answers of a verb are shown.
+/// How a verb's answers are printed.
 struct AnswerView {
   QuestionKind kind = QuestionKind::ray;
-  bool several = false;  // all hits were asked for: each gets its order
+  bool several = false;  // all hits were requested, so each is printed with its number
   bool count_only = false;
-  bool with_id = false;  // batches: every record starts with the caller's id
+  bool with_id = false;  // for batches: every record begins with the question's id
 };
 
-/// One answer as records, or as lines for people; hits in the order of the answer.
+/// Prints an answer as records, or as lines for people; hits are in the order of the answer.
 void print_answer(Printer& printer, const AnswerView& view, const RawJson& id, const Answer& answer);
 
-/// A refused question of a batch: answer `invalid` with its line.
+/// Prints a refused question of a batch: the answer `invalid` with its line.
 void print_refused(Printer& printer, const AnswerView& view, const RawJson& id, std::size_t line);
 
-/// yes, no or undecided.
+/// The exit code for an answer: yes, no or undecided.
 Exit exit_of(const Answer& answer);
 
-/// "numeric: ..." as people read it.
+/// A reason for people, as a sentence.
 std::string_view explain(UndecidedReason reason);
+/// A reason for machines, as a word.
 std::string_view name_of(UndecidedReason reason);
 
-/// "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old"
+/// What the answer took: "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old".
 std::string cost_line(const Answers& answers, const Answer& answer);
 
 }  // namespace collided::cli

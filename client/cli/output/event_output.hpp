@@ -8,13 +8,14 @@
 
 namespace collided::cli {
 
-/// Every field of an event, for machines; those that say nothing of its kind are empty.
+/// Every field of an event, for machines; fields without meaning for its kind are empty.
 Record event_record(const Event& event);
 
-/// The few fields that plain output has where none were chosen.
+/// The few fields of plain output where the user chose none.
 std::vector<std::string> usual_event_fields();
 
-/// For people; it begins with when the change had happened, which may be long before it was told.
+/// An event as a line for people. It begins with the time by which the change had happened, which may be long before
+/// the event came.
 std::string event_line(const Printer& printer, const Event& event);
 
 }  // namespace collided::cli

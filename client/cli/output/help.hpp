@@ -4,10 +4,10 @@
 
 namespace collided::cli {
 
-/// `collide` alone: what it is, two examples, the verbs by group.
+/// Prints the help of `collide` alone: what it is, two examples, the verbs by group.
 void print_help(Io& io);
 
-/// `collide VERB -h`.
+/// Prints the help of `collide VERB -h`.
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app);
 
 }  // namespace collided::cli

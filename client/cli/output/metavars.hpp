@@ -4,7 +4,7 @@
 
 namespace collided::cli {
 
-/// What the help writes after an option that takes a value, "X Y Z" or "GLOB"; empty for an option that is not known.
+/// What the help writes after an option to stand for its value, such as "X Y Z" or "GLOB"; empty for an unknown option.
 std::string_view metavar_of(std::string_view option);
 
 }  // namespace collided::cli

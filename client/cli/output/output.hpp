@@ -13,15 +13,16 @@
 
 namespace collided::cli {
 
-/// table: for people; plain: one record a line, fields apart by tabs; csv: with a header; json: one object a line.
+/// table: for people. plain: one record a line, fields separated by tabs. csv: the same with commas and a header. json:
+/// one object a line.
 enum class Format { table, plain, json, csv };
 
-/// JSON text that is written as it stands.
+/// JSON text that is written unchanged.
 struct RawJson {
   std::string text;
 };
 
-/// A vector or its absence: in CSV it takes three columns either way.
+/// A vector, or none: in CSV it takes three columns either way.
 struct MaybeVector {
   MaybeVector() = default;
   explicit MaybeVector(const Eigen::Vector3d& vector) : value(vector), given(true) {}
@@ -29,49 +30,57 @@ struct MaybeVector {
   bool given = false;
 };
 
+/// The value of a field; monostate: there is none.
 using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string_view, std::string,
                            MaybeVector, RawJson>;
 
+/// A named value of a record.
 struct Field {
   std::string_view name;
   Value value;
 };
 
-/// Every record of a verb has the same fields in the same order; what is absent holds monostate.
+/// One record of output. Every record of a verb has the same fields in the same order.
 using Record = std::vector<Field>;
 
+/// Colours by meaning.
 enum class Paint { plain, good, bad, doubt, faint };
 
-/// How text for people looks.
+/// How output for people looks.
 struct Appearance {
   bool color = false;
   Digits digits = Digits::rounded;
   std::size_t width = 0;  // columns of the terminal; 0: lines are not wrapped
-  bool header = false;    // names of the columns above plain output too
+  bool header = false;    // the names of the columns are printed above plain output too
 };
 
-/// Writes records. Numbers are the shortest text that reads back to the same double; infinity is "inf".
+/// Writes a verb's output in the chosen form: records for machines, or lines and tables for people. In records, numbers
+/// are the shortest text that reads back as the same double; infinity is "inf". One thread.
 class Printer {
  public:
   Printer(std::ostream& out, Format format, std::vector<std::string> fields, Appearance appearance);
 
-  /// True where people read and chose no fields: line() and columns are for them, record() for machines.
+  /// True where the output is a table and the user chose no fields: then use line() and row(), else record().
   bool human() const { return format_ == Format::table && fields_.empty(); }
   Format format() const { return format_; }
   Digits digits() const { return appearance_.digits; }
 
-  /// The columns of plain output where no --fields were given; the other forms keep all.
+  /// Sets the fields of plain output where no --fields are given; csv and json have all fields.
   void set_usual_fields(std::vector<std::string> fields) { usual_fields_ = std::move(fields); }
 
-  /// One record; throws Failure when --fields names one that it does not have. `--fields help` lists the names instead.
+  /// Writes a record. Throws Failure where --fields has a name that the record has not. `--fields help` lists the names
+  /// instead.
   void record(const Record& record);
-  /// A line as people read it. One that is wider than the terminal goes on below, broken where two blanks are.
+  /// Writes a line for people. Where it is wider than the terminal it continues on the next one, broken at double
+  /// blanks.
   void line(std::string_view text);
-  /// A row of the table under a header; flushed by finish() with columns aligned.
+  /// Adds a row to the table with this header; finish() writes the table.
   void row(const std::vector<std::string>& header, std::vector<std::string> cells);
-  /// Ends a table, its widest columns cut where it is wider than the terminal. Records and lines are flushed by the caller.
+  /// Writes the table with its columns aligned; the widest are cut where it is wider than the terminal. The caller
+  /// flushes records and lines.
   void finish();
 
+  /// The text with the codes of a colour, where output is coloured.
   std::string paint(Paint paint, std::string_view text) const;
 
  private:
@@ -92,7 +101,7 @@ class Printer {
   std::string buffer_;
 };
 
-/// A name as it may stand on a terminal: control characters become '?'.
+/// A name that is safe to print on a terminal: control characters become '?'.
 std::string printable(std::string_view text);
 
 /// A value as one cell of plain output.

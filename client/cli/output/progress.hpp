@@ -8,8 +8,8 @@
 
 namespace collided::cli {
 
-/// A line on stderr that is written over: only on a terminal, only after 400 ms, at most ten times a second, and erased
-/// at the end.
+/// A line of progress on standard error that is overwritten in place: only on a terminal, after 400 ms, and at most ten
+/// times a second. The destructor erases it. One thread.
 class Progress {
  public:
   Progress(Io& io, const Globals& globals);
@@ -17,7 +17,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// fraction in [0, 1]; below 0: not known.
+  /// Shows a count of something done.
+  /// fraction  of the whole, in [0, 1]; below 0: not known
   void show(std::uint64_t done, std::string_view what, double fraction = -1);
   void clear();
 

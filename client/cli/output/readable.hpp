@@ -4,10 +4,11 @@
 
 #include <Eigen/Core>
 
-// Numbers as a person reads them. Machines get every digit: format_number() of number.hpp.
+// Numbers for people. For machines, format_number() of number.hpp writes every digit.
 namespace collided::cli {
 
-/// rounded: what the eye needs and the bound allows; all: every digit, each length with its bound (--verbose).
+/// rounded: as many digits as people need and the error bound justifies. all: every digit, and each length with its
+/// bound (--verbose).
 enum class Digits { rounded, all };
 
 /// The value rounded to a micrometre or to four digits, whichever is finer, and no finer than its error: "1.8".
@@ -15,11 +16,11 @@ enum class Digits { rounded, all };
 /// error  bound of the value, in its unit; 0: exact
 std::string readable_number(double value, double error = 0);
 
-/// A length in metres, "1.8 m". Its bound follows where it is larger than what rounding hides, and always with
+/// A length in metres, "1.8 m". Its error bound follows where it is larger than the rounding, and always with
 /// Digits::all: "1.7999999999999998 m ±2.2e-16", "0.2 m exact".
 std::string readable_length(double metres, double error_m, Digits digits);
 
-/// A point, "6 0 1.2", its coordinates rounded as lengths are.
+/// A point, "6 0 1.2", with coordinates rounded like lengths.
 std::string readable_point(const Eigen::Vector3d& point, double error_m, Digits digits);
 
 /// A direction of length 1, four digits after the point: "0 0.7071 0.7071".

@@ -6,8 +6,8 @@
 
 namespace collided::cli {
 
-/// Columns of the terminal that standard output is: COLUMNS where it is set, else what the terminal says, else 80. 0 where
-/// output is no terminal and COLUMNS is not set: then nothing is wrapped.
+/// Columns of the terminal on standard output: COLUMNS where it is set, else what the terminal says, else 80. 0 where
+/// output is not a terminal and COLUMNS is not set: then nothing is wrapped.
 std::size_t terminal_width(const Io& io);
 
 }  // namespace collided::cli

@@ -10,22 +10,22 @@
 
 namespace collided::cli {
 
-/// How a server does, over the time between two looks at it.
+/// A server's status, and what it did between two looks at it.
 struct Look {
   ServerStatus status;
-  view::Figures figures;          // between the looks
-  std::int64_t up_ns = 0;         // of the server
+  view::Figures figures;          // of the time between the two looks
+  std::int64_t up_ns = 0;         // since the server's start
   std::deque<double> past_rates;  // questions a second at earlier looks, the newest last
 };
 
-/// Lines for a terminal, none of them cut to its width.
+/// The page as lines for a terminal, not yet cut to its width.
 std::vector<std::string> top_lines(const Look& look);
 
-/// The same as records {figure, value, unit}: every figure that is there whoever asks, then each publisher, then what is
-/// not built.
+/// The page as records {figure, value, unit}: first the figures that every server has, then each publisher, then the
+/// structures that are not built.
 std::vector<Record> top_records(const Look& look);
 
-/// Questions a second.
+/// The rate of questions, per second.
 double asked_rate(const view::Figures& figures);
 
 }  // namespace collided::cli

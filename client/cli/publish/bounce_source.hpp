@@ -8,17 +8,18 @@
 
 namespace collided::cli {
 
+/// The spheres as objects to publish.
 struct BounceSourceOptions {
   BounceOptions bounce;
-  std::string name = "spheres";  // spheres are called name/0, name/1, ...; the walls name/cube
+  std::string name = "spheres";  // the spheres' names are name/0, name/1, ...; that of the walls is name/cube
   std::size_t polygon_count = 256;
-  bool round = false;    // real spheres instead of polygons
-  bool bounces = false;  // without: they only move, reflected by the walls
+  bool round = false;    // exact spheres instead of meshes
+  bool bounces = false;  // false: contacts between spheres are ignored; the walls reflect them in any case
   double rate_hz = 60;
   ObjectTexts objects = {};
 };
 
-/// The homework as a publisher: it moves the spheres, hears of their contacts from the server, and answers with velocities.
+/// The homework as a source: it moves the spheres, gets their contacts from the server, and changes their velocities.
 std::unique_ptr<Source> make_bounce_source(const BounceSourceOptions& options);
 
 }  // namespace collided::cli

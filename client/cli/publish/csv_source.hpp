@@ -8,14 +8,16 @@
 
 namespace collided::cli {
 
+/// What to read, and the shape of each object.
 struct CsvSourceOptions {
   std::string path;  // "-": stdin
   ShapePart shape = SphereShape{.radius_m = 0.1};
   ObjectTexts objects = {};
-  bool paced = false;  // a rate was given, so that times may be missing
+  bool paced = false;  // a rate was given, so the rows need no times
 };
 
-/// Poses from a CSV file or pipe; rows of one time are one frame. Objects are added when first seen.
+/// A source of poses from a CSV file or pipe. Rows with the same time are one frame. An object is added when its name
+/// first occurs.
 std::unique_ptr<Source> make_csv_source(Io& io, const CsvSourceOptions& options);
 
 }  // namespace collided::cli

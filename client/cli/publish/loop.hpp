@@ -8,18 +8,19 @@
 
 namespace collided::cli {
 
+/// How to publish a source, and when to stop.
 struct LoopOptions {
   std::string publisher_name;
-  double rate_hz = 0;  // frames a second instead of the source's own times; 0: those
-  double speed = 1;    // of the source's own times
-  bool loop = false;
-  bool stay = false;  // after the last frame: keep the objects until interrupted
+  double rate_hz = 0;  // frames a second; 0: the source's own times count
+  double speed = 1;    // factor on the source's own times
+  bool loop = false;   // begin again after the last frame
+  bool stay = false;   // after the last frame: keep the objects until interrupted
   std::uint64_t most_frames = 0;
   std::chrono::nanoseconds most_time = std::chrono::nanoseconds::max();
 };
 
-/// Publishes a source's frames when they are due by the steady clock, says "still there" in between, and ends with what
-/// was sent. Ctrl-C ends it with the same report.
+/// Publishes a source's frames when they are due by the steady clock, and keeps the publisher alive in between. Ends,
+/// also on Ctrl-C, with a report of what was sent.
 Exit publish(Session& session, const Globals& globals, Source& source, const LoopOptions& options);
 
 }  // namespace collided::cli

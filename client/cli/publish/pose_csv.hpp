@@ -10,27 +10,28 @@
 
 namespace collided::cli {
 
+/// A row of poses.
 struct PoseRow {
   std::optional<double> time_s;
   std::string name;
   Pose pose;
 };
 
-/// Rows of poses: t,name,x,y,z,qw,qx,qy,qz with or without a header, CSV or blanks. A header may leave out t, name or the
-/// rotation and order the columns as it likes. Recordings round their quaternions: a norm within 1e-3 of 1 is taken and
-/// normalised.
+/// Reads rows of poses from a file: t,name,x,y,z,qw,qx,qy,qz, separated by commas or blanks. A header may leave out t,
+/// name or the rotation, and have the columns in any order. A quaternion whose norm is within 1e-3 of 1 is normalised,
+/// since recordings round them. One thread.
 class PoseCsv {
  public:
   enum class Found { row, refused, end };
 
   explicit PoseCsv(const InputFile& file) : file_(file), lines_(file.descriptor()) {}
 
-  /// The next row. `refusal` says why one was refused: "poses.csv line 7: 'nan' in column x". Throws Failure where the header
-  /// is not understood.
+  /// Reads the next row. Where it is refused, `refusal` says why: "poses.csv line 7: 'nan' in column x". Throws Failure
+  /// where the header is not understood.
   Found next(PoseRow& row, std::string& refusal);
-  /// True if next() would not wait.
+  /// Whether next() would not wait.
   bool ready() { return lines_.ready(); }
-  /// Known once a row was read.
+  /// Whether rows have times; known once a row was read.
   bool has_time() const { return has_time_; }
 
  private:

@@ -12,7 +12,7 @@ class App;
 
 namespace collided::cli {
 
-/// Options of every question, as the user wrote them.
+/// The options that every question has, as the user wrote them.
 struct AskTexts {
   std::string only;
   std::string skip;
@@ -25,10 +25,12 @@ struct AskTexts {
   bool fresh = false;
 };
 
-/// latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970; throws Failure.
+/// The instant that a text means: latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970. Throws Failure.
 Instant parse_instant(const std::string& text);
 
+/// Declares those options on the parser.
 void declare_ask_options(CLI::App& app, AskTexts& texts);
+/// The options for the library. Throws Failure.
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals);
 
 }  // namespace collided::cli

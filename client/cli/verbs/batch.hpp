@@ -7,6 +7,7 @@
 
 namespace collided::cli {
 
+/// What to read and how to answer it.
 struct BatchOptions {
   std::string path;  // "-": stdin
   AskOptions ask;
@@ -14,8 +15,9 @@ struct BatchOptions {
   bool stop_on_error = false;
 };
 
-/// Answers every question of a file or pipe, in its order and with the caller's id: requests of growing size, several in
-/// flight, each on one state of the world. A pause of the pipe sends what has come so far. Bad lines are refused one by one.
+/// Answers every question of a file or pipe, in order and with its id. It sends requests of growing size, several at a
+/// time, each about one state of the world. When the pipe pauses it sends what has come so far. Bad lines are refused
+/// one by one.
 Exit run_batch(Session& session, const Globals& globals, const BatchOptions& options);
 
 }  // namespace collided::cli

@@ -7,17 +7,18 @@
 
 namespace collided::cli {
 
+/// How often and how long to ask.
 struct RepeatedQuestionOptions {
   AskOptions ask;
   QuestionKind kind = QuestionKind::ray;
-  std::uint64_t most_changes = 0;  // 0: no end
+  std::uint64_t most_changes = 0;  // 0: any number
   std::chrono::nanoseconds most_time = std::chrono::nanoseconds::max();
   std::chrono::nanoseconds every = std::chrono::milliseconds(10);
 };
 
-/// Asks one question again and again and prints what changes: an object that enters or leaves the answer, a distance that
-/// moves (rays and near), an answer that becomes undecided or decided. Worlds of equal version are not compared.
-/// Ends after `most_changes`, after `most_time`, or on Ctrl-C with a summary.
+/// Asks one question again and again and prints what changes: an object that enters or leaves the answer, a distance
+/// that changes (rays and near), an answer that becomes undecided or decided. Answers about one version of the world
+/// are not compared. Ends with a summary after `most_changes`, after `most_time`, or on Ctrl-C.
 Exit run_repeated(Session& session, const Globals& globals, const Questions& question,
                   const RepeatedQuestionOptions& options);
 

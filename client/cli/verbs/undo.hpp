@@ -7,20 +7,20 @@
 
 namespace collided::cli {
 
-/// What would bring back the objects of a name or glob ("" is all): one `collide add ...` an object, taken before they go.
-/// Objects of a scene or of a publisher are not among them, and of others at most `most`; `left_out` counts what no line
-/// brings back.
+/// The commands that would add removed objects again: one `collide add ...` for each.
 struct Undo {
   std::vector<std::string> lines;
-  std::uint64_t left_out = 0;
+  std::uint64_t left_out = 0;  // objects without such a command
 };
+/// The commands for the objects of a name or glob ("": all); call it before they are removed. Objects of a scene or a
+/// publisher have none, and of the others at most `most` objects do.
 Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only,
              std::size_t most = 10);
 
-/// The lines as a hint, once the objects are gone.
+/// Prints the commands as a hint, after the objects were removed.
 void print_undo(Session& session, const Globals& globals, const Undo& undo);
 
-/// A word as a shell takes it whole.
+/// A word quoted for a shell where that is needed.
 std::string shell_word(const std::string& word);
 
 }  // namespace collided::cli

@@ -8,28 +8,30 @@
 
 namespace collided::draw {
 
-/// How the user wants to see; what is left out is fitted to the points that are to be seen.
+/// How the user wants to see the scene. What is left out is chosen to fit the points of the scene.
 struct View {
   std::optional<Vec3> from{};
   std::optional<Vec3> at{};
   Vec3 up = Vec3::UnitZ();
   bool is_orthographic = false;
-  std::optional<double> field_of_view_rad{};  // of the picture's width; none: just so that everything is in it
+  std::optional<double> field_of_view_rad{};  // across the picture's width; none: as much as everything takes
   double width_px = 1200;
 };
 
-/// A picture's coordinates, y downward, and how far away along the camera's axis.
+/// A point of the picture in pixels, y downward, with the depth along the camera's axis.
 struct ImagePoint {
   double x = 0;
   double y = 0;
   double depth_m = 0;
 };
 
-/// A pinhole with the picture on a plane before it, or a parallel projection. All in double; immutable.
+/// A perspective or parallel projection from the world to the picture. All in double. Immutable, so any thread may use
+/// it.
 class Camera {
  public:
-  /// points  what is to be in the picture, finite; with none of them a metre about the origin is. Those behind the eye
-  ///         are left out.
+  /// A camera for a view.
+  /// points  to be in the picture, finite; those behind the eye are ignored. Without any, a metre about the origin is
+  ///         shown
   static Camera fitted(const View& view, std::span<const Vec3> points);
 
   double width_px() const { return width_px_; }
@@ -40,19 +42,20 @@ class Camera {
   const Vec3& above() const { return above_; }
   const Vec3& forward() const { return forward_; }
 
-  /// Before the eye only: depth_m > 0 unless the projection is parallel.
+  /// The image of a point, which must be in front of the eye (depth_m > 0) unless the projection is parallel.
   ImagePoint project(const Vec3& point) const;
-  /// Unit vector to the eye.
+  /// The unit vector from a point to the eye.
   Vec3 toward_eye(const Vec3& point) const;
-  /// How long a pixel is at that point.
+  /// The size of a pixel at that point, in metres.
   double pixel_m(const Vec3& point) const;
-  /// What is seen at a place of the picture, from the eye or from a plane before everything.
+  /// The ray that finds what is seen at a place of the picture. It begins at the eye or, for a parallel projection, at
+  /// a plane in front of everything.
   RayQuestion through(double x, double y) const;
-  /// From bias_m before the point to the eye: the point is seen where this meets nothing.
+  /// The ray from bias_m in front of a point to the eye. The point is visible where it hits nothing.
   RayQuestion sight(const Vec3& point, double bias_m) const;
-  /// The share of a segment that is in the picture, as fractions of it in space; nothing: none is.
+  /// The part of a segment that is in the picture, as fractions of its length in space; nothing: none is.
   std::optional<std::pair<double, double>> clip(const Vec3& a, const Vec3& b) const;
-  /// The point of a segment (of both depths above 0) that is drawn at this fraction of its image.
+  /// The point of a segment that appears at this fraction of its image. Both depths must be above 0.
   static Vec3 at_image_fraction(const Vec3& a, const Vec3& b, double a_depth_m, double b_depth_m, double fraction);
 
  private:
@@ -69,8 +72,8 @@ class Camera {
   double left_ = 0;
   double top_ = 0;
   double pixels_per_unit_ = 1;
-  double nearest_m_ = 0;   // what is nearer is not drawn; parallel: where rays begin
-  double farthest_m_ = 0;  // of what was fitted
+  double nearest_m_ = 0;   // nothing nearer is drawn; for a parallel projection, where rays begin
+  double farthest_m_ = 0;  // depth of the farthest fitted point
 };
 
 }  // namespace collided::draw

@@ -9,28 +9,30 @@
 
 namespace collided::draw {
 
+/// How lines and surfaces are drawn.
 enum class Style { wireframe, hidden_line, obscured_line, haloed, toon, hatched };
 
-/// Where two objects bear on each other.
+/// A point where two objects touch.
 struct ContactMark {
   Vec3 point;
   Vec3 normal;
   double depth_m = 0;
 };
 
-/// A ray that was asked, to where it met something or to where it leaves the picture.
+/// A ray to be drawn, up to its hit or to where it leaves the picture.
 struct RayMark {
   Vec3 origin;
   Vec3 end;
   bool is_hit = false;
 };
 
+/// What to draw besides the scene, and how.
 struct DrawOptions {
   View view{};
   Style style = Style::hidden_line;
-  int tones = 3;                       // of the toon style
-  std::optional<Vec3> toward_light{};  // in the world, any length; none: from above, left of the eye
-  double crease_cosine = 0.866;        // as the shapes were asked for
+  int tones = 3;                       // number of them, for the toon style
+  std::optional<Vec3> toward_light{};  // in the world, any length; none: light comes from above and left of the eye
+  double crease_cosine = 0.866;        // as in the ShapesOptions of the scene
   double halo_px = 5;
   std::optional<ClearanceRamp> clearance{};
   std::vector<ContactMark> contacts{};
@@ -38,21 +40,22 @@ struct DrawOptions {
   SightOptions sight{};
 };
 
-/// The lines of a drawing, by what became of them.
+/// A drawing, and the lines and decisions that it was made from.
 struct Drawing {
   Picture picture;
   Camera camera;
   std::vector<Segment> segments;
   std::vector<Piece> pieces;
-  std::vector<Crossing> crossings;  // haloed only
-  double bias_m = 0;                // of the lines before the surfaces, in the middle of the scene
+  std::vector<Crossing> crossings;  // for the haloed style only
+  double bias_m = 0;                // by which lines are in front of surfaces, in the middle of the scene
 };
 
-/// Stroke width of a contact's ring: grows with depth, never twice the same for two depths that differ to the eye.
+/// The stroke width of a contact's ring. It grows with the depth, so that visibly different depths have different
+/// widths.
 double contact_width_px(double depth_m, double scene_m);
 
-/// Draws what is shown; visibility, tones and clearance by the rays. Throws Error. The rays see the newest state each:
-/// what moves meanwhile is drawn where it was.
+/// Draws the objects. Visibility, tones and clearance come from questions to the server, about its newest state each
+/// time; an object that moves meanwhile is drawn where it was in `shown`. Throws Error.
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays);
 
 }  // namespace collided::draw

@@ -7,41 +7,41 @@
 
 namespace collided::draw {
 
-/// What a line of a technical drawing is; an edge that is several of these is the first.
+/// What a line of a technical drawing shows. An edge that is several of these counts as the first.
 enum class LineKind : std::uint8_t {
-  silhouette,  // between what faces the eye and what does not
-  boundary,    // of one triangle, or of three and more
+  silhouette,  // between triangles that face the eye and others that do not
+  boundary,    // an edge of one triangle, or of three and more
   crease,
   material,
 };
 inline constexpr int kLineKindCount = 4;
 
-/// A chain of points in the world. Curves are chains that leave their curve by kCurveError_px at most.
+/// A line as a chain of points in the world. A curve's chain is off by at most kCurveError_px.
 struct FeatureLine {
   std::vector<Vec3> points;
   LineKind kind = LineKind::crease;
-  std::uint32_t object = 0;  // number in ShownObjects
+  std::uint32_t object = 0;  // index in ShownObjects
 };
 
-/// How far the image of a curve's chain is from the curve's, for curves that are not nearer to the eye than they are
-/// large.
+/// The distance between the images of a curve and its chain, in pixels. It holds for curves that are no nearer to the
+/// eye than their size.
 inline constexpr double kCurveError_px = 0.1;
 
-/// Every line that the shapes have for this eye.
+/// All lines of the objects that matter to this camera.
 ///
-/// Edges of surfaces are silhouettes by the signs of n . (eye - p), exactly decided, so that on a closed mesh
-/// silhouettes are loops. Spheres, capsules, cylinders, cones and ellipsoids have their silhouettes in closed form. An
-/// edge to a triangle of an object that is not shown is a boundary. Half-spaces have no lines. Solids that reach into
-/// each other keep their lines; those along which they meet are not found.
+/// Whether an edge of a surface is a silhouette is decided by the exact signs of n . (eye - p), so that silhouettes of
+/// a closed mesh are loops. Silhouettes of spheres, capsules, cylinders, cones and ellipsoids are in closed form. An
+/// edge whose other triangle belongs to an object that is not shown is a boundary. Half-spaces have no lines. Where
+/// solids overlap, the lines along which their surfaces meet are not found.
 ///
-/// shown    asked for with edges
+/// shown    fetched with ShapesOptions::edges
 std::vector<FeatureLine> feature_lines(const ShownObjects& shown, const Camera& camera);
 
-/// Corners, ends and poles: what is to be in the picture. Half-spaces give none.
+/// Corners, ends and poles of the objects, which the picture should contain. Half-spaces have none.
 std::vector<Vec3> extreme_points(const ShownObjects& shown);
 
-/// A triangle faces the eye: n . (eye - p) > 0 for its corners' normal n, exactly. As seen along `toward_eye` where the
-/// projection is parallel.
+/// Whether a triangle faces the eye: n . (eye - p) > 0 for its normal n, exactly. The second is for a parallel
+/// projection.
 bool faces_eye(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye);
 bool faces_direction(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& toward_eye);
 

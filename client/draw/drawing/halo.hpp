@@ -7,18 +7,18 @@
 
 namespace collided::draw {
 
-/// Where two segments cross in the picture, one behind the other.
+/// A place where two segments cross in the picture, one behind the other.
 struct Crossing {
   std::uint32_t nearer = 0;
   std::uint32_t farther = 0;
   double at = 0;  // fraction of the farther one's image
 };
 
-/// All of them; those that meet in space, share an end or belong to one line are none.
+/// All crossings, except of segments that meet in space, share an end or belong to one line.
 /// cost  a sweep along x: n log n, and the pairs whose extents overlap
 std::vector<Crossing> crossings(std::span<const Segment> segments, bool is_orthographic);
 
-/// Every segment, without what is behind another one and nearer than halo_px to its image.
+/// The segments without the parts that are behind another one and within halo_px of its image.
 /// source  Appel, Rohlf, Stein, "The Haloed Line Effect for Hidden Line Elimination", 1979
 std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings,
                                  double halo_px);

@@ -8,11 +8,12 @@
 
 namespace collided::draw {
 
+/// A point of a picture.
 using Spot = std::array<double, 2>;  // pixels, y downward
 
-/// How a stroke is drawn. Strokes of one ink are one mark: where they overlap it is not darker.
+/// How a stroke is drawn. All strokes of one ink make one mark, which is no darker where they overlap.
 struct Ink {
-  std::string name;   // what it stands for: the class in SVG
+  std::string name;   // what it stands for; the class in SVG
   std::string color;  // #rrggbb
   double width_px = 1;
   bool operator==(const Ink&) const = default;
@@ -29,7 +30,7 @@ struct Ring {
   Ink ink{};
 };
 
-/// A colour a pixel, by number; kPaperPixel: none.
+/// A colour for each pixel, by its number in `colors`; kPaperPixel: none.
 struct Pixels {
   static constexpr std::uint8_t kPaperPixel = 255;
   int width = 0;
@@ -38,7 +39,7 @@ struct Pixels {
   std::vector<std::string> colors;    // #rrggbb
 };
 
-/// A drawing ready for paper: pixels below, then strokes and rings in their order.
+/// A finished drawing: pixels below, then strokes and rings in their order.
 struct Picture {
   double width_px = 0;
   double height_px = 0;
@@ -49,13 +50,13 @@ struct Picture {
   std::vector<Ring> rings{};
 };
 
-/// One path an ink, pixels as rectangles without gaps. Same picture, same bytes.
+/// The picture as SVG: one path for each ink, pixels as rectangles without gaps. The same picture gives the same bytes.
 std::string as_svg(const Picture& picture);
 
-/// Anti-aliased by each pixel's distance from the middle of the stroke. Empty where libpng fails.
+/// The picture as PNG, with strokes anti-aliased by each pixel's distance from their middle. Empty where libpng fails.
 std::string as_png(const Picture& picture);
 
-/// Strokes alone, in braille: two dots a column, four a row; lines end with "\n".
+/// The strokes as text in braille: two dots across and four down for each character.
 std::string as_braille(const Picture& picture);
 
 }  // namespace collided::draw

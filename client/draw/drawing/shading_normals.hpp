@@ -9,27 +9,28 @@
 
 namespace collided::draw {
 
-/// Normals for shading: on a surface those of the triangles about each corner, mixed over the triangle, so that what
-/// stands for something round looks round; triangles beyond a crease have no part in it. Elsewhere the hit's own.
+/// Normals for shading. On a surface they are interpolated between the corners of a triangle, where each is the mean
+/// over the triangles there, except those beyond a crease, so that meshes of round things look round. Elsewhere it is
+/// the hit's normal. One thread.
 /// source  Phong, "Illumination for Computer Generated Pictures", 1975
 class ShadingNormals {
  public:
-  /// shown  outlives this; surfaces are looked at when one of their triangles is hit first
+  /// shown  must outlive this. A surface is prepared when one of its triangles is first hit
   ShadingNormals(const ShownObjects& shown, double crease_cosine);
 
-  /// Number in ShownObjects; kNobody: the object came after it.
+  /// The index in ShownObjects of the object that was hit; kNobody: it came later.
   static constexpr std::uint32_t kNobody = 0xffffffff;
   std::uint32_t object_of(const Hit& hit) const;
 
-  /// Of unit length, in the world; on either side of the surface.
+  /// The unit normal in the world, on either side of the surface.
   Vec3 normal(const Hit& hit);
 
  private:
   struct Corners {
-    std::vector<std::uint32_t> point_of;  // of each vertex the first at its place
-    std::vector<std::uint32_t> first;     // of each point its first triangle in `triangles`; one more for the end
+    std::vector<std::uint32_t> point_of;  // by vertex: the first vertex at its place
+    std::vector<std::uint32_t> first;     // by point: index of its first triangle in `triangles`; one more for the end
     std::vector<std::uint32_t> triangles;
-    std::vector<Vec3> normals;  // of each triangle, as long as twice its area
+    std::vector<Vec3> normals;  // by triangle: as long as twice its area
   };
   const Corners& corners_of(const Surface& surface);
 

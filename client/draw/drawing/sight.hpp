@@ -8,17 +8,18 @@
 
 namespace collided::draw {
 
-/// Asks a server and counts. Throws Error. Threads: one.
+/// Asks a server the questions of a drawing, and counts them. Every call throws Error where the server does not answer.
+/// One thread.
 class Rays {
  public:
-  /// options  what may hide and be hit: only, skip, mask, timeout
+  /// options  which objects are seen and hide others: only, skip, mask; and the timeout
   Rays(Client& client, AskOptions options) : client_(client), options_(std::move(options)) {}
 
-  /// In batches of 20,000, each on one state of the world.
+  /// The first hit of each ray, in batches of 20,000, each about one state of the world.
   std::vector<Answer> first_hits(std::span<const RayQuestion> rays);
-  /// Whether each meets nothing; 1 where it does not.
+  /// By ray: 1 where it hits nothing.
   std::vector<std::uint8_t> are_free(std::span<const RayQuestion> rays);
-  /// The nearest of what is not named so, up to within_m.
+  /// The nearest object for each question, except those whose names match `skip`.
   std::vector<Answer> nearest(std::span<const NearQuestion> questions, const std::string& skip);
 
   std::uint64_t asked() const { return asked_; }
@@ -34,7 +35,7 @@ class Rays {
   std::uint64_t undecided_ = 0;
 };
 
-/// A straight piece of a line, clipped to the picture.
+/// A straight part of a line, clipped to the picture.
 struct Segment {
   Vec3 a;
   Vec3 b;
@@ -42,16 +43,17 @@ struct Segment {
   ImagePoint image_b;
   LineKind kind = LineKind::crease;
   std::uint32_t object = 0;
-  std::uint32_t line = 0;  // pieces of one line follow each other
+  std::uint32_t line = 0;  // number of the line; its segments follow each other
 
   double length_px() const;
-  /// In the world, where the image is at this fraction of its length.
+  /// The point in the world that appears at this fraction of the image.
   Vec3 at(const Camera& camera, double fraction) const;
 };
 
+/// The segments of lines, clipped to the picture.
 std::vector<Segment> segments_in_picture(std::span<const FeatureLine> lines, const Camera& camera);
 
-/// A piece of a segment between two fractions of its image that is seen, or is not.
+/// A piece of a segment, between two fractions of its image, that is visible throughout or hidden throughout.
 struct Piece {
   std::uint32_t segment = 0;
   double from = 0;
@@ -59,19 +61,22 @@ struct Piece {
   bool is_seen = true;
 };
 
+/// How closely visibility is sampled.
 struct SightOptions {
-  double spacing_px = 1;      // between samples: what is seen or hidden for less may be missed
-  double precision_px = 0.1;  // of where it changes
-  double bias_px = 0.01;      // of the point that is looked at, towards the eye
+  double spacing_px = 1;      // between samples; shorter pieces may be missed
+  double precision_px = 0.1;  // of the place where it changes
+  double bias_px = 0.01;      // by which a sample is moved towards the eye
 };
 
-/// Which pieces the eye sees: samples along every segment, and where two neighbours differ, the place between by
-/// bisection. A sample is seen when the ray from it, less the bias, to the eye meets nothing. What the server leaves
-/// undecided counts as seen. cost  a ray a sample, and log2(spacing / precision) a change
+/// Decides which pieces of segments are visible: by samples along every segment, and where two neighbours differ, by
+/// bisection between them. A sample is visible where the ray from in front of it to the eye hits nothing. Undecided
+/// answers count as visible.
+/// cost  a ray for each sample, and log2(spacing / precision) for each change
 std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays,
                                const SightOptions& options = {});
 
-/// The ray that decides about a point: from bias_px before it to the eye, or further where rounding needs more.
+/// The ray that decides whether a point is visible. It begins bias_px in front of it, or more where rounding requires
+/// it.
 RayQuestion sight_of(const Vec3& point, const Camera& camera, double bias_px);
 
 }  // namespace collided::draw

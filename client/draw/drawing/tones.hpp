@@ -11,14 +11,15 @@
 
 namespace collided::draw {
 
-/// Objects that are coloured by their distance to everything that is not named like them.
+/// Colours some objects by their distance to all objects with other names.
 struct ClearanceRamp {
-  std::vector<std::uint8_t> is_measured;  // of each shown object
-  std::string name_glob;                  // theirs
-  double reach_m = 1;                     // beyond it the last band
+  std::vector<std::uint8_t> is_measured;  // by shown object
+  std::string name_glob;                  // matches the names of those that are coloured
+  double reach_m = 1;                     // distances beyond it are in the last band
   int bands = 8;
 };
 
+/// How surfaces are shaded.
 struct ToneOptions {
   int tones = 2;
   Vec3 toward_light = Vec3::UnitZ();  // of unit length, in the world
@@ -26,28 +27,29 @@ struct ToneOptions {
   std::optional<ClearanceRamp> clearance{};
 };
 
-/// What each pixel's middle sees.
+/// The light and the tone at the middle of each pixel.
 struct ToneMap {
   static constexpr float kNothing = -1;
   int width = 0;
   int height = 0;
-  std::vector<float> light;           // n . l of the normal turned to the eye, at least 0; kNothing: nothing is seen
-  std::vector<std::uint8_t> numbers;  // tone, then clearance bands behind the tones; Pixels::kPaperPixel: nothing
+  std::vector<float> light;           // n . l, where n faces the eye, at least 0; kNothing: there is no surface
+  std::vector<std::uint8_t> numbers;  // tone, or number of tones + clearance band; Pixels::kPaperPixel: nothing
 };
 
-/// The tone of n . l: 0 in [0, 1/k), where it is negative too, up to k - 1.
+/// The tone, from 0 to k - 1, for a light n . l: 0 below 1/k, also for negative values.
 int tone_of(double light, int tones);
 
-/// Rays through every fourth pixel, and through those between wherever four neighbours differ or a line runs: so tones
-/// change where n . l crosses a threshold, to the pixel, as long as what is round is larger than some pixels.
-/// lines  of the picture: their pixels are all looked through
+/// Computes the tones with rays through every fourth pixel, and through the pixels between where neighbours differ or a
+/// line passes. So tones change exactly at the pixel where n . l crosses a threshold, unless a shape is only some
+/// pixels large.
+/// lines  of the picture; every pixel on them gets a ray
 ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines,
                    const ToneOptions& options, Rays& rays);
 
-/// One hatching line after the other, broken where it is too light for it: 16 lines from light to dark, the second 8
-/// across the first, each drawn wherever the tone is darker than its own threshold. So there is never less ink where it
-/// is darker. source  Praun, Hoppe, Webb, Finkelstein, "Real-Time Hatching", 2001 (tonal art maps: what light tones
-/// have, dark ones keep)
+/// Hatching lines for the tones, as polylines. There are 16 sets of lines, the second 8 across the first. Each set has
+/// its own threshold and is drawn wherever the light is below it, so that darker places have at least as much ink.
+/// source  Praun, Hoppe, Webb, Finkelstein, "Real-Time Hatching", 2001 (tonal art maps: dark tones keep the strokes of
+///         light ones)
 std::vector<std::vector<Spot>> hatching(const ToneMap& map, double spacing_px);
 
 }  // namespace collided::draw

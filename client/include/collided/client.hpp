@@ -22,48 +22,55 @@
 #include <collided/result.hpp>
 #include <collided/shown_objects.hpp>
 
-/// The client of a collision server: connect, ask, watch, and change what is there. Metres, seconds, right-handed;
-/// quaternions w first. This header includes all the others.
-/// Threads: every class here may be used from any thread, one call at a time per object unless said otherwise.
+/// The client of a collision server: connect, ask, watch, and change what is there. This header includes all the others
+/// except recording.hpp and diagnosis.hpp.
+///
+/// units    metres, seconds, right-handed frames; quaternions w first; times as std::chrono::nanoseconds
+/// errors   calls return a Result and throw no exceptions of their own
+/// threads  every class may be used from any thread, by one call at a time per object unless it says otherwise
 #pragma GCC visibility push(default)
 
 namespace collided {
 
+/// Where to look for a server.
 struct ConnectOptions {
-  int domain = 0;  // 0 to 230
-  std::string name_space = "collided";
-  std::string interface = "lo";  // "auto" opens it to the network
-  std::vector<std::string> peers = {};
+  int domain = 0;                       // DDS domain, 0 to 230
+  std::string name_space = "collided";  // of one server; several may share a domain
+  std::string interface = "lo";         // network interface; "auto": DDS chooses, so other machines are reached
+  std::vector<std::string> peers = {};  // addresses of machines to look at where multicast does not reach
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer
 
-  /// As the command line has it: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE, COLLIDED_INTERFACE where they are
-  /// set, the above where not. Error bad_input for a domain that is none.
-  /// variable  what a variable says, empty where it is not set; none: the process's own environment
+  /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE and
+  /// COLLIDED_INTERFACE where they are set, the defaults above where not. Error bad_input for an invalid domain.
+  ///
+  /// variable  returns a variable's value, empty where it is not set; not given: the process's own environment
   static Result<ConnectOptions> from_environment(const std::function<std::string(const char* name)>& variable = {});
 };
 
+/// A publisher as the server sees it.
 struct PublisherInfo {
   std::string name;
-  std::uint64_t applied_sequence = 0;
-  std::chrono::nanoseconds silent{0};
+  std::uint64_t applied_sequence = 0;  // of its newest message that is applied; Publisher::flush returns such numbers
+  std::chrono::nanoseconds silent{0};  // time since its last message
   bool lost = false;
 };
 
+/// What the server says of itself, twenty times a second. Counts are since its start.
 struct ServerStatus {
   std::string name_space;
-  std::string version_text;
+  std::string version_text;  // of the server program, "0.2.0"
   std::uint32_t pid = 0;
-  std::string state;  // starting, recovering, ready, stopping
-  std::uint64_t epoch = 0;
-  std::uint64_t version = 0;
-  std::chrono::nanoseconds world_time{0};
-  std::uint64_t last_event_sequence = 0;
-  std::uint32_t contacts = 0;
-  bool contacts_truncated = false;  // there are more than the server may tell (its max_contacts)
-  std::vector<std::string> scenes;
+  std::string state;                       // starting, recovering, ready, stopping
+  std::uint64_t epoch = 0;                 // grows with each start of a server
+  std::uint64_t version = 0;               // of the newest state; grows with each change of the world
+  std::chrono::nanoseconds world_time{0};  // of that state, since 1970, by the publishers' clocks
+  std::uint64_t last_event_sequence = 0;   // Event::sequence
+  std::uint32_t contacts = 0;              // that hold now
+  bool contacts_truncated = false;         // there are more contacts than the server's limit (its max_contacts)
+  std::vector<std::string> scenes;         // names of those loaded
   std::uint64_t static_triangles = 0;
   std::uint32_t objects = 0;
-  std::uint32_t moving = 0;
+  std::uint32_t moving = 0;  // of the objects
   std::uint64_t poses_applied = 0;
   std::uint64_t poses_dropped = 0;
   std::uint64_t questions_answered = 0;
@@ -73,115 +80,151 @@ struct ServerStatus {
   std::chrono::nanoseconds age{0};  // of this status
 };
 
-/// A connection to one server. Calls may come from several threads at once.
+/// A connection to one server. When the server is silent, calls fail with disconnected; when it is back or replaced by
+/// another one, the connection resumes by itself.
+///
+/// owner    the caller; a Watch, ProbeWatch or Publisher keeps the connection alive for as long as it needs it
+/// threads  several threads may call at once. Destroying it waits until all asynchronous questions are answered
 class Client {
  public:
-  /// Waits until a server answers hello; Error no_server otherwise, with what was seen on the domain.
+  /// Waits until a server answers a greeting. Else the error no_server says what was seen on the domain.
   static Result<Client> connect(const ConnectOptions& options);
-  /// To where the environment says.
+  /// The same with ConnectOptions::from_environment().
   static Result<Client> connect();
   ~Client();
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
 
+  // Questions.
+
+  /// Asks one question.
   template <Question Q>
   Result<Answer> ask(const Q& question, const AskOptions& options = {}) {
     Result<Answers> answers = ask_all(std::span<const Q>(&question, 1), options, {});
     if (!answers) return answers.error();
     return std::move(answers->answers.front());
   }
-  /// Up to 100,000 questions of one kind on one state of the world.
+  /// Asks 1 to 100,000 questions of one kind about one state of the world. All are answered, or none and there is an
+  /// error.
+  ///
   /// questions  a vector, array or span of them
-  /// earlier    answers of a batch before lend their memory, which saves a third of what a batch of rays costs here
+  /// earlier    the answers of an earlier batch, whose memory is used again; saves a third of the client's time for
+  ///            rays
   template <std::ranges::contiguous_range Questions>
   requires Question<std::ranges::range_value_t<Questions>> Result<Answers> ask(const Questions& questions,
                                                                                const AskOptions& options = {},
                                                                                Answers&& earlier = {}) {
     return ask_all(std::span<const std::ranges::range_value_t<Questions>>(questions), options, std::move(earlier));
   }
-  /// The same on a thread of the library; 1,024 may wait.
+  /// The same on one of the library's four threads. Up to 1,024 calls may wait; more are refused.
   template <Question Q>
   std::future<Result<Answers>> ask_async(std::vector<Q> questions, AskOptions options = {});
 
-  /// The first contact of a shape on each of up to 100,000 ways, with everything as it is in one state of the world: a hit
-  /// in the answer; a miss: the way is free. undecided: what is met could not be followed to the end of the way.
+  /// The first contact of a shape on each of 1 to 100,000 motions, while everything else stays as it is in one state of
+  /// the world. A hit has the contact; a miss means that the motion is free; undecided, that a motion could not be
+  /// followed to its end.
   Result<Answers> sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options = {});
 
-  /// Two objects by name: touching and how deep, or apart and how far; the rest as the options ask for it.
+  /// How two objects stand to each other: whether they touch, how deep or how far apart, and what the options ask for.
   Result<PairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options = {});
 
-  /// Poll with Watch::next.
+  // Events and probes.
+
+  /// Subscribes to contact events, for polling with Watch::next.
   Result<Watch> watch(const WatchOptions& options = {});
-  /// Calls back from a thread of the library until the Watch is destroyed.
+  /// The same; the callback runs on a thread of the library, one event at a time, until the Watch is destroyed.
   Result<Watch> watch(const WatchOptions& options, std::function<void(const Event&)> callback);
 
-  /// Replaces a probe of that name. The server keeps it until it is removed, whoever comes and goes.
+  /// Adds a probe, or replaces the one of that name. The server keeps it until it is removed, even when this client has
+  /// gone.
   Result<void> add_probe(const Probe& probe);
-  /// By name or glob; how many there were.
+  /// Removes probes by name or glob, and returns how many there were.
   Result<std::size_t> remove_probes(const std::string& name);
-  /// Every probe's reading in the newest state.
+  /// The readings in the newest state of the probes whose names match the glob; empty: of all.
   Result<std::vector<ProbeReading>> probes(const std::string& name_glob = {});
+  /// Subscribes to the readings of probes after every step. `only` and `skip` are matched with the names of probes; of
+  /// the other options only `capacity` counts.
   Result<ProbeWatch> watch_probes(const WatchOptions& options = {});
 
-  /// What is where, with every shape: for whoever draws. A surface that many share comes once. Where objects come and go
+  // What to draw.
+
+  /// What is where, with every shape. A surface that several objects share is fetched once. Where objects come and go
   /// faster than their surfaces are fetched, those that have gone by then are left out.
   ///
-  /// earlier  what the same options gave before: its surfaces are not fetched again; may be null
-  /// limits   512 MiB of one surface (12 M triangles with their edges) or of all objects; beyond them it is refused
+  /// earlier  a result for the same options: its surfaces are not fetched again; may be null
+  /// limits   one surface (12 million triangles with their edges) or all objects: 512 MiB; more is refused
   Result<ShownObjects> shapes(const ShapesOptions& options = {}, const ShownObjects* earlier = nullptr);
-  /// Up to 400,000 objects; one message for 3,500 of them and less.
+  /// Where everything that moves is, up to 400,000 objects. Up to 3,500 of them come as one message.
   Result<Poses> poses(std::chrono::nanoseconds timeout = std::chrono::seconds(2));
 
+  // Publishing.
+
+  /// Becomes a publisher of objects and their poses. Waits, as long as ConnectOptions::wait, until the server listens.
   Result<Publisher> publish(const std::string& publisher_name);
 
-  // What stays until it is removed, whoever comes and goes. After a crash the server has it again.
+  // Commands that change the world. What they add stays until it is removed, even when this client has gone, and after
+  // a crash the server restores it. Error refused where the server says no, with its reason.
 
-  /// Objects with no publisher. The name must be free.
+  /// Adds an object without a publisher. Its name must be free in the world.
   Result<Added> add(const ObjectOptions& object, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
-  /// An object of no living publisher; contacts are those of its way, unless it is teleported.
+  /// Moves an object that has no living publisher. Contacts on the path count, unless it is teleported.
   Result<Moved> move(const std::string& name, const Pose& pose, bool teleport = false,
                      std::chrono::nanoseconds timeout = std::chrono::seconds(10));
-  /// By name or glob; refused for objects of a living publisher.
+  /// Removes objects by name or glob. Objects of a living publisher are refused.
   Result<Removed> remove(const std::string& name, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
-  /// A file that the server can read.
-  /// progress  is called with a fraction in [0, 1] from the calling thread; each call starts the timeout anew
+  /// Loads a file that the server can read, as a scene.
+  ///
+  /// path      on the server's machine
+  /// progress  called with a fraction in [0, 1], on the calling thread; each call starts the timeout anew
   Result<Loaded> load(const std::string& path, const LoadOptions& options = {},
                       std::function<void(double)> progress = {});
-  /// The bytes of a file that it cannot, as upload() sends them.
+  /// Loads a file that the server cannot read, from its bytes; see upload().
   Result<Loaded> load(std::span<const std::byte> bytes, std::string_view file_name, const LoadOptions& options = {},
                       std::function<void(double)> progress = {});
+  /// Removes scenes, moving objects, or both.
   Result<Cleared> clear(const ClearOptions& options = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 
-  // What is there.
+  // Commands that say what is there.
 
+  /// The objects in brief.
   Result<ObjectList> list(const ListOptions& options = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  /// One object in full.
   Result<ObjectDetails> get(const std::string& name, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
-  /// What this server has built for what it holds, what it has left out, and why.
+  /// Which structures the server has built for what it holds, which it has left out, and why.
   Result<Plan> plan(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 
-  /// The door behind the calls above, and for commands that have none: JSON in, JSON out. Arguments and answers stand in
-  /// idl/commands.hpp of the sources.
-  /// progress is called with a fraction in [0, 1] from the calling thread; each call starts the timeout anew.
+  // Commands as JSON.
+
+  /// Sends any command, also one that has no call of its own above. Both the arguments and the answer are JSON objects,
+  /// described in idl/commands.hpp of the sources.
+  ///
+  /// shape     for commands that take one, such as add
+  /// progress  called with a fraction in [0, 1], on the calling thread; each call starts the timeout anew
   Result<std::string> command(std::string_view name, std::string_view json_arguments, const Shape& shape = {},
                               std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                               std::function<void(double)> progress = {});
 
-  /// The same for commands that take other bytes than a shape; idl/commands.hpp says which.
+  /// The same for commands that take bytes other than a shape; idl/commands.hpp says which do.
   Result<std::string> command_with_bytes(std::string_view name, std::string_view json_arguments,
                                          std::span<const std::byte> bytes,
                                          std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 
-  /// Sends a file's bytes, for a server that cannot read the file itself, and has them loaded as a scene: the server reads
-  /// them in a process that may do nothing else. file_name: letters, digits, dot, dash and underscore, with the ending that says
-  /// the format; json_arguments and the answer: those of the command load. A file that names other files comes without them.
-  /// progress is called with a fraction in [0, 1]: of what is sent up to a half, then of what is read; the timeout is for each
-  /// step of it. Up to 1 GiB.
+  /// Sends the bytes of a file that the server cannot read itself, up to 1 GiB, and has them loaded as a scene. The
+  /// server reads them in a process that may do nothing else. Other files that the file names are not sent.
+  ///
+  /// file_name       letters, digits, dots, dashes and underscores, with the ending that tells the format
+  /// json_arguments  those of the command load; the answer is its answer
+  /// timeout         for each message
+  /// progress        called with a fraction in [0, 1], on the calling thread: up to a half while sending, then while
+  ///                 the server reads
   Result<std::string> upload(std::span<const std::byte> bytes, std::string_view file_name,
                              std::string_view json_arguments = {},
                              std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                              std::function<void(double)> progress = {});
 
-  /// The newest status heard.
+  // About the server.
+
+  /// The newest status heard. Right after connecting it waits for the first one, up to 240 ms.
   Result<ServerStatus> status();
 
  private:
@@ -192,7 +235,7 @@ class Client {
   std::unique_ptr<State> state_;
 };
 
-/// "0.2.0"
+/// The version of this library, such as "0.2.0".
 std::string_view library_version();
 
 }  // namespace collided

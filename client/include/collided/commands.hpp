@@ -9,120 +9,136 @@
 
 #include <collided/geometry.hpp>
 
-/// What commands take and give: they change the world, or say what is in it.
+/// The options and answers of commands, which change the world or say what is in it. Metres, world coordinates. In
+/// every answer `version` is that of the state that the answer is about; a command that changes the world makes that
+/// state.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
+/// The answer of Client::add.
 struct Added {
-  std::uint64_t id = 0;
-  std::uint64_t version = 0;  // of the world that holds it
+  std::uint64_t id = 0;  // the server's number for the object
+  std::uint64_t version = 0;
 };
 
+/// The answer of Client::move.
 struct Moved {
-  double distance_m = 0;
-  std::vector<std::string> began;  // names of what it touches now and did not before
-  std::vector<std::string> ended;
+  double distance_m = 0;           // between the old and the new position
+  std::vector<std::string> began;  // names of what the object touches now and did not before
+  std::vector<std::string> ended;  // names of what it no longer touches
   std::uint64_t version = 0;
 };
 
+/// The answer of Client::remove.
 struct Removed {
-  std::vector<std::string> names;
+  std::vector<std::string> names;  // of the objects removed
   std::uint64_t contacts_ended = 0;
   std::uint64_t version = 0;
 };
 
-/// scene   only this one; empty: all of them
-/// moving  what moves too; without a scene only what moves
+/// What Client::clear removes.
 struct ClearOptions {
-  std::string scene = {};
-  bool moving = false;
+  std::string scene = {};  // only this scene; empty: all of them
+  bool moving = false;     // moving objects too; without a scene only those
 };
+/// The answer of Client::clear.
 struct Cleared {
-  std::uint64_t removed = 0;  // objects
-  std::uint64_t kept = 0;     // that belong to living publishers
+  std::uint64_t removed = 0;  // number of objects
+  std::uint64_t kept = 0;     // number of objects that stay since they belong to living publishers
   std::uint64_t contacts_ended = 0;
   std::uint64_t version = 0;
 };
 
-/// low <= high in every coordinate; infinity is allowed.
+/// A box along the world's axes in which a scene's geometry is complete. low <= high in every coordinate; infinity is
+/// allowed.
 struct CoveredBox {
   Vec3 low = Vec3::Zero();
   Vec3 high = Vec3::Zero();
 };
 
+/// How Client::load reads a file.
 struct LoadOptions {
-  std::string name = {};  // of the scene; empty: the file's stem
-  double unit_m = 1;      // metres of one unit of the file
-  std::string up = {};    // axis of the file that points up, "y" or "z"; empty: as its format says, else z
+  std::string name = {};  // of the scene; empty: the file's name without its ending
+  double unit_m = 1;      // length of the file's unit
+  std::string up = {};    // the file's axis that points up, "y" or "z"; empty: as its format says, else z
   double radius_m = 0;    // of the balls about the points of a cloud
-  bool strict = false;    // refuse what would be mended
+  bool strict = false;    // refuse what would otherwise be mended
   bool mend = false;      // cut edges at T-vertices and close cracks
-  double crack_m = 0;     // widest of them; 0: a ten-thousandth of the diagonal
-  std::string srdf = {};  // of a robot: the file, on the server, that says which links may touch
-  bool replace = false;   // the scene of that name
-  std::vector<CoveredBox> covers = {};  // where its geometry is complete: outside of all such nothing is called free
-  std::chrono::nanoseconds timeout{600'000'000'000};
+  double crack_m = 0;     // the widest crack to close; 0: a ten-thousandth of the diagonal
+  std::string srdf = {};  // for a robot: path, on the server, of the file that says which links may touch
+  bool replace = false;   // the scene of that name, if there is one
+  std::vector<CoveredBox> covers =
+      {};  // where the geometry is complete; outside of all such boxes nothing is called free
+  std::chrono::nanoseconds timeout{600'000'000'000};  // without a word of progress
 };
-/// Sentences for people: what was placed where and mended, which parts were refused, what looks odd, and which of the
-/// server's structures this world does without.
+/// The answer of Client::load. The lists hold sentences for people.
 struct Loaded {
-  std::string scene;
+  std::string scene;  // its name
   std::uint64_t triangles = 0;
-  std::uint64_t parts = 0;
-  std::uint64_t objects = 0;
-  double seconds = 0;
+  std::uint64_t parts = 0;    // of the scene's mesh
+  std::uint64_t objects = 0;  // besides the parts
+  double seconds = 0;         // that loading took
+  /// What was placed where, what else is worth knowing, what was mended, which parts were refused, what looks odd, and
+  /// which of the server's structures this world does without.
   std::vector<std::string> placed, notes, mended, refused, warnings, left_out;
-  std::vector<CoveredBox> covers;
+  std::vector<CoveredBox> covers;  // as in LoadOptions
   std::uint64_t version = 0;
 };
 
+/// Which objects Client::list returns.
 struct ListOptions {
-  std::string name = {};            // or glob; empty: all
-  std::optional<bool> moving = {};  // only what moves, or only what does not
-  std::uint64_t limit = 10'000;
+  std::string name = {};            // name or glob; empty: all
+  std::optional<bool> moving = {};  // true: only what moves; false: only what does not
+  std::uint64_t limit = 10'000;     // objects returned at most
 };
+/// An object in brief.
 struct ListedObject {
   std::string name;
-  std::uint64_t id = 0;
-  std::string kind;  // sphere, box, ..., mesh, compound (of several), part (of a scene)
+  std::uint64_t id = 0;  // the server's number for it
+  std::string kind;      // sphere, box, ..., mesh, compound (of several shapes), part (of a scene's mesh)
   bool moving = false;
-  std::string scene;             // that it is of; empty: none
-  std::string publisher;         // empty: none
-  std::optional<Vec3> position;  // none of a scene's part
-  std::uint64_t triangles = 0;
-  std::uint32_t layers = 0;
-  bool stale = false;  // its publisher is lost
+  std::string scene;             // the scene that it was loaded with; empty: none
+  std::string publisher;         // name of its publisher; empty: none
+  std::optional<Vec3> position;  // none for a scene's part
+  std::uint64_t triangles = 0;   // number of them
+  std::uint32_t layers = 0;      // as in ObjectOptions
+  bool stale = false;            // its publisher is lost (LostPolicy::freeze)
 };
+/// The answer of Client::list.
 struct ObjectList {
   std::vector<ListedObject> objects;
-  std::uint64_t count = 0;  // all that there are, more than listed where the limit cut
+  std::uint64_t count = 0;  // of all that match, which is more than listed where the limit cut
   std::uint64_t version = 0;
 };
 
+/// The answer of Client::get: an object in full.
 struct ObjectDetails : ListedObject {
-  std::uint32_t mask = 0;
+  std::uint32_t mask = 0;  // as in ObjectOptions
   std::uint32_t group = 0;
-  std::optional<Pose> pose;                                // none of a scene's part
+  std::optional<Pose> pose;                                // the newest; none for a scene's part
   std::array<Vec3, 2> bounds{Vec3::Zero(), Vec3::Zero()};  // low and high corner, in the world
-  std::optional<std::chrono::nanoseconds> age;             // of the pose, of what moves
+  std::optional<std::chrono::nanoseconds> age;             // of the pose, for what moves
   std::vector<std::string> contacts;                       // names of what it touches
 };
 
+/// A structure that the server builds only where it is needed.
 struct PlannedStructure {
-  std::string structure;
+  std::string structure;  // its name
   bool built = false;
-  std::string reason;
-  std::string saves;
+  std::string reason;  // why it is built or not
+  std::string saves;   // what that saves
 };
+/// How the server decides whether shapes of two kinds touch.
 struct PlannedPair {
   std::string a, b;  // kinds of shapes
-  std::string how;   // they are decided, or that the pair is not offered
+  std::string how;   // or that the pair is not supported
 };
+/// The answer of Client::plan.
 struct Plan {
   std::vector<PlannedStructure> structures;
   std::vector<PlannedPair> pairs;
-  std::uint64_t bytes = 0;  // of all scenes
+  std::uint64_t bytes = 0;  // of memory for all scenes
 };
 
 }  // namespace collided

@@ -10,12 +10,15 @@
 
 #include <collided/geometry.hpp>
 
-/// Contacts as they begin and end.
+/// Contacts as they begin, go on and end.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
+/// open: the contact already held when the watch began. persisted: a contact that was reported goes on.
 enum class EventKind { open, began, persisted, ended };
+/// Why a contact ended. none: the reason was missed, or the event is not an `ended`. decided: the pair was in doubt and
+/// no longer is; where no contact begins at once, the two are apart.
 enum class EndReason {
   none,
   separated,
@@ -27,84 +30,95 @@ enum class EndReason {
   server_restarted,
   decided
 };
-/// Why it is not known whether two objects touch: the test came out undecided; the way between two poses could not be
-/// followed to its end; one of them is where a lost publisher (LostPolicy::freeze) said last.
+/// Why it is not known whether two objects touch.
+/// numeric         the test came out undecided
+/// cost_limit      the motion from pose to pose could not be followed to its end
+/// publisher_lost  one of the two is where its lost publisher said last (LostPolicy::freeze), and may have moved on
 enum class Doubt { none, numeric, cost_limit, publisher_lost };
 
+/// News of a contact between two objects. Metres, world coordinates.
 struct Event {
   EventKind kind = EventKind::began;
   EndReason reason = EndReason::none;
-  /// Else the pair is not known to touch nor to be apart, from its `began` to its `ended`; there is no point, normal or depth.
+  /// Other than none: from the pair's `began` to its `ended` it is not known whether the two touch, and there is no
+  /// point, normal or depth. Such a pair is reported as one that touches, which errs on the safe side.
   Doubt doubt = Doubt::none;
-  bool resync = false;  // learnt from the contact state after a gap, a late start or a new server
-  std::string a;
+  bool resync = false;  // inferred from the contact state: after a gap, at a late start, or from a new server
+  std::string a;        // names of the two objects
   std::string b;
-  std::uint64_t a_id = 0;
+  std::uint64_t a_id = 0;  // the server's numbers for them
   std::uint64_t b_id = 0;
-  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;  // of the object's mesh, at the point
   std::uint32_t b_triangle = kNoTriangle;
-  std::uint64_t epoch = 0;
-  std::uint64_t sequence = 0;
-  std::uint64_t episode = 0;  // sequence of the pair's `began`
-  std::chrono::nanoseconds world_time{0};
-  std::chrono::nanoseconds began{0};  // world time at which the episode began
-  double bracket_low_s = 0;           // the change happened between these, seconds before world_time
+  std::uint64_t epoch = 0;                 // grows with each start of a server
+  std::uint64_t sequence = 0;              // number of the event within the epoch
+  std::uint64_t episode = 0;               // sequence of the pair's `began`
+  std::chrono::nanoseconds world_time{0};  // of the step that found it, since 1970, by the publishers' clocks
+  std::chrono::nanoseconds began{0};       // world time at which the episode began
+  double bracket_low_s = 0;                // the change happened between these two, in seconds before world_time
   double bracket_high_s = 0;
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // from a to b
-  double depth_m = 0;          // moving b so far along the normal parts the two parts; no way is shorter
-  double depth_error_m = 0;
-  /// The same where neighbouring bodies count as one surface, so that a wheel does not feel the inner edges of a tiled
-  /// floor: at such an edge the floor's normal and the depth along it, else equal to normal and depth_m.
+  Vec3 point = Vec3::Zero();   // on the contact
+  Vec3 normal = Vec3::Zero();  // unit, from a to b
+  double depth_m = 0;          // moving b this far along the normal separates the two; no shorter motion does
+  double depth_error_m = 0;    // |truth - depth_m| at most
+  /// The same three with neighbouring bodies counted as one surface, so that a wheel does not feel the inner edges of a
+  /// tiled floor: at such an edge they are along the floor's normal, elsewhere equal to those above.
   Vec3 surface_normal = Vec3::Zero();
   double surface_depth_m = 0;
   double surface_depth_error_m = 0;
-  /// Of b relative to a at the point, m/s, from the last two poses of each; resting are objects that are new, were
-  /// teleported or have been silent. Zero but for `began` and `persisted`.
+  /// Of b relative to a at the point, in m/s, from the last two poses of each. An object counts as at rest while it is
+  /// new, was just teleported or has been silent. Zero except for `began` and `persisted`.
   Vec3 relative_velocity = Vec3::Zero();
-  double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error; infinite in recordings of before 0.2
+  double velocity_error = 0;  // m/s; |truth - relative_velocity| at most; infinite: not known (recordings before 0.2)
 };
 
-/// World time by which the change of an event had happened: the end of its bracket. Others may be told before it that
-/// happened later, for each pair waits until both of its publishers are known.
+/// World time by which an event's change has happened: the end of its bracket. Events do not come in this order, since
+/// each pair is decided once both of its publishers have said where their objects are.
 inline std::chrono::nanoseconds happened(const Event& event) {
   return event.world_time - std::chrono::nanoseconds(std::llround(event.bracket_high_s * 1e9));
 }
 
-/// From when the two first touched to when they had parted, of an `ended`.
+/// How long a contact lasted, from when the two first touched to when they were apart. For events of kind `ended`.
 inline std::chrono::nanoseconds lasted(const Event& ended) { return happened(ended) - ended.began; }
 
+/// Which events a watch reports.
 struct WatchOptions {
-  std::string only = {};  // either name must match; empty: everything
-  std::string skip = {};  // neither name may match
-  bool persisted = false;
-  std::size_t capacity = 65'536;  // of the poll queue; beyond it the oldest are dropped and counted
-  /// Since 1970. What held then comes first as `open`, then what has happened since by the server's flight recorder, then what
-  /// comes. Refused where the server keeps none.
+  std::string only = {};          // name glob that one of the two names must match; empty: everything
+  std::string skip = {};          // name glob that neither name may match; empty: nothing
+  bool persisted = false;         // report also, after each step, the contacts that go on
+  std::size_t capacity = 65'536;  // of the queue for next(); when it is full the oldest event is dropped and counted
+  /// Report from this time on, since 1970. First comes what held then, as `open`, then what has happened since, both
+  /// from the server's flight recorder, then what is new. A server without a flight recorder refuses it.
   std::optional<std::chrono::nanoseconds> since = {};
 };
 
-/// Events of every pair, each once and in order; on a gap or a new server only the differences come, marked `resync`.
-/// The first events are `open`: what already holds. Destroying it (not from its own callback) ends the watching.
+/// A subscription to contact events. It reports the events of every pair once each and in order. Where messages were
+/// lost or the server was replaced, it compares the contact state with what it has reported and reports the difference,
+/// marked `resync`. What holds at the start comes first, as `open`.
+///
+/// threads  calls from any thread. It has a thread of its own, on which a callback runs. Destroying it ends the
+///          watching and waits for that thread, so the callback must not destroy it.
 class Watch {
  public:
   ~Watch();
   Watch(Watch&&) noexcept;
   Watch& operator=(Watch&&) noexcept;
 
-  /// The next event; nothing after `wait`.
+  /// The next event; nothing if none comes within `wait`. With a callback there never is one.
   std::optional<Event> next(std::chrono::nanoseconds wait);
-  std::uint64_t lost() const;  // events dropped because nobody called next()
+  /// Number of events dropped since next() was not called in time.
+  std::uint64_t lost() const;
+  /// How often something was missed and had to be made up for from the contact state.
   std::uint64_t resyncs() const;
-  /// False while no status has come for 240 ms.
+  /// False while no status of the server has come for 240 ms.
   bool connected() const;
-  /// The server has vouched for what this watch knows: what held when it began has been told as `open`, what comes from now on is
-  /// new. False again while something missed is made up for.
+  /// True when the server has confirmed that this watch knows every contact: what held at its start has been reported
+  /// as `open`, and what comes from now on is new. False again while something missed is being made up for.
   bool in_step() const;
-  /// Contacts that hold now by this watch's own account.
+  /// Number of contacts that hold now according to the events reported.
   std::size_t open_contacts() const;
-  /// With WatchOptions::since: from when on this watch tells events, later than asked for where the flight recorder does not
-  /// reach back that far. Else 0.
+  /// With WatchOptions::since: the time from which on events are reported, which is later than requested where the
+  /// flight recorder does not reach back that far. Else 0.
   std::chrono::nanoseconds tells_since() const;
 
  private:

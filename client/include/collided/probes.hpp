@@ -8,51 +8,59 @@
 
 #include <collided/geometry.hpp>
 
-/// Rays fixed to objects, that measure clearance.
+/// Rays fixed to objects, for measuring clearance.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
-/// A ray fixed to an object, such as one under each wheel. It looks along the direction from back_m behind the origin to
-/// reach_m ahead of it, and its clearance is the signed distance from the origin to the first thing that it meets there,
-/// of what the object itself may meet: above 0 a gap, 0 touching, below 0 a collision.
+/// A ray that is fixed to an object and moves with it, such as one under each wheel. It looks along its direction, from
+/// back_m behind the origin to reach_m ahead of it, for the first thing that its object may collide with. Its clearance
+/// is the signed distance from the origin to that thing: positive is a gap, 0 touches, negative is a collision.
 struct Probe {
-  std::string name;            // unique in the server
-  std::string object;          // by name; it need not be there yet
-  Vec3 origin = Vec3::Zero();  // in the object's frame
-  Vec3 direction = -Vec3::UnitZ();
-  double reach_m = 10;
+  std::string name;                 // unique in the server
+  std::string object;               // name of the object that carries it, which need not be in the world yet
+  Vec3 origin = Vec3::Zero();       // in the object's frame
+  Vec3 direction = -Vec3::UnitZ();  // in the object's frame, not zero, any length
+  double reach_m = 10;              // may be infinite
   double back_m = 1;
 };
 
-/// absent: the object is not in the world. deeper: the ray begins inside a solid, the clearance is at most -back_m.
+/// What a probe reads.
+/// absent     its object is not in the world
+/// nothing    there is nothing within reach
+/// gap, touching, collision  by the sign of the clearance
+/// deeper     the ray begins inside a solid, so the clearance is -back_m or less
+/// undecided  the arithmetic did not decide, or the ray leaves the space in which the geometry is complete
 enum class Clearance { absent, nothing, gap, touching, collision, deeper, undecided };
 
+/// What a probe read in one state of the world.
 struct ProbeReading {
-  std::string probe;
-  std::string object;  // empty where it is absent
+  std::string probe;   // its name
+  std::string object;  // that carries it; empty where it is absent
   Clearance state = Clearance::absent;
   double clearance_m = 0;  // |truth - clearance_m| <= error_m; the sign is exact
   double error_m = 0;
-  std::string met;
-  std::uint32_t triangle = kNoTriangle;
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();
-  std::uint64_t epoch = 0;
-  std::uint64_t version = 0;
-  std::chrono::nanoseconds world_time{0};
+  std::string met;                         // name of the object that the ray hits; empty: none
+  std::uint32_t triangle = kNoTriangle;    // of that object's mesh
+  Vec3 point = Vec3::Zero();               // where the ray hits, in the world
+  Vec3 normal = Vec3::Zero();              // unit, of the surface there
+  std::uint64_t epoch = 0;                 // grows with each start of a server; 0 from Client::probes
+  std::uint64_t version = 0;               // of the state
+  std::chrono::nanoseconds world_time{0};  // of the state, since 1970, by the publishers' clocks
 };
 
-/// Readings of every probe after every step, from when it was made on.
+/// A subscription to the readings of every probe after every step, from its creation on. It queues them for next().
+///
+/// threads  calls from any thread
 class ProbeWatch {
  public:
   ~ProbeWatch();
   ProbeWatch(ProbeWatch&&) noexcept;
   ProbeWatch& operator=(ProbeWatch&&) noexcept;
 
-  /// The next reading; nothing after `wait`.
+  /// The next reading; nothing if none comes within `wait`.
   std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
-  /// Readings dropped because nobody called next().
+  /// Number of readings dropped since next() was not called in time.
   std::uint64_t lost() const;
 
  private:

@@ -8,56 +8,74 @@
 #include <collided/result.hpp>
 #include <collided/shapes.hpp>
 
-/// Objects that move, and live as long as who moves them.
+/// Objects that move, and live as long as the publisher that moves them.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
-/// What becomes of an object whose publisher is lost.
+/// What becomes of an object when its publisher is lost.
+/// remove  it leaves the world
+/// freeze  it stays where it was said to be last, but stale, since it may have moved on: answers that it could change
+///         are undecided
+/// hold    it stays there as if known
 enum class LostPolicy { remove, freeze, hold };
 
+/// An object to add, by Publisher::add or Client::add.
 struct ObjectOptions {
   std::string name = {};  // unique in the world, at most 255 bytes
-  Shape shape = {};
-  /// About the object's origin, above 0. Factors that differ suit meshes, height fields, hulls, and boxes and ellipsoids
-  /// along the axes; for the other kinds they are refused.
+  Shape shape = {};       // at least one part, in the object's frame; 1 MiB at most
+  /// Factors for the shape along the object's axes, about its origin, above 0. Unequal factors are refused except for
+  /// meshes, height fields, hulls, and boxes and ellipsoids that are not rotated in the object's frame.
   Vec3 scale = Vec3::Ones();
-  Pose pose = {};
-  std::uint32_t layers = 1;
-  std::uint32_t mask = 0xffffffff;
-  std::uint32_t group = 0;  // members of one group other than 0 never meet
-  bool moving = true;
-  LostPolicy lost_policy = LostPolicy::remove;
+  Pose pose = {};                   // of the object's frame in the world
+  std::uint32_t layers = 1;         // bits; a question or an object sees this one by a mask with one of them
+  std::uint32_t mask = 0xffffffff;  // two objects may touch where each one's mask has one of the other's layers
+  std::uint32_t group = 0;          // objects of one group other than 0 never touch each other
+  bool moving = true;               // false: poses of the object are refused
+  LostPolicy lost_policy = LostPolicy::remove;  // for a publisher's objects
 };
 
-/// A source of objects and their poses. Objects live as long as the publisher unless removed earlier.
-/// Poses are collected by move() and sent by flush() as batches of at most 4,096.
-/// Only its calls say that it lives, so that a thread that hangs is noticed: after 500 ms without one the server takes it
-/// for lost (ObjectOptions::when_lost). The next call then defines all its objects anew, at their newest poses.
+/// A source of objects and their poses, made by Client::publish. Its objects live as long as it does unless removed
+/// earlier; its destructor removes them. move() collects poses, and flush() sends them in batches of at most 4,096.
+///
+/// Only calls of its functions tell the server that it is alive, so that a program that hangs is noticed: after 500 ms
+/// without one the server counts it as lost and applies ObjectOptions::lost_policy. The next call then defines all its
+/// objects again, at their newest poses; it does the same for a new server.
+///
+/// errors   bad_input for an object that is not (any more) this publisher's, and for numbers that cannot be meant;
+///          timeout where the server takes no more messages: what was not sent stays collected for the next flush
+/// threads  calls from any thread
 class Publisher {
  public:
   ~Publisher();
   Publisher(Publisher&&) noexcept;
   Publisher& operator=(Publisher&&) noexcept;
 
+  /// Handle of an object. The handle of a removed object names no other one until its number was used 4,096 times.
   using Object = std::uint32_t;
+  /// Defines an object. Its name must be free in this publisher; up to 1,048,576 objects.
   Result<Object> add(const ObjectOptions& options);
   Result<void> remove(Object object);
-  /// Non-finite or non-unit (beyond 1e-6) poses are refused.
+  /// Collects the newest pose of an object; flush() sends it. The object moves there from its last pose, and contacts
+  /// on the path count, unless it is teleported. A pose that is not finite, or whose rotation's norm is not 1 within
+  /// 1e-6, is refused.
   Result<void> move(Object object, const Pose& pose, bool teleport = false);
-  /// Sends what move() collected; returns the sequence of the last message (for AskOptions.fresh). It says where everything
-  /// is at that time: what was not moved since the flush before has rested, also where nothing was. Pairs with other
-  /// publishers' objects are decided up to there, so who has nothing to move flushes all the same.
-  /// source_time: of the poses, since 1970; 0: now. One before an earlier flush's counts as the nanosecond after it. On a
-  /// timeout what was not sent stays collected.
+  /// Sends what move() collected and says that this is where everything is at source_time: an object that was not moved
+  /// since the last flush has rested. Contacts with other publishers' objects are decided only up to the last flush, so
+  /// flush regularly even when nothing moves.
+  ///
+  /// source_time  when the objects were there, since 1970; 0: now. A time before that of an earlier flush counts as the
+  ///              nanosecond after it
+  /// returns      the sequence number of the last message that carries a pose or an object
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time = {});
-  /// From now on each object moves between its own poses, whichever others a flush names: for sources whose objects have
-  /// instants of their own. Who is not moved for 250 ms has rested until 250 ms before its next pose.
+  /// From now on a flush says nothing about objects that were not moved: each one moves between its own poses. For
+  /// sources whose objects have separate instants. An object that is not moved for 250 ms counts as at rest until 250
+  /// ms before its next pose.
   void stream();
-  /// Says "still there" without moving anything; move/flush say so as well.
+  /// Tells the server that this publisher is alive, without moving anything; move() and flush() do so too.
   Result<void> keep_alive();
-  /// Waits until the server has applied every object and pose sent so far. A flush without news, which only says how far
-  /// the time has come, is not waited for: Answers::world_time shows when it has arrived.
+  /// Waits until the server has applied every object and pose sent so far. It does not wait for a flush without poses,
+  /// which only says how far the time has come: Answers::world_time shows when that has arrived.
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:

@@ -10,126 +10,149 @@
 
 #include <collided/geometry.hpp>
 
-/// Rays, spheres, boxes, nearest points and sweeps: what is asked, what may answer, what comes back.
+/// Rays, spheres, boxes, nearest points and sweeps: the questions, the options that go with them, and the answers.
+/// Metres and world coordinates throughout; all numbers of a question finite unless infinity is allowed below.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
+/// Which hits of rays, spheres and boxes are wanted; questions of other kinds take no notice of it.
+/// closest  of a ray the first hit; of a sphere or box the same as all
+/// any      of a ray one hit, not necessarily the first; of a sphere or box yes or no, without a contact
+/// all      every hit
 enum class HitMode { closest, any, all };
-/// Of a server that cannot answer all: low questions are refused first, high ones never.
+/// How much a question matters while the server cannot answer all: low ones are refused first, high ones never.
 enum class Importance { normal, low, high };
 
-/// direction  finite, non-zero, any length; length_m in [0, inf]
+/// What does a ray hit?
 struct RayQuestion {
   Vec3 origin;
-  Vec3 direction;
-  double length_m = std::numeric_limits<double>::infinity();
+  Vec3 direction;                                             // not zero, any length
+  double length_m = std::numeric_limits<double>::infinity();  // 0 to infinity
 };
+/// What touches a sphere, and how deep?
 struct SphereQuestion {
   Vec3 center;
-  double radius_m = 0;
+  double radius_m = 0;  // 0 or more
 };
+/// What touches a box, and how deep?
 struct BoxQuestion {
   Vec3 center;
-  Vec3 half_m;
-  Quat rotation = Quat::Identity();
+  Vec3 half_m;                       // half of each edge, along the box's own axes; 0 or more
+  Quat rotation = Quat::Identity();  // from the box's axes to the world
 };
-/// What stands nearest to a point, AskOptions::max_hits of them.
+/// Which objects are nearest to a point? The answer has as many as AskOptions::max_hits.
 struct NearQuestion {
   Vec3 point;
-  double within_m = std::numeric_limits<double>::infinity();
+  double within_m = std::numeric_limits<double>::infinity();  // the largest distance, 0 to infinity
 };
+/// The question types that Client::ask takes.
 template <class T>
 concept Question = std::is_same_v<T, RayQuestion> || std::is_same_v<T, SphereQuestion> ||
     std::is_same_v<T, BoxQuestion> || std::is_same_v<T, NearQuestion>;
 
-/// The way of a shape while time runs from 0 to 1: its origin goes straight at even speed, and it turns at even speed
-/// about a fixed axis, the short way round.
+/// A motion of a shape while time runs from 0 to 1: its origin moves along a straight line at constant speed, and it
+/// turns at constant speed about a fixed axis, by the smaller angle. Client::sweep takes it together with the shape.
 struct SweepQuestion {
   Pose from;
   Pose to;
 };
 
 /// The instant that a question is about.
-/// latest   each object at its newest pose; those of several publishers differ by their periods
-/// settled  the newest instant at which it is known where every object was
-/// at       since 1970, by the publishers' clocks
-/// back     so long before the server's newest
-/// Of an instant that is later than `settled`, whatever an object not known so far could change is undecided (stale_object).
-/// A server remembers some seconds (--memory) and refuses what lies before.
+/// latest   each object at its newest pose; the poses of different publishers are apart by their periods
+/// settled  the newest instant up to which every publisher has said where its objects are
+/// at       a time since 1970, by the publishers' clocks
+/// back     a time before the newest instant that the server knows
+/// For an instant later than `settled`, an answer is undecided (stale_object) where an object that has no pose for that
+/// instant yet could change it. The server remembers some seconds (its option --memory) and refuses earlier instants.
 struct Instant {
   enum class Kind { latest, settled, at, back };
   Kind kind = Kind::latest;
-  std::chrono::nanoseconds time{0};  // of `at` and `back`, not negative
+  std::chrono::nanoseconds time{0};  // for `at` and `back`, not negative
 };
 
-/// What may answer, and how well.
+/// Which objects may answer, how accurately, and how long it may take.
 struct AskOptions {
-  HitMode mode = HitMode::closest;  // rays only
-  std::uint32_t mask = 0xffffffff;  // layers that may answer
-  std::string only = {};            // name glob (* ? [...]), empty: everything
-  std::string skip = {};            // name glob, empty: nothing
-  /// Per question. Of near: so many nearest ones. Of the others: more are cut, and the answer is undecided (truncated).
-  /// None: 1 of near, 1,000 of the others.
+  HitMode mode = HitMode::closest;
+  std::uint32_t mask = 0xffffffff;  // objects with one of these layers may answer
+  std::string only = {};            // name glob (* ? [...]) of objects that may answer; empty: all
+  std::string skip = {};            // name glob of objects that are left out; empty: none
+  /// For each question. For near: the number of nearest objects. For the others: hits beyond this number are cut off,
+  /// and the answer is undecided (truncated). Not set: 1 for near, 1,000 for the others.
   std::optional<std::uint32_t> max_hits = {};
-  double error_m = 0;                               // error asked; 0: exact on doubt
-  std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
-  std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
-  bool fresh = false;                               // answer after this connection's own last write
+  double error_m = 0;                               // error allowed in distances; 0: computed exactly where in doubt
+  std::chrono::nanoseconds deadline{0};             // on the server; answers after it are undecided; 0: none
+  std::chrono::nanoseconds timeout{2'000'000'000};  // how long the call waits for the answers, above 0
+  bool fresh = false;                               // answer only after this connection's own last write is applied
   Instant as_of = {};                               // Answers::world_time says which instant it was
-  Importance importance = Importance::normal;
+  Importance importance = Importance::normal;       // of all questions of the call
 };
 
+/// invalid: the server found numbers in the question that cannot be answered.
 enum class Verdict { miss, hit, undecided, invalid };
+/// Why an answer is undecided.
+/// numeric       the arithmetic did not decide; the other answers are as certain as always
+/// stale_object  an object whose place at that instant is not known could change the answer
+/// recovering    the server restarted after a crash, and objects may still be missing
+/// truncated     there are more hits than AskOptions::max_hits
+/// deadline      AskOptions::deadline was over
+/// not_covered   the question leaves the space in which the loaded geometry was said to be complete
 enum class UndecidedReason { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
-/// Ray: distance along the ray. Sphere and box: depth_m is how deep (>= 0). Near: distance from the point.
-/// |truth - distance_m| <= error_m. Sweep: the first contact, in the bracket of times; no distance.
+/// One object, or one triangle of it, that answers a question.
 struct Hit {
-  std::string object;
-  std::uint64_t object_id = 0;
-  std::uint32_t triangle = kNoTriangle;
+  std::string object;                    // its name
+  std::uint64_t object_id = 0;           // the server's number for it
+  std::uint32_t triangle = kNoTriangle;  // of the object's mesh
+  /// For a ray: from its origin along it. For a sphere or box: the depth, which is 0 or more. For near: from the point.
+  /// |truth - distance_m| <= error_m. For a sweep: 0, see time_low.
   double distance_m = 0;
   double error_m = 0;
-  double exit_m = 0;
+  double exit_m = 0;  // for rays: where the ray leaves a convex solid; else 0
   Vec3 point = Vec3::Zero();
   double point_error_m = 0;  // |true point - point| at most; infinite for contacts, which have many points
+  /// Unit. For a ray: against the ray; where it begins inside, outward where it leaves. For near: from the object
+  /// towards the point. For a sphere, box or sweep: from the shape that was asked about to the object.
   Vec3 normal = Vec3::Zero();
-  Vec3 weights = Vec3::Zero();
-  double time_low = 0;   // sweeps: no contact up to here,
-  double time_high = 0;  // and contact here
-  bool inside = false;   // rays: the origin is inside the solid; near: the point is in it or on it; else never set
-  bool stale = false;
+  Vec3 weights = Vec3::Zero();  // of the triangle's corners in `point`; 0 for primitives
+  double time_low = 0;          // for sweeps, 0 to 1: no contact up to here ...
+  double time_high = 0;         // ... and contact by here
+  bool inside = false;          // rays: the origin is inside the solid; near: the point is in it or on it; else not set
+  bool stale = false;           // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
 };
 
+/// What it took to answer a question.
 struct Cost {
-  std::uint32_t nodes = 0;
-  std::uint32_t exact_tests = 0;
-  int level = 0;  // 0 double filter, 1 expansions or intervals, 2 rationals
+  std::uint32_t nodes = 0;        // of indexes, visited
+  std::uint32_t exact_tests = 0;  // of a triangle or primitive
+  int level = 0;                  // arithmetic needed: 0 filter in double, 1 error-free sums or intervals, 2 rationals
 };
 
-/// Where what was asked leaves the space in which the server's geometry is complete, and how far rays are covered at least.
+/// Where a question leaves the space in which the server's geometry is complete.
 struct Uncovered {
-  Vec3 point = Vec3::Zero();
-  double covered_m = 0;
+  Vec3 point = Vec3::Zero();  // where it leaves that space
+  double covered_m = 0;       // the distance up to there is covered
 };
 
+/// The answer to one question.
 struct Answer {
   Verdict verdict = Verdict::miss;
-  UndecidedReason reason = UndecidedReason::none;
-  std::vector<Hit> hits;  // ordered by (distance, object id, triangle)
+  UndecidedReason reason = UndecidedReason::none;  // for verdict undecided
+  /// Nearest first, of a sphere or box deepest first; equal ones by object id, then triangle. An undecided answer has
+  /// the hits that were found.
+  std::vector<Hit> hits;
   Cost cost;
   std::optional<Uncovered> uncovered = {};  // with reason not_covered
 };
 
-/// One request's answers, all on one state of the world.
+/// The answers to one request, all about one state of the world.
 struct Answers {
-  std::uint64_t epoch = 0;
-  std::uint64_t version = 0;
-  std::chrono::nanoseconds world_time{0};
-  std::optional<std::chrono::nanoseconds> oldest_pose_age;  // none: only static geometry decided
-  std::chrono::nanoseconds compute{0};
-  std::vector<Answer> answers;  // one a question, in order
+  std::uint64_t epoch = 0;                                  // grows with each start of a server
+  std::uint64_t version = 0;                                // of that state; grows with each change of the world
+  std::chrono::nanoseconds world_time{0};                   // of that state, since 1970, by the publishers' clocks
+  std::optional<std::chrono::nanoseconds> oldest_pose_age;  // of the poses that decided; none: only static geometry did
+  std::chrono::nanoseconds compute{0};  // on the server, from taking the questions to replying; summed over messages
+  std::vector<Answer> answers;          // one for each question, in order
 };
 
 }  // namespace collided

@@ -10,46 +10,50 @@
 
 #include <collided/client.hpp>
 
-/// Recordings of everything that goes over a namespace, as MCAP files (https://mcap.dev) with CDR messages and the IDL as
-/// their schema: written, fetched from the server, read, published and asked again.
+/// Recordings of everything that is sent on a namespace: written, fetched from the server, read, published again, and
+/// with their questions asked again. A recording is an MCAP file (https://mcap.dev) of CDR messages, with the IDL as
+/// their schema.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
 // ---- recording -----------------------------------------------------------------------------------------------------
 
+/// What a recording has of one topic.
 struct RecordedChannel {
-  std::string topic;
+  std::string topic;          // its name without the namespace
   std::uint64_t samples = 0;  // in the file
-  std::uint64_t lost = 0;     // known to have been sent; not in the file
+  std::uint64_t lost = 0;     // known to have been sent, but not in the file
 };
 
+/// What a recording has written so far.
 struct RecordingCounts {
   std::vector<RecordedChannel> channels;
-  std::uint64_t samples = 0;
-  std::uint64_t lost = 0;
-  std::uint64_t unanswered = 0;  // questions whose answer did not come: lost, or nobody answered
+  std::uint64_t samples = 0;     // of all channels
+  std::uint64_t lost = 0;        // of all channels
+  std::uint64_t unanswered = 0;  // questions without an answer in the file: it was lost, or never sent
   std::uint64_t bytes = 0;       // of the file
-  std::string no_opening;        // why it does not begin with what was in the world before, or empty
-  std::string problem;           // why nothing more is written, or empty
+  std::string no_opening;        // why the file does not begin with what was in the world already; empty: it does
+  std::string problem;           // why nothing more is written; empty: all is well
 };
 
-/// Writes what comes over the namespace of a connection to a file until it is finished or destroyed. A recording that is
-/// killed can be read up to its last chunk: at most a second is missing.
+/// Writes everything that is sent on a namespace to a file, from record() until it is finished or destroyed. If the
+/// process is killed, the file can be read up to its last chunk: at most a second is missing.
 ///
-/// memory   64 MiB wait for the disk at most; what comes beyond that counts as lost
-/// effect   the server writes its steps and finds contact points while anybody records; the process takes one of the
-///          domain's places that others look at, and must not have joined it as a client before
-/// threads  one of its own; calls from any
+/// memory   at most 64 MiB wait for the disk; what comes beyond that counts as lost
+/// effect   while anyone records, the server writes its steps and computes contact points. The process takes one of the
+///          domain's places that other programs look at, so it must not have joined the domain as a client before
+/// threads  calls from any thread; it has one of its own
 class Recording {
  public:
   ~Recording();
   Recording(Recording&&) noexcept;
   Recording& operator=(Recording&&) noexcept;
 
-  /// Up to now.
+  /// What was written up to now.
   RecordingCounts counts() const;
-  /// Writes the rest and the index. The error where the file has no good end; what was written before stays readable.
+  /// Writes the rest and the index, and ends the recording. An error means that the file has no proper end; what was
+  /// written before can still be read.
   Result<RecordingCounts> finish();
 
  private:
@@ -59,68 +63,73 @@ class Recording {
   std::unique_ptr<State> state_;
 };
 
-/// Starts to record; the file is made or emptied.
+/// Starts to record. The file is created, or emptied if it exists. Waits a second or two until all publishers and
+/// clients are heard.
 Result<Recording> record(const ConnectOptions& options, const std::string& path);
 
-/// The server's flight recorder: what it took and wrote in its last seconds, as a file here.
-/// last     0: only what its publishers and commands have brought into the world up to now
-/// returns  the bytes of the file
+/// Fetches what the server's flight recorder holds of its last seconds, as a recording, into a file on this machine.
+///
+/// last     how far back; 0: only what publishers and commands have brought into the world up to now
+/// returns  the size of the file in bytes
 Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last,
                                       const std::string& path);
 
 // ---- events of a recording -----------------------------------------------------------------------------------------
 
-/// A world time, or one in a recording: its begin and end are the times of its first and last sample by the recorder's clock.
+/// A time in a recording: since 1970, or relative to the recording's begin or end, which are the times of its first and
+/// last sample by the recorder's clock.
 struct RunTime {
   enum class Since { year_1970, begin, end };
   Since since = Since::year_1970;
-  std::chrono::nanoseconds offset{0};  // before the end: below 0
+  std::chrono::nanoseconds offset{0};  // negative: before it
 };
 
-/// only, skip  as in WatchOptions
-/// from, to    both included; without: the whole recording
+/// Which events of a recording to return.
 struct RecordedEventsOptions {
-  std::string only = {};
+  std::string only = {};  // as in WatchOptions
   std::string skip = {};
-  std::optional<RunTime> from = {};
-  std::optional<RunTime> to = {};
+  std::optional<RunTime> from = {};  // included; not set: from the recording's begin
+  std::optional<RunTime> to = {};    // included; not set: to its end
 };
 
+/// The events of a recording.
 struct RecordedEvents {
   std::vector<Event> events;
   std::chrono::nanoseconds begin{0}, end{0};  // of the recording
-  std::uint64_t lost = 0;                     // known to have been told; not in the file
+  std::uint64_t lost = 0;                     // known to have been sent, but not in the file
   std::vector<std::string> warnings;          // damage of the file, events that are lost, contacts of unknown age
 };
 
-/// The events in a recording, without a server: what held before `from` as `open`, then each by when it had happened().
+/// Reads the events of a recording; no server is needed. What held before `from` comes first, as `open`, then each
+/// event in the order of happened(). Error bad_input where the file cannot be read.
 Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options = {});
 
 // ---- replay --------------------------------------------------------------------------------------------------------
 
-/// go_on  asked every few milliseconds; false ends the replay
+/// How to replay a recording.
 struct ReplayOptions {
-  std::string path;
-  double rate = 1;   // above 0; of the recorded time
-  bool ask = false;  // step by step with the questions: the rate does not matter
-  std::function<bool()> go_on = {};
+  std::string path;                  // of the recording
+  double rate = 1;                   // 2 is twice as fast as recorded; above 0 up to 1e6
+  bool ask = false;                  // ask the recorded questions again, state by state; the rate does not matter
+  std::function<bool()> go_on = {};  // called many times a second on the calling thread; false ends the replay
 };
 
-/// What became of a recording's questions, as far as their worlds could be made again.
+/// What was published, and how the answers compare with the recorded ones, where the state that a question was about
+/// could be made again.
 struct ReplayReport {
-  std::uint64_t samples = 0;    // definitions and batches of poses that were published
-  std::uint64_t commands = 0;   // add, move, remove and probe, given again
-  std::uint64_t questions = 0;  // asked again
-  std::uint64_t equal = 0;      // answered with the same bits
-  std::uint64_t not_compared = 0;
+  std::uint64_t samples = 0;                  // definitions and pose batches that were published
+  std::uint64_t commands = 0;                 // add, move, remove and probe, sent again
+  std::uint64_t questions = 0;                // asked again
+  std::uint64_t equal = 0;                    // answered with the same bits
+  std::uint64_t not_compared = 0;             // questions that were left out
   std::vector<std::string> why_not_compared;  // "12 answered before the recording knew what was in the world"
-  std::vector<std::string> differences;       // the first 20
-  std::vector<std::string> warnings;          // damage of the file, commands left out, other scenes than then
-  bool stopped = false;                       // by go_on
+  std::vector<std::string> differences;       // one sentence each, the first 20
+  std::vector<std::string> warnings;          // damage of the file, commands left out, scenes that are missing
+  bool stopped = false;                       // by ReplayOptions::go_on
 };
 
-/// Publishes what was recorded as publishers of its own, whose objects go at the end. What the server loaded from files
-/// it must have loaded here too.
+/// Publishes a recording's objects and poses again, by publishers of its own; their objects are removed at the end.
+/// Scenes that the server had loaded from files must be loaded first. It returns when the replay has ended.
 Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& options);
 
 }  // namespace collided

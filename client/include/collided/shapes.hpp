@@ -7,7 +7,8 @@
 
 #include <collided/geometry.hpp>
 
-/// What objects are made of.
+/// What objects are made of. Everything is in metres and in the object's own frame, all numbers finite. A radius or a
+/// half size may be 0 unless said otherwise. The calls that take a shape check it and answer bad_input.
 #pragma GCC visibility push(default)
 
 namespace collided {
@@ -17,67 +18,71 @@ struct SphereShape {
   Vec3 center = Vec3::Zero();
 };
 struct BoxShape {
-  Vec3 half_m = Vec3::Zero();
+  Vec3 half_m = Vec3::Zero();  // half of each edge, along the box's own axes
   Vec3 center = Vec3::Zero();
-  Quat rotation = Quat::Identity();
+  Quat rotation = Quat::Identity();  // from the box's axes to the object's frame
 };
+/// All points within radius_m of the segment from a to b.
 struct CapsuleShape {
   Vec3 a = Vec3::Zero();
   Vec3 b = Vec3::Zero();
   double radius_m = 0;
 };
-/// Between the planes across a b at its ends; a != b.
+/// All points within radius_m of the segment from a to b, cut flat by the planes through a and b across it; a != b.
 struct CylinderShape {
   Vec3 a = Vec3::Zero();
   Vec3 b = Vec3::UnitZ();
   double radius_m = 0;
 };
-/// The radius is that of the base, across the way from the apex; apex != base.
+/// The base is a disc of radius_m about `base`, at right angles to the axis from the apex; apex != base.
 struct ConeShape {
   Vec3 apex = Vec3::UnitZ();
   Vec3 base = Vec3::Zero();
   double radius_m = 0;
 };
 struct EllipsoidShape {
-  Vec3 half_m = Vec3::Ones();  // all above 0
+  Vec3 half_m = Vec3::Ones();  // half axes, each above 0
   Vec3 center = Vec3::Zero();
-  Quat rotation = Quat::Identity();
+  Quat rotation = Quat::Identity();  // from the ellipsoid's axes to the object's frame
 };
-/// The convex hull of up to 4,096 points that are not all in one plane.
+/// The convex hull of 4 to 4,096 points that are not all in one plane.
 struct HullShape {
   std::vector<Vec3> points;
 };
+/// A surface of triangles; its inside does not count as solid.
 struct MeshShape {
   std::vector<Vec3> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // three vertex numbers each; at least one triangle
 };
 
-/// Everything behind a plane: normal . (x - point) <= 0. Alone in its shape, of an object that does not move.
+/// All points behind a plane: normal . (x - point) <= 0. It must be the only part of its object, and the object must
+/// not move.
 struct HalfSpaceShape {
   Vec3 normal = Vec3::UnitZ();  // any length from 1e-30 to 1e30
   Vec3 point = Vec3::Zero();
 };
-/// A surface over a grid, row after row of heights along x from the origin on; two triangles a cell. Counts as a mesh.
+/// A surface over a grid in the x-y plane that begins at the origin, two triangles a cell. It counts as a mesh.
 struct HeightFieldShape {
-  std::uint32_t columns = 0;
-  double spacing_x_m = 1;
-  double spacing_y_m = 1;
-  std::vector<double> heights_m;  // whole rows, at least 2 of 2
+  std::uint32_t columns = 0;      // grid points along x, at least 2
+  double spacing_x_m = 1;         // from one column to the next, above 0
+  double spacing_y_m = 1;         // from one row to the next, above 0
+  std::vector<double> heights_m;  // row by row, each along x; whole rows, at least 2 of them
 };
-/// Balls about points, with an index of its own.
+/// A ball about each of many points, at least 1. The server builds an index over them.
 struct CloudShape {
   std::vector<Vec3> points;
   double radius_m = 0;
 };
-/// Capsules from each point to the next, at least 2 points; with an index of its own.
+/// A capsule from each of at least 2 points to the next. The server builds an index over them.
 struct PolylineShape {
   std::vector<Vec3> points;
   double radius_m = 0;
 };
 
-/// One part, or several that move as one. At most one of them a mesh or height field.
+/// One part of a shape.
 using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape,
                                HullShape, HalfSpaceShape, HeightFieldShape, CloudShape, PolylineShape>;
+/// One or more parts that move as one. At most one of them is a mesh or a height field.
 using Shape = std::vector<ShapePart>;
 
 }  // namespace collided

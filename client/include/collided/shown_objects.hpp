@@ -10,56 +10,56 @@
 
 #include <collided/shapes.hpp>
 
-/// What is where, with every shape: for whoever draws.
+/// What is where, with every shape: for programs that draw. Metres.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
-/// Bits of an edge's kind. Decided exactly, by the server.
+/// Bits of an edge's kind. The server decides them exactly.
 enum EdgeKind : std::uint8_t {
   kBoundaryEdge = 1,  // of one triangle only
-  kManyEdge = 2,      // of three and more
-  kCreaseEdge = 4,    // of two that meet at more than the asked angle
-  kMaterialEdge =
-      8,  // of triangles of different parts of a scene, which are what its file's materials and groups became
-  kTurnedEdge = 16,  // of two that run along it the same way: one counts as turned over
+  kManyEdge = 2,      // of three triangles or more
+  kCreaseEdge = 4,    // of two triangles that meet at more than the angle asked for
+  kMaterialEdge = 8,  // of triangles of different parts of a scene, made from its file's materials and groups
+  kTurnedEdge = 16,   // of two triangles that run along it in the same direction: they are not oriented alike
 };
 
-/// ends       vertex numbers; places that vertices share have one number, the first
-/// triangles  the first two that have the edge; kNoTriangle: there is no second
+/// An edge of a surface.
 struct SurfaceEdge {
-  std::array<std::uint32_t, 2> ends{};
-  std::array<std::uint32_t, 2> triangles{};
-  std::uint8_t kinds = 0;
+  std::array<std::uint32_t, 2> ends{};       // vertex numbers; of vertices at one place it is the first one's
+  std::array<std::uint32_t, 2> triangles{};  // the first two that have the edge; kNoTriangle: there is no second
+  std::uint8_t kinds = 0;                    // EdgeKind bits
 };
 
-/// Triangles as the server has them, in the frame of what they are of, in the very doubles that decide; immutable.
+/// Triangles as the server has them, in the frame of the object they belong to and with the very doubles that decide.
+/// Immutable: any thread may read it.
 struct Surface {
-  std::uint64_t number = 0;  // the server's, of its epoch; another surface never has it
-  std::vector<Vec3> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<SurfaceEdge> edges;  // of all triangles with an area; empty unless they were asked for
+  std::uint64_t number = 0;                             // the server's; within an epoch no other surface ever has it
+  std::vector<Vec3> vertices;                           // metres
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // vertex numbers
+  std::vector<SurfaceEdge> edges;  // of all triangles with an area; empty unless ShapesOptions::edges
 };
 
-/// A run of a surface's triangles: many objects may share one surface, and the parts of a scene have one each of theirs.
+/// Some of a surface's triangles. Objects of equal shape share one surface, and the parts of a scene have a run each of
+/// the scene's surface.
 struct SurfaceRun {
   std::shared_ptr<const Surface> surface;
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
-  bool is_hull = false;  // closed, its triangles outward, and the inside counts too
+  bool is_hull = false;  // a closed surface, its triangles facing outward, and the inside belongs to the object
 };
 
-/// An object as it stands. The parts are spheres, boxes, capsules, cylinders, cones, ellipsoids and half-spaces, clouds
-/// and lines as the balls and capsules that they are; everything else is runs of surfaces. All in the object's own frame,
-/// scaled already; parts of a static scene in world coordinates, with no pose. Turned boxes and ellipsoids have their axes
-/// as a quaternion, off by some 1e-16.
+/// An object as it stands. Primitives are `parts`; meshes, height fields and hulls are `runs` of surfaces. Clouds and
+/// polylines are the balls and capsules that they consist of. All of it is scaled already and in the object's frame;
+/// the parts of a static scene are in world coordinates and have no pose. A rotated box or ellipsoid has its axes as a
+/// quaternion, which is off by some 1e-16.
 struct ShownObject {
-  std::uint64_t id = 0;
+  std::uint64_t id = 0;  // the server's number for it
   std::string name;
-  std::string scene;  // that it was loaded with; empty: added at run time
+  std::string scene;  // the scene that it was loaded with; empty: it was added at run time
   bool moving = false;
-  bool stale = false;  // its publisher is lost
-  std::uint32_t layers = 0;
+  bool stale = false;        // its publisher is lost (LostPolicy::freeze)
+  std::uint32_t layers = 0;  // as in ObjectOptions
   std::uint32_t mask = 0;
   std::uint32_t group = 0;
   Pose pose;  // the newest
@@ -67,32 +67,33 @@ struct ShownObject {
   std::vector<SurfaceRun> runs;
 };
 
-/// Objects of one state of the world.
+/// The objects of one state of the world, as Client::shapes returns them.
 struct ShownObjects {
-  std::uint64_t epoch = 0;
-  std::uint64_t version = 0;
-  std::uint64_t table_version = 0;  // changes when an object comes, goes or gets another shape
-  std::chrono::nanoseconds world_time{0};
+  std::uint64_t epoch = 0;                 // grows with each start of a server
+  std::uint64_t version = 0;               // of the state
+  std::uint64_t table_version = 0;         // changes when an object comes, goes or gets another shape
+  std::chrono::nanoseconds world_time{0};  // of the state, since 1970, by the publishers' clocks
   std::vector<ShownObject> objects;
 };
 
+/// Which objects Client::shapes returns, and what of them.
 struct ShapesOptions {
   std::string only = {};  // name globs, as in AskOptions
   std::string skip = {};
-  std::uint32_t mask = 0xffffffff;
-  std::optional<bool> moving = {};  // only what moves, or only what does not
-  bool edges = false;               // of surfaces, with their kinds
-  double crease_cosine = 0.5;       // of the angle between two normals beyond which their edge is a crease
-  std::chrono::nanoseconds timeout{10'000'000'000};  // of each page of 8 MiB
+  std::uint32_t mask = 0xffffffff;  // objects with one of these layers
+  std::optional<bool> moving = {};  // true: only what moves; false: only what does not
+  bool edges = false;               // the edges of surfaces too, with their kinds
+  double crease_cosine = 0.5;  // an edge is a crease where the cosine of the angle between its normals is below this
+  std::chrono::nanoseconds timeout{10'000'000'000};  // for each page of 8 MiB
 };
 
-/// Where everything that moves is, in one state of the world; parallel.
+/// Where everything that moves is in one state of the world, as parallel columns. Client::poses returns it.
 struct Poses {
-  std::uint64_t epoch = 0;
-  std::uint64_t version = 0;
-  std::uint64_t table_version = 0;  // other than that of the ShownObjects at hand: ask for shapes again
-  std::chrono::nanoseconds world_time{0};
-  std::vector<std::uint64_t> ids;
+  std::uint64_t epoch = 0;          // grows with each start of a server
+  std::uint64_t version = 0;        // of the state
+  std::uint64_t table_version = 0;  // not that of the ShownObjects at hand: they are out of date, ask for shapes again
+  std::chrono::nanoseconds world_time{0};  // of the state
+  std::vector<std::uint64_t> ids;          // as in ShownObject
   std::vector<Pose> poses;
   std::vector<std::uint8_t> stale;  // 1: its publisher is lost
 };

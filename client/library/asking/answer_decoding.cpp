@@ -18,7 +18,7 @@ Error nonsense(const std::string& what) {
           "client and server may be of different versions: 'collide version'"};
 }
 
-// Hits that follow each other are mostly on one object, whose name is looked up once.
+// Successive hits are mostly on one object, so its name is looked up once.
 struct LastName {
   std::uint64_t id = 0;
   std::string name = {};
@@ -181,7 +181,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
   }
   const std::size_t answered_before = answered_;
   note_answered(reply.first_question, verdicts.size());
-  // A reply that came before is none of the costs and ages of what was taken.
+  // A repeated reply must not count twice in the costs and ages.
   if (answered_ > answered_before) note_state(reply);
   return std::nullopt;
 }

@@ -11,15 +11,19 @@
 
 namespace collided::client {
 
-/// Puts a request's replies together, in whatever order they come.
+/// Puts the answers to one request together from its replies, in whatever order they come and however often.
+/// threads  one at a time
 class AnswerCollector {
  public:
-  /// questions_per_chunk: of the request's chunks but the last.
+  /// questions_per_chunk  in each of the request's chunks except the last
+  /// names                learns the names of objects that the replies carry
+  /// earlier              answers whose memory is used again
   AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names, Answers&& earlier = {});
 
-  /// The error when the reply is a refusal or makes no sense.
+  /// Takes a reply. Returns the error where it is a refusal or inconsistent.
   std::optional<Error> add(const wire::Reply& reply);
   std::size_t chunks_answered() const { return chunks_answered_; }
+  /// True when every question has its answer.
   bool complete() const { return answered_ == result_.answers.size(); }
   Answers take() { return std::move(result_); }
 
@@ -37,10 +41,10 @@ class AnswerCollector {
   std::size_t answered_ = 0;
 };
 
-/// A refusal's message and hint, from its text {"error": ..., "hint": ...}.
+/// The error for a refusal, with the message and hint of its text {"error": ..., "hint": ...}.
 Error refusal(const std::string& text);
 
-/// A reply's text.
+/// The text of a reply.
 std::string text_of(const wire::Reply& reply);
 
 }  // namespace collided::client

@@ -15,9 +15,11 @@ using wire_contract::kChunksInFlight;
 using wire_contract::kMaxQuestionsPerChunk;
 using wire_contract::kMaxQuestionsPerRequest;
 
-// Of more questions the answers take longer than waking up, and the processor is of more use to who works them out.
+// The answers to more questions than this take longer than waking up does, and the processor is better used by the
+// server that computes them.
 constexpr std::size_t kMostAtOnce = 16;
 
+// The questions of one call, whatever their type.
 struct Request {
   wire_contract::QueryKind kind;
   const char* noun;
@@ -25,7 +27,7 @@ struct Request {
   std::size_t question_count;
   const void* questions;
   void (*encode)(const void* questions, std::size_t first, std::size_t count, double* numbers);
-  std::span<const std::uint8_t> shape = {};  // of sweeps
+  std::span<const std::uint8_t> shape = {};  // for sweeps
 };
 
 template <class Question>
@@ -56,7 +58,7 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
   return std::nullopt;
 }
 
-// Everything but the questions; the slot's sample may hold what another request left.
+// Fills in everything but the questions. All of it is set, since the sample may hold what another request left.
 void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const WriteBarrier& fence) {
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
@@ -77,7 +79,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   dds::borrow(query.blob, request.shape);
 }
 
-// Each chunk is put together just before it leaves: the server is at the first while the next are made.
+// Each chunk is made just before it is sent: the server works on the first while the next ones are made.
 std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const Request& request,
                                 std::uint32_t chunk) {
   const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
@@ -142,7 +144,7 @@ Error question_fault(const std::string& reason, std::size_t index, std::size_t c
 
 namespace {
 
-/// All of them before the first is sent: a request is answered as a whole or not at all.
+/// Checks all questions before the first is sent: a request is answered as a whole or not at all.
 template <class Question>
 std::optional<Error> fault_of(std::span<const Question> questions) {
   using Wire = QuestionWire<Question>;

@@ -7,8 +7,8 @@
 
 namespace collided::client {
 
-/// An exact number: a sum of doubles, smallest first, none overlapping. Lost where a product left the range of double;
-/// such a number answers no question with yes.
+/// An exact number: a sum of doubles whose digits do not overlap, smallest first. It is lost where a product leaves the
+/// range of double; a lost number answers every question below with no, so that it proves nothing.
 /// source  Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997
 class ExactSum {
  public:
@@ -34,7 +34,8 @@ class ExactSum {
     for (const double x : a.terms_) {
       for (const double y : b.terms_) {
         const double product = x * y;
-        constexpr double kSmallestExactProduct = 0x1p-960;  // below, what a product rounds off may be no double
+        // The rounding error of a smaller product may not be a double.
+        constexpr double kSmallestExactProduct = 0x1p-960;
         result.lost_ = result.lost_ || !(std::abs(product) > kSmallestExactProduct);
         result.add(std::fma(x, y, -product));
         result.add(product);
@@ -49,6 +50,7 @@ class ExactSum {
   friend ExactSum operator-(const ExactSum& a, const ExactSum& b) { return a + -b; }
 
  private:
+  // Adds one double: each term gives its sum with x to the next, and keeps the exact rounding error.
   void add(double x) {
     std::vector<double> grown;
     for (const double term : terms_) {
@@ -67,6 +69,7 @@ class ExactSum {
   bool lost_ = false;
 };
 
+/// A vector of exact numbers, with the usual operations.
 using ExactVector = std::array<ExactSum, 3>;
 
 inline ExactVector exact(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }

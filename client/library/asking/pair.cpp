@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 using Numbers = CertifiedPart::Numbers;
 
-/// A number, or "inf", which JSON has no number for.
+/// A number; "inf" is a text, since JSON has no infinity.
 double number_of(const json& value) {
   return value.is_string() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
@@ -26,7 +26,7 @@ CertifiedPart part_of(const json& value) {
   CertifiedPart part;
   const std::string summand = value.at("beside");
   const auto* const found = std::find(kBeside.begin(), kBeside.end(), summand);
-  // What this library does not know it must not take for less than it is.
+  // An unknown kind must not be taken for a smaller set, which would prove too much.
   if (found == kBeside.end()) { throw json::other_error::create(501, "unknown kind of part: " + summand, &value); }
   part.summand = static_cast<CertifiedPart::Summand>(found - kBeside.begin());
   part.triangle = value.value("triangle", kNoTriangle);

@@ -4,7 +4,7 @@
 
 namespace collided::client {
 
-/// The command `pair` and what its answer says.
+/// Client::pair: sends the command `pair` and reads its answer.
 Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b, const PairOptions& options);
 
 }  // namespace collided::client

@@ -12,11 +12,12 @@
 
 namespace collided::client {
 
+/// The instant as the server takes it.
 inline wire_contract::AskedInstant instant_of(const Instant& instant) {
   return {.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind), .ns = instant.time.count()};
 }
 
-/// What a kind of question is on the wire.
+/// How a question type is sent: its kind, how many numbers each question has, and its name in errors.
 template <class Question>
 struct QuestionWire;
 template <>
@@ -51,14 +52,14 @@ struct QuestionWire<SweepQuestion> {
   static constexpr const char* noun = "sweep";
 };
 
-/// The reason why a question cannot be asked ("direction 0 0 0 has no direction"), or nothing.
+/// Why a question cannot be asked, such as "direction 0 0 0 has no direction"; nothing: it can.
 std::optional<std::string> fault(const RayQuestion& question);
 std::optional<std::string> fault(const SphereQuestion& question);
 std::optional<std::string> fault(const BoxQuestion& question);
 std::optional<std::string> fault(const NearQuestion& question);
 std::optional<std::string> fault(const SweepQuestion& question);
 
-/// Whether it can be asked; written so that NaN cannot.
+/// Whether a question can be asked, quicker than by fault(). Written so that a question with NaN cannot.
 inline bool can_be_asked(const RayQuestion& question) {
   const Vec3& d = question.direction;
   return question.origin.allFinite() && d.allFinite() && (d[0] != 0 || d[1] != 0 || d[2] != 0) &&
@@ -69,16 +70,17 @@ bool can_be_asked(const Question& question) {
   return !fault(question);
 }
 
-/// Writes QuestionWire::number_count numbers.
+/// Writes a question as QuestionWire::number_count numbers.
 void encode(const RayQuestion& question, double* numbers);
 void encode(const SphereQuestion& question, double* numbers);
 void encode(const BoxQuestion& question, double* numbers);
 void encode(const NearQuestion& question, double* numbers);
 void encode(const SweepQuestion& question, double* numbers);
 
+/// Why a value is not acceptable; nothing: it is. A rotation has norm 1 within kUnitQuaternionSlack.
 std::optional<std::string> rotation_fault(const Quat& rotation);
 std::optional<std::string> finite_fault(const Vec3& value, const char* name);
-/// Of a size: finite and not negative.
+/// A size is finite and not negative.
 std::optional<std::string> size_fault(double value, const char* name);
 
 }  // namespace collided::client

@@ -13,7 +13,7 @@ namespace {
 
 using wire_contract::ReplyStatus;
 
-// The text's chunks by number: they may come in any order.
+// Collects the chunks of an answer's text, which may come in any order.
 class TextCollector {
  public:
   void add(const wire::Reply& reply) {

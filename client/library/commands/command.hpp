@@ -11,15 +11,16 @@
 
 namespace collided::client {
 
-/// Sends one command and puts the text of its answer together. A word of progress starts the timeout anew.
+/// Client::command: sends one command and returns the whole text of its answer. A message of progress starts the
+/// timeout anew. Any thread.
 Result<std::string> command(Connection& connection, std::string_view name, std::string_view json_arguments,
                             const Shape& shape, std::chrono::nanoseconds timeout,
                             const std::function<void(double)>& progress);
-/// The same, its arguments checked: a text that is not UTF-8 is bad input, since with its bytes replaced it would be another
-/// object's name.
+/// The same for arguments with names: a text that is not UTF-8 is bad_input, since replacing its bytes could make it
+/// another object's name.
 Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
                             std::chrono::nanoseconds timeout);
-/// The same with bytes as they are, up to what a message holds beside its text.
+/// The same with bytes, up to what a message can hold beside its text.
 Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
                                       std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
                                       const std::function<void(double)>& progress);

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 namespace names = wire_contract::command;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;  // of one answer: more than the server tells
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;  // of one answer; the server sends no larger ones
 constexpr int kAttempts = 5;
 
 Error unfit(const char* command, const std::string& flaw) {
@@ -22,14 +22,14 @@ Error unfit(const char* command, const std::string& flaw) {
                "server and library may be of different versions"};
 }
 
-/// All pages of an answer, or nothing where it has gone meanwhile.
+/// All pages of an answer; nothing where the server no longer has it.
 Result<std::optional<std::string>> fetch(Connection& connection, const char* command_name, json arguments,
                                          std::chrono::nanoseconds timeout) {
   std::string all;
   const char* name = command_name;
   std::optional<std::uint64_t> total;
   do {
-    // A name that is not text must not throw here: the server finds nothing by it.
+    // A name that is not UTF-8 must not throw here; the server finds no object for it.
     const std::string written = arguments.dump(-1, ' ', false, json::error_handler_t::replace);
     const Result<std::string> text = command(connection, name, written, {}, timeout, {});
     if (!text) return text.error();
@@ -48,6 +48,7 @@ Result<std::optional<std::string>> fetch(Connection& connection, const char* com
   return std::optional(std::move(all));
 }
 
+/// The surfaces that are here already, by number; it fetches the others.
 class SurfaceBook {
  public:
   SurfaceBook(Connection& connection, const ShapesOptions& options) : connection_(connection), options_(options) {}
@@ -60,7 +61,7 @@ class SurfaceBook {
     }
   }
 
-  /// Null: it has gone.
+  /// A surface; null where the server no longer has it.
   Result<std::shared_ptr<const Surface>> get(std::uint64_t epoch, std::uint64_t number) {
     if (const auto known = surfaces_.find(number); known != surfaces_.end()) return known->second;
     const json arguments{
@@ -81,7 +82,8 @@ class SurfaceBook {
   std::unordered_map<std::uint64_t, std::shared_ptr<const Surface>> surfaces_;
 };
 
-/// Objects with their surfaces; where one has gone since they were listed nothing, or the others if may_lack.
+/// The objects with their surfaces. Where a surface has gone since the objects were listed: nothing, or, if may_lack,
+/// the objects without those that need it.
 Result<std::optional<ShownObjects>> attempt(Connection& connection, const ShapesOptions& options,
                                             const ShownObjects* earlier, SurfaceBook& book, bool may_lack) {
   json arguments{{"only", options.only}, {"skip", options.skip}, {"mask", options.mask}};
@@ -92,7 +94,7 @@ Result<std::optional<ShownObjects>> attempt(Connection& connection, const Shapes
   std::string flaw;
   std::optional<DecodedObjects> decoded = decode_objects(**bytes, flaw);
   if (!decoded) return unfit(names::kShapes, flaw);
-  // Another epoch numbers its surfaces anew.
+  // Numbers of surfaces are valid within an epoch.
   if (earlier != nullptr && earlier->epoch == decoded->shown.epoch) book.take_over(*earlier);
   std::vector<ShownObject> whole;
   for (std::size_t i = 0; i < decoded->runs.size(); ++i) {

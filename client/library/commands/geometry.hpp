@@ -4,10 +4,10 @@
 
 namespace collided::client {
 
-/// The commands shapes, surface and more, until everything is here.
+/// Client::shapes, by the commands shapes, surface and more.
 Result<ShownObjects> shapes(Connection& connection, const ShapesOptions& options, const ShownObjects* earlier);
 
-/// The command poses.
+/// Client::poses, by the command poses.
 Result<Poses> poses(Connection& connection, std::chrono::nanoseconds timeout);
 
 }  // namespace collided::client

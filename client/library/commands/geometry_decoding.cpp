@@ -9,24 +9,25 @@
 namespace collided::client {
 namespace {
 
-/// Objects, object, shape: an honest buffer goes no deeper.
+/// Depth of tables allowed. A proper buffer has objects, object, shape.
 constexpr std::uint32_t kMaxDepth = 5;
 
-/// Never leaves this file.
+/// Why something does not hold; thrown and caught in this file.
 struct Flaw {
   const char* what;
 };
 
-/// Verified where they lie; text has no alignment to rely on.
+/// A verified copy of a buffer, at a suitable alignment, which text need not have.
 template <class Table>
 class Verified {
  public:
   explicit Verified(std::string_view text) : words_(text.size() / sizeof(std::uint64_t) + 1) {
-    // Offsets of FlatBuffers are 31 bits.
+    // FlatBuffers cannot address more: its offsets have 31 bits.
     if (text.size() < 8 || text.size() >= (std::size_t{1} << 31)) throw Flaw{"no buffer"};
     std::memcpy(words_.data(), text.data(), text.size());
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(words_.data());
-    // A table has 8 bytes at least, so more tables than that are shared ones: verifying them all could take for ever.
+    // A table takes at least 8 bytes, so more tables than that must share bytes, and verifying them could take for
+    // ever.
     flatbuffers::Verifier verifier(bytes, text.size(), kMaxDepth, static_cast<std::uint32_t>(text.size() / 8 + 1));
     if (!verifier.VerifyBuffer<Table>(nullptr)) throw Flaw{"its tables do not check out"};
     root_ = flatbuffers::GetRoot<Table>(bytes);
@@ -53,7 +54,7 @@ Quat rotation_of(double w, double x, double y, double z) {
   return rotation;
 }
 
-/// The axes as they lie; which end of one is its front makes no difference to a box or an ellipsoid.
+/// A rotation with these axes. An axis may be reversed, which makes no difference to a box or an ellipsoid.
 Quat rotation_of(const format::Mat3& axes) {
   Eigen::Matrix3d m;
   m.col(0) = vector_of(axes.column_0());
@@ -75,7 +76,7 @@ Vec3 sizes_of(const format::Vec3& from) {
   return sizes;
 }
 
-/// Numbers of 8 bytes and structs of them are copied out: the verifier does not promise their alignment.
+/// A number or struct, copied, since the verifier does not guarantee that 8-byte numbers are aligned.
 template <class Number>
 Number at(const flatbuffers::Vector<Number>& numbers, std::size_t i) {
   Number number;
@@ -85,7 +86,8 @@ Number at(const flatbuffers::Vector<Number>& numbers, std::size_t i) {
 
 class ObjectsDecoder {
  public:
-  /// An honest buffer stores each number once; one whose tables share their numbers could ask for any amount of memory.
+  /// byte_budget  bounds the memory. A proper buffer stores each number once; one whose tables share numbers could
+  ///              otherwise make the decoder allocate any amount.
   explicit ObjectsDecoder(std::size_t byte_budget) : budget_(byte_budget) {}
 
   ShownObject object(const format::ShownObject& from, std::vector<NumberedRun>& runs) {
@@ -251,7 +253,7 @@ std::optional<Page> decode_page(std::string_view text, std::string& flaw) {
   return unless_flawed(flaw, [&] {
     const Verified<format::Page> page(text);
     const auto* bytes = reinterpret_cast<const char*>(page->bytes()->Data());
-    // The same bytes where the text has them.
+    // The same bytes in the text, which outlives the copy.
     const auto offset = static_cast<std::size_t>(bytes - reinterpret_cast<const char*>(page.begin()));
     return Page{page->transfer(), page->total(), page->first(), text.substr(offset, page->bytes()->size())};
   });

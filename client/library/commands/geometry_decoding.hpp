@@ -10,29 +10,30 @@
 
 namespace collided::client {
 
-/// What the server tells viewers, from bytes of anybody: structure is verified, then every number and every reference
-/// is checked. Each returns nothing, with a word in `flaw`, where something does not hold. Memory: a small multiple of
-/// the bytes. Pure.
+// Decoding of the answers to the commands of viewers, from untrusted bytes: the structure is verified, then every
+// number and reference is checked. Each function returns nothing where something does not hold, with the reason in
+// `flaw`. They are pure and take a small multiple of the bytes in memory.
 
-/// The fields of idl/geometry.fbs.
+/// A page of an answer, with the fields of table Page in idl/geometry.fbs.
 struct Page {
   std::uint64_t transfer = 0;
   std::uint64_t total = 0;
   std::uint64_t first = 0;
-  std::string_view bytes;  // into the text that was read
+  std::string_view bytes;  // points into the decoded text
 };
 std::optional<Page> decode_page(std::string_view text, std::string& flaw);
 
-/// A run by its surface's number, which is not here yet.
+/// A run whose surface is known only by its number yet.
 struct NumberedRun {
   std::uint64_t surface = 0;
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
   bool is_hull = false;
 };
+/// Objects whose surfaces are still to be fetched.
 struct DecodedObjects {
   ShownObjects shown;                          // without runs
-  std::vector<std::vector<NumberedRun>> runs;  // of each object
+  std::vector<std::vector<NumberedRun>> runs;  // by object
 };
 std::optional<DecodedObjects> decode_objects(std::string_view text, std::string& flaw);
 

@@ -9,13 +9,14 @@
 
 namespace collided::client {
 
-/// Parts of a command's answer. What is missing or of another kind throws nlohmann::json::exception: read_answer turns
-/// that into an Error.
+/// Three numbers of a command's answer as a vector. Like all access to JSON it throws nlohmann::json::exception where
+/// something is missing or of another type; read_answer turns that into an Error.
 inline Vec3 vector_of(const nlohmann::json& numbers) {
   return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
 }
 
-/// read(json) of the answer's text, or an Error where it is not what the command promises.
+/// read(json) for the JSON in an answer's text; an Error where there is one already, or where the answer is not as the
+/// command promises.
 template <class Read>
 auto read_answer(const Result<std::string>& text, const char* command, Read&& read)
     -> Result<decltype(read(std::declval<const nlohmann::json&>()))> {

@@ -5,7 +5,7 @@
 #include "collided/client.hpp"
 #include "idl/commands.hpp"
 
-/// The typed commands, each over Client::command.
+// The typed commands, each by Client::command.
 namespace collided {
 namespace {
 
@@ -15,7 +15,7 @@ using client::vector_of;
 using nlohmann::json;
 using std::chrono::nanoseconds;
 
-/// Nothing where a text is not UTF-8: with its bytes replaced it would name something else.
+/// The arguments as text. Nothing where a name is not UTF-8: with its bytes replaced it could be another name.
 std::optional<std::string> text_of(const json& arguments) {
   try {
     return arguments.dump();
@@ -35,7 +35,7 @@ Pose pose_of(const json& numbers) {
                                    numbers.at(5).get<double>(), numbers.at(6).get<double>())};
 }
 
-// Infinity is no JSON number.
+// JSON has no infinity, so it is a text.
 json endless_number(double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); }
 double endless_number_of(const json& number) {
   if (!number.is_string()) return number.get<double>();

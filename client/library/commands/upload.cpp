@@ -18,7 +18,7 @@ namespace names = wire_contract::command;
 
 constexpr int kTries = 3;
 
-// zlib counts in 32 bits.
+// The CRC-32 of any number of bytes; zlib takes at most 32 bits of length at a time.
 std::uint32_t checksum_of(std::span<const std::uint8_t> bytes) {
   uLong sum = ::crc32(0, nullptr, 0);
   while (!bytes.empty()) {
@@ -29,7 +29,7 @@ std::uint32_t checksum_of(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(sum);
 }
 
-/// The server's number of the upload, or why there is none.
+/// Announces the upload and returns the server's number for it.
 Result<std::uint64_t> begin(Connection& connection, std::span<const std::uint8_t> bytes, std::string_view file_name,
                             std::chrono::nanoseconds timeout) {
   const json ask{{"file", file_name}, {"bytes", bytes.size()}, {"checksum", checksum_of(bytes)}};

@@ -9,7 +9,8 @@
 
 namespace collided::client {
 
-/// Client::upload. Pieces go one after the other, each until the server has it; one that was lost or damaged goes again.
+/// Client::upload. Sends the pieces one after the other, each until the server confirms it; a piece that is lost or
+/// damaged is sent again, up to three times.
 Result<std::string> upload(Connection& connection, std::span<const std::byte> bytes, std::string_view file_name,
                            std::string_view json_arguments, std::chrono::nanoseconds timeout,
                            const std::function<void(double)>& progress);

@@ -11,8 +11,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-// A reply written before the reader was matched is lost, so hello is said again until one comes through: when
-// somebody new was matched, which is when it may succeed, and every 20 ms.
+// A reply that is written before this reader is matched is lost. So hello is repeated until a reply arrives: whenever a
+// new match is seen, since then it may succeed, and every 20 ms.
 constexpr milliseconds kHelloPeriod{20};
 constexpr milliseconds kMatchPeriod{1};
 

@@ -15,18 +15,18 @@
 
 namespace collided::client {
 
-/// What a publisher wrote last, for questions that must see it.
+/// The last message of a publisher, for questions whose answers must take it into account.
 struct WriteBarrier {
   std::uint64_t publisher = 0;
   std::uint64_t sequence = 0;
 };
 
-/// One client's line to the server: its query writer, its reply reader in a partition of its own, the server's status.
-/// Shared by the Client and the publishers and watches made from it. Any thread.
+/// A client's connection to the server: its query writer, the reader of its replies in their own partition, and the
+/// server's status. The Client and the publishers and watches made from it share it. Any thread.
 class Connection {
  public:
-  /// Waits until a server answers hello.
-  /// role  server: other clients find this one too, which listening to them takes
+  /// Joins the domain and waits until a server answers hello.
+  /// role  `server` makes other clients find this process too, which is needed to hear them
   static Result<std::shared_ptr<Connection>> open(const ConnectOptions& options, dds::Role role = dds::Role::client);
 
   const ConnectOptions& options() const { return options_; }
@@ -37,18 +37,22 @@ class Connection {
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
 
-  /// Says hello when a server is there that does not know this client yet; the error when none can answer.
+  /// Makes sure that questions can be asked: greets a server that is new to this client. The error where none answers.
   std::optional<Error> ready(Clock::time_point deadline);
-  /// Puts this client's number in and sends; the error when the server takes nothing more.
+  /// Sets this client's number and sends. The error where the server takes no more messages.
   std::optional<Error> send(wire::Query& query);
-  /// Replies for a request as they come. The error when `deadline` passes, the server falls silent or is another.
+  /// What wait() returns: the replies, or the error.
   struct Waited {
     const std::vector<SamplePool<wire::Reply>::Pointer>* replies = nullptr;
     std::optional<Error> error = {};
   };
+  /// Waits for replies to a request. Returns the error where `deadline` passes, or the server falls silent or is no
+  /// longer `server`. `what` begins the error.
   Waited wait(Requests::Running& request, Clock::time_point deadline, std::uint64_t server, const std::string& what);
 
+  /// The error that says since when the server has been silent.
   Error disconnected() const;
+  /// The newest message of any of this connection's publishers, as note_write() was told.
   WriteBarrier last_write() const;
   void note_write(const WriteBarrier& fence);
 
@@ -69,7 +73,7 @@ class Connection {
   mutable std::mutex fence_mutex_;
   WriteBarrier last_write_;
 
-  // Last, so that they go first: their callbacks use what stands above.
+  // Last, so that they are destroyed first: their callbacks use the members above.
   dds::Topic<wire::Query> query_topic_;
   dds::Topic<wire::Reply> reply_topic_;
   dds::Topic<wire::Status> status_topic_;
@@ -78,7 +82,7 @@ class Connection {
   dds::Writer<wire::Query> query_writer_;
 };
 
-/// A number that no other process draws: for clients and publishers. Never 0.
+/// A random number that identifies a client or publisher among all processes. Never 0.
 std::uint64_t random_number();
 
 }  // namespace collided::client

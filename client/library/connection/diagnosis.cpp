@@ -29,13 +29,14 @@ std::int64_t since_1970_ns() {
 }
 
 nanoseconds rounded(nanoseconds time) {
-  // Three digits say all that such a measurement knows.
+  // Such a measurement is good for three digits at most.
   std::int64_t unit = 1;
   while (std::abs(time.count()) / unit >= 1'000) unit *= 10;
   return nanoseconds(time.count() / unit * unit);
 }
 
-/// The servers that say on this namespace that they live, for as long as one must say so twice, however busy.
+/// The servers that send statuses on this namespace. It listens long enough for every server, however busy, to send
+/// two.
 class Servers {
  public:
   struct Server {
@@ -54,7 +55,7 @@ class Servers {
       waitset.wait(std::max<std::int64_t>(0, nanoseconds(deadline - Clock::now()).count()));
       take();
     }
-    // The last status of a server that has gone may still wait with DDS.
+    // DDS may still deliver the last status of a server that has ended.
     std::erase_if(servers_, [](const auto& entry) { return entry.second.heard < 2; });
   }
   const std::map<std::uint64_t, Server>& all() const { return servers_; }
@@ -67,7 +68,7 @@ class Servers {
       Server& server = servers_[status->server];
       server.pid = status->pid;
       server.version = status->server_version;
-      // The first one may have waited for us.
+      // The first one may have been sent long before it was received here.
       if (++server.heard > 1)
         server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
     }
@@ -116,8 +117,8 @@ std::string tenths_of_ms(std::int64_t ns) {
   return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " ms";
 }
 
-/// What the server has seen of when batches came that were stamped then. Their ways differ little, so what is left is the
-/// clocks, or that somebody stamps what happened long ago.
+/// Compares how long after their stamps the server receives the batches of different publishers. Transport times differ
+/// little, so a large difference means that clocks differ, or that a publisher stamps poses that are old.
 std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   constexpr std::int64_t kNoticedNs = 5'000'000;
   const Result<std::string> answer =
@@ -154,7 +155,7 @@ std::optional<Finding> version_finding(const std::map<std::uint64_t, Servers::Se
   return std::nullopt;
 }
 
-/// 1,000 empty questions, one after the other.
+/// Times 1,000 empty questions, one after the other.
 Finding round_trip_finding(Connection& connection) {
   constexpr std::size_t kTrips = 1'000, kMostLost = 3;
   std::vector<nanoseconds> times;

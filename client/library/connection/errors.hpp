@@ -5,9 +5,10 @@
 
 #include "collided/client.hpp"
 
-/// Errors that say where, what, value, limit and consequence, and the words they are made of.
+/// Errors that say where, what, value, limit and consequence, and numbers as text for them.
 namespace collided::client {
 
+/// The consequence where the arguments were refused.
 inline constexpr const char* kNothingSent = "nothing was sent";
 
 Error bad_input(std::string message, std::string hint = kNothingSent);

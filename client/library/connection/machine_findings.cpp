@@ -23,7 +23,7 @@ std::optional<std::uint64_t> number_in(const std::string& path) {
   return file >> number ? std::optional(number) : std::nullopt;
 }
 
-/// By name; whether it is up.
+/// The machine's network interfaces by name, and whether each is up.
 std::map<std::string, bool> interfaces() {
   std::map<std::string, bool> found;
   ifaddrs* list = nullptr;
@@ -35,7 +35,7 @@ std::map<std::string, bool> interfaces() {
   return found;
 }
 
-/// Local ports of the UDP sockets of a table of the kernel.
+/// Adds the local ports in one of the kernel's tables of UDP sockets.
 void add_udp_ports(const char* path, std::set<unsigned>& ports) {
   std::ifstream table(path);
   std::string line;

@@ -8,13 +8,14 @@
 
 namespace collided::client {
 
-/// Names of objects by id, as heard. An id is slot + generation * 2^32, and a slot holds one object at a time, so one
-/// name a slot is kept: the table is bounded by the server's slots however many objects come and go. Any thread.
+/// The names of objects by id, as the server's messages tell them. An id is slot + generation * 2^32, and a slot holds
+/// one object at a time, so one name is kept for each slot: the table is no larger than the server's, however many
+/// objects come and go. Any thread.
 class Names {
  public:
   /// `packed` as in topics.hpp: one zero-terminated name an id.
   void learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed);
-  /// "#<id>" for an id never heard of.
+  /// The name; "#<id>" for an unknown id.
   std::string name(std::uint64_t id) const;
 
  private:

@@ -14,24 +14,26 @@
 
 namespace collided::client {
 
-/// The requests under way. A request's number is its slot plus a count that grows with every use of the slot: a reply
-/// finds its slot without a search, and one that comes after its request gave up fits none.
+/// The requests that wait for replies. A request's number is made of its slot and of a count that grows with every use
+/// of the slot: so a reply finds its slot without a search, and a reply to a request that has given up matches none.
+///
+/// threads  any
 class Requests {
   struct Slot {
     std::mutex mutex;
     std::condition_variable came;
-    std::uint64_t request = 0;  // 0: nobody waits
+    std::uint64_t request = 0;  // 0: none
     std::atomic<bool> has_replies{false};
     std::vector<SamplePool<wire::Reply>::Pointer> replies;
-    dds::Sample<wire::Query> query;  // its memory stays with the slot
-    std::vector<double> numbers;     // the same
-    std::vector<double> columns;     // the same
+    dds::Sample<wire::Query> query;  // the slot keeps the memory of these three
+    std::vector<double> numbers;
+    std::vector<double> columns;
   };
 
  public:
-  static constexpr std::size_t kMost = 1'024;
+  static constexpr std::size_t kMost = 1'024;  // requests at a time
 
-  /// One request under way; replies to it are dropped once this is gone.
+  /// One request that waits for replies. Once it is destroyed, replies to it are dropped. For one thread at a time.
   class Running {
    public:
     Running(Requests& requests, Slot& slot, std::uint64_t number) : requests_(requests), slot_(slot), number_(number) {}
@@ -40,14 +42,14 @@ class Requests {
     Running& operator=(const Running&) = delete;
 
     std::uint64_t number() const { return number_; }
-    /// Fields keep what an earlier request left: set them all.
+    /// The sample to send. Its fields have what an earlier request left: set them all.
     wire::Query& query() { return *slot_.query; }
-    /// Of a chunk.
+    /// Memory for the numbers of a chunk, by question and by column.
     std::vector<double>& numbers() { return slot_.numbers; }
     std::vector<double>& columns() { return slot_.columns; }
-    /// The replies will take their time.
+    /// Says that the replies will take long, so wait() sleeps at once.
     void sleep_while_waiting() { spins_ = false; }
-    /// Replies that came since the last call; waits for one until `deadline`, then none.
+    /// The replies that came since the last call. Waits for one; empty if none comes before `deadline`.
     const std::vector<SamplePool<wire::Reply>::Pointer>& wait(Clock::time_point deadline);
 
    private:
@@ -59,11 +61,11 @@ class Requests {
     std::vector<SamplePool<wire::Reply>::Pointer> taken_;
   };
 
-  /// client  whose replies are taken; others may come with them
+  /// client  the client whose replies are taken; those of others in its partition are ignored
   explicit Requests(std::uint64_t client);
-  /// Null when kMost requests are under way.
+  /// Begins a request; null where kMost are waiting already.
   std::unique_ptr<Running> begin();
-  /// For the reply reader's callback: takes everything and wakes whom it concerns.
+  /// For the reply reader's callback: takes all samples and wakes the threads that wait for them.
   void take_replies(const dds::Taker<wire::Reply>& taker);
 
  private:

@@ -8,12 +8,13 @@
 
 namespace collided::client {
 
-/// Samples whose buffers are reused, so that taking a message of a usual size allocates nothing. Any thread.
+/// Samples whose buffers are reused, so that taking a message of usual size does not allocate. Any thread.
 template <class T>
 class SamplePool {
  public:
   using Pointer = std::unique_ptr<dds::Sample<T>>;
 
+  /// A sample, which may hold an old message.
   Pointer get() {
     const std::lock_guard lock(mutex_);
     if (idle_.empty()) { return std::make_unique<dds::Sample<T>>(); }
@@ -22,6 +23,7 @@ class SamplePool {
     return sample;
   }
 
+  /// Returns a sample to the pool, which keeps up to kMostIdle.
   void put(Pointer sample) {
     const std::lock_guard lock(mutex_);
     if (idle_.size() < kMostIdle) { idle_.push_back(std::move(sample)); }

@@ -16,42 +16,44 @@ namespace collided::client {
 
 using Clock = std::chrono::steady_clock;
 
-/// Which server this connection talks to, its newest status, and since when it has been silent.
-/// Any thread; hear() is for the status reader's callback.
+/// Which server a connection talks to, its newest status, and how long it has been silent.
+///
+/// threads  any; hear() is for the status reader's callback only
 class ServerPulse {
  public:
   using Observer = std::function<void(const wire::Status&)>;
 
-  /// Takes a status. One of another server counts only while the known one is silent: two servers on one namespace
-  /// must not be mixed.
+  /// Takes a status. That of another server counts only while the known one is silent, so that two servers on one
+  /// namespace are not mixed up.
   void hear(dds::Sample<wire::Status>& status);
-  /// A reply is a sign of life too.
+  /// A reply shows that the server is alive, too.
   void hear_reply() { last_heard_ns_.store(now_ns(), std::memory_order_relaxed); }
-  /// The server that answered hello.
+  /// This server has answered hello.
   void greeted(std::uint64_t server);
 
-  /// 0 before the first word.
+  /// The server's number; 0 before anything was heard.
   std::uint64_t server() const { return server_.load(std::memory_order_acquire); }
   Clock::time_point last_heard() const;
+  /// Whether nothing has been heard for kStatusLostNs.
   bool silent() const;
-  /// How often statuses stayed away for so long that DDS may have forgotten the server's readers meanwhile, and with them
-  /// what they lacked (wire_contract::kForgottenNs).
+  /// How often no status came for so long (wire_contract::kForgottenNs) that DDS may have forgotten the server's
+  /// readers, and with them what they had yet to receive.
   std::uint64_t outages() const { return outages_.load(std::memory_order_acquire); }
 
-  /// Empty before the first status.
+  /// The newest status; nothing before the first one.
   std::optional<ServerStatus> status() const;
-  /// How the newest status sees a publisher; nothing when it does not know it.
+  /// A publisher according to the newest status; nothing where it does not have it.
   struct PublisherView {
     std::uint64_t applied_sequence = 0;
     bool lost = false;
   };
   std::optional<PublisherView> publisher(std::uint64_t publisher) const;
-  /// Waits for the next status after this call.
+  /// Waits for the next status; false where `deadline` comes first.
   bool wait_for_status(Clock::time_point deadline) const;
 
-  /// Runs on the receive thread at every status that counts; returns what stop_observing takes.
+  /// Calls the observer with every status that counts, on DDS's receive thread. Returns its number for stop_observing.
   int observe(Observer observer);
-  /// After it returned, the observer does not run.
+  /// Removes an observer. When this returns, it is not running and will not run.
   void stop_observing(int observer);
 
  private:

@@ -9,7 +9,7 @@ namespace collided::client {
 namespace {
 
 struct Joined {
-  bool open = false;  // until the participant's destructor is through, not only until its last owner let go
+  bool open = false;  // true until the participant's destructor has returned, not only until its last owner let go
   std::weak_ptr<dds::Participant> participant;
   std::string interface;
   std::vector<std::string> peers;
@@ -22,7 +22,7 @@ struct Registry {
   std::map<int, Joined> domains;
 };
 
-// Never destroyed: a Client may be a static object whose turn comes later.
+// Never destroyed, since a Client may be a static object that is destroyed later.
 Registry& registry() {
   static Registry& only = *new Registry;
   return only;

@@ -7,8 +7,9 @@
 
 namespace collided::client {
 
-/// This process's participant of a domain, made by the first who asks and shared until the last lets go. Throws
-/// dds::DdsError, and std::invalid_argument when the domain was joined with another interface or other peers before.
+/// This process's DDS participant of a domain. The first call makes it; it is shared until the last owner lets go of
+/// it. Throws dds::DdsError, and std::invalid_argument where the domain is already joined with another interface or
+/// other peers. Any thread.
 std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds::Role role = dds::Role::client);
 
 }  // namespace collided::client

@@ -7,14 +7,18 @@
 
 namespace collided::client {
 
-/// Waiting for something that mostly comes within microseconds, before going to sleep for it: being woken costs more than
-/// the answer takes. The processor is offered to others all the while, since one of them may be the thread that brings
-/// it: pausing instead was 1 to 3 us slower a round trip on two processors. Where it was in vain the next waits sleep at
-/// once, twice as many each time; where somebody else took the processor and kept it, hundreds do: a loaded machine and
-/// a single processor lose nothing that a hundredth of the round trips would show.
-/// Any thread.
+/// Waits actively for something that mostly arrives within microseconds, before the caller goes to sleep for it: being
+/// woken would take longer than that.
+///
+/// Meanwhile it yields the processor, since the thread that brings the answer may need it: a pause instruction instead
+/// is 1 to 3 us slower a round trip on two processors. After a wait in vain it skips the next waits, twice as many each
+/// time, and hundreds where another process took the processor and kept it. So a loaded machine or one with a single
+/// processor loses less than a hundredth of a round trip's time.
+///
+/// threads  any
 class ShortSpin {
  public:
+  /// Returns when arrived() is true, after 80 us, at the deadline, or at once where it skips.
   template <class Arrived>
   void wait(std::chrono::steady_clock::time_point deadline, const Arrived& arrived) {
     if (skip_.load(std::memory_order_relaxed) > 0) {
@@ -44,7 +48,7 @@ class ShortSpin {
   static constexpr int kMostSkipped = 256;
   static constexpr int kMostSkippedIfTaken = 4'096;
 
-  std::atomic<int> in_vain_{1};
+  std::atomic<int> in_vain_{1};  // waits to skip after the next one in vain
   std::atomic<int> skip_{std::thread::hardware_concurrency() > 1 ? 0 : 1 << 30};
 };
 

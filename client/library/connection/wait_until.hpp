@@ -7,8 +7,8 @@
 
 namespace collided::client {
 
-/// Waits until condition() holds, looked at every millisecond; false where `deadline` comes first. For what DDS says only
-/// when it is asked, such as whether a reader is matched.
+/// Waits until condition() is true, calling it every millisecond; false where `deadline` comes first. For what DDS does
+/// not announce, such as whether a reader is matched.
 template <class Condition>
 bool wait_until(Clock::time_point deadline, Condition&& condition) {
   while (!condition()) {

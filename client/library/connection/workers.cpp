@@ -11,7 +11,7 @@ Workers::~Workers() {
   }
   changed_.notify_all();
   for (std::thread& thread : threads_) {
-    thread.join();  // tasks that wait are still run: somebody holds their futures
+    thread.join();  // waiting tasks are still run: their futures may be waited for
   }
 }
 

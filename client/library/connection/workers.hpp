@@ -9,14 +9,15 @@
 
 namespace collided::client {
 
-/// A few threads that run what is put in, in order of arrival; started with the first task. Any thread.
+/// A few threads that run tasks in order of arrival. Each thread is started when a task needs it. The destructor waits
+/// until all tasks have run. Any thread.
 class Workers {
  public:
-  static constexpr std::size_t kThreads = 4;  // a request waits most of its time, so more than cores
+  static constexpr std::size_t kThreads = 4;  // a task waits most of its time, so there may be more than cores
   static constexpr std::size_t kMostWaiting = 1'024;
 
   ~Workers();
-  /// False when kMostWaiting tasks wait already.
+  /// Queues a task; false where kMostWaiting wait already.
   bool run(std::function<void()> task);
 
  private:

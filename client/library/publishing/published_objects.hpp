@@ -11,36 +11,40 @@
 
 namespace collided::client {
 
-/// What a publisher knows of one of its objects: enough to define it anew.
+/// What a publisher knows of one of its objects, which is enough to define it again.
 struct PublishedObject {
-  ObjectOptions options;  // pose: the newest; shape: left empty once encoded
-  std::vector<std::uint8_t> shape;
+  ObjectOptions options;            // with the newest pose; without the shape
+  std::vector<std::uint8_t> shape;  // encoded
   std::uint32_t generation = 0;
   bool used = false;
   enum class Waiting : std::uint8_t { no, moved, teleported } waiting = Waiting::no;
 };
 
-/// The objects of a publisher and the poses that wait to be sent. The numbers on the wire are keys, and DDS never
-/// forgets a key, so a removed object's number goes to the next one; the handle carries a count of such uses in its
-/// upper bits and a stale handle finds nothing. One thread at a time.
+/// The objects of a publisher, and which of them have poses that wait to be sent.
+///
+/// An object's number is a DDS key, and DDS never forgets a key, so the number of a removed object is used again. The
+/// object's handle has a count of such uses in its upper bits, so that an old handle finds nothing.
+///
+/// threads  one at a time
 class PublishedObjects {
  public:
   static constexpr std::uint32_t kMost = 1u << 20;
 
   static std::uint32_t number(Publisher::Object object) { return object & (kMost - 1); }
   bool has_name(const std::string& name) const { return names_.contains(name); }
-  /// Nothing when kMost objects live.
+  /// Adds an object and returns its handle; nothing where there are kMost objects.
   std::optional<Publisher::Object> add(ObjectOptions options, std::vector<std::uint8_t> shape);
   void remove(Publisher::Object object);
-  /// Null for a handle that names nothing (any more).
+  /// The object; null for a handle that is not (any more) that of one.
   PublishedObject* find(Publisher::Object object);
 
-  /// The newest pose wins; once a teleport, it stays one until sent.
+  /// Sets the pose to be sent. A newer pose replaces it; if one of them is a teleport, what is sent is a teleport.
   void set_pose(Publisher::Object object, const Pose& pose, bool teleport);
-  /// Numbers whose poses wait. sort_waiting() puts teleports last and returns how many stand before them.
+  /// The numbers of the objects whose poses wait. sort_waiting() moves teleports to the end and returns how many others
+  /// there are.
   std::span<const std::uint32_t> waiting() const { return waiting_; }
   std::size_t sort_waiting();
-  /// The first `count` of waiting() were sent.
+  /// Removes the first `count` of waiting(), which were sent.
   void mark_sent(std::size_t count);
 
   const PublishedObject& at(std::uint32_t number) const { return objects_[number]; }
@@ -50,7 +54,7 @@ class PublishedObjects {
  private:
   std::vector<PublishedObject> objects_;  // by number
   std::vector<std::uint32_t> free_;
-  std::vector<std::uint32_t> waiting_;  // numbers in order of their first move
+  std::vector<std::uint32_t> waiting_;  // numbers, in the order of their first move since they were sent
   std::unordered_set<std::string> names_;
 };
 

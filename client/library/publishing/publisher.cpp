@@ -19,9 +19,9 @@ using std::chrono::nanoseconds;
 namespace {
 
 constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
-// A call that comes this soon after the last word needs not say again that the publisher lives.
+// A move() this soon after the last message need not assert again that the publisher is alive.
 constexpr nanoseconds kWordPeriod = kLease / 5;
-// Longer than from one pose to the next of what moves.
+// Longer than the time between two poses of a moving object.
 constexpr nanoseconds kAtRest = kLease;
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
 
@@ -81,7 +81,7 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
   if (auto reason = name_fault(name)) { return bad_input("publisher: " + *reason); }
   try {
     std::unique_ptr<State> state(new State(std::move(connection), name));
-    // Batches are volatile: one written before the server's reader was met would be lost.
+    // Batches are volatile: one written before the server's reader is matched would be lost.
     const Clock::time_point deadline = Clock::now() + state->connection_->options().wait;
     const auto is_read = [&] {
       return state->pose_writer_.matched_readers() > 0 && state->object_writer_.matched_readers() > 0;
@@ -93,17 +93,17 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
   } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
-// Leaving orderly is removal, not loss: the objects go at once and whatever the policy for lost ones says.
+// A publisher that ends properly is not lost: its objects are removed at once, whatever their LostPolicy.
 Publisher::State::~State() {
   try {
     for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
       if (objects_.at(number).used && write_definition(number, objects_.at(number), true)) { break; }
     }
-    // A dead server's reader acknowledges nothing for as long as DDS keeps it; the living server's status will do.
+    // DDS may still wait for a dead server's reader, which acknowledges nothing; the living server's status is enough.
     const Clock::time_point until = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
     while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {}
   } catch (const dds::DdsError&) {
-    // The lease runs out instead.
+    // Then the lease runs out instead.
   }
 }
 
@@ -192,8 +192,9 @@ void Publisher::State::stream() {
   is_streamed_ = true;
 }
 
-/// Who has moved nothing for long rests: others' objects need not wait for its next flush. Only while the times are this
-/// library's own, since a user's next one may lie before now.
+/// Where nothing was moved for long, says that everything rests, so that contacts with other publishers' objects need
+/// not wait for the next flush. Only while times are the library's own, since a time given by the user may be before
+/// now.
 std::optional<Error> Publisher::State::say_at_rest() {
   const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
   return is_due ? write_instant(since_1970_ns()) : std::nullopt;
@@ -212,7 +213,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     std::uint64_t wanted = 0;
     {
       const std::lock_guard lock(mutex_);
-      if (auto error = say_alive()) {  // the user's thread is here, so it does not hang
+      if (auto error = say_alive()) {  // this call shows that the user's thread does not hang
         return *error;
       }
       wanted = sequence_;

@@ -10,9 +10,11 @@
 
 namespace collided {
 
-/// The stream of one publisher: definitions and pose batches under one count, kept alive by its user's calls only, so
-/// that a user thread that hangs is seen as lost. Having been away longer than the lease, or meeting a new server, it
-/// defines everything anew before it goes on.
+/// The messages of one publisher: definitions and pose batches, numbered together. Only the user's calls assert that it
+/// is alive, so that a user thread that hangs is seen as lost. After a pause longer than the lease, and for a new
+/// server, it defines everything again before it continues.
+///
+/// threads  any; one mutex
 struct [[gnu::visibility("hidden")]] Publisher::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& name);
   ~State();
@@ -30,6 +32,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> object_fault(const ObjectOptions& options) const;
   Error unknown(Object object) const;
 
+  // Asserts liveliness; where the server has forgotten this publisher or is behind, defines everything again.
   std::optional<Error> say_alive();
   bool is_forgotten() const;
   bool is_behind() const;
@@ -51,11 +54,11 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   client::PublishedObjects objects_;
   std::uint64_t sequence_ = 0;
   std::uint64_t definitions_through_ = 0;
-  std::uint64_t defined_all_at_ = 0;  // sequence at which everything was last defined anew
+  std::uint64_t defined_all_at_ = 0;  // sequence number at which everything was last defined again
   std::uint64_t server_ = 0;
-  std::uint64_t outages_ = 0;  // before everything was defined anew
+  std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
   bool is_streamed_ = false;
-  bool has_own_clock_ = false;  // the last flush left its time to this library
+  bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   client::Clock::time_point last_instant_;
   client::UnacknowledgedPoses unacknowledged_;
   client::Clock::time_point last_word_;

@@ -15,9 +15,10 @@ using wire_contract::kPoseNumbers;
 namespace {
 
 constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
-// So long after everything was sent anew each batch says so: the first ones may come before the new server's reader is there.
+// For this long after everything was defined again each batch says so, since the first ones may be sent before the new
+// server's reader is there.
 constexpr std::chrono::milliseconds kSaysSo{2'000};
-// Several statuses after the last sample; one of them must have counted it.
+// The time of several statuses after the last message; one of them must have counted it.
 constexpr std::chrono::milliseconds kBehind{500};
 
 double* put_pose(const Pose& pose, double* numbers) {
@@ -30,7 +31,7 @@ Error not_taken() {
   return {ErrorCode::timeout, "publish: the server takes nothing more", "what was not sent waits for the next flush"};
 }
 
-// DDS throws; the public interface does not.
+// DDS throws; the public interface returns errors.
 template <class Write>
 std::optional<Error> guarded(const Write& write) {
   try {
@@ -55,25 +56,25 @@ bool Publisher::State::is_forgotten() const {
       connection_->pulse().server() != server_) {
     return true;
   }
-  // What was written into the outage may be lost; what is written before the readers are found again would be too.
+  // Messages written during the outage may be lost, and so would those written before the readers are matched again.
   if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 &&
       object_writer_.matched_readers() > 0)
     return true;
-  // A status from before everything was defined anew says nothing about now.
+  // A status from before everything was defined again does not count.
   const auto view = connection_->pulse().publisher(publisher_);
   return view && view->lost && view->applied_sequence >= defined_all_at_;
 }
 
-// A batch may have been written before a new server's reader was there to take it: its poses would be missing until the
-// objects move again.
+// True where the server lacks a message: a batch may have been written before a new server's reader was there, and its
+// poses would be missing until the objects move again.
 bool Publisher::State::is_behind() const {
   const auto view = connection_->pulse().publisher(publisher_);
   return view && !view->lost && view->applied_sequence < sequence_ && !connection_->pulse().silent() &&
          Clock::now() - last_sample_ > kBehind;
 }
 
-// What the server's status says goes before what DDS knows: acknowledgements come up to 20 ms late, and those of a dead
-// server's reader, which DDS keeps for its participant's lease of ten seconds, never.
+// Whether another batch may be written. The server's status is consulted before DDS: acknowledgements come up to 20 ms
+// late, and never from a dead server's reader, which DDS keeps for the ten seconds of its participant's lease.
 bool Publisher::State::has_room() {
   if (!unacknowledged_.is_full()) return true;
   const auto view = connection_->pulse().publisher(publisher_);
@@ -85,7 +86,7 @@ bool Publisher::State::has_room() {
 }
 
 std::optional<Error> Publisher::State::define_all() {
-  // A new server's reader has everything of this life still before it.
+  // A new server has none of the earlier batches, and needs none.
   if (server_ != connection_->pulse().server()) unacknowledged_.note_all_known();
   server_ = connection_->pulse().server();
   outages_ = connection_->pulse().outages();
@@ -96,7 +97,7 @@ std::optional<Error> Publisher::State::define_all() {
   }
   objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
   defined_all_ = Clock::now();
-  return write_batch({}, 0, 0);  // revives the pose writer, whose lease ran out as well
+  return write_batch({}, 0, 0);  // also asserts the liveliness of the pose writer, whose lease ran out too
 }
 
 std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
@@ -133,8 +134,8 @@ void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
   if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
 }
 
-/// That what it does not name has rested up to then. Without a number: who misses it has missed no pose, and what was missed
-/// before must not look as if it had come.
+/// Says that everything has rested up to then. The message has no number, since a server that misses it lacks no pose,
+/// and since a number would hide that an earlier message was missed.
 std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
   batch_->sequence_number = 0;
   fill_batch(0, time_ns);
@@ -143,7 +144,7 @@ std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
     last_word_ = Clock::now();
-    // The writer keeps it as it keeps poses, so it could push out some that the server has not got.
+    // It takes a place in the writer's history, where it could displace poses that the server has yet to receive.
     unacknowledged_.note_written(sequence_, 0);
     return std::nullopt;
   });

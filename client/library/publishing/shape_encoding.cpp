@@ -12,7 +12,7 @@
 namespace collided::client {
 namespace {
 
-// A definition is one sample: its other fields need far less than this.
+// A definition is one message; its other fields take far less than this.
 constexpr std::size_t kHeaderRoomBytes = 16 * 1024;
 constexpr std::size_t kMaxShapeBytes = wire_contract::kMaxMessageBytes - kHeaderRoomBytes;
 
@@ -165,7 +165,7 @@ flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& bui
   return format::CreateMeshDirect(builder, &coordinates, &corners);
 }
 
-/// Clouds or polylines.
+/// The tables of clouds or polylines.
 template <class Shape>
 flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Points>>> build_points(
     flatbuffers::FlatBufferBuilder& builder, const std::vector<const Shape*>& shapes) {

@@ -8,8 +8,8 @@
 
 namespace collided::client {
 
-/// A shape as it travels (table Shape of scene.fbs); bad_input with the part's number and value when it cannot.
-/// `where` opens the error's message.
+/// A shape as it is sent (table Shape of idl/scene.fbs). Error bad_input, with the part's number and value, where it is
+/// not valid or takes more than a message. `where` begins the error.
 Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where);
 
 }  // namespace collided::client

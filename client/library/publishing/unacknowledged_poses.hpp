@@ -9,9 +9,9 @@
 
 namespace collided::client {
 
-/// The pose batches that the server is not known to have. The writer keeps a number of them: one more would push out a
-/// batch that the server has not got, and with it the only pose of some object. Large batches fill sockets before that, so
-/// bytes count as well.
+/// The pose batches that the server is not known to have received. The writer keeps a fixed number of batches: one more
+/// would displace a batch that the server lacks, and with it perhaps the only pose of an object. Large batches fill
+/// socket buffers sooner, so their bytes are limited too.
 ///
 /// threads  one at a time
 class UnacknowledgedPoses {
@@ -19,14 +19,15 @@ class UnacknowledgedPoses {
   static constexpr std::size_t kMostBatches = wire_contract::kPoseTopic.keep_last - 8;
   static constexpr std::size_t kMostBytes = 14'000'000;
 
-  /// True: nothing more is to be written until the server is known to have some of it.
+  /// True: nothing more may be written until the server is known to have received some of it.
   bool is_full() const { return count_ >= kMostBatches || bytes_ >= kMostBytes; }
-  /// sequence  grows from batch to batch; a batch without a number has that of the one before
+  /// Adds a batch.
+  /// sequence  its number, or that of the message before where it has none
   void note_written(std::uint64_t sequence, std::size_t bytes) {
     batches_[(first_ + count_++) % batches_.size()] = {sequence, bytes};
     bytes_ += bytes;
   }
-  /// The server has everything up to here.
+  /// Removes batches: the server has everything up to this number.
   void note_known(std::uint64_t sequence) {
     while (count_ > 0 && batches_[first_].sequence <= sequence) {
       bytes_ -= batches_[first_].bytes;

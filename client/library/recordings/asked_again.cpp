@@ -68,7 +68,7 @@ std::string words_of(Verdict verdict, std::uint8_t reason, const Hits& hits, std
 }  // namespace
 
 bool ComparedAnswers::add(const wire::Reply& reply) {
-  // A refusal has a text too, and is no answer.
+  // A refusal also has a text, but it is not an answer.
   const auto text = reply.status == static_cast<std::uint8_t>(ReplyStatus::ok) ? dds::view(reply.text)
                                                                                : std::span<const std::uint8_t>();
   if (!text.empty()) text_[reply.chunk_index].assign(text.begin(), text.end());
@@ -130,7 +130,8 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
   while (answered < wanted || chunks.size() < most_chunks) {
     for (; sent < queries.size() && sent < chunks.size() + wire_contract::kChunksInFlight; ++sent) {
       queries[sent]->request = running->number();
-      // The world is what it was: no publisher's sample has to be waited for, and no time runs out.
+      // The world is as it was then, so the answer need not wait for a publisher's message, and must not depend on
+      // time.
       queries[sent]->fence_publisher = 0;
       queries[sent]->deadline_ns = 0;
       if (auto error = connection.send(*queries[sent])) return error;

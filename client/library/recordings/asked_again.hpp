@@ -11,21 +11,23 @@
 
 namespace collided::client {
 
-/// One question's answer as bytes that are equal where the answers are: verdict, reason and every hit with its object by
-/// name, since numbers of objects belong to a server's life, in an order that does not know them; not what it cost.
+/// The answer to one question in a form that can be compared across runs of the server. The bytes are equal where the
+/// answers are: verdict, reason and every hit, without costs. Objects are identified by name and hits are in an order
+/// that does not depend on ids, since ids differ from run to run.
 struct ComparedAnswer {
   std::string bytes;
   std::string words;      // "hit crate 3.8", for people
   bool by_clock = false;  // the answer came from a deadline, or a server that was still recovering
 };
 
-/// What the replies of one request say.
+/// Collects the replies to one request for comparison.
+/// threads  one at a time
 class ComparedAnswers {
  public:
-  /// False where a reply's lists do not fit each other; its answers up to there are in.
+  /// Takes a reply. False where its columns differ in length; the answers before that count.
   bool add(const wire::Reply& reply);
-  /// By the number of the question. A command's answer is number 0: its JSON but for the version, which belongs to a
-  /// server's life.
+  /// The answers by the number of the question. The answer to a command is number 0: its JSON without the version,
+  /// which differs from run to run.
   std::map<std::uint64_t, ComparedAnswer> take();
 
  private:
@@ -33,9 +35,10 @@ class ComparedAnswers {
   std::map<std::uint32_t, std::string> text_;  // by chunk
 };
 
-/// Sends recorded questions, the chunks of one request, as a request of this connection's; the replies are handed to
-/// `take` until there are as many answers as the questions ask for, or one reply for each that has none.
-/// queries  changed: client and number become this connection's
+/// Sends the recorded chunks of one request as a request of this connection. Calls `take` for each reply until all
+/// questions are answered, or, for a request without questions, there is one reply for each chunk.
+///
+/// queries  their client and request number are set to this connection's
 std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<wire::Query>>& queries,
                                const std::function<void(const wire::Reply&)>& take);
 

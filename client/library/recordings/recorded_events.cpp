@@ -24,7 +24,7 @@ struct TimedMessage {
   Heard heard;
 };
 
-/// Those that cannot be read count as lost, as for a live watch.
+/// The messages in a recording. Those that cannot be decoded count as lost, as for a live watch.
 std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& names) {
   std::vector<TimedMessage> messages;
   dds::Sample<wire::EventFrame> frame;
@@ -42,10 +42,10 @@ std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& name
   return messages;
 }
 
-/// What a recording has of one life of a server, by the sequence of its events.
+/// Which events of one life of a server a recording has, by their sequence numbers.
 struct LifeSpan {
   std::uint64_t before = 0;  // the newest event from before the recording
-  std::uint64_t last = 0;    // the newest that is known of
+  std::uint64_t last = 0;    // the newest event that is known of, whether recorded or not
   std::uint64_t heard = 0;
 
   std::uint64_t lost() const { return last - before > heard ? last - before - heard : 0; }
@@ -63,7 +63,7 @@ LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& m
     }
     const auto* const bookmark = std::get_if<HeardBookmark>(&message.heard);
     if (bookmark == nullptr || bookmark->from != life) continue;
-    // The first may be one that was kept for late joiners, from before the recorder listened to events.
+    // The first bookmark may be from before the recorder received events, since DDS keeps it for late joiners.
     if (first_bookmark && !live_bookmark) live_bookmark = bookmark->last_event_sequence;
     if (!first_bookmark) first_bookmark = bookmark->last_event_sequence;
     span.last = std::max(span.last, bookmark->last_event_sequence);
@@ -73,7 +73,7 @@ LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& m
   return span;
 }
 
-/// The contacts that held after event `at`, as far as later or earlier messages tell.
+/// The contacts that held after event `at`, from messages before and after it.
 class OpeningContacts {
  public:
   OpeningContacts(const ServerLife& life, std::uint64_t at, nanoseconds begin) : life_(life), at_(at), begin_(begin) {}
@@ -133,7 +133,7 @@ class OpeningContacts {
     }
   }
 
-  /// Of what a later shard has, some began only after the begin.
+  /// Takes a contact of a later shard, unless it began only after `at`.
   Event* hold(const Event& contact) {
     if (contact.episode > at_) return nullptr;
     const auto [held, is_new] = held_.try_emplace({contact.a_id, contact.b_id}, contact);
@@ -208,7 +208,8 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
     const Event* event;
   };
   std::vector<Timed> timed;
-  std::map<NamePair, nanoseconds> last_of_pair;  // a pair's events stay in their order, whatever their brackets say
+  std::map<NamePair, nanoseconds>
+      last_of_pair;  // by pair: its newest event, since a pair's events keep their order whatever their brackets say
   for (const Event& event : events) {
     const auto [last, is_first] = last_of_pair.try_emplace(std::minmax(event.a, event.b), nanoseconds::min());
     if (event.kind != EventKind::open) last->second = std::max(last->second, happened(event));
@@ -218,7 +219,7 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
 
   std::vector<Event> told;
   std::map<NamePair, const Event*> held;
-  std::uint64_t sequence = 0;  // up to which the state at `from` goes
+  std::uint64_t sequence = 0;  // of the newest event in the state at `from`
   auto next = timed.begin();
   for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
     const NamePair names = std::minmax(next->event->a, next->event->b);

@@ -8,10 +8,10 @@
 namespace collided::client {
 namespace {
 
-/// It is taken into memory.
+/// Largest file that is read: all of it is taken into memory.
 constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30;
 
-/// How many messages the file begins with; nothing where it does not say so.
+/// How many messages at the file's beginning are its opening; nothing where it does not say.
 std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
   const auto entries = contents.metadata.find("recording");
   std::uint64_t count = 0;

@@ -12,29 +12,30 @@
 
 namespace collided::client {
 
-/// One recorded sample, in the recording's bytes.
+/// One recorded sample. Its data points into the recording's bytes.
 struct RecordedItem {
   recording::Recorded topic{};
-  std::uint64_t log_time = 0;
+  std::uint64_t log_time = 0;  // when it was received: ns since 1970 by the recorder's clock
   std::span<const std::byte> data;
-  bool opening = false;  // of the state before the recording
+  bool opening = false;  // part of the state before the recording
 };
 
-/// A recording's samples. Owns the bytes that its items lie in.
+/// A recording's samples. It owns the bytes that its items point into.
 struct RecordedItems {
   std::vector<std::byte> bytes;
-  std::vector<RecordedItem> items;  // the opening, then by time
+  std::vector<RecordedItem> items;  // those of the opening first, then by time
   std::vector<std::string> warnings;
   bool has_opening = false;
 };
 
-/// A whole file; throws std::runtime_error with the path and the reason.
+/// The bytes of a whole file. Throws std::runtime_error with the path and the reason.
 std::vector<std::byte> read_recording(const std::string& path);
 
-/// Throws std::runtime_error with the name and what is wrong where there is nothing of a collision server.
+/// Reads the samples of a recording. Throws std::runtime_error, with the name and the reason, where it has none of a
+/// collision server.
 ///
-/// name         for the sentences
-/// consequence  of such a failure, the end of its sentence
+/// name         of the recording, for errors and warnings
+/// consequence  what the failure means, as the end of the error
 RecordedItems read_items(std::vector<std::byte> bytes, const std::string& name, const char* consequence);
 
 }  // namespace collided::client

@@ -5,7 +5,8 @@
 namespace collided::client {
 namespace {
 
-/// Questions and replies come on topics of their own, the one or the other first; some commands take their time.
+/// How long to wait for the other half of a request. Questions and replies come on two topics, either first, and some
+/// commands take long.
 constexpr std::chrono::seconds kQuestionPatience{5};
 constexpr std::chrono::seconds kReplyPatience{60};
 
@@ -73,7 +74,7 @@ void RecordedLoss::settle(Clock::time_point now, bool all) {
     const Request& heard = entry.second;
     const Clock::duration age = now - heard.since;
     if (!all && age < (heard.reply ? kQuestionPatience : kReplyPatience)) return false;
-    // At the very end the other half may still be under way.
+    // At the end of the recording the other half may still be under way.
     const bool had_time = age >= std::chrono::milliseconds(500);
     questions_ += had_time && !heard.question ? 1 : 0;
     unanswered_ += had_time && !heard.reply ? 1 : 0;

@@ -8,11 +8,11 @@
 
 namespace collided::client {
 
-/// What a listener of everything has missed, by the counts that the samples carry: publishers number what they send, the
-/// server its events; every reply has a question and every question a reply.
+/// Counts what a reader of all topics has missed, by the numbers in the samples: publishers number their messages, the
+/// server its events; every reply belongs to a question and every question has a reply.
 ///
-/// limits   publishers, servers and requests beyond kMost are not looked at
-/// threads  one
+/// limits   publishers, servers and requests beyond kMost each are ignored
+/// threads  one at a time
 class RecordedLoss {
  public:
   static constexpr std::size_t kMost = 100'000;
@@ -22,22 +22,24 @@ class RecordedLoss {
   void hear_events(std::uint64_t server, std::uint64_t epoch, std::uint64_t first, std::uint64_t count);
   void hear_question(std::uint64_t client, std::uint64_t request, Clock::time_point now);
   void hear_reply(std::uint64_t client, std::uint64_t request, Clock::time_point now);
-  /// Now and then, and with `all` at the end: requests whose other half can no longer come.
+  /// Counts the requests whose other half can no longer come. Call it now and then, and at the end with `all`.
   void settle(Clock::time_point now, bool all = false);
 
-  /// Of definitions and batches of poses together.
+  /// Lost definitions and pose batches together.
   std::uint64_t poses() const;
   std::uint64_t events() const { return events_; }
   std::uint64_t questions() const { return questions_; }
-  /// Requests whose reply did not come: lost, or nobody was there to answer.
+  /// Requests without a reply: it was lost, or never sent.
   std::uint64_t unanswered() const { return unanswered_; }
 
  private:
   using Pair = std::pair<std::uint64_t, std::uint64_t>;
+  // The numbers of one publisher that were received.
   struct Series {
-    bool began = false;  // with its first batch of poses: what is from before comes late, twice and with gaps
+    bool began = false;  // its first pose batch has come; messages from before it come late, twice and with gaps
     std::uint64_t first = 0, last = 0, heard = 0;
   };
+  // Which halves of a request were received, and when the first was.
   struct Request {
     bool question = false, reply = false;
     Clock::time_point since;

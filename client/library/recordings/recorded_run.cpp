@@ -14,7 +14,7 @@ using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 namespace names = wire_contract::command;
 
-/// A text of JSON from outside, or null.
+/// A text as JSON; a discarded value where it is not JSON.
 nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
 
 std::string word_of(const nlohmann::json& object, const char* key) {
@@ -27,7 +27,7 @@ class Sorting {
   explicit Sorting(RecordedRun& run) : run_(run) {}
 
   void sort() {
-    // A reply may have come before its question did: they are on topics of their own.
+    // Questions first: a reply may have been received before its question, on another topic.
     for (const bool replies : {false, true}) {
       for (std::size_t i = 0; i < run_.items.size(); ++i) {
         if ((run_.items[i].topic == Recorded::reply) == replies) look_at(i);
@@ -99,13 +99,14 @@ class Sorting {
       state.applied[publishers[i]] = applied[i];
       if (states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)) state.lost.insert(publishers[i]);
     }
-    // Of one version the newest word: samples that changed nothing and losses without an object come after it was made.
+    // The newest status of a version counts: later ones may add samples that changed nothing and lost publishers
+    // without objects.
     run_.states[{status_->epoch, status_->version}] = std::move(state);
   }
 
   void take_query(std::size_t index) {
     if (query_->kind == static_cast<std::uint8_t>(QueryKind::hello)) return;
-    // A past instant is none of the replay's.
+    // Questions about past instants cannot be replayed.
     if (query_->instant != 0) return;
     const bool command = query_->kind == static_cast<std::uint8_t>(QueryKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
@@ -122,7 +123,7 @@ class Sorting {
     if (request.opening) settle_opening(request);
   }
 
-  /// What was added before the recording has no reply in it, and more than one may have the number of the other.
+  /// Takes a command of the opening. It has no reply in the recording, and two of them may have the same number.
   void settle_opening(Request& request) {
     run_.commands[{0, 0}].push_back(request.questions.begin()->second);
     requests_.erase({query_->client, query_->request});
@@ -164,7 +165,7 @@ class Sorting {
         ++run_.unanswered;
         continue;
       }
-      // The state that a command made or was about is in its answer; the reply's own may be a later one.
+      // The state that a command made or was about is in its answer; the reply's own version may be later.
       const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
       if (request.changes) {
         run_.commands[state].push_back(request.questions.begin()->second);

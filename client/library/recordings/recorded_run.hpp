@@ -13,33 +13,35 @@
 
 namespace collided::client {
 
-/// A state of the recorded server: which samples of each publisher were in it.
+/// A state of the recorded server: how far each publisher's messages were applied in it.
 struct RecordedState {
-  std::map<std::uint64_t, std::uint64_t> applied;  // by publisher
-  std::set<std::uint64_t> lost;
+  std::map<std::uint64_t, std::uint64_t> applied;  // sequence number, by publisher
+  std::set<std::uint64_t> lost;                    // publishers
 };
 using StateNumber = std::pair<std::uint64_t, std::uint64_t>;  // epoch, version
 
-/// One request and what was answered.
+/// One request and its replies.
 struct RecordedRequest {
-  std::vector<std::size_t> questions;  // items, by chunk
+  std::vector<std::size_t> questions;  // indexes of items, by chunk
   std::vector<std::size_t> replies;
 };
 
-/// A recording sorted for who goes through it again.
+/// A recording, sorted for replay.
 struct RecordedRun : RecordedItems {
   std::map<StateNumber, RecordedState> states;
-  std::map<StateNumber, std::vector<RecordedRequest>> requests;  // about the world, by the state that was asked
-  std::map<StateNumber, std::vector<std::size_t>> commands;      // items that changed the world, by the state they made
-  std::map<std::uint64_t, std::uint64_t> opening_through;        // newest sample of each publisher in the opening
-  std::uint64_t unanswered = 0;                                  // requests without all of their replies
-  std::uint64_t changing_files = 0;                              // load and clear, which are not given again
-  std::string scenes;                                            // one a line, as the newest status had them
+  std::map<StateNumber, std::vector<RecordedRequest>>
+      requests;  // questions about the world, by the state that they were about
+  std::map<StateNumber, std::vector<std::size_t>>
+      commands;  // indexes of items that changed the world, by the state that they made
+  std::map<std::uint64_t, std::uint64_t> opening_through;  // by publisher: its newest message in the opening
+  std::uint64_t unanswered = 0;                            // requests without all of their replies
+  std::uint64_t changing_files = 0;                        // number of commands load and clear, which are not replayed
+  std::string scenes;                                      // names, one a line, from the newest status
 };
 
-/// Throws std::runtime_error with the path and what is wrong where nothing can be replayed.
+/// Reads a recording for replay. Throws std::runtime_error with the path and the reason where nothing can be replayed.
 RecordedRun read_run(const std::string& path);
-/// The same of bytes from anywhere; `name` for the sentences.
+/// The same for bytes; `name` is for errors and warnings.
 RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name);
 
 }  // namespace collided::client

@@ -17,17 +17,17 @@ using recording::Recorded;
 
 namespace {
 
-/// A killed recording lacks at most what came in this time.
+/// Time between chunks: what came since the last one is missing from a recording whose process is killed.
 constexpr std::chrono::seconds kChunkPeriod{1};
 
-/// As the topic, but nobody waits for this reader.
+/// The topic of questions with a best-effort reader, for which no writer waits.
 constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic.suffix,
                                                       wire_contract::Reliability::best_effort,
                                                       wire_contract::Durability::volatile_data,
                                                       0,
                                                       0,
                                                       false};
-/// Every client's partition.
+/// Matches every client's partition.
 constexpr const char* kAllClients = "client_*";
 
 std::uint64_t since_1970_ns() {
@@ -83,7 +83,7 @@ void Recording::State::hear(const wire::PoseBatch& sample) {
 void Recording::State::hear(const wire::EventFrame& sample) {
   loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
 }
-/// What this connection asks for the recording itself is no part of it.
+/// The requests of the recording's own connection are not recorded.
 bool Recording::State::hear(const wire::Query& sample) {
   if (sample.client == connection_->client()) return false;
   loss_.hear_question(sample.client, sample.request, Clock::now());
@@ -111,7 +111,7 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
   for (const recording::RecordedTopic& topic : recording::kRecordedTopics) {
     written_.channels.push_back({.topic = topic.row.suffix, .samples = 0, .lost = 0});
   }
-  // Listening comes before the opening, so that nothing falls between the two.
+  // The readers are made before the opening is fetched, so that nothing is missed between the two.
   readers_.reset(new Readers{
       .object = dds::Reader<wire::Definition>(object_topic_, into<wire::Definition>(Recorded::object)),
       .pose = dds::Reader<wire::PoseBatch>(pose_topic_, into<wire::PoseBatch>(Recorded::pose)),
@@ -139,8 +139,8 @@ Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_pt
 
 Recording::State::~State() { static_cast<void>(finish()); }
 
-/// Who writes before this one's readers are known to him is not heard: the server, every publisher that it knows, and
-/// those that ask say every second that they are there.
+/// Waits until all writers know the readers: what they write before that is not received. The server, the publishers
+/// and the clients announce themselves every second.
 void Recording::State::wait_until_heard() const {
   constexpr std::chrono::milliseconds kEverybody{1'100};
   const Clock::time_point start = Clock::now();
@@ -148,7 +148,8 @@ void Recording::State::wait_until_heard() const {
   client::wait_until(start + 2 * kEverybody, [&] { return Clock::now() >= start + kEverybody && heard(); });
 }
 
-/// What the server's publishers and commands had brought into the world before. The reason where there is no such thing.
+/// What the server's publishers and commands had brought into the world before. The reason where there is no such
+/// thing.
 std::string Recording::State::begin_with_opening() {
   const Result<std::vector<std::byte>> file = client::fetch_recorded(*connection_, std::chrono::nanoseconds(0));
   if (!file) return file.error().message;

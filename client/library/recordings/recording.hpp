@@ -15,9 +15,9 @@
 
 namespace collided {
 
-/// Readers of every topic of a namespace, whose samples a thread writes to a file. Nobody waits for them: questions are
-/// read best-effort, since a reliable reader that stands still would hold up the askers; all other writers keep only
-/// their newest samples.
+/// Readers of every topic of a namespace, and a thread that writes the samples to a file. They slow down no writer:
+/// questions are read best-effort, since a reliable reader that stalls would block the clients; the writers of all
+/// other topics keep only their newest samples and do not block.
 struct [[gnu::visibility("hidden")]] Recording::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& path);
   ~State();
@@ -45,7 +45,7 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   client::RecordingQueue queue_;
   std::atomic<bool> stopping_{false};
 
-  mutable std::mutex mutex_;  // for what stands below, up to the topics
+  mutable std::mutex mutex_;  // guards the members from here to the topics
   client::RecordedLoss loss_;
   std::array<std::uint64_t, client::RecordingQueue::kTopics> given_{};
   RecordingCounts written_;

@@ -13,20 +13,21 @@
 
 namespace collided::client {
 
-/// Samples on their way from DDS's thread to the disk, as bytes.
+/// Serialized samples that wait to be written to the disk, from DDS's threads to the writing one.
 ///
-/// limit    kMostBytes wait; what comes beyond is dropped and counted
-/// threads  any puts; one takes
+/// limit    kMostBytes wait; samples beyond that are dropped and counted
+/// threads  any may put; one takes
 class RecordingQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   static constexpr std::size_t kTopics = recording::kRecordedTopics.size();
 
+  /// A sample; times are ns since 1970.
   struct Entry {
     recording::Recorded topic{};
     std::uint64_t log_time = 0;
     std::uint64_t publish_time = 0;
-    std::size_t begin = 0, size = 0;  // in the bytes
+    std::size_t begin = 0, size = 0;  // of its data in the batch's bytes
   };
   struct Batch {
     std::vector<Entry> entries;
@@ -48,10 +49,10 @@ class RecordingQueue {
     if (begin + size >= kWakeBytes) came_.notify_one();
   }
 
-  /// Swaps what waits into `batch`, once there is much of it, after `wait`, or when woken.
+  /// Swaps what waits into `batch`: as soon as there is 1 MiB of it, after `wait`, or when woken by wake().
   void take(Batch& batch, std::chrono::nanoseconds wait);
   void wake();
-  /// By topic, from 0.
+  /// Number of dropped samples by topic; index 0 is the first topic.
   std::array<std::uint64_t, kTopics> dropped() const;
 
  private:

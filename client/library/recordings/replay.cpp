@@ -29,7 +29,7 @@ using recording::Recorded;
 
 constexpr std::chrono::milliseconds kAlivePeriod{100};
 
-/// What ends a replay before its end.
+/// Thrown where a replay cannot go on.
 struct ReplayFailure : std::runtime_error {
   explicit ReplayFailure(Error given) : std::runtime_error(given.message), error(std::move(given)) {}
   Error error;
@@ -40,7 +40,7 @@ std::int64_t now_since_1970_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-/// What both ways of replaying have in common: putting recorded samples into the world again.
+/// What both kinds of replay have in common: publishing recorded samples and giving recorded commands again.
 class Replaying {
  public:
   Replaying(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
@@ -49,7 +49,8 @@ class Replaying {
   ReplayReport take() { return std::move(report_); }
 
  protected:
-  /// source_time_ns  of poses
+  /// Publishes a definition or pose batch; ignores other samples. Velocities are adapted to the rate.
+  /// source_time_ns  of the poses
   void publish(const RecordedItem& item, std::int64_t source_time_ns) {
     if (item.topic == Recorded::object && wire::read_cdr(item.data, definition_)) {
       report_.samples += publishers_.publish(*definition_) ? 1 : 0;
@@ -84,7 +85,7 @@ class Replaying {
     for (const std::uint64_t publisher : state.lost) publishers_.lose(publisher);
   }
 
-  /// False: the caller wants no more. Also says that the publishers live.
+  /// Keeps the publishers alive. False where the caller wants to stop.
   bool go_on() {
     if (Clock::now() >= next_alive_) {
       publishers_.keep_alive();
@@ -118,7 +119,7 @@ class Replaying {
   Clock::time_point next_alive_ = Clock::now();
 };
 
-/// In the time of the recording, faster or slower.
+/// Replays in the recording's time, or faster or slower by the rate.
 class TimedReplay : public Replaying {
  public:
   using Replaying::Replaying;
@@ -154,7 +155,7 @@ class TimedReplay : public Replaying {
     }
     return false;
   }
-  /// As long after the replay's beginning as it was after the recording's.
+  /// The sample's time since the beginning, counted from the beginning of the replay.
   std::int64_t source_time(const RecordedItem& item) const { return began_ns_ + after_begin(item.log_time).count(); }
   void lose_lost(const RecordedItem& item) {
     if (!wire::read_cdr(item.data, status_)) return;
@@ -168,8 +169,8 @@ class TimedReplay : public Replaying {
   dds::Sample<wire::Status> status_;
 };
 
-/// State by state: what each recorded state had and the one before had not is published, then what was asked of that state
-/// is asked again, while nothing else changes.
+/// Replays state by state: publishes what each recorded state has in addition to the one before, then asks again the
+/// questions about that state, while nothing else changes.
 class AskedReplay : public Replaying {
  public:
   AskedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
@@ -213,7 +214,7 @@ class AskedReplay : public Replaying {
   }
 
  private:
-  /// Each publisher's samples in their own order, which is not that in which two topics brought them.
+  /// Sorts each publisher's samples by their numbers, since samples of two topics may arrive in another order.
   void sort_samples() {
     for (std::size_t i = 0; i < run_.items.size(); ++i) {
       const RecordedItem& item = run_.items[i];
@@ -299,7 +300,7 @@ class AskedReplay : public Replaying {
   dds::Sample<wire::Reply> reply_;
 };
 
-/// What has to be there and does not come from the recording.
+/// Warnings of what the replay needs but the recording does not bring.
 std::vector<std::string> warnings_of(const RecordedRun& run, const Connection& connection, bool ask) {
   std::vector<std::string> warnings = run.warnings;
   const std::optional<ServerStatus> status = connection.pulse().status();

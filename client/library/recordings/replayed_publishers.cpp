@@ -62,7 +62,7 @@ void ReplayedPublishers::leave(Publisher& publisher) {
     }
     publisher.object_writer.wait_for_acknowledgements(wire_contract::kPublisherLeaseNs);
   } catch (const dds::DdsError&) {
-    // The lease runs out instead.
+    // Then the lease runs out instead.
   }
 }
 
@@ -75,7 +75,7 @@ ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, 
   }
   if (!publisher) {
     publisher = std::make_unique<Publisher>(*this, incarnation);
-    // Batches are volatile: one written before the server's reader was met would be lost.
+    // Batches are volatile: one written before the server's reader is matched would be lost.
     const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
     const auto is_read = [&] {
       return publisher->pose_writer.matched_readers() > 0 && publisher->object_writer.matched_readers() > 0;
@@ -106,7 +106,7 @@ bool ReplayedPublishers::publish(wire::Definition& definition) {
 bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time, std::int64_t source_time_ns) {
   Publisher* publisher = meet(batch.publisher, batch.incarnation);
   if (publisher == nullptr) return false;
-  // One that only says how late it is has no number.
+  // A batch that only says how far the time has come has no number.
   const bool has_number = batch.sequence_number > 0;
   if (has_number && batch.sequence_number < publisher->posed) return false;
   if (has_number && batch.sequence_number == publisher->posed && log_time != publisher->posed_at) return false;

@@ -12,25 +12,26 @@
 
 namespace collided::client {
 
-/// Publishes recorded samples as publishers of its own, one for each that was recorded, numbered anew: some samples may be
-/// missing from the recording, and its publishers may be alive.
+/// Publishes recorded samples, by a new publisher for each recorded one. Samples are numbered anew, since some may be
+/// missing from the recording, and publishers too, since the recorded ones may be alive.
 ///
-/// threads  one calls; the server's word comes on another
+/// threads  one calls; statuses of the server arrive on another
 class ReplayedPublishers {
  public:
   explicit ReplayedPublishers(Connection& connection);
-  /// Takes its objects out of the world.
+  /// Removes the objects from the world.
   ~ReplayedPublishers();
 
-  /// True: published; false: said before, or of a publisher's earlier life. Throws dds::DdsError.
+  /// Publishes a sample. False where it is a repetition or from an earlier life of its publisher. Throws dds::DdsError.
   bool publish(wire::Definition& definition);
-  /// log_time  tells samples of one number apart that are not the same; source_time_ns  since 1970
+  /// log_time        distinguishes different samples with the same number
+  /// source_time_ns  of the poses, since 1970
   bool publish(wire::PoseBatch& batch, std::uint64_t log_time, std::int64_t source_time_ns);
-  /// Lets a publisher fall silent, as the recorded one did.
+  /// Makes a publisher fall silent, as the recorded one did.
   void lose(std::uint64_t recorded);
-  /// At least five times a second.
+  /// Says that the publishers are alive. Call it at least five times a second.
   void keep_alive();
-  /// Until the server's state has all that was published and lacks whom was lost; false after `wait`.
+  /// Waits until the server has applied everything published and has noticed every loss; false after `wait`.
   bool wait_applied(std::chrono::nanoseconds wait);
 
  private:
@@ -42,7 +43,7 @@ class ReplayedPublishers {
     std::uint64_t sequence = 0;
     std::uint64_t definitions_through = 0;
     std::map<std::uint32_t, std::uint64_t> defined;  // recorded sequence, by object number
-    std::set<std::uint32_t> objects;                 // that are there
+    std::set<std::uint32_t> objects;                 // numbers of those in the world
     std::uint64_t posed = 0, posed_at = 0;           // recorded sequence and time of the newest batch
     UnacknowledgedPoses unacknowledged;
     dds::Writer<wire::Definition> object_writer;
@@ -58,7 +59,7 @@ class ReplayedPublishers {
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Topic<wire::Status> step_topic_;
   std::map<std::uint64_t, std::unique_ptr<Publisher>> publishers_;  // by the recorded number
-  std::set<std::uint64_t> leaving_;                                 // numbers that the server must still lose
+  std::set<std::uint64_t> leaving_;  // numbers of publishers that the server has yet to lose
 
   mutable std::mutex mutex_;
   std::condition_variable came_;

@@ -6,7 +6,8 @@
 
 namespace collided::client {
 
-/// Whether either name matches `only` and neither `skip`; an empty glob asks for everything, skips nothing.
+/// Whether one of the two names matches `only` and none matches `skip`. An empty `only` matches everything, an empty
+/// `skip` nothing.
 bool is_wanted(const Event& event, const std::string& only, const std::string& skip);
 
 }  // namespace collided::client

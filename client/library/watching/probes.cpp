@@ -56,7 +56,7 @@ Result<void> add_probe(Connection& connection, const Probe& probe) {
                            {"origin", numbers(probe.origin)},
                            {"direction", numbers(probe.direction)},
                            {"back_m", probe.back_m}};
-  // Infinity is no JSON number: without a reach there is no end.
+  // JSON has no infinity: a probe without reach_m is endless.
   if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
   return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
                      [](const nlohmann::json&) {});
@@ -137,7 +137,7 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
   } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
-/// One callback at a time, so that the buffers are its own.
+/// DDS runs one callback of a reader at a time, so incoming_ and decoded_ need no lock.
 void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
   while (taker.take(incoming_)) {
     decoded_.clear();
@@ -159,7 +159,7 @@ void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
 
 std::optional<ProbeReading> ProbeWatch::State::next(std::chrono::nanoseconds wait) {
   std::unique_lock lock(mutex_);
-  // Not wait_for: an endless wait would overflow the clock.
+  // An endless wait would overflow the clock, so it is cut to a year.
   const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
   if (!came_.wait_until(lock, client::Clock::now() + most, [this] { return !readings_.empty(); })) {
     return std::nullopt;

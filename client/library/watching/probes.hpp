@@ -11,16 +11,19 @@ namespace collided {
 
 namespace client {
 
+/// Client::add_probe, remove_probes and probes.
 Result<void> add_probe(Connection& connection, const Probe& probe);
 Result<std::size_t> remove_probes(Connection& connection, const std::string& name);
 Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob);
 
-/// Appends the frame's readings; false where its columns do not fit each other.
+/// Appends the frame's readings; false where its columns differ in length.
 bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings);
 
 }  // namespace client
 
-/// The reader of the probe topic, and what it heard that nobody has asked for yet.
+/// The reader of the probe topic, and the readings that wait for next().
+///
+/// threads  any; DDS's thread queues, the caller's takes
 struct [[gnu::visibility("hidden")]] ProbeWatch::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
                                               const WatchOptions& options);
@@ -40,7 +43,7 @@ struct [[gnu::visibility("hidden")]] ProbeWatch::State {
   std::atomic<std::uint64_t> lost_{0};
   dds::Sample<wire::ProbeFrame> incoming_;
   std::vector<ProbeReading> decoded_;
-  // Last, so that they go first: their callbacks use what stands above.
+  // Last, so that they are destroyed first: their callbacks use the members above.
   dds::Topic<wire::ProbeFrame> topic_;
   std::optional<dds::Reader<wire::ProbeFrame>> reader_;
 };

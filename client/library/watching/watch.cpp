@@ -15,12 +15,12 @@ using client::Clock;
 
 namespace {
 
-// What may wait for the watch's thread; beyond it messages are dropped, which the sequence shows as a gap.
+// Messages that may wait for the watch's thread. More are dropped, which then shows as a gap in the sequence.
 constexpr std::size_t kMostMessages = 8'192;
 
-/// Of a fetched recording, beside the time that it was asked to go back: the server's clock may be behind.
+/// The recording is fetched from this much earlier than needed, since the server's clock may be behind.
 constexpr std::chrono::seconds kClockMargin{1};
-/// No server keeps more.
+/// No server keeps more than this.
 constexpr std::chrono::nanoseconds kLongestRecording = std::chrono::hours(24);
 
 }  // namespace
@@ -66,10 +66,11 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
   try {
     std::unique_ptr<State> state(new State(std::move(connection), options, std::move(callback)));
     if (auto error = state->wait_for_server()) { return *error; }
-    // Bookmarks count only from here on: before the event reader was met, events after a bookmark could be missed.
+    // Bookmarks count only from here on: before the event reader is matched, events after a bookmark could be missed.
     state->status_observer_ = state->connection_->pulse().observe(
         [watch = state.get()](const wire::Status& status) { watch->queue(client::decode(status)); });
-    // The topics are heard already: what comes meanwhile waits, and what is in both counts once by its sequence.
+    // The readers are active already: what comes meanwhile is queued, and an event that is in the recording too counts
+    // once, by its sequence number.
     if (options.since) {
       if (auto error = state->hear_recorded(*options.since)) { return *error; }
     }
@@ -105,7 +106,7 @@ std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since)
     tells_since_ = std::max(since, client::span_of(recorded).begin);
   } catch (const std::runtime_error& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
   recorded_ = client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max());
-  options_.capacity += recorded_.size();  // nobody could have polled them yet
+  options_.capacity += recorded_.size();  // the caller could not have polled them yet
   return std::nullopt;
 }
 
@@ -200,7 +201,7 @@ void Watch::State::emit(const Event& event) {
 
 std::optional<Event> Watch::State::next(std::chrono::nanoseconds wait) {
   std::unique_lock lock(events_mutex_);
-  // Not wait_for: an endless wait would overflow the clock.
+  // An endless wait would overflow the clock, so it is cut to a year.
   const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
   if (!event_came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) { return std::nullopt; }
   Event event = std::move(events_.front());

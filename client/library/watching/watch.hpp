@@ -14,8 +14,8 @@
 
 namespace collided {
 
-/// A watch's readers and its thread. The readers' callbacks only queue what came; the thread decodes it, lets
-/// client::WatchState make events of it, and calls back or queues them for next().
+/// A watch's readers and its thread. The readers' callbacks, on DDS's threads, only queue messages. The watch's thread
+/// decodes them, has client::WatchState make events of them, and calls the callback or queues the events for next().
 struct [[gnu::visibility("hidden")]] Watch::State {
   using Callback = std::function<void(const Event&)>;
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
@@ -52,7 +52,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   WatchOptions options_;
   Callback callback_;
   client::WatchState watch_;
-  std::vector<Event> recorded_;  // since WatchOptions::since, for the thread to tell first
+  std::vector<Event> recorded_;  // events since WatchOptions::since, which the thread reports first
   std::chrono::nanoseconds tells_since_{0};
   bool is_hearing_recorded_ = false;
   std::atomic<std::uint64_t> resyncs_{0};
@@ -73,7 +73,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
 
   dds::Topic<wire::EventFrame> event_topic_;
   dds::Topic<wire::ContactShard> contact_topic_;
-  std::optional<dds::Topic<wire::EventFrame>> persisted_topic_;  // only where they are asked for: they cost the server
+  std::optional<dds::Topic<wire::EventFrame>> persisted_topic_;  // only where requested, since it costs the server work
   std::optional<dds::Reader<wire::EventFrame>> event_reader_;
   std::optional<dds::Reader<wire::EventFrame>> persisted_reader_;
   std::optional<dds::Reader<wire::ContactShard>> contact_reader_;

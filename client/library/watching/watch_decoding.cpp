@@ -11,10 +11,10 @@ namespace {
 using std::chrono::nanoseconds;
 using wire_contract::ServerState;
 
-// The code n on the wire is n + 1 here: `open` exists only on this side.
+// A kind's code n on the wire is n + 1 in EventKind, whose `open` is not on the wire.
 constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
-/// A code that came later than this library is a doubt of some kind.
+/// A code that this library does not know yet counts as `numeric`.
 Doubt doubt_of(std::uint8_t code) {
   return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric;
 }

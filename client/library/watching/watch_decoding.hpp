@@ -8,7 +8,7 @@
 
 namespace collided::client {
 
-/// Nothing when the message's lists do not fit each other: it then counts as lost.
+/// Decodes a message; nothing where its columns differ in length or a code is unknown. It then counts as lost.
 std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names);
 std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names);
 HeardBookmark decode(const wire::Status& status);

@@ -6,14 +6,14 @@
 namespace collided::client {
 namespace {
 
-// As many as the server's event writer keeps: older ones could not have been missed and then fetched anyway.
+// As many as the server's event writer keeps: older ones could not be recovered anyway.
 constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
 
 std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
 
 std::uint64_t hash_of(const Event& event) { return wire_contract::contact_hash(event.a_id, event.b_id, event.episode); }
 
-/// In one order, whichever id is the lower: ids change when an object is defined anew.
+/// The two names sorted, since the ids, and with them the order of the two, change when an object is defined anew.
 std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
 
 Event as_open(const Event& event) {
@@ -23,13 +23,13 @@ Event as_open(const Event& event) {
   return open;
 }
 
-/// By the bracket of its `began`; a doubt holds from the first instant on that is not decided.
+/// When a contact began, by the bracket of its `began`. A doubt holds from the first instant that is not decided.
 std::chrono::nanoseconds start_of(const Event& began) {
   if (began.doubt == Doubt::none) return happened(began);
   return began.world_time - std::chrono::nanoseconds(std::llround(began.bracket_low_s * 1e9));
 }
 
-/// News of a contact under the names that it was told with: a shard too large to carry names left them out.
+/// News of a contact, with the names under which it was reported: a shard too large to carry names leaves them out.
 Event named_as(const Event& told, Event news) {
   news.a = told.a;
   news.b = told.b;
@@ -39,7 +39,8 @@ Event named_as(const Event& told, Event news) {
 
 }  // namespace
 
-// ---- which server -----------------------------------------------------------------------------------------------------
+// ---- which server
+// -----------------------------------------------------------------------------------------------------
 
 bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
   const bool lost = now - last_heard_ > std::chrono::nanoseconds(wire_contract::kStatusLostNs);
@@ -73,7 +74,8 @@ void WatchState::doubt() {
   }
 }
 
-// ---- events -----------------------------------------------------------------------------------------------------------
+// ---- events
+// -----------------------------------------------------------------------------------------------------------
 
 void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
   if (!is_current(frame.from, now)) { return; }
@@ -130,8 +132,8 @@ WatchState::Contacts::iterator WatchState::release(Contacts::iterator held) {
   return held_.erase(held);
 }
 
-/// A name is one object at a time: news of a pair with other ids say that the objects were defined anew, and that the
-/// end of what is held under these names was missed.
+/// A name belongs to one object at a time. So an event with the same names and other ids means that the objects were
+/// defined anew and that the end of the contact held under these names was missed.
 void WatchState::end_namesake(const Event& event) {
   const auto named = held_by_names_.find(names_of(event));
   if (named == held_by_names_.end() || named->second == pair_of(event)) { return; }
@@ -153,7 +155,7 @@ void WatchState::apply_ended(const Event& event) {
     end_namesake(event);
     emit_missed(event, EventKind::began, EndReason::none, event.sequence);
     Event contact = as_open(event);
-    contact.began = happened(event);  // since when it held was missed
+    contact.began = happened(event);  // its real beginning was missed
     hold(contact);
     held = held_.find(pair_of(event));
   }
@@ -177,7 +179,7 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
   }
 }
 
-// The ids of another life mean nothing in this one: names tell which pair it is.
+// Ids of an earlier life mean nothing in this one, so pairs are identified by their names.
 bool WatchState::carry_over(const Event& event) {
   const auto carried = carried_.find(names_of(event));
   if (carried == carried_.end()) { return false; }
@@ -198,7 +200,8 @@ void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why
   emit_(missed);
 }
 
-// ---- state ------------------------------------------------------------------------------------------------------------
+// ---- state
+// ------------------------------------------------------------------------------------------------------------
 
 void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
   if (!is_current(shard.from, now) || shard.shard >= shards_.size() ||
@@ -216,7 +219,7 @@ void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
   if (bookmark.last_event_sequence <= applied_) {
     behind_at_.reset();
   } else if (behind_at_ == applied_) {
-    stuck_ = true;  // the tail of the stream was lost, and nothing comes after it that would show the gap
+    stuck_ = true;  // the last events were lost, and none follows that would show the gap
     doubt();
   } else {
     behind_at_ = applied_;
@@ -240,17 +243,17 @@ void WatchState::try_adopt() {
 
 bool WatchState::may_adopt() const {
   const std::uint64_t at = bookmark_->last_event_sequence;
-  // What came after the bookmark must be known without a gap, for it is applied on top.
+  // Events after the bookmark must be known without a gap, since they are applied to its state.
   const bool tail_known =
       applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() && recent_.front().event.sequence <= at + 1);
-  // Events that are only late will come, and say more than differences do.
+  // Events that are merely late will still come, and say more than differences.
   const bool nothing_late = mode_ == Mode::starting || applied_ >= at || stuck_;
   const bool shards_in_time =
       std::all_of(shards_.begin(), shards_.end(), [&](const Shard& shard) { return shard.as_of_sequence <= at; });
   return tail_known && nothing_late && shards_in_time;
 }
 
-// As state_at() would find, without building it.
+// Whether the state that state_at() would build matches the bookmark.
 bool WatchState::bookmark_vouches() const {
   std::uint64_t hash = 0;
   std::uint64_t count = 0;

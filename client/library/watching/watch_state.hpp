@@ -16,14 +16,15 @@
 
 namespace collided::client {
 
-/// One life of one server.
+/// One run of a server, from start to end. Ids and sequence numbers are valid within it.
 struct ServerLife {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
   bool operator==(const ServerLife&) const = default;
 };
 
-/// `event.what` is began or ended; the sequence of event i is first_sequence + i.
+/// A frame of events, each of kind began or ended; on the topic of contacts that go on, persisted. Event i has the
+/// sequence number first_sequence + i.
 struct HeardFrame {
   ServerLife from;
   std::uint64_t first_sequence = 0;
@@ -34,7 +35,7 @@ struct HeardFrame {
   std::vector<Entry> entries;
 };
 
-/// The contacts of one shard that held after event `as_of_sequence`; what is `open`.
+/// The contacts of one shard that held after event `as_of_sequence`, as events of kind `open`.
 struct HeardShard {
   ServerLife from;
   std::uint8_t shard = 0;
@@ -42,23 +43,26 @@ struct HeardShard {
   std::vector<Event> contacts;
 };
 
-/// The bookmark in a status: what must hold after event `last_event_sequence`.
+/// The bookmark in a status: how many contacts hold after event `last_event_sequence`, and their hash.
 struct HeardBookmark {
   ServerLife from;
   std::uint64_t last_event_sequence = 0;
   std::uint32_t contact_count = 0;
   std::uint64_t contact_hash = 0;
   std::chrono::nanoseconds world_time{0};
-  bool settled = true;  // false while a new server still waits for its publishers
+  bool settled = true;  // false while a restarted server waits for its publishers
 };
 
-/// Turns what a server sends (frames of events, shards of the contact state, bookmarks) into each event once and in
-/// order, whatever gets lost on the way. Knows neither DDS nor threads nor clocks.
+/// Turns a server's messages (frames of events, shards of the contact state, bookmarks) into events, each once and in
+/// order, whatever is lost on the way. It uses no DDS, threads or clocks; the caller passes the time.
 ///
-/// In step, every event is one more than the last. A gap, a bookmark that disagrees or a new life of the server makes it
-/// doubtful: events still come through, with what they imply about missed ones, until shards and events together give a
-/// state that a bookmark vouches for by count and hash; then the differences follow, marked `resync`.
-/// Always: for every pair of ids, and for every pair of names, began (or open) and ended alternate in what it emits.
+/// While in step, each event's number is one more than the last. A gap, a bookmark that disagrees or a new life of the
+/// server makes it doubtful. Then events are still emitted, with those that they imply were missed, until shards and
+/// events together give a state whose count and hash match a bookmark; the differences to that state follow, marked
+/// `resync`.
+///
+/// threads  one at a time
+/// Always: for every pair of ids, and for every pair of names, it emits `began` (or `open`) and `ended` in turn.
 class WatchState {
  public:
   using Emit = std::function<void(const Event&)>;
@@ -67,7 +71,7 @@ class WatchState {
   void hear(const HeardFrame& frame, Clock::time_point now);
   void hear(const HeardShard& shard, Clock::time_point now);
   void hear(const HeardBookmark& bookmark, Clock::time_point now);
-  /// News of contacts that go on, from the topic without a count: passed on for those that were told, else dropped.
+  /// Takes contacts that go on, whose topic is not numbered. Those of contacts that were reported are emitted.
   void hear_persisted(const HeardFrame& frame);
 
   bool in_step() const { return mode_ == Mode::in_step; }
@@ -93,7 +97,7 @@ class WatchState {
   void hold(const Event& contact);
   Contacts::iterator release(Contacts::iterator held);
   void end_namesake(const Event& event);
-  /// Takes a pair held over from an earlier life into this one; false when there is none of these names.
+  /// Takes a contact from an earlier life of the server over into this one; false where none has these names.
   bool carry_over(const Event& event);
   void emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence);
   void note(const HeardFrame::Entry& entry);
@@ -112,17 +116,17 @@ class WatchState {
   std::optional<ServerLife> life_;
   Clock::time_point last_heard_;
 
-  std::uint64_t applied_ = 0;    // the newest event heard
-  std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none came yet
-  Contacts held_;                // what the caller was told
+  std::uint64_t applied_ = 0;    // number of the newest event heard
+  std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none has come yet
+  Contacts held_;                // contacts that were reported and have not ended
   std::map<Names, Pair> held_by_names_;
-  std::map<Names, Event> carried_;  // told in an earlier life of the server, not yet met in this one
+  std::map<Names, Event> carried_;  // reported in an earlier life of the server, not yet seen in this one
 
   std::array<Shard, wire_contract::kContactShards> shards_;
   std::deque<HeardFrame::Entry> recent_;
   std::optional<HeardBookmark> bookmark_;
-  std::optional<std::uint64_t> behind_at_;  // applied_ when a bookmark first was ahead of it
-  bool stuck_ = false;                      // the next bookmark found it still there
+  std::optional<std::uint64_t> behind_at_;  // applied_ when a bookmark was first ahead of it
+  bool stuck_ = false;  // at the next bookmark applied_ was still the same: the missing events will not come
 };
 
 }  // namespace collided::client

@@ -17,10 +17,11 @@
 namespace collided::engine {
 namespace {
 
-/// Cutting an edge can put a point beside another edge; real files settle in three rounds, and none may go on for ever.
+/// Rounds at most: cutting an edge can put a point beside another edge. Real files take three rounds; the limit makes
+/// sure that the loop ends.
 constexpr int kMostRounds = 8;
 
-/// The border of the mesh as it is now.
+/// What a round finds in the mesh as it is then.
 struct Found {
   std::vector<std::uint32_t> point_of;
   EdgeTable edges;
@@ -44,7 +45,7 @@ Found look(const TriangleMesh& mesh, const SeamReach& reach, const Aabb& bounds)
   return found;
 }
 
-/// Points beside each other become the first of them, in order of their gaps and no farther than crack_m from there.
+/// Moves points beside each other to the first of them, smallest gaps first; no point goes farther than crack_m.
 bool join_points(const Found& found, double crack_m, TriangleMesh& mesh, MendReport& report) {
   std::vector<const Seam*> pairs;
   for (const Seam& seam : found.seams) {
@@ -75,7 +76,8 @@ struct EdgeCut {
   std::array<std::vector<std::uint32_t>, 3> points;
 };
 
-/// Fans from the corner across one side after the other: no piece lacks area where the whole has some.
+/// Cuts a triangle into fans from the corner opposite to each side in turn, so that every piece has an area if the
+/// whole has one.
 void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
   std::vector<EdgeCut> waiting{std::move(whole)};
   while (!waiting.empty()) {
@@ -93,7 +95,7 @@ void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
     along.insert(along.end(), cut.points[k].begin(), cut.points[k].end());
     along.push_back(cut.corners[next]);
     const std::size_t piece_count = along.size() - 1;
-    for (std::size_t i = piece_count; i-- > 0;) {  // the first one is taken from the stack first
+    for (std::size_t i = piece_count; i-- > 0;) {  // in reverse, since the last one pushed is cut first
       EdgeCut piece{.corners = {along[i], along[i + 1], cut.corners[last]}, .points = {}};
       if (i + 1 == piece_count) piece.points[1] = cut.points[next];
       if (i == 0) piece.points[2] = cut.points[last];
@@ -103,7 +105,7 @@ void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
 }
 
 bool cut_edges(const Found& found, MendedMesh& mended) {
-  std::map<std::uint32_t, EdgeCut> cuts;  // by triangle: the order of the pieces is the file's
+  std::map<std::uint32_t, EdgeCut> cuts;  // sorted by triangle, so that pieces follow the order of the file
   MendReport& report = mended.report;
   for (const Seam& seam : found.seams) {
     if (seam.kind == Seam::Kind::beside_point) continue;
@@ -131,7 +133,7 @@ bool cut_edges(const Found& found, MendedMesh& mended) {
   return !cuts.empty();
 }
 
-/// Pieces go to the ends of their parts.
+/// Moves the pieces to the ends of their parts.
 void arrange(MendedMesh& mended, std::size_t came_count, Scene& scene) {
   const std::vector<TriangleCorners>& all = mended.mesh.triangles;
   std::vector<std::uint32_t> extra(all.size() - came_count);
@@ -173,7 +175,7 @@ MendedMesh mend(TriangleMesh mesh, double crack_m) {
   Found found = look(mended.mesh, reach, bounds);
   mended.report.boundary_edges_before = found.boundary_edge_count;
   for (int round = 0; round < kMostRounds && !found.seams.empty(); ++round) {
-    // Cuts wait until the points stand where they stay.
+    // Edges are cut only in a round that moves no point.
     const bool changed = join_points(found, reach.crack_m, mended.mesh, mended.report) || cut_edges(found, mended);
     if (!changed) break;
     found = look(mended.mesh, reach, bounds);
@@ -194,7 +196,7 @@ MendReport mend(Scene& scene, double crack_m) {
   if (mended.mesh.triangles.size() > came_count) arrange(mended, came_count, scene);
   scene.mesh = std::move(mended.mesh);
   if (mended.report.did_anything()) {
-    // Both name triangles and vertices by the numbers that they had.
+    // Both refer to the old numbers of triangles and vertices.
     scene.index = {};
     scene.collapses = {};
   }
@@ -203,7 +205,7 @@ MendReport mend(Scene& scene, double crack_m) {
 
 namespace {
 
-/// A mesh that several objects may have.
+/// A mended mesh that several objects may share.
 struct MendedShared {
   std::shared_ptr<const TriangleMesh> mesh;
   CutTriangles cut;
@@ -228,7 +230,7 @@ MendedShared mend_shared(const SceneObject& object, double crack_m, MendReport& 
 
 std::vector<std::string> mend_objects(Scene& scene, double crack_m) {
   std::unordered_map<const TriangleMesh*, MendedShared> done;
-  std::vector<std::shared_ptr<const TriangleMesh>> came;  // so that no new mesh has the address of an old one
+  std::vector<std::shared_ptr<const TriangleMesh>> came;  // kept, so that no new mesh gets the address of an old one
   std::vector<std::string> lines;
   std::size_t untouched_count = 0;
   for (SceneObject& object : scene.objects) {

@@ -10,8 +10,8 @@
 
 namespace collided::engine {
 
-/// What is right and wrong with a mesh. Vertices with equal coordinates count as one point in all of it; triangles
-/// without area have no edges here. Lists are in ascending order of triangles and hold all there are.
+/// What is right and wrong with a mesh. Throughout, vertices with equal coordinates count as one point, and triangles
+/// without area have no edges. Lists are complete and in ascending order of triangles.
 struct MeshHealth {
   std::uint64_t vertex_count = 0;
   std::uint64_t equal_vertex_count = 0;  // vertices with the coordinates of an earlier one
@@ -20,23 +20,23 @@ struct MeshHealth {
   std::uint64_t duplicate_count = 0;  // triangles with the three points of an earlier one
   std::uint64_t edge_count = 0;
   std::uint64_t boundary_edge_count = 0;      // edges of one triangle
-  std::uint64_t nonmanifold_edge_count = 0;   // edges of three and more
-  std::uint64_t inconsistent_edge_count = 0;  // edges of two triangles that both run along them the same way
-  std::uint64_t component_count = 0;          // pieces that hang together over points
-  std::uint64_t unorientable_count = 0;       // pieces, joined over edges of two triangles, with one side only
-  bool is_closed = false;                     // each edge has exactly two triangles, and there is one
-  bool is_consistently_oriented = false;      // no edge is run along twice the same way
+  std::uint64_t nonmanifold_edge_count = 0;   // edges of three triangles or more
+  std::uint64_t inconsistent_edge_count = 0;  // edges along which two triangles run in the same direction
+  std::uint64_t component_count = 0;          // pieces, connected by points
+  std::uint64_t unorientable_count = 0;       // pieces, connected by edges of two triangles, with one side only
+  bool is_closed = false;                     // there are edges, and each has exactly two triangles
+  bool is_consistently_oriented = false;      // no two triangles run along an edge in the same direction
   Aabb bounds;                                // of the vertices that triangles use
 
   std::vector<std::uint32_t> zero_area;       // triangles
   std::vector<std::uint32_t> duplicates;      // triangles
-  std::vector<std::uint32_t> flipped;         // triangles: the fewer of a piece's, where its triangles disagree
+  std::vector<std::uint32_t> flipped;         // triangles oriented against the majority of their piece
   std::vector<HalfEdge> boundary_edges;       // their only side
   std::vector<HalfEdge> nonmanifold_edges;    // their first side
-  std::vector<std::uint32_t> pinched_points;  // vertices where fans of triangles meet that share no edge there
+  std::vector<std::uint32_t> pinched_points;  // vertices whose triangles fall into several fans
   std::vector<Seam> seams;                    // T-vertices and cracks
-  std::uint64_t seam_unseen_count = 0;        // points not looked at for those: 0 but in soups of long triangles
-  SeamReach seam_reach;                       // how far was looked for them
+  std::uint64_t seam_unseen_count = 0;        // points not examined for those; 0 except in soups of long triangles
+  SeamReach seam_reach;                       // the distances at which they were looked for
   EdgeTable edges;                            // of the triangles with area, equal points joined
 
   std::uint64_t t_vertex_count() const;
@@ -45,16 +45,18 @@ struct MeshHealth {
   bool is_manifold() const { return nonmanifold_edge_count == 0 && pinched_points.empty(); }
 };
 
-/// crack_m   widest crack to look for; 0: kCrackReach of the diagonal
+/// Examines a mesh.
+///
+/// crack_m   widest crack to look for; 0: kCrackReach times the diagonal
 /// cost      about 0.6 us a triangle of a closed mesh, with a further 2 us an edge of one triangle
 /// threads   pure
 MeshHealth examine(const TriangleMesh& mesh, double crack_m = 0);
 
-/// True when the three points lie on one line or are one: exact.
+/// Whether the three points lie on one line or coincide. Exact.
 bool has_zero_area(const Triangle& triangle);
 
 /// A sentence where the size of the bounds suggests another unit than metres ("6009 m across: ..."), else nothing.
-/// A guess for the user's eyes; nothing is changed by it.
+/// A guess for the user to read; nothing depends on it.
 std::string unit_suspicion(const Aabb& bounds);
 
 }  // namespace collided::engine

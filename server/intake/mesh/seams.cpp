@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// One edge of one triangle.
+/// An edge that only one triangle has.
 struct Border {
   HalfEdge half = 0;
   std::uint32_t from = 0;  // points
@@ -74,7 +74,7 @@ class SeamSearch {
 
   double allowed_m(std::uint32_t point) const { return std::min(reach_.crack_m, kCrackShare * shortest_m_[point]); }
 
-  /// What of the border is nearest to a point, if anything is near enough.
+  /// The nearest other point and the nearest edge of the border, where they are near enough.
   struct Nearest {
     Seam to_point{.kind = Seam::Kind::beside_point};
     Seam to_edge{.kind = Seam::Kind::beside_edge};
@@ -93,7 +93,7 @@ class SeamSearch {
       if (border.from == point || border.to == point) return;
       weigh_point(border, border.from, found);
       weigh_point(border, border.to, found);
-      if (border.opposite != point) weigh_edge(border, found);  // else a sliver, not a seam
+      if (border.opposite != point) weigh_edge(border, found);  // else it is a sliver triangle's own corner
     });
     return found;
   }
@@ -119,13 +119,13 @@ class SeamSearch {
     found.has_edge = true;
   }
 
-  /// Another point counts before any edge: what is beside an end is not on the edge.
+  /// The seams found. A near point is preferred to any edge: a point beside the end of an edge is not on the edge.
   std::vector<Seam> told() const {
     std::vector<Seam> seams;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Nearest& own = nearest_[i];
       if (own.has_point) {
-        // Two points mostly find each other.
+        // Two points usually find each other; such a pair is reported once.
         const auto other = std::lower_bound(points_.begin(), points_.end(), own.to_point.other_point) - points_.begin();
         const Nearest& its = nearest_[static_cast<std::size_t>(other)];
         const bool is_mutual = its.has_point && its.to_point.other_point == points_[i];
@@ -137,8 +137,8 @@ class SeamSearch {
     return seams;
   }
 
-  /// Distance to the edge where its foot lies between the ends, clear of both; infinite elsewhere, and where the
-  /// triangle is so low that a move by the gap would turn it over.
+  /// The point's distance to the edge, where the nearest point of the edge is between its ends and clear of both.
+  /// Infinite elsewhere, and where the triangle is so flat that a move by that distance would turn it over.
   double gap_to_inside(const Border& border, std::uint32_t point) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     const Vec3 along = at(border.to) - at(border.from);

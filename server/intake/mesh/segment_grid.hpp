@@ -9,22 +9,25 @@
 
 namespace collided::engine {
 
+/// The straight line from a to b, metres.
 struct MeshSegment {
   Vec3 a;
   Vec3 b;
 };
 
-/// Says which of many segments may lie within a reach of a point. Each is kept on the level of its size, in the up to
-/// eight cells of a hashed grid that its box, widened by the reach, touches; a point asks one cell a level.
+/// Finds which of many segments may lie within a fixed distance, the reach, of a point. Each segment is stored on the
+/// level of its size, in the up to eight cells of a hashed grid that its box, widened by the reach, overlaps. A point
+/// looks up one cell on each level.
 ///
-/// Generous, never misses. Immutable after build; any number of threads may ask.
-/// cost      about 0.3 us a segment to build, one look-up a level and point to ask
+/// promise   finds every segment within reach, and others as well
+/// threads   immutable once made; any number of threads may ask
+/// cost      about 0.3 us a segment to make, one look-up a level for each point
 class SegmentGrid {
  public:
-  /// bounds  of the segments; finite, and so is its diagonal
+  /// bounds  of the segments; its diagonal is finite too
   SegmentGrid(std::span<const MeshSegment> segments, const Aabb& bounds, double reach_m);
 
-  /// Calls visit(number of the segment), each at most once.
+  /// Calls visit(segment number) for every segment that may be within reach of the point, once each.
   template <class Visit>
   void visit_near(const Vec3& point, Visit&& visit) const {
     for (const Level& level : levels_) {
@@ -54,7 +57,7 @@ class SegmentGrid {
   Vec3 origin_;
   double reach_m_;
   std::vector<Level> levels_;
-  std::vector<std::uint32_t> starts_;  // of the buckets, by the low bits of the key
+  std::vector<std::uint32_t> starts_;  // of each bucket in entries_; a bucket is the low bits of a key
   std::vector<Entry> entries_;
   std::size_t mask_ = 0;
 };

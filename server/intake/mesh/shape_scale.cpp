@@ -49,7 +49,7 @@ class Scaling {
     h.point = point(h.point);
   }
   void apply(Hull& h) {
-    // Made anew: rounding may have moved a corner inside, or all of them into one plane.
+    // The hull is computed again: rounding may have moved a corner inside, or all of them into one plane.
     std::optional<TriangleMesh> hull = convex_hull(scaled(*h.mesh)->vertices);
     need(hull.has_value(), "the corners of a hull would lie in one plane, or beyond the range of exact arithmetic");
     if (hull) h.mesh = std::make_shared<const TriangleMesh>(std::move(*hull));
@@ -82,7 +82,7 @@ class Scaling {
     return l * factor_[0];
   }
   Vec3 halves(const Mat3& axes, const Vec3& half_m) {
-    // Along the axes each column has one entry, which says whose factor it takes.
+    // For a box along the axes each column has one entry that is not 0; it says which factor applies.
     const Vec3 own = even_ ? factor_ : Vec3(axes.cwiseAbs().transpose() * factor_);
     const Vec3 product = half_m.cwiseProduct(own);
     need(product.allFinite(), "a length would be too large for a double");

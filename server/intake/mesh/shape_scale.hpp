@@ -6,11 +6,12 @@
 
 namespace collided::engine {
 
-/// Multiplies the shape about its frame's origin; each product is rounded, and the result is the exact input from then on.
+/// Scales the shape about its frame's origin. Each product is rounded, and the result counts as the exact shape from
+/// then on.
 ///
-/// factor   above 0 and finite. One for all axes suits every kind; others suit what stays of its kind: meshes, hulls,
-///          and boxes and ellipsoids that lie along the axes.
-/// returns  why it cannot be, which leaves the shape half done; empty: done
+/// factor   one for each axis, above 0 and finite. Equal factors are possible for every kind of shape, unequal ones
+///          only where the kind stays the same: for meshes, hulls, and boxes and ellipsoids that lie along the axes
+/// returns  why it is not possible, with the shape in an unspecified state; empty: done
 std::string scale(Shape& shape, const Vec3& factor);
 
 }  // namespace collided::engine

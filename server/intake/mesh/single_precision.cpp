@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Fewer coordinates than these may all fall on the grid by chance.
+/// Fewer coordinates than this may all be on the grid of floats by chance.
 constexpr std::uint64_t kLeastCoordinates = 12;
 
 /// Distance from |value| to the next larger single-precision number.
@@ -22,7 +22,7 @@ double float_step(double value) {
 struct Evidence {
   std::uint64_t far_count = 0;
   std::uint64_t float_count = 0;
-  std::uint64_t telling_count = 0;  // on the grid of floats, and not just a whole number
+  std::uint64_t telling_count = 0;  // coordinates on the grid of floats that are not whole numbers
   double largest = 0;
 
   void weigh(double value, double unit_m) {

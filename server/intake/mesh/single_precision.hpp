@@ -6,9 +6,9 @@
 
 namespace collided::engine {
 
-/// A sentence of warning when a mesh far from the origin carries nothing but single-precision numbers, else nothing:
-/// its points were rounded to a grid that is coarser than kCoarseGrid_m before the file was written, and no reader
-/// can bring them back.
+/// A warning sentence when a mesh is far from the origin and all its numbers are single precision, else nothing. Its
+/// points were rounded to a grid coarser than kCoarseGrid_m before the file was written, and no reader can restore
+/// them.
 ///
 /// mesh      as the file has it, not yet scaled
 /// unit_m    metres per unit of the file

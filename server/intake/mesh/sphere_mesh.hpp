@@ -12,12 +12,13 @@ namespace collided::engine {
 ///             of the sphere, both poles and the seam shared
 /// error       the triangles lie inside the sphere, at most
 ///             radius_m (1 - cos(pi / (2 latitudes)) cos(pi / longitudes)) deep
-/// throws      std::invalid_argument
+/// throws      std::invalid_argument for sizes or counts that make no sphere
 TriangleMesh latitude_longitude_sphere(double radius_m, unsigned longitudes, unsigned latitudes);
 
+/// Which way the triangles of a closed mesh face.
 enum class Normals { outward, inward };
 
-/// The 8 vertices and 12 triangles of a box; inward normals make it a room that confines.
+/// The 8 vertices and 12 triangles of a box; inward normals make it a room.
 TriangleMesh box_mesh(const Vec3& low, const Vec3& high, Normals normals = Normals::outward);
 
 }  // namespace collided::engine

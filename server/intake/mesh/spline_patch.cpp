@@ -16,7 +16,7 @@ double knot(std::size_t i, std::size_t degree, std::size_t count) {
   return static_cast<double>(i <= degree ? 0 : std::min(i - degree, spans));
 }
 
-/// A curve's point.
+/// The point of a B-spline curve at a parameter, by de Boor's algorithm.
 /// source  de Boor, "On calculating with B-splines", 1972
 Vec3 curve_point(const Vec3* points, std::size_t degree, std::size_t count, double at) {
   const std::size_t spans = count - degree;
@@ -34,14 +34,14 @@ Vec3 curve_point(const Vec3* points, std::size_t degree, std::size_t count, doub
   return d[degree];
 }
 
-/// Control points, row after row.
+/// Control points, row by row.
 struct ControlGrid {
   std::vector<Vec3> points;
   std::size_t columns;
   std::size_t rows;
 };
 
-/// Of the derivative along the rows of a spline of that degree, taken `order` times before.
+/// The control points of the derivative along the rows. The spline had that degree before `order` earlier derivatives.
 ControlGrid derivative(const ControlGrid& from, std::size_t degree, std::size_t order) {
   ControlGrid to{{}, from.columns - 1, from.rows};
   const std::size_t left = degree - order;  // of the degree
@@ -64,7 +64,7 @@ ControlGrid transposed(const ControlGrid& from) {
   return to;
 }
 
-/// A spline lies in the hull of its control points.
+/// The largest length of a control point, which bounds the spline, since it lies in their convex hull.
 double longest(const ControlGrid& grid) {
   double length = 0;
   for (const Vec3& point : grid.points) length = std::max(length, point.norm());

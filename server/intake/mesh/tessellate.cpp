@@ -21,13 +21,14 @@ void require(bool holds, const char* what) {
 
 bool is_size(double size_m) { return size_m > 0 && std::isfinite(size_m); }
 
-/// Pieces along both parameters.
+/// Numbers of pieces along the two parameters.
 struct GridCounts {
   double first;
   double second;
 };
 
-/// The counts as asked, or grown from the least ones until the bound is no more than the error, the way that helps more.
+/// The counts that are given, or else the least ones, increased until the bound is within the error, each time along
+/// the parameter that reduces the bound more.
 template <class Bound>
 GridCounts counts_for(const Fineness& fineness, GridCounts least, const Bound& bound) {
   if (fineness.error_m == 0) {
@@ -58,13 +59,13 @@ double with_roundings(double bound_m, double reach_m) {
   return bound_m * (1 + kBoundSlack) + kVertexRounding * reach_m;
 }
 
-/// 1 - cos, without losing the digits of small angles.
+/// 1 - cos, accurate for small angles too.
 double versine(double angle_rad) {
   const double half = std::sin(angle_rad / 2);
   return 2 * half * half;
 }
 
-/// How deep the faces of a latitude-longitude sphere of radius 1 lie.
+/// How far inside a sphere of radius 1 the faces of its mesh lie at most.
 double unit_sphere_error(double slices, double bands) {
   return versine(pi / (2 * bands)) + std::cos(pi / (2 * bands)) * versine(pi / slices);
 }
@@ -76,7 +77,7 @@ GridCounts sphere_counts(const Fineness& fineness, double longest_m) {
   return counts;
 }
 
-/// A ring of points about the axis, the first one at y = 0.
+/// Adds a ring of vertices about the axis, the first one at y = 0.
 void add_ring(double radius_m, double z, unsigned slices, TriangleMesh& mesh) {
   for (unsigned i = 0; i < slices; ++i) {
     const double angle = 2 * pi * i / slices;
@@ -84,7 +85,7 @@ void add_ring(double radius_m, double z, unsigned slices, TriangleMesh& mesh) {
   }
 }
 
-/// Triangles from a ring to one point, seen from which the ring goes round to the left or right.
+/// Adds triangles from a ring to a vertex above or below it, facing away from the axis' middle.
 void add_cap(std::uint32_t first, unsigned slices, std::uint32_t tip, bool is_up, TriangleMesh& mesh) {
   for (std::uint32_t i = 0; i < slices; ++i) {
     const std::uint32_t a = first + i;

@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// Sets of triangles, each with whether it is turned over against the one that stands for its set.
+/// Sets of triangles that know of each triangle whether it is turned over relative to the one that represents its set.
 class ParitySets {
  public:
   explicit ParitySets(std::size_t count) : parents_(count), turned_(count, 0), contradicts_(count, 0) {
@@ -18,7 +18,7 @@ class ParitySets {
     std::uint32_t root = triangle;
     bool turned = false;
     for (; parents_[root] != root; root = parents_[root]) turned ^= turned_[root] != 0;
-    // Everything on the way goes right below the root.
+    // Path compression: everything on the path is put directly below the root.
     for (bool rest = turned; parents_[triangle] != root && triangle != root;) {
       const bool own = turned_[triangle] != 0;
       const std::uint32_t next = parents_[triangle];
@@ -49,7 +49,7 @@ class ParitySets {
 
  private:
   std::vector<std::uint32_t> parents_;
-  std::vector<std::uint8_t> turned_;  // against the parent
+  std::vector<std::uint8_t> turned_;  // relative to the parent
   std::vector<std::uint8_t> contradicts_;
 };
 
@@ -67,7 +67,7 @@ Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table) {
   }
   Orientation result;
   if (all_agree) return result;
-  std::vector<std::int64_t> surplus(triangle_count, 0);  // of those that agree with the first one, by root
+  std::vector<std::int64_t> surplus(triangle_count, 0);  // by root: triangles that agree with it less those that do not
   for (std::uint32_t i = 0; i < triangle_count; ++i) {
     const auto [root, turned] = sets.find(i);
     surplus[root] += turned ? -1 : 1;
@@ -85,7 +85,8 @@ Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table) {
 
 std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTable& table,
                                           const std::vector<std::uint32_t>& point_of) {
-  // Corners, numbered as the half-edges that leave them, joined over the edges that two of them have in common.
+  // Sets of corners, which have the number of the half-edge that leaves them. Corners of triangles that share an edge
+  // at the point are joined, so a set is a fan.
   DisjointSets fans(3 * mesh.triangles.size());
   const auto corner_at = [&](HalfEdge half, std::uint32_t point) {
     const std::uint32_t triangle = triangle_of(half);

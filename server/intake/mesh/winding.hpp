@@ -7,20 +7,20 @@
 
 namespace collided::engine {
 
-/// Which triangles are turned over against the others of their piece, where pieces hang together over edges of two
-/// triangles.
+/// Which triangles face the other way than the rest of their piece. Pieces are connected by edges of two triangles.
 struct Orientation {
   std::vector<std::uint32_t>
-      flipped;  // ascending: of each piece the fewer, and where both are as many, not the first one's
+      flipped;  // ascending: the minority of each piece; of equal halves, the one without the first triangle
   std::uint64_t unorientable_count =
-      0;  // pieces where no turning makes all agree (a Moebius strip); none of theirs is flipped
+      0;  // pieces that cannot be oriented (a Moebius strip); none of their triangles is listed
 };
 
-/// cost      linear in edges but for the inverse of Ackermann's function
+/// Finds them.
+/// cost      practically linear in the number of edges
 Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table);
 
-/// Points, as vertex numbers in ascending order, whose triangles fall into several fans: no edge at the point joins
-/// them.
+/// Points whose triangles fall into several fans that no edge at the point connects, as vertex numbers in ascending
+/// order.
 std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTable& table,
                                           const std::vector<std::uint32_t>& point_of);
 

@@ -17,7 +17,7 @@ struct PolygonCorner {
 };
 using Loop = std::vector<PolygonCorner>;
 
-/// The first two edges that go through each other, by the corners they begin at.
+/// The first two edges that cross, by the corners that they begin at.
 std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const Loop& loop) {
   for (std::size_t i = 0; i < loop.size(); ++i) {
     for (std::size_t k = i + 2; k < loop.size(); ++k) {
@@ -27,14 +27,15 @@ std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const Loop& lo
   return std::nullopt;
 }
 
-/// Where a b crosses c d, from 0 at a to 1 at b.
+/// Where ab crosses cd, as a fraction of the length from a to b.
 double share_along(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d) {
   const double from = (d[0] - c[0]) * (a[1] - c[1]) - (d[1] - c[1]) * (a[0] - c[0]);
   const double to = (d[0] - c[0]) * (b[1] - c[1]) - (d[1] - c[1]) * (b[0] - c[0]);
   return std::clamp(from / (from - to), 0.0, 1.0);
 }
 
-/// The middle of the two edges where they cross; nothing where they pass by each other in space, as in a bent polygon.
+/// A new vertex half-way between two edges where they cross in projection. Nothing where they are too far apart in
+/// space, as in a bent polygon.
 std::optional<PolygonCorner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap,
                                             std::vector<Vec3>& vertices) {
   const PolygonCorner& a = loop[i];

@@ -8,13 +8,14 @@
 
 namespace collided::engine {
 
-/// Cuts a polygon that crosses itself at its crossings into lobes, and those into triangles: corners.size() - 2 of them.
-/// What was meant is a guess: each lobe is kept, and its edges keep their direction, so that they still fit the polygons
-/// beside them; lobes on the two sides of a crossing then face opposite ways.
+/// Cuts a polygon that crosses itself into lobes at its crossings, and the lobes into triangles, corners.size() - 2 in
+/// all. What the author meant can only be guessed: each lobe is kept, and its edges keep their direction so that they
+/// still fit the neighbouring polygons. So the lobes on the two sides of a crossing face opposite ways.
 ///
-/// vertices  get a new one for each crossing, in the middle of the two edges there
-/// returns   nothing where no two edges cross (they may touch), where two only seem to and pass by each other in space by
-///           more than kFlatEnough of the polygon's size, or there are more than kMaxCrossings crossings
+/// vertices  a new one is appended for each crossing, half-way between the two edges there
+/// returns   nothing where no two edges cross (they may touch), where two edges cross only in projection and are
+///           farther apart in space than kFlatEnough of the polygon's size, or where there are more than kMaxCrossings
+///           crossings
 /// cost      O(n^2) a crossing
 std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices);
 

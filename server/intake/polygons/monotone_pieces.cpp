@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// The point between a and b on their line, or one of them.
+/// Whether p, which is on the line through a and b, is between them or one of them.
 bool lies_between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& p) {
   return std::min(a[0], b[0]) <= p[0] && p[0] <= std::max(a[0], b[0]) && std::min(a[1], b[1]) <= p[1] &&
          p[1] <= std::max(a[1], b[1]);
@@ -74,7 +74,8 @@ std::uint32_t MonotonePieces::right_of(std::uint32_t edge) const {
   return comes_first(edge, rings_.next[edge]) ? rings_.next[edge] : edge;
 }
 
-/// Of two edges under the sweep line. An end on the other edge is a flaw, met here or by its neighbours.
+/// The order of two edges that the sweep line crosses. An end on the other edge is a flaw, found here or when its
+/// neighbours are compared.
 bool MonotonePieces::is_below(std::uint32_t a, std::uint32_t b) {
   if (a == b) return false;
   const std::uint32_t left_a = left_of(a);
@@ -91,7 +92,7 @@ bool MonotonePieces::is_below(std::uint32_t a, std::uint32_t b) {
   return longer == a ? side > 0 : side < 0;
 }
 
-/// Two edges have a point in common that is not a common end, or lie on each other.
+/// Whether two edges have a point in common that is not a common end, or lie on each other.
 bool MonotonePieces::meet(std::uint32_t edge, std::uint32_t other) const {
   const std::uint32_t a = left_of(edge);
   const std::uint32_t b = right_of(edge);
@@ -133,12 +134,13 @@ void MonotonePieces::insert(std::uint32_t edge, std::uint32_t helper) {
   if (std::next(place) != edges_.end()) check(place, std::next(place));
 }
 
-/// The inside is above edges that run to the right. Where two merge, whatever sees that place next is joined to it.
+/// The inside is above edges that run to the right. A point where two stretches of the inside merge gets a diagonal to
+/// the next point that is visible from it.
 void MonotonePieces::join_if_merge(std::uint32_t point, std::uint32_t edge) {
   if (is_merge_[helper_[edge]]) diagonals_.push_back({point, helper_[edge]});
 }
 
-/// The edge under the point, which has the inside above it; `place` is an edge that begins or ends there.
+/// The nearest edge below the point that has the inside above it. `place` is an edge that begins or ends at the point.
 std::optional<std::uint32_t> MonotonePieces::edge_below(std::uint32_t point, Edges::iterator place) {
   while (place != edges_.begin()) {
     --place;
@@ -146,7 +148,7 @@ std::optional<std::uint32_t> MonotonePieces::edge_below(std::uint32_t point, Edg
     if (comes_first(*place, rings_.next[*place])) return *place;
     break;
   }
-  flaw_ = PolygonFlaw{point, point};  // outside of everything, or inside of nothing
+  flaw_ = PolygonFlaw{point, point};  // the point is outside everything: rings are wrongly nested
   return std::nullopt;
 }
 
@@ -180,7 +182,7 @@ void MonotonePieces::see_from_below(std::uint32_t point, Edges::iterator place) 
   helper_[*below] = point;
 }
 
-/// Both edges begin here: the inside is between them, or all round.
+/// Both edges at the point begin there: the inside is between them, or all around them.
 void MonotonePieces::pass_start(std::uint32_t point, int side) {
   const std::uint32_t before = rings_.previous[point];
   insert(point, point);
@@ -192,7 +194,7 @@ void MonotonePieces::pass_start(std::uint32_t point, int side) {
   helper_[*below] = point;
 }
 
-/// Both edges end here: the inside ends too, or merges.
+/// Both edges at the point end there: the inside between them ends, or the two stretches around them merge.
 void MonotonePieces::pass_end(std::uint32_t point, int side) {
   const std::uint32_t before = rings_.previous[point];
   join_if_merge(point, before);

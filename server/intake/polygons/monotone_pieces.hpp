@@ -11,30 +11,36 @@
 
 namespace collided::engine {
 
-/// A polygon with holes, its points numbered by x, then y: for each the next and the one before, the inside to the left.
+/// A polygon with holes. Points are numbered in the order of x, then y. Each has a next and a previous one on its ring,
+/// with the inside to the left.
 struct PolygonRings {
   std::vector<PlanePoint> points;
-  std::vector<std::uint32_t> original;  // numbers of the points as they were given
+  std::vector<std::uint32_t> original;  // by point: its number in the input
   std::vector<std::uint32_t> next;
   std::vector<std::uint32_t> previous;
 };
 
-/// Joins the points to rings and turns each the right way; a flaw, in these numbers, for equal points and rings that fold
-/// flat.
+/// Makes the rings, each with the inside to the left. Returns a flaw, by the numbers of the rings' points, where points
+/// coincide or a ring has no area.
 std::optional<PolygonFlaw> join_rings(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
                                       PolygonRings& rings);
 
-/// Diagonals, as pairs of points, that cut the polygon into pieces that every upright line meets in one stretch.
+/// Finds diagonals that cut a polygon into monotone pieces: every line parallel to the y axis meets a piece in one
+/// stretch. A sweep line moves along x and keeps the edges that it crosses ordered from below.
+///
+/// owner    the caller, who keeps the rings for as long
+/// threads  one at a time
 class MonotonePieces {
  public:
   explicit MonotonePieces(const PolygonRings& rings);
 
-  /// A flaw where edges cross or touch; the diagonals are of no use then.
+  /// Runs the sweep. Returns a flaw where edges cross or touch; the diagonals are of no use then.
   std::optional<PolygonFlaw> find();
+  /// As pairs of points.
   const std::vector<PolygonFlaw>& diagonals() const { return diagonals_; }
 
  private:
-  /// Edges by the number of the point they begin at; those under the sweep line, from below.
+  /// An edge has the number of the point that it begins at. The edges that the sweep line crosses, from below.
   struct IsBelow {
     MonotonePieces* pieces;
     bool operator()(std::uint32_t a, std::uint32_t b) const { return pieces->is_below(a, b); }
@@ -62,8 +68,8 @@ class MonotonePieces {
   const PolygonRings& rings_;
   Edges edges_;
   std::vector<Edges::iterator> place_;  // by edge
-  std::vector<std::uint32_t> helper_;   // by edge: the last point that sees it from above
-  std::vector<bool> is_merge_;          // by point: the sweep ends two edges there, and the inside goes on
+  std::vector<std::uint32_t> helper_;   // by edge: the last point passed from which it is visible below
+  std::vector<bool> is_merge_;          // by point: two edges end there and the inside goes on
   std::vector<PolygonFlaw> diagonals_;
   std::optional<PolygonFlaw> flaw_;
 };

@@ -10,8 +10,8 @@ namespace collided::engine {
 namespace {
 
 struct EdgeNormals {
-  Vec3 sum = Vec3::Zero();   // Newell's
-  Vec3 seen = Vec3::Zero();  // of each coordinate plane; unlike the sum, lobes that turn both ways do not cancel
+  Vec3 sum = Vec3::Zero();   // Newell's normal
+  Vec3 seen = Vec3::Zero();  // areas in each projection; unlike in the sum, lobes that turn opposite ways do not cancel
 };
 
 EdgeNormals normals_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {

@@ -7,8 +7,9 @@
 namespace collided::engine {
 namespace {
 
-/// The pieces that diagonals cut a polygon into. Around each point the ways out are sorted from the ring's next point to
-/// the left; the piece to the left of a way that comes in goes on with the way before it.
+/// The pieces that diagonals cut a polygon into. The directed edges that leave each point are sorted to the left, from
+/// the one to the ring's next point on. The piece to the left of an edge that arrives continues along the edge that is
+/// sorted before it.
 class Pieces {
  public:
   Pieces(const PolygonRings& rings, const std::vector<PolygonFlaw>& diagonals) : rings_(rings) {
@@ -22,7 +23,7 @@ class Pieces {
     sort_ways(diagonals);
   }
 
-  /// Calls visit(points) for each piece, its points to the left round.
+  /// Calls visit(points) for each piece, with its points counter-clockwise.
   template <class Visit>
   void visit(Visit&& visit) const {
     std::vector<bool> is_done(motions_.size(), false);
@@ -48,7 +49,8 @@ class Pieces {
 
   std::uint32_t start_of(std::uint32_t motion) const { return starts_[motion]; }
 
-  /// The ring's next point lies at angle 0 of the inside; what is less than half a turn from it comes before the rest.
+  /// Whether a comes before b around the point `at`. Angles count from the ring's next point; those below half a turn
+  /// come first.
   bool comes_before(std::uint32_t at, std::uint32_t a, std::uint32_t b) const {
     const auto& p = rings_.points;
     const std::uint32_t zero = rings_.next[at];
@@ -80,7 +82,7 @@ class Pieces {
   }
 
   std::uint32_t following(std::uint32_t motion) const {
-    // Along the ring one arrives behind all the ways out; along a diagonal, at its other end.
+    // An edge of the ring arrives after all edges that leave; a diagonal arrives at its own other direction.
     if (motions_[motion].diagonal == kRing) return first_motion_[motions_[motion].to + 1] - 1;
     return twin_[motion] - 1;
   }
@@ -88,11 +90,11 @@ class Pieces {
   const PolygonRings& rings_;
   std::vector<std::uint32_t> first_motion_;  // by point
   std::vector<Way> motions_;
-  std::vector<std::uint32_t> starts_;  // of the ways
-  std::vector<std::uint32_t> twin_;    // of a diagonal's way, the one back
+  std::vector<std::uint32_t> starts_;  // by motion: the point it leaves
+  std::vector<std::uint32_t> twin_;    // by motion: for a diagonal, the opposite direction
 };
 
-/// A piece that every upright line meets in one stretch, into triangles.
+/// Cuts monotone pieces, which every line parallel to the y axis meets in one stretch, into triangles.
 class MonotoneCut {
  public:
   MonotoneCut(const PolygonRings& rings, std::vector<TriangleCorners>& triangles)
@@ -121,8 +123,8 @@ class MonotoneCut {
   void sort_both_chains(const std::vector<std::uint32_t>& piece) {
     const std::size_t count = piece.size();
     const auto first = static_cast<std::size_t>(std::min_element(piece.begin(), piece.end()) - piece.begin());
-    std::size_t lower = first;                        // goes up the list: the inside is to the left
-    std::size_t upper = (first + count - 1) % count;  // goes down
+    std::size_t lower = first;                        // forward along the list, with the inside to the left
+    std::size_t upper = (first + count - 1) % count;  // backward along the list
     sorted_.clear();
     sorted_.push_back({piece[lower], true});
     lower = (lower + 1) % count;
@@ -142,14 +144,14 @@ class MonotoneCut {
     triangles_.push_back(is_lower ? TriangleCorners{a, b, c} : TriangleCorners{a, c, b});
   }
 
-  /// The corner sees the whole other chain.
+  /// The whole other chain is visible from the corner: cuts all of it off.
   void take_all(const Corner& corner) {
     for (std::size_t k = 1; k < stack_.size(); ++k)
       add(stack_[k - 1].point, stack_[k].point, corner.point, stack_.back().is_lower);
     stack_ = {stack_.back(), corner};
   }
 
-  /// The corner sees those of its own chain that it turns inward with.
+  /// Cuts off those corners of the same chain that are visible from the corner: as long as the turn is inward.
   void take_seen(const Corner& corner) {
     Corner last = stack_.back();
     stack_.pop_back();

@@ -11,16 +11,16 @@
 
 namespace collided::engine {
 
-/// Two points of a polygon, by number, at whose edges it crosses or touches itself.
+/// Two points of a polygon, by number: the edges that begin there cross or touch.
 using PolygonFlaw = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Cuts a polygon with holes into triangles that turn left: as many as points, plus twice the holes, less two. Corners on
-/// straight edges are kept; a triangle between three of them has no area.
+/// Cuts a polygon with holes into triangles that turn left: points + 2 holes - 2 of them. Corners on straight edges are
+/// kept, so a triangle of three corners on one line has no area.
 ///
 /// points     the outer ring's, then those of the holes, each in either direction
 /// ring_ends  where in the points each ring ends
-/// returns    nothing when it is done; a flaw, and no triangles, where an edge or corner touches another one, a ring has no
-///            area, or a hole is not inside
+/// returns    nothing: done. A flaw, and no triangles, where an edge or corner touches another one, a ring has no area,
+///            or a hole is not inside
 /// cost       O(n log n): about 3 us a corner for a million
 /// source     monotone pieces by a sweep: Lee, Preparata, "Location of a point in a planar subdivision", 1977; Garey,
 ///            Johnson, Preparata, Tarjan, "Triangulating a simple polygon", 1978; crossings: Shamos, Hoey, "Geometric

@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// No corner turns right, and the direction goes round once: its height changes from falling to rising once.
+/// Whether no corner turns right and the edges go round once, that is, change from falling to rising once.
 bool is_convex(const std::vector<PlanePoint>& points) {
   const std::size_t count = points.size();
   int swings = 0;
@@ -30,7 +30,7 @@ bool is_convex(const std::vector<PlanePoint>& points) {
   return swings <= 2;
 }
 
-/// The polygon that is left while ears are clipped, as a ring of corners.
+/// Cuts a polygon into triangles by clipping ears; holds what is left of it as a ring of corners.
 class EarClipper {
  public:
   EarClipper(std::span<const std::uint32_t> corners, std::vector<PlanePoint> points)
@@ -45,7 +45,7 @@ class EarClipper {
     }
   }
 
-  /// True when each triangle was an ear; false when some had to be guessed.
+  /// Appends the triangles. True where each one was an ear; false where some had to be guessed.
   bool clip(std::vector<TriangleCorners>& triangles) {
     bool all_ears = true;
     std::size_t at = 0;
@@ -63,7 +63,7 @@ class EarClipper {
       std::erase(reflex_, at);
       drop_if_convex(previous_[at]);
       drop_if_convex(next_[at]);
-      at = next_[next_[at]];  // not the neighbour: going round evenly makes fewer slivers
+      at = next_[next_[at]];  // skips the neighbour: going round evenly makes fewer slivers
       tried = 0;
       --left;
     }
@@ -78,8 +78,8 @@ class EarClipper {
     if (turn_at(i) > 0) { std::erase(reflex_, i); }
   }
 
-  /// A corner that turns left and whose triangle holds no other corner; one on a line with its neighbours between
-  /// them is clipped as a triangle without area.
+  /// Whether the corner turns left and its triangle contains no other corner. A corner between its neighbours on a line
+  /// counts too; it is clipped as a triangle without area.
   bool is_ear(std::size_t i) const {
     const PlanePoint& a = points_[previous_[i]];
     const PlanePoint& b = points_[i];
@@ -109,7 +109,7 @@ class EarClipper {
   std::vector<std::size_t> reflex_;
 };
 
-/// A polygon of more corners is cut by the sweep, whose first hundred corners cost more than ears do.
+/// Polygons of more corners are cut by the sweep; up to here ears cost less.
 constexpr std::size_t kEarCorners = 100;
 
 bool cut_by_sweep(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,

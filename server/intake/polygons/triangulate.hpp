@@ -8,25 +8,28 @@
 
 namespace collided::engine {
 
+/// What a polygon is, and how it was cut.
 enum class PolygonKind {
   convex,    // cut as a fan from its first corner
-  concave,   // cut by clipping ears, or a long one by a sweep
-  crossing,  // crosses or touches itself: cut all the same, by a guess (split_at_crossings makes a better one)
-  too_long,  // crosses or touches itself, with more than kMaxConcaveCorners corners: nothing was cut
+  concave,   // cut by clipping ears; many corners by a sweep
+  crossing,  // crosses or touches itself; cut nevertheless, by a guess (split_at_crossings makes a better one)
+  too_long,  // crosses or touches itself and has more than kMaxConcaveCorners corners; not cut
 };
 
 /// Cuts a polygon of n >= 3 corners into n - 2 triangles, appended with the polygon's orientation.
 ///
-/// The corners should lie in one plane; they are judged in the coordinate plane that sees most of the polygon, where
-/// the coordinates stay as they are, so each sign is exact.
+/// The corners should lie in one plane. They are projected to the coordinate plane in which the polygon appears
+/// largest, which does not change coordinates, so orientation tests are exact.
 /// cost      O(n) convex; O(n^2) up to a hundred corners; O(n log n) beyond
 /// source    Meisters, "Polygons have ears", 1975; sweep_triangulation.hpp
 PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices,
                         std::vector<TriangleCorners>& triangles);
 
-/// The same with holes: corners ring by ring, the outer one first, each ending where ring_ends says and in either
-/// direction; n + 2 h - 2 triangles with the outer ring's orientation. `crossing`: rings cross, touch or lie outside, and
-/// nothing was cut.
+/// The same for a polygon with h holes: n + 2 h - 2 triangles with the outer ring's orientation.
+///
+/// corners    ring by ring, the outer one first, each in either direction
+/// ring_ends  where in the corners each ring ends
+/// returns    `crossing` where rings cross, touch or lie outside; then nothing was cut
 PolygonKind triangulate_with_holes(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
                                    const std::vector<Vec3>& vertices, std::vector<TriangleCorners>& triangles);
 

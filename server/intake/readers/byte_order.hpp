@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// The number that lies at `bytes` in the given byte order, at any alignment.
+/// The number stored at `bytes` in the given byte order, at any alignment.
 template <class Number>
 Number number_at(const char* bytes, std::endian order) {
   std::array<char, sizeof(Number)> copy;

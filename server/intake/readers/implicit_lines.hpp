@@ -9,12 +9,12 @@
 
 namespace collided::engine {
 
-/// The implicit surface of a .surfaces line, NAME implicit POLYNOMIAL [in X Y Z X Y Z], from behind the word 'implicit' to
-/// the line's end. Throws a LoadError with the line, and the column from there on.
+/// Reads the rest of a .surfaces line, NAME implicit POLYNOMIAL [in X Y Z X Y Z], after the word 'implicit'. Throws a
+/// LoadError that names the line, and the column within the rest.
 ImplicitSurface rest_as_implicit_surface(TextCursor& cursor);
 
-/// That of the name in a .surfaces file; nothing where no line has it. Throws a LoadError for a line of that name that is of
-/// another kind or no polynomial.
+/// The implicit surface with a given name in a .surfaces file; nothing where no line has that name. Throws a LoadError
+/// where the line of that name is of another kind or has no valid polynomial.
 std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std::string_view name);
 
 }  // namespace collided::engine

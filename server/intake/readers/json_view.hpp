@@ -9,33 +9,34 @@
 
 namespace collided::engine {
 
-/// The whole text as JSON, or a LoadError that names the byte.
+/// Parses the whole text as JSON, or throws a LoadError that names the byte.
 nlohmann::json parse_json(const Reading& reading, std::string_view text);
 
-/// A value in a JSON file with the way to it, so that a complaint can say where: "/accessors/3/count is -1, ...".
-/// Refers to the document and to the views it came from, which must outlive it; made and dropped while walking down.
+/// A value in a JSON file together with its path, so that an error can say where it is: "/accessors/3/count is -1,
+/// ...". Every function that finds something else than it needs throws a LoadError with that path. A view refers to the
+/// document and the reading, which must outlive it.
 class JsonView {
  public:
   JsonView(const Reading& reading, const nlohmann::json& value) : reading_(&reading), value_(&value) {}
 
-  /// False where this is no object.
+  /// Whether this is an object with that member.
   bool has(const char* key) const { return value_->contains(key); }
-  /// Complains where this is no object or has no such member.
+  /// A member. Throws where this is not an object or has no such member.
   JsonView at(const char* key) const;
-  /// Complains where this is no array or is shorter.
+  /// An element. Throws where this is not an array or is shorter.
   JsonView at(std::size_t index) const;
-  /// An element of the array that a member is: at("nodes").at(i), for numbers that the file gives.
+  /// An element of a member that is an array, such as at("nodes").at(i), where the file gives the index.
   JsonView element(const char* key, std::size_t index) const;
 
   bool is_array() const { return value_->is_array(); }
   bool is_object() const { return value_->is_object(); }
-  /// Of an array; complains of anything else.
+  /// The length of an array. Throws for anything else.
   std::size_t size() const;
-  /// How many elements the member has; 0 where there is none.
+  /// The length of the array that a member is; 0 where there is no such member.
   std::size_t size_of(const char* key) const { return has(key) ? at(key).size() : 0; }
 
-  double number() const;                         // finite
-  std::uint64_t index(std::uint64_t end) const;  // a whole number below end
+  double number() const;                         // finite, else throws
+  std::uint64_t index(std::uint64_t end) const;  // a whole number below end, else throws
   std::string text() const;
   std::string text_or(const char* key, std::string otherwise) const { return has(key) ? at(key).text() : otherwise; }
   std::uint64_t index_or(const char* key, std::uint64_t end, std::uint64_t otherwise) const {
@@ -43,7 +44,7 @@ class JsonView {
   }
 
   const nlohmann::json& json() const { return *value_; }
-  /// "/nodes/3/mesh WHAT".
+  /// Throws a LoadError that begins "/nodes/3/mesh WHAT", with this value's path.
   [[noreturn]] void complain(const std::string& what) const;
 
  private:
@@ -52,7 +53,7 @@ class JsonView {
 
   const Reading* reading_;
   const nlohmann::json* value_;
-  std::string motion_;
+  std::string motion_;  // the path from the root: "/nodes/3"
 };
 
 }  // namespace collided::engine

@@ -9,17 +9,21 @@
 
 namespace collided::engine {
 
+/// The number types of PLY.
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+/// How the rows after the header are written.
 enum class PlyFormat { text, little_endian, big_endian };
 
 std::size_t byte_count(PlyType type);
 
+/// A column of an element: a number or a list of numbers in each row.
 struct PlyProperty {
   std::string_view name;
   PlyType type;
-  std::optional<PlyType> count_type;  // a list has one
+  std::optional<PlyType> count_type;  // of a list's length; none: not a list
 };
 
+/// A table of the file, such as the vertices or the faces.
 struct PlyElement {
   std::string_view name;
   std::uint64_t row_count = 0;
@@ -29,13 +33,15 @@ struct PlyElement {
   int find(std::string_view property_name) const;
 };
 
+/// What the header says of the rest of the file. Names point into the reading.
 struct PlyHeader {
   PlyFormat format = PlyFormat::text;
   std::vector<PlyElement> elements;
   std::size_t body_byte = 0;  // where the rows begin
 };
 
-/// Refuses what is no PLY header, and counts that the rest of the file has no room for.
+/// Parses the header. Throws a LoadError where it is not a PLY header, or announces more rows than the rest of the file
+/// has room for.
 PlyHeader parse_ply_header(const Reading& reading);
 
 }  // namespace collided::engine

@@ -10,22 +10,28 @@
 
 namespace collided::engine {
 
-/// Faces of any number of corners on their way to one unnamed part: what OFF and PLY share. Counts what it has to
-/// leave out or to guess, and says so in the end.
-/// place  where the face stands, for complaints: a pointer into the text, or into the bytes of a binary file
+/// Collects faces of any number of corners as the triangles of one unnamed part, for OFF and PLY. It counts what it
+/// leaves out or guesses, for the report. `place` is a pointer to the face in the file, for errors.
+///
+/// threads  one at a time
 class Polygons {
  public:
+  /// How errors say where: by line in a text file, by byte in a binary one.
   enum class Places { lines, bytes };
 
   explicit Polygons(const Reading& reading, Places places = Places::lines) : reading_(reading), places_(places) {}
 
   std::vector<Vec3>& vertices() { return mesh_.vertices; }
 
+  /// The number as an index of a vertex. Throws a LoadError where there is no such vertex.
   std::uint32_t vertex_number(std::int64_t number, const char* place) const;
+  /// Adds a face, cut into triangles.
   void add(std::span<const std::uint32_t> corners, const char* place);
-  /// Corners 0 1 2, 1 2 3, ...: each new one makes a triangle with the two before, every other one turned round.
+  /// Adds a triangle strip: each corner from the third on makes a triangle with the two before it, every other one
+  /// turned over.
   void add_strip(std::span<const std::uint32_t> corners, const char* place);
 
+  /// Puts what was left out or guessed into the report.
   void report() const;
   Scene take_scene();
 

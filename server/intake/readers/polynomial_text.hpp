@@ -6,16 +6,18 @@
 
 namespace collided::engine {
 
-/// A surface as its author writes it: POLYNOMIAL [in X Y Z X Y Z], the polynomial in x, y, z with numbers, + - * ^ and
-/// parentheses, the box by its lowest and highest corner; without a box it has no end. "x^2+y^2+z^2-1 in 0 -1 -1 1 1 1".
+/// Reads the surface where a polynomial is zero, written as POLYNOMIAL [in X Y Z X Y Z]. The polynomial is in x, y, z,
+/// with numbers, + - * ^ and parentheses. The box that bounds it has a lowest and a highest corner; without one the
+/// surface is unbounded. Example: "x^2+y^2+z^2-1 in 0 -1 -1 1 1 1".
 ///
-/// ^ takes a whole number from 0 to 8 and binds tighter than a sign: -x^2 is -(x^2). Numbers are read as the nearest
-/// doubles; of those, nothing is rounded any more.
-/// error  std::invalid_argument with the column, what was found there and what is allowed: syntax, a number beyond the
-///        doubles, degree above 8, more than 1,000 steps, 64 parentheses deep, a constant, an empty box
+/// An exponent is a whole number from 0 to 8 and binds tighter than a sign: -x^2 is -(x^2). Numbers are read as the
+/// nearest doubles; nothing else is rounded.
+/// throws  std::invalid_argument with the column, what is there and what is allowed: for wrong syntax, a number beyond
+///         the range of double, a degree above 8, more than 1,000 steps, parentheses nested 64 deep, a constant, an
+///         empty box
 ImplicitSurface read_implicit_surface(std::string_view text);
 
-/// Bytes of such a text.
+/// Bytes of such a text at most.
 inline constexpr std::size_t kMaxPolynomialBytes = 1 << 16;
 
 }  // namespace collided::engine

@@ -12,47 +12,48 @@
 
 namespace collided::engine {
 
-/// One file in memory on its way to a scene: what every reader gets. It refers to the caller's options and report.
+/// What every reader gets: one file in memory, and the caller's options and report, which it refers to.
 struct Reading {
-  std::string file;  // as messages call it
+  std::string file;  // its name in messages
   std::span<const char> bytes;
   const LoadOptions& options;
   LoadReport& report;
-  std::shared_ptr<const void> keeper{};  // of the bytes, where they stay after the reading
-  std::string folder{};                  // where the file is; empty: nowhere, so files that it names cannot be read
-  // Gives memory of a piece of the bytes back that is not read again, not even to number a line; empty: nothing to do.
-  // Any thread.
+  std::shared_ptr<const void> keeper{};  // of the bytes, where they remain valid after the reading; may be null
+  std::string folder{};  // that the file is in; empty: none, so other files that it names cannot be read
+  // Returns the memory of a piece of the bytes that is not read again, not even to count lines. Empty: nothing to do.
+  // Any thread may call it.
   std::function<void(std::span<const char>)> give_back{};
-  // Makes the bytes before that place readable, for a format that asks for them; empty: all are. Throws LoadError. One
-  // thread at a time.
+  // Makes the bytes before that place readable, for a format that requests them. Empty: all are readable. Throws
+  // LoadError. One thread at a time may call it.
   std::function<void(const char*)> fetch{};
-  std::int64_t lines_before = 0;  // of the file, where the bytes are a piece of it
+  std::int64_t lines_before = 0;  // where the bytes are a piece of the file
 
   const char* begin() const { return bytes.data(); }
   const char* end() const { return bytes.data() + bytes.size(); }
 };
 
-/// "bunny.obj: WHAT. Nothing was loaded."
+/// Throws a LoadError: "bunny.obj: WHAT. Nothing was loaded."
 [[noreturn]] void refuse(const Reading& reading, const std::string& what);
 
-/// "bunny.obj: line 12: WHAT. Nothing was loaded."; place points into the bytes.
+/// The same with the line: "bunny.obj: line 12: WHAT. Nothing was loaded." place points into the bytes.
 [[noreturn]] void refuse_line(const Reading& reading, const char* place, const std::string& what);
 
-/// "bunny.stl: byte 684: WHAT. Nothing was loaded."
+/// The same with the byte: "bunny.stl: byte 684: WHAT. Nothing was loaded."
 [[noreturn]] void refuse_byte(const Reading& reading, std::size_t byte, const std::string& what);
 
-/// A piece of the file made fit for a message: cut to 40 bytes, printable ASCII only, in quotes.
+/// A piece of the file for a message: cut to 40 bytes, printable ASCII only, in quotes.
 std::string quoted(std::string_view piece);
 
-/// Ends the load when the caller has cancelled it, else tells how far it is.
+/// Throws a LoadError where the caller has cancelled the load, else reports progress, a fraction in [0, 1].
 /// threads   only the one that called load_scene
 void tell_progress(const Reading& reading, double fraction);
 
+/// Each throws a LoadError where the count is above its limit.
 void check_triangle_count(const Reading& reading, std::uint64_t triangle_count);
 void check_vertex_count(const Reading& reading, std::uint64_t vertex_count);
 
-/// The readers. Each turns the whole file into a mesh with parts named as in the file (empty: no name), neither
-/// scaled nor turned, or throws a LoadError.
+/// The readers. Each turns a whole file into a mesh with parts, or throws a LoadError. Parts have the names that the
+/// file gives them (empty: none); nothing is scaled or rotated yet.
 Scene read_obj(const Reading& reading);
 Scene read_stl(const Reading& reading);
 Scene read_ply(const Reading& reading);
@@ -61,15 +62,16 @@ Scene read_off(const Reading& reading);
 Scene read_surfaces(const Reading& reading);
 Scene read_gltf(const Reading& reading);      // 2.0, as text or GLB
 Scene read_cityjson(const Reading& reading);  // 1.0 to 2.0
-/// One object, a cloud of points without radius.
+/// The next two make one object, a cloud of points of radius 0.
 Scene read_xyz(const Reading& reading);
 Scene read_pcd(const Reading& reading);
-/// Objects named as in the file.
+/// The next three make objects, with the names that the file gives them.
 Scene read_octomap(const Reading& reading);    // occupied cells as boxes
 Scene read_box_table(const Reading& reading);  // CSV
 Scene read_urdf(const Reading& reading);       // collision shapes of a robot, all joints at 0
 
-/// Reads, names, scales, turns and examines a file that is already in memory; the ending of `file` says the format.
+/// Loads a file that is in memory: reads it, then names, scales, rotates and examines the scene. The ending of `file`
+/// says the format.
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
                              LoadReport& report);
 

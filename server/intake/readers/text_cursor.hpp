@@ -7,13 +7,13 @@
 
 namespace collided::engine {
 
-/// Walks through the text of a mesh file, word by word and line by line; complaints name the line.
-/// Never reads outside [begin, end). Independent of the locale.
+/// Walks through the text of a mesh file, word by word and line by line. Errors are LoadErrors that name the line. It
+/// never reads outside the text and does not depend on the locale. The reading must outlive it.
 class TextCursor {
  public:
   enum class LineEnd { newline, newline_or_comment };
 
-  /// comment_rule  whether '#' at a word's start ends the line
+  /// comment_rule  whether '#' at the start of a word ends the line
   /// continued     whether a backslash before a newline joins the lines (OBJ)
   TextCursor(const Reading& reading, std::string_view text, LineEnd comment_rule, bool continued)
       : reading_(&reading),
@@ -32,22 +32,23 @@ class TextCursor {
     skip_blanks();
     return at_ == end_ || *at_ == '\n' || (comments_ && *at_ == '#');
   }
+  /// Goes to the start of the next line.
   void next_line();
 
-  /// Goes to the next word, over line ends and comments; false at the end of the file.
+  /// Goes to the next word, across line ends and comments. False at the end of the file.
   bool find_word();
 
   /// The next word of this line, empty at its end.
   std::string_view word();
-  /// What is left of this line, without blanks at both ends.
+  /// The rest of this line, without blanks at either end.
   std::string_view rest_of_line();
 
-  /// The next word as a number; what names it in the complaint ("vertex coordinate").
+  /// The next word as a number, else an error. `what` names the number in the error, as in "vertex coordinate".
   double finite_number(std::string_view what);
   std::int64_t integer(std::string_view what);
-  /// As integer, but stops at the first character that is no digit (the slashes of OBJ).
+  /// The same, but stops at the first character that is not a digit (the slashes of OBJ).
   std::int64_t integer_prefix(std::string_view what);
-  /// Steps over c if it is next.
+  /// Steps over the character c if it comes next, and says whether it did.
   bool skip(char c);
   bool at_blank_or_end() const { return at_ == end_ || is_blank(*at_) || *at_ == '\n' || is_continuation(); }
 

@@ -13,50 +13,53 @@
 
 namespace collided::engine {
 
-/// What the vertices of a buffer are joined to.
+/// What the vertices of a buffer form, by their numbers or, with indices, by the indices' numbers.
 enum class BufferKind : std::uint8_t {
-  points,     // each alone
+  points,     // each by itself
   segments,   // 0 1, 2 3, ...
   polyline,   // 0 1, 1 2, ...
   triangles,  // 0 1 2, 3 4 5, ...
-  fan,        // 0 1 2, 0 2 3, ...: the first one is in all of them
-  strip,      // 0 1 2, 2 1 3, 2 3 4, ...: every other one turned round, so that all have one orientation
+  fan,        // 0 1 2, 0 2 3, ...: the first vertex is in every triangle
+  strip,      // 0 1 2, 2 1 3, 2 3 4, ...: every other triangle is turned over, so that all face one way
 };
 
-/// A vertex buffer as renderers fill it: little-endian, at any address.
+/// A vertex buffer as renderers fill it: little-endian, at any alignment.
 struct VertexBuffer {
   BufferKind kind = BufferKind::triangles;
   bool is_double = false;               // positions are three doubles, else three floats
   std::size_t stride_bytes = 0;         // from vertex to vertex
   std::size_t offset_bytes = 0;         // from a vertex's beginning to its position
-  std::span<const std::byte> vertices;  // whole vertices; what follows the last position may be left out
-  std::size_t index_bytes = 0;          // of one index: 2 or 4; 0: the vertices as they come
+  std::span<const std::byte> vertices;  // the last one may end after its position
+  std::size_t index_bytes = 0;          // of one index: 2 or 4; 0: there are none, vertices are used in their order
   std::span<const std::byte> indices{};
 };
 
-/// A buffer taken in: the vertices in double with their numbers, and what they are joined to.
-/// memory  24 bytes a vertex; 12 a triangle, 8 a segment, 4 a point
+/// A decoded buffer: the vertices in double, with their numbers in the buffer, and what they form.
+/// memory  24 bytes a vertex, 12 a triangle, 8 a segment, 4 a point
 struct DecodedBuffer {
-  TriangleMesh mesh;                                     // triangles, fan, strip; without triangles for the others
-  std::vector<std::array<std::uint32_t, 2>> segments{};  // segments, polyline
-  std::vector<std::uint32_t> points{};                   // points
+  TriangleMesh mesh;  // of triangles, a fan or a strip; for other kinds it has vertices only
+  std::vector<std::array<std::uint32_t, 2>> segments{};  // of segments or a polyline
+  std::vector<std::uint32_t> points{};                   // of points
 };
 
-/// Vertex numbers of triangle i of a strip; it is no triangle where two are equal, which only steers the strip.
+/// Vertex numbers of triangle i of a strip. Where two are equal it does not count as a triangle: such entries only
+/// steer the strip.
 inline TriangleCorners strip_triangle(std::span<const std::uint32_t> strip, std::size_t i) {
   const std::size_t odd = i % 2;
   return {strip[i + odd], strip[i + 1 - odd], strip[i + 2]};
 }
 
-/// True when two corners are equal.
+/// Whether two corners are equal.
 inline bool is_collapsed(const TriangleCorners& c) { return c[0] == c[1] || c[1] == c[2] || c[2] == c[0]; }
 
-/// The buffer's meaning, or why it has none: what, where, value, limit ("triangle 7: corner 2 is vertex 9 of 8").
+/// Decodes a buffer from anyone, or says why that is not possible: what, where, value, limit, as in
+/// "triangle 7: corner 2 is vertex 9 of 8".
 ///
-/// promise  reads nothing outside the spans; memory at most what DecodedBuffer says
+/// promise  reads nothing outside the spans; takes no more memory than DecodedBuffer says
 std::variant<DecodedBuffer, std::string> decode_buffer(const VertexBuffer& buffer);
 
-/// The buffer as a shape: its triangles as a mesh, its points as balls and its lines as capsules of that radius.
+/// The buffer as a shape, or why that is not possible: triangles become a mesh, points become balls and lines capsules
+/// of that radius.
 std::variant<Shape, std::string> shape_of_buffer(const VertexBuffer& buffer, double radius_m);
 
 }  // namespace collided::engine

@@ -18,21 +18,22 @@
 #include "server/intake/readers/vertex_buffer.hpp"
 #include "server/intake/scene.hpp"
 
-// Tables of idl/scene.fbs as values.
+// Decodes tables of idl/scene.fbs, from anyone, to values.
 namespace collided::engine {
 
-/// A hull is tested by all of its corners.
+/// Points of a hull at most: each test of a hull goes through all of its corners.
 inline constexpr std::size_t kMaxHullPoints = 4096;
 
-/// Lengths of normals whose squares and products are far from the ends of the range of double.
+/// Normals of half-spaces have lengths from this to its inverse, so that their squares and products stay well within
+/// the range of double.
 inline constexpr double kLeastNormal = 1e-30;
 
-/// What is wrong with a buffer, without a file name and a consequence; the caller adds both.
+/// What is wrong with a buffer. It is thrown, and the caller adds the file name and the consequence.
 struct Flaw {
   std::string what;
 };
 
-/// Structs and numbers of 8 bytes of a FlatBuffers vector are copied out: the verifier does not promise their alignment.
+/// The structs of a FlatBuffers vector, copied, since the verifier does not guarantee that 8-byte numbers are aligned.
 template <class Struct>
 std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
   std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
@@ -46,14 +47,17 @@ inline double number_at(const flatbuffers::Vector<double>& numbers, std::size_t 
   return number;
 }
 
-/// Turns a verified buffer into values and checks what they mean.
+/// Turns the tables of a verified buffer into values and checks their meaning. Every function throws a Flaw where
+/// something does not hold.
+/// threads  one at a time
 class SceneDecoder {
  public:
-  /// byte_budget  the buffer's own size. An honest buffer stores each number once; one that lets many tables share
-  ///              a mesh could otherwise ask for any amount of memory.
+  /// byte_budget  the buffer's size, which bounds the memory that the values take. A proper buffer stores each number
+  ///              once; one in which many tables share a mesh could otherwise make the decoder allocate any amount.
   SceneDecoder(std::uint64_t byte_budget, std::uint64_t max_triangles, std::uint64_t max_primitives)
       : byte_budget_(byte_budget), triangle_budget_(max_triangles), primitive_budget_(max_primitives) {}
 
+  /// A mesh with finite vertices and vertex numbers in range.
   TriangleMesh mesh(const format::Mesh& from) {
     const auto& numbers = *from.vertices();
     const auto& corners = *from.corners();
@@ -76,6 +80,7 @@ class SceneDecoder {
     return mesh;
   }
 
+  /// A shape with at least one part, scaled.
   Shape shape(const format::Shape& from) {
     Shape shape;
     add_spheres(from, shape);
@@ -95,12 +100,14 @@ class SceneDecoder {
     return shape;
   }
 
+  /// A finite point; `what` names it in a Flaw.
   Vec3 point(const format::Vec3& from, std::string_view what) const {
     const Vec3 point(from.x(), from.y(), from.z());
     if (!point.allFinite()) { throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])}; }
     return point;
   }
 
+  /// A quaternion of norm 1 within kUnitNormSlack, normalized where it is off by more than roundings.
   Quat rotation(const format::Quat& from, std::string_view what) const {
     Quat rotation(from.w(), from.x(), from.y(), from.z());
     const double norm = rotation.norm();
@@ -112,6 +119,7 @@ class SceneDecoder {
   }
 
  private:
+  // What a buffer asks for is taken off the budgets before memory is allocated for it.
   void spend_triangles(std::uint64_t count) {
     if (count > triangle_budget_) {
       throw Flaw{fmt::format("{} triangles, {} more are allowed", count, triangle_budget_)};
@@ -202,7 +210,7 @@ class SceneDecoder {
     }
   }
 
-  /// Both ends of an axis, which has a direction.
+  /// Both ends of an axis; they differ.
   std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to, const std::string& name) const {
     std::pair<Vec3, Vec3> ends{point(from, name + "one end"), point(to, name + "the other end")};
     if (ends.first == ends.second) { throw Flaw{name + "both ends of the axis are the same point"}; }
@@ -243,7 +251,7 @@ class SceneDecoder {
     }
   }
 
-  /// The points of a cloud or a line.
+  /// The points of a cloud or polyline.
   std::vector<Vec3> points(const format::Points& from, const std::string& name) {
     const auto& numbers = *from.points();
     if (numbers.size() % 3 != 0 || numbers.size() == 0) {

@@ -8,13 +8,14 @@
 #include "idl/scene_generated.h"
 #include "server/intake/scene.hpp"
 
-// Values as tables of idl/scene.fbs.
+// Encodes values as tables of idl/scene.fbs.
 namespace collided::engine {
 
 inline constexpr std::uint32_t kSceneFormat = 2;  // 1 had no checksum
-/// Set in every checksum, so that none is the zero that FlatBuffers leaves out.
+/// This bit is set in every checksum, so that none is 0: FlatBuffers does not store a 0.
 inline constexpr std::uint64_t kIsChecksum = std::uint64_t{1} << 32;
 
+/// Values as structs of the schema.
 inline format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
 inline format::Mat3 packed(const Mat3& from) {
   return {packed(Vec3(from.col(0))), packed(Vec3(from.col(1))), packed(Vec3(from.col(2)))};
@@ -22,7 +23,8 @@ inline format::Mat3 packed(const Mat3& from) {
 inline format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
 inline format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
 
-/// Turns values into tables of one buffer.
+/// Builds the tables of one FlatBuffers buffer. Call mesh(), shape() or scene() for the root, then bytes().
+/// threads  one at a time; meshes that are shared must outlive it
 class SceneEncoder {
  public:
   explicit SceneEncoder(std::size_t byte_count) : builder_(byte_count) {}
@@ -39,7 +41,7 @@ class SceneEncoder {
     return format::CreateMesh(builder_, vertices, corners);
   }
 
-  /// Written once for all the objects that have it.
+  /// The table of a mesh that several objects share; written once.
   flatbuffers::Offset<format::Mesh> shared_mesh(const TriangleMesh* from) {
     flatbuffers::Offset<format::Mesh>& known = meshes_[from];
     if (known.IsNull()) known = mesh(*from);
@@ -62,6 +64,7 @@ class SceneEncoder {
                                optional(parts.ellipsoids), hulls, optional(parts.half_spaces));
   }
 
+  /// Writes a whole scene as the root.
   void scene(const Scene& from) {
     std::vector<flatbuffers::Offset<format::Part>> parts;
     for (const Part& part : from.parts) {
@@ -90,9 +93,10 @@ class SceneEncoder {
                                                             object_vector, collapses, kIsChecksum));
   }
 
+  /// Makes a shape the root.
   void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
 
-  /// For tables of other schemas that hold those of this one.
+  /// For tables of other schemas that contain tables of this one.
   flatbuffers::FlatBufferBuilder& builder() { return builder_; }
 
   std::span<const std::byte> bytes() const {
@@ -122,6 +126,7 @@ class SceneEncoder {
     bool rotations_suffice = true;
   };
 
+  // A box is stored by its rotation, and by its axes too where the rotation does not give exactly the same bits.
   void add(const Sphere& sphere, Parts& parts) { parts.spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
   void add(const Capsule& c, Parts& parts) { parts.capsules.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
   void add(const Cylinder& c, Parts& parts) { parts.cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
@@ -155,6 +160,7 @@ class SceneEncoder {
   std::unordered_map<const TriangleMesh*, flatbuffers::Offset<format::Mesh>> meshes_;
 };
 
+/// Upper bounds on the bytes that a mesh or a shape takes in the buffer.
 inline std::uint64_t encoded_bytes(const TriangleMesh& mesh) {
   return mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners) + 64;
 }
@@ -167,7 +173,7 @@ inline std::uint64_t encoded_bytes(const Shape& shape) {
   return bytes;
 }
 
-/// Never less than the buffer will have.
+/// An upper bound on the bytes that the buffer will have.
 inline std::uint64_t encoded_bytes(const Scene& scene) {
   std::uint64_t bytes =
       1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(EdgeCollapse);

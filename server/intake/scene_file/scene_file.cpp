@@ -23,17 +23,17 @@ namespace {
 static_assert(sizeof(EdgeCollapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
 
-/// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
+/// FlatBuffers cannot address more: its offsets have 31 bits.
 constexpr std::uint64_t kMaxSceneFileBytes = (std::uint64_t{1} << 31) - 1;
 
-/// Scene, object, shape, mesh: an honest buffer goes no deeper.
+/// Depth of tables allowed. A proper buffer has scene, object, shape, mesh.
 constexpr std::uint32_t kMaxDepth = 5;
 
 Filter filter_of(const format::Filter* from) {
   return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
 }
 
-/// Takes each name of a scene once.
+/// Checks that the names of a scene are valid and occur once.
 class NameCheck {
  public:
   std::string take(const flatbuffers::String& name) {
@@ -49,7 +49,7 @@ class NameCheck {
   std::unordered_set<std::string_view> taken_;
 };
 
-/// from  a part or an object, of triangle_count triangles
+/// The origins of the pieces of a part or object with that many triangles.
 template <class Table>
 CutTriangles decode_pieces(const Table& from, const char* kind, std::uint64_t triangle_count) {
   if (from.piece_of() == nullptr || from.piece_of()->size() == 0) { return {}; }
@@ -125,7 +125,7 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   return scene;
 }
 
-/// The bytes at an address where doubles may lie: themselves, or a copy.
+/// Bytes at an address aligned for doubles: the given ones if they are, else a copy.
 class AlignedBytes {
  public:
   AlignedBytes(const void* data, std::size_t byte_count) : data_(static_cast<const std::uint8_t*>(data)) {
@@ -142,16 +142,16 @@ class AlignedBytes {
   const std::uint8_t* data_;
 };
 
-/// The root table of a buffer whose structure is sound, or null.
+/// The root table of a buffer if its structure is valid, else null.
 template <class Table>
 const Table* verified(const std::uint8_t* data, std::size_t byte_count, const char* identifier) {
   if (byte_count > kMaxSceneFileBytes) { return nullptr; }
-  // A table has 8 bytes at least, so more tables than that are shared ones: verifying them all could take for ever.
+  // A table takes at least 8 bytes, so more tables than that must share bytes, and verifying them could take for ever.
   flatbuffers::Verifier verifier(data, byte_count, kMaxDepth, static_cast<std::uint32_t>(byte_count / 8 + 1));
   return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
 }
 
-/// Where the checksum stands in verified tables; nothing where they have none.
+/// The offset of the checksum in verified tables; nothing where they have none.
 std::optional<std::size_t> checksum_place(const std::uint8_t* data) {
   const std::uint8_t* at = flatbuffers::GetRoot<flatbuffers::Table>(data)->GetAddressOf(format::Scene::VT_CHECKSUM);
   return at == nullptr ? std::nullopt : std::optional(static_cast<std::size_t>(at - data));
@@ -165,7 +165,8 @@ std::uint64_t checksum_of(const std::uint8_t* data, std::size_t byte_count, std:
   return kIsChecksum | crc32_z(sum, data + after, byte_count - after);
 }
 
-/// Decoding finds what makes no sense; a number that is another one makes sense.
+/// Throws a Flaw where the format is unknown or the checksum does not match. Decoding would not notice a number that
+/// was changed into another valid one.
 void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_t byte_count) {
   if (root.format() < 1 || root.format() > kSceneFormat) {
     throw Flaw{fmt::format("scene format {}, this program reads up to {}", root.format(), kSceneFormat)};
@@ -206,7 +207,7 @@ void seal_scene(std::span<std::byte> tables) {
 
 namespace {
 
-/// put(pieces) -> what went wrong, or nothing
+/// Saves a scene by put(pieces), which returns what went wrong, or an empty text.
 template <class Put>
 void save_scene_by(const std::string& name, const Scene& scene, const Put& put) {
   const auto fail = [&](const std::string& what) {

@@ -14,44 +14,48 @@
 
 namespace collided::engine {
 
-/// Writes a scene as a .cscene file (idl/scene.fbs): beside the path first, then renamed over it, so that who has the
-/// old file mapped keeps it whole and a crash leaves one of the two.
+/// Writes a scene as a .cscene file (idl/scene.fbs). It is first written beside the path and then renamed over it, so
+/// that a process that has the old file mapped keeps it whole, and a crash leaves either the old file or the new one.
 ///
-/// promise   load_scene gives the same bits back: vertices, corners, names, shapes, poses, and the indexes that the
-///           scene has, behind the tables (scene_index.hpp)
-/// throws    LoadError when the scene holds what loading would refuse, needs 2 GiB or more (what FlatBuffers can
-///           address: about 80 M triangles), or the file cannot be written
+/// promise   load_scene returns the same bits: vertices, corners, names, shapes, poses, and the scene's indexes, which
+///           follow the tables (scene_index.hpp)
+/// throws    LoadError where loading would refuse the scene, where it takes 2 GiB or more, which FlatBuffers cannot
+///           address (about 80 million triangles), or where the file cannot be written
 void save_scene(const std::string& path, const Scene& scene);
 
-/// The same to a file that is open already and empty, for a process that may open none; `name` is for complaints.
+/// The same into an open, empty file, for a process that is not allowed to open any. `name` is for errors.
 void save_scene(int file, const std::string& name, const Scene& scene);
 
-/// Makes the checksum of a scene file's tables theirs, where they are tables and have one; what save_scene does last.
+/// Writes the checksum of a scene file's tables into them, if they are valid tables with a checksum. save_scene does it
+/// last.
 void seal_scene(std::span<std::byte> tables);
 
-/// The scene in the bytes of a .cscene file. Its checksum fits (files of format 1 have none); structure is verified with bounded depth and count of tables, then
-/// meaning: finite numbers, vertex numbers in range, parts that tile the triangles, unit quaternions, sizes >= 0,
-/// names unique and fit. All of it holds or a LoadError says what does not.
+/// Reads the bytes of a .cscene file, from anyone. Checked are: the checksum (files of format 1 have none); the
+/// structure, with a limit on the depth and number of tables; then the meaning: finite numbers, vertex numbers in
+/// range, parts that cover the triangles once, unit quaternions, sizes of 0 or more, names valid and unique. A
+/// LoadError says what does not hold.
 Scene read_scene_file(const Reading& reading);
 
+/// How large a shape may be.
 struct ShapeLimits {
   std::uint64_t max_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_triangles = 1'000'000;
-  std::uint64_t max_primitives = kMaxCloudPoints;  // points of clouds and lines too
+  std::uint64_t max_primitives = kMaxCloudPoints;  // with the points of clouds and polylines
 };
 
-/// A shape, or why there is none ("sphere 2: radius -1 m, allowed are 0 and more").
+/// A shape, or why there is none, as in "sphere 2: radius -1 m, allowed are 0 and more".
 struct DecodedShape {
   std::optional<Shape> shape;
   std::string refusal;
 };
 
-/// The shape in a FlatBuffers buffer whose root is format::Shape, with the checks of read_scene_file.
-/// bytes     at any alignment, from anybody
+/// Decodes a FlatBuffers buffer whose root is format::Shape, with the checks of read_scene_file.
+///
+/// bytes     at any alignment, from anyone
 /// threads   pure; memory at most a small multiple of the bytes
 DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits = {});
 
-/// What decode_shape reads.
+/// The inverse of decode_shape.
 std::vector<std::byte> encode_shape(const Shape& shape);
 
 }  // namespace collided::engine

@@ -18,7 +18,7 @@ struct IndexEntry {
   std::uint64_t byte_count = 0;
 };
 
-/// The end of the file.
+/// The last bytes of the file.
 struct LastRecord {
   std::uint64_t table_bytes = 0;
   std::uint64_t list_first_byte = 0;
@@ -40,7 +40,7 @@ bool all_zero(std::span<const char> bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char byte) { return byte == 0; });
 }
 
-/// Whether the file ends in a record that fits it.
+/// Reads the last record. False where the file does not end in one that is consistent with it.
 bool read_last(std::span<const char> file, LastRecord& last) {
   if (file.size() < sizeof(LastRecord)) return false;
   std::memcpy(&last, file.data() + file.size() - sizeof(LastRecord), sizeof(LastRecord));
@@ -100,7 +100,8 @@ bool attach_indexes(std::span<const char> file, const std::shared_ptr<const void
   LastRecord last;
   if (!read_last(file, last)) return true;
   const auto bytes = std::as_bytes(file);
-  // Up to here each byte means something or is zero. Indexes follow each other, so copies take no more than the file has.
+  // `told` is where the known bytes end; the padding between must be zero. Indexes must follow each other, so copies of
+  // them take no more memory than the file.
   std::uint64_t told = last.table_bytes;
   std::uint64_t after = 0;
   for (std::uint32_t i = 0; i < last.entry_count; ++i) {

@@ -6,12 +6,14 @@
 
 namespace collided::engine {
 
-/// Puts a file in place of what is at the path, whole or not at all: written beside it, brought to the disk, renamed.
+/// Replaces the file at the path, or creates it, completely or not at all: the new file is written beside it, brought
+/// to the disk and renamed.
+///
 /// pieces    the bytes, one after the other
-/// returns   what went wrong, or nothing
+/// returns   what went wrong; empty: done
 std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces);
 
-/// Writes to a file that is open already, from where it stands, and brings it to the disk.
+/// Writes to an open file from its current position, and brings it to the disk. Returns as replace_file.
 std::string write_file(int file, std::span<const std::span<const std::byte>> pieces);
 
 }  // namespace collided::engine

@@ -7,14 +7,14 @@ namespace {
 
 constexpr std::uint32_t kStays = 0xffffffff;
 
-/// Of each vertex the number of the step that removes it, or kStays.
+/// By vertex: the number of the step that removes it, or kStays.
 std::vector<std::uint32_t> removal_steps(const CollapseOrder& order, std::size_t vertex_count) {
   std::vector<std::uint32_t> step_of(vertex_count, kStays);
   for (std::uint32_t step = 0; step < order.size(); ++step) step_of[order[step].removed] = step;
   return step_of;
 }
 
-/// How many steps are taken before two corners of the triangle meet; kStays: they never do.
+/// The step in which the triangle vanishes, since two of its corners become equal; kStays: it never does.
 std::uint32_t last_step(TriangleCorners corners, const CollapseOrder& order,
                         const std::vector<std::uint32_t>& step_of) {
   while (true) {
@@ -51,7 +51,7 @@ std::string flaw_of(const CollapseOrder& order, std::size_t vertex_count) {
 LevelTriangles level_after(const TriangleMesh& mesh, const CollapseOrder& order, std::size_t collapse_count) {
   std::vector<std::uint32_t> heir(mesh.vertices.size());
   for (std::uint32_t i = 0; i < heir.size(); ++i) heir[i] = i;
-  // Backwards, so that the heir of an heir is known when it is asked for.
+  // Backwards, so that the vertex that finally takes the place of `kept` is known already.
   for (std::size_t step = std::min(collapse_count, order.size()); step-- > 0;) {
     heir[order[step].removed] = heir[order[step].kept];
   }
@@ -70,7 +70,7 @@ LevelTriangles level_after(const TriangleMesh& mesh, const CollapseOrder& order,
 
 LevelTriangles level_with(const TriangleMesh& mesh, const CollapseOrder& order, std::size_t triangles_at_most) {
   const std::vector<std::uint32_t> step_of = removal_steps(order, mesh.vertices.size());
-  std::vector<std::size_t> vanish_at(order.size(), 0);  // how many triangles go with each step
+  std::vector<std::size_t> vanish_at(order.size(), 0);  // by step: how many triangles vanish in it
   for (const TriangleCorners& corners : mesh.triangles) {
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     if (const std::uint32_t step = last_step(corners, order, step_of); step != kStays) ++vanish_at[step];

@@ -9,36 +9,37 @@
 
 namespace collided::engine {
 
-/// One step of simplifying a mesh: every corner at `removed` goes to `kept`; triangles with two equal corners vanish.
+/// One step of simplifying a mesh: corners at vertex `removed` go to vertex `kept`, and triangles that then have two
+/// equal corners vanish.
 struct EdgeCollapse {
   std::uint32_t removed;
   std::uint32_t kept;
 };
 
-/// The steps from a mesh to its simplest form, each one vertex number fewer. Any number of them from the first on is a
-/// level of detail; vertices never move, and what is left of a triangle keeps its number.
+/// The steps from a mesh to its simplest form, each of which removes one vertex. The first k steps, for any k, make a
+/// level of detail. Vertices never move, and a triangle that remains keeps its number.
 using CollapseOrder = std::vector<EdgeCollapse>;
 
-/// A level of detail: triangles of the original by number, with the corners that are left to them.
+/// A level of detail: triangles of the original by number, with their corners at that level.
 struct LevelTriangles {
   std::vector<TriangleCorners> triangles;
   std::vector<std::uint32_t> originals;  // numbers in the original mesh, ascending; one a triangle
 };
 
-/// Why the steps can't be taken on a mesh of that many vertices; empty: they can. Each vertex goes at most once, and
-/// to one that is still there.
+/// Why the steps cannot be taken on a mesh with that many vertices; empty: they can. Each vertex may go at most once,
+/// to one that has not gone itself.
 /// cost  O(steps)
 std::string flaw_of(const CollapseOrder& order, std::size_t vertex_count);
 
-/// What the first collapse_count steps leave of the mesh. The order must be without flaw.
+/// The mesh after the first collapse_count steps. The order must have no flaw.
 /// cost  O(triangles)
 LevelTriangles level_after(const TriangleMesh& mesh, const CollapseOrder& order, std::size_t collapse_count);
 
-/// The level with the fewest collapses that has at most that many triangles, or the simplest there is.
+/// The level with the fewest steps that has at most that many triangles; if there is none, the simplest level.
 /// cost  O(triangles + steps)
 LevelTriangles level_with(const TriangleMesh& mesh, const CollapseOrder& order, std::size_t triangles_at_most);
 
-/// A level as a mesh of its own, without vertices that it does not use. Vertices keep their order.
+/// A level as a separate mesh, with only the vertices that it uses, in their order.
 TriangleMesh compact_mesh(const TriangleMesh& mesh, const LevelTriangles& level);
 
 }  // namespace collided::engine

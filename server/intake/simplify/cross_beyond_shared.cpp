@@ -16,7 +16,7 @@ namespace {
 using Points = std::array<Vec3, 3>;
 using Sides = std::array<std::optional<int>, 3>;
 
-/// The triangle from that corner on, turning the same way.
+/// The same triangle, beginning with another corner.
 TriangleCorners turned(const TriangleCorners& corners, std::size_t first) {
   return {corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
 }
@@ -25,7 +25,7 @@ Points points_of(const std::vector<Vec3>& vertices, const TriangleCorners& corne
   return {vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]};
 }
 
-/// Of points in one plane: without the coordinate that the plane's normal is largest along.
+/// The axis along which the plane's normal is largest: without it, points in the plane stay distinct.
 int axis_to_drop(const Points& plane) {
   int axis = 0;
   const Vec3 normal = (plane[1] - plane[0]).cross(plane[2] - plane[0]);
@@ -35,7 +35,7 @@ int axis_to_drop(const Points& plane) {
 
 PlanePoint seen_along(const Vec3& point, int axis) { return {point[(axis + 1) % 3], point[(axis + 2) % 3]}; }
 
-/// All of those points lie strictly on the side of the line a b where c is not. False for c on the line.
+/// Whether all of the others lie strictly on the far side of the line ab from c. False where c is on the line.
 template <std::size_t count>
 bool parts(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const std::array<PlanePoint, count>& others) {
   const int inside = turn(a, b, c);
@@ -46,8 +46,8 @@ bool parts(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const 
   return true;
 }
 
-/// Two triangles in one plane, of which the first `shared` corners are the same (0 or 1): apart but for those?
-/// Convex sets are, exactly if the line of some edge parts them; at a shared corner the line goes through it.
+/// Whether two triangles in one plane, whose first `shared` corners (0 or 1) are the same, have nothing else in common.
+/// That is so exactly if the line of some edge separates them; with a shared corner, the line goes through it.
 template <std::size_t shared>
 bool are_apart_in_plane(const Points& one, const Points& other) {
   const int axis = axis_to_drop(one);
@@ -74,7 +74,7 @@ Sides sides_of(const OrientedPlane& plane, const Points& points) {
 
 bool is_known(const Sides& sides) { return sides[0] && sides[1] && sides[2]; }
 
-/// The line through p and q, which is not parallel to the triangle, goes through it; touching counts.
+/// Whether the line through p and q, which is not parallel to the triangle, meets it; touching counts.
 bool line_goes_through(const Vec3& p, const Vec3& q, const Points& triangle) {
   bool left = false;
   bool right = false;
@@ -87,7 +87,7 @@ bool line_goes_through(const Vec3& p, const Vec3& q, const Points& triangle) {
   return !(left && right);
 }
 
-/// A segment whose ends have these sides of the triangle's plane, not both 0, meets the triangle.
+/// Whether the segment pq, whose ends have these sides of the triangle's plane (not both 0), meets the triangle.
 bool meets(const Vec3& p, const Vec3& q, int side_p, int side_q, const Points& triangle) {
   return side_p * side_q <= 0 && line_goes_through(p, q, triangle);
 }
@@ -102,8 +102,8 @@ bool share_nothing_and_meet(const Points& one, const Points& other) {
   if (!is_known(of_one)) return true;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
-    // An edge within the other's plane meets it only where an edge of the other, across the plane, meets this triangle,
-    // or where it crosses an edge of the other in that plane: then that edge's neighbour across the plane is asked.
+    // Edges that lie in the other triangle's plane are left out: where one of them meets the other triangle, so does
+    // another edge of the two that crosses the plane, and that one is tested.
     if ((*of_one[i] != 0 || *of_one[j] != 0) && meets(one[i], one[j], *of_one[i], *of_one[j], other)) return true;
     if ((*of_other[i] != 0 || *of_other[j] != 0) && meets(other[i], other[j], *of_other[i], *of_other[j], one))
       return true;
@@ -111,7 +111,8 @@ bool share_nothing_and_meet(const Points& one, const Points& other) {
   return false;
 }
 
-/// Corner 0 is shared. What both have in common is convex, so beyond it they meet where the far edge of one meets the other.
+/// For triangles that share corner 0. What they have in common is convex, so if they have more in common than the
+/// corner, the edge opposite to it in one triangle meets the other.
 bool share_corner_and_meet(const Points& one, const Points& other) {
   const OrientedPlane plane(one[0], one[1], one[2]);
   const std::optional<int> side_1 = plane.side(other[1]);
@@ -126,7 +127,7 @@ bool share_corner_and_meet(const Points& one, const Points& other) {
   return (*one_1 != 0 || *one_2 != 0) && meets(one[1], one[2], *one_1, *one_2, other);
 }
 
-/// Corners 0 and 1 are the shared edge.
+/// For triangles that share the edge of corners 0 and 1: whether they lie on each other.
 bool share_edge_and_fold(const Points& one, const Vec3& other_tip) {
   const std::optional<int> side = orientation(one[0], one[1], one[2], other_tip);
   if (!side) return true;
@@ -166,7 +167,7 @@ TriangleSides::Rest TriangleSides::rest_of(const std::vector<Vec3>& vertices, co
   return rest;
 }
 
-/// As in turn(): its filter with the same bound, by the differences to the side's begin.
+/// The filter of turn() with the same error bound, on differences from the beginning of the side.
 bool TriangleSides::is_beyond(std::size_t side, const Rest& rest) const {
   for (std::size_t i = 0; i < rest.count; ++i) {
     const double left = along_[side][0] * ((*rest.points[i])[v_] - from_[side][1]);

@@ -10,7 +10,8 @@
 namespace collided::engine {
 namespace {
 
-/// Below the value, by at most 2^-22 of it: rounding takes back at most half of the 2^-23 that are taken off first.
+/// A float below the value, by at most 2^-22 of it: 2^-23 of it is subtracted, of which rounding adds back at most
+/// half.
 float down(double value) {
   constexpr double kFloatStep = 0x1p-23;
   constexpr double kBelowFloats = 0x1p-140;
@@ -24,7 +25,7 @@ float up(double value) { return -down(-value); }
 GrowingTree::Box GrowingTree::box_of(const Aabb& bounds) const {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
-    // The difference is rounded to double first, which the step outward covers.
+    // The difference is rounded to double first; the step outward is larger than that error.
     box.low[axis] = down(bounds.low[axis] - origin_[axis]);
     box.high[axis] = up(bounds.high[axis] - origin_[axis]);
   }

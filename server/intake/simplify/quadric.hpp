@@ -4,7 +4,7 @@
 
 namespace collided::engine {
 
-/// A sum of squared distances to planes, each times a weight, as a function of the point.
+/// The weighted sum of a point's squared distances to planes, as a quadratic function of the point.
 /// source  Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997
 struct Quadric {
   Vec3 squares = Vec3::Zero();  // xx, yy, zz
@@ -25,6 +25,7 @@ struct Quadric {
     linear += more.linear;
     constant += more.constant;
   }
+  /// The sum for this point.
   double at(const Vec3& p) const {
     const Vec3 next(p[1], p[2], p[0]);
     return p.cwiseProduct(p).dot(squares) + 2 * (p.cwiseProduct(next).dot(mixed) + p.dot(linear)) + constant;

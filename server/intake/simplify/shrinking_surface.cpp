@@ -12,7 +12,7 @@ ShrinkingSurface::ShrinkingSurface(const TriangleMesh& mesh)
   for (std::uint32_t i = 0; i < corners_.size(); ++i) {
     TriangleCorners& c = corners_[i];
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
-      c[1] = c[0];  // dead from the beginning
+      c[1] = c[0];  // never live
       continue;
     }
     ++live_count_;
@@ -34,7 +34,7 @@ std::vector<std::uint32_t> ShrinkingSurface::live_triangles() const {
 
 void ShrinkingSurface::find_ring(std::uint32_t vertex, std::vector<std::uint32_t>& ring) {
   ring.clear();
-  // What has died is taken out of the list on the way.
+  // Vanished triangles are removed from the list in passing.
   std::uint32_t* link = &first_[vertex];
   while (*link != kNone) {
     const std::uint32_t at = *link;
@@ -64,7 +64,7 @@ void ShrinkingSurface::find_neighbours(std::uint32_t vertex, const std::vector<s
 bool ShrinkingSurface::may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours,
                                  const Neighbour& kept) {
   find_ring(kept.vertex, other_ring_);
-  // All triangles of both lie between the two: nothing would be left.
+  // All triangles at either vertex are at the edge between them: the piece would vanish.
   if (ring.size() == kept.triangle_count && other_ring_.size() == kept.triangle_count) return false;
   find_neighbours(kept.vertex, other_ring_, other_neighbours_);
   std::size_t common_count = 0;

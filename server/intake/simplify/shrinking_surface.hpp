@@ -7,8 +7,10 @@
 
 namespace collided::engine {
 
-/// A mesh whose vertices can be merged one into another: which triangles are at a vertex, and what may be merged
-/// without changing how the surface hangs together.
+/// A mesh whose vertices are merged one into another while it is simplified. It knows which triangles are at a vertex,
+/// and which vertices may be merged without changing the surface's topology.
+///
+/// threads  one at a time; the mesh must outlive it
 /// Always: no live triangle has two equal corners.
 class ShrinkingSurface {
  public:
@@ -20,25 +22,27 @@ class ShrinkingSurface {
   std::size_t live_count() const { return live_count_; }
   std::vector<std::uint32_t> live_triangles() const;
 
-  /// The live triangles at a vertex, in a vector that the caller keeps.
+  /// Fills `ring` with the live triangles at a vertex.
   void find_ring(std::uint32_t vertex, std::vector<std::uint32_t>& ring);
 
+  /// A vertex that shares an edge with another one.
   struct Neighbour {
     std::uint32_t vertex;
-    std::uint32_t triangle_count;  // at the edge to it
+    std::uint32_t triangle_count;  // at that edge
   };
-  /// Each vertex that shares a triangle with this one.
+  /// Fills `neighbours` with each vertex that shares a triangle with this one.
+  /// ring  of the vertex, from find_ring
   void find_neighbours(std::uint32_t vertex, const std::vector<std::uint32_t>& ring,
                        std::vector<Neighbour>& neighbours) const;
 
-  /// Merging keeps the surface's pieces, holes and borders: the two have no common neighbour but the tips of the
-  /// triangles between them, and something is left.
+  /// Whether merging a vertex into its neighbour `kept` leaves the surface's pieces, holes and borders as they are: the
+  /// two have no common neighbours but the tips of the triangles at their edge, and the piece does not vanish.
   /// ring, neighbours  of the vertex that goes
   /// source            link condition: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999
   bool may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours,
                  const Neighbour& kept);
 
-  /// Puts `kept` in the place of `removed`; the triangles that had both vanish.
+  /// Replaces `removed` by `kept`; the triangles that had both vanish.
   void merge(std::uint32_t removed, std::uint32_t kept);
 
  private:

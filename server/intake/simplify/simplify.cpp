@@ -20,15 +20,16 @@ namespace {
 
 using UnitNormal = Eigen::Vector3f;
 
-/// Cosine of the largest angle that a normal may turn, from what it was in the mesh and in one step. Enough above 0 that
-/// the rounding of normals in single precision can't hide 90 degrees; no exact answer depends on it.
+/// Cosine of the largest angle by which a normal may turn, compared with the original mesh and in one step. Far enough
+/// above 0 that rounding normals to single precision cannot hide 90 degrees. No exact answer depends on it.
 constexpr float kLeastTurnCosine = 0.05f;
 
-/// Of the squared length of an edge, added to a quadric's mean squared distance: among collapses that move the surface
-/// hardly at all, short edges go first, which keeps triangles round.
+/// This fraction of an edge's squared length is added to the mean squared distance of a quadric: among collapses that
+/// hardly move the surface, short edges go first, which keeps triangles from becoming slivers.
 constexpr double kShortEdgesFirst = 1e-6;
 
-/// Weight of a plane across the surface at its border, which keeps the border's outline, against that of the surface.
+/// Weight, relative to the surface's own planes, of the planes across the surface along its border, which keep the
+/// border's outline.
 constexpr double kBorderWeight = 1;
 
 UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -37,13 +38,14 @@ UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return length > 0 ? UnitNormal((normal / length).cast<float>()) : UnitNormal::Zero();
 }
 
-/// Costs count by two steps an octave. Among those of one step the vertex number decides, which follows the surface in
-/// space: the next collapse is mostly near the last one and its numbers are in the cache still.
+/// Rounds a cost down to one of two steps for each power of two. Among equal costs the vertex number decides, which
+/// follows the surface in space: so the next collapse is mostly near the last one, and its data is still in the cache.
 float in_steps(double cost) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(static_cast<float>(cost)) & 0xffc00000);
 }
 
-/// One vertex and how cheaply it can go, or less: what has become dearer since is found out when its turn comes.
+/// A vertex and a lower bound on the cost of removing it. Where the cost has risen since, that is noticed when the
+/// offer comes first in the queue.
 struct Offer {
   float cost;
   std::uint32_t vertex;
@@ -126,8 +128,8 @@ class Simplifier {
     }
   }
 
-  /// Planes of the triangles by their area, and across the border along its edges. About a point of the mesh, so that
-  /// coordinates far from 0 leave their digits to the distances.
+  /// Quadrics of the triangles' planes, weighted by area, and of planes across the surface along its border. They are
+  /// relative to a point of the mesh, so that coordinates far from 0 cost the distances no digits.
   void find_quadrics(const TriangleMesh& mesh) {
     quadrics_.resize(mesh.vertices.size());
     weights_.resize(mesh.vertices.size(), 0);
@@ -185,7 +187,8 @@ class Simplifier {
     return std::max(error, 0.0) + kShortEdgesFirst * weight * length2;
   }
 
-  /// Where the vertex may go, cheapest first; empty: nowhere. A border vertex goes along the border.
+  /// Fills targets_ with the vertices that this one may be merged into, cheapest first. A border vertex moves only
+  /// along the border.
   void find_targets(std::uint32_t vertex, std::vector<std::uint32_t>& ring) {
     targets_.clear();
     if (is_locked_[vertex]) return;
@@ -214,7 +217,8 @@ class Simplifier {
     push(vertex, best == targets_.end() ? kNever : in_steps(best->cost));
   }
 
-  /// After a collapse into `kept`: the other ways of its neighbour are as they were or dearer.
+  /// After a collapse into `kept`, updates the offer of a neighbour: only its collapse into `kept` may have become
+  /// cheaper.
   void offer_neighbour(std::uint32_t vertex, std::uint32_t kept) {
     if (tried_[vertex] > 0 || offered_[vertex] == kNever) return offer(vertex, ring_);
     const float cost = in_steps(cost_of(vertex, kept));
@@ -225,7 +229,7 @@ class Simplifier {
     return a.cost != b.cost ? a.cost < b.cost : a.kept.vertex < b.kept.vertex;
   }
 
-  /// Tries the vertex's next target; where a guard refuses, the one after it waits for its turn.
+  /// Tries the vertex's next target. Where a guard refuses it, the target after it is offered at its own cost.
   void take(const Offer& offered, CollapseOrder& order) {
     const std::uint32_t vertex = offered.vertex;
     find_targets(vertex, ring_);
@@ -244,9 +248,9 @@ class Simplifier {
     push(vertex, is_last ? kNever : in_steps(targets_[at + 1].cost));
   }
 
-  /// ring_ and neighbours_ are those of the vertex.
+  /// Whether all guards allow merging the vertex into `kept`. ring_ and neighbours_ must be those of the vertex.
   bool is_allowed(std::uint32_t vertex, const Neighbour& kept) {
-    // What stays unlocked has a ring of one part, whose last triangle stays.
+    // An unlocked vertex has triangles of one part only, and each part's last triangle stays.
     const bool empties_part = left_in_part_[part_of_[ring_.front()]] <= kept.triangle_count;
     if (empties_part || !surface_.may_merge(ring_, neighbours_, kept)) {
       ++report_.topology_refusals;
@@ -264,7 +268,7 @@ class Simplifier {
     return true;
   }
 
-  /// The triangles that stay, as they would be.
+  /// Fills moved_ with the vertex's triangles that would not vanish, as they would be after the collapse.
   void find_moved(std::uint32_t vertex, std::uint32_t kept) {
     moved_.clear();
     for (const std::uint32_t triangle : ring_) {
@@ -287,7 +291,7 @@ class Simplifier {
       const UnitNormal after = normal_of(moved.corners);
       const UnitNormal before = normal_of(surface_.corners()[moved.triangle]);
       const UnitNormal& first = normals_[moved.triangle];
-      // A triangle without area has no normal that could turn, but nothing becomes one.
+      // A triangle that has no area has no normal that could turn, but no triangle may lose its area.
       if (after.isZero(0)) return true;
       if (!first.isZero(0) && !(after.dot(first) > kLeastTurnCosine)) return true;
       if (!before.isZero(0) && !(after.dot(before) > kLeastTurnCosine)) return true;
@@ -295,7 +299,7 @@ class Simplifier {
     return false;
   }
 
-  /// Some triangle as it would be meets another of them, or one of the rest.
+  /// Whether one of the moved triangles would meet another one, or one of the other triangles, beyond what they share.
   bool crosses() {
     const std::vector<Vec3>& vertices = surface_.vertices();
     moved_sides_.clear();
@@ -355,7 +359,7 @@ class Simplifier {
   Vec3 origin_ = Vec3::Zero();
   std::vector<UnitNormal> normals_;  // of the triangles as they were in the mesh
   std::vector<Quadric> quadrics_;    // by vertex, about the origin
-  std::vector<double> weights_;      // by vertex: areas that its quadric stands for
+  std::vector<double> weights_;      // by vertex: sum of the weights in its quadric
   std::priority_queue<Offer> offers_;
   static constexpr float kNever = std::numeric_limits<float>::infinity();
   std::vector<float> offered_;       // by vertex: the cost in its valid offer
@@ -364,7 +368,7 @@ class Simplifier {
   std::vector<std::uint32_t> is_in_ring_;  // by triangle: the last stamp
   std::uint32_t ring_stamp_ = 0;
 
-  // Of the vertex at work; kept for their memory.
+  // For the vertex being tried; kept to reuse their memory.
   std::vector<std::uint32_t> ring_;
   std::vector<Neighbour> neighbours_;
   std::vector<Neighbour> changed_;
@@ -375,7 +379,7 @@ class Simplifier {
   std::vector<GrowingTree::Meeting> near_;
 };
 
-/// A mesh whose numbers follow its places, without equal vertices in use.
+/// A mesh whose vertices and triangles are numbered in spatial order, and that uses one vertex for each place.
 struct SortedMesh {
   TriangleMesh mesh;
   std::vector<std::uint32_t> original;  // vertex numbers

@@ -8,16 +8,16 @@
 
 namespace collided::draw {
 
-/// From values to pixels along one axis, with its ticks.
+/// Maps values to pixels along one axis of a plot, and chooses its ticks. Immutable.
 class AxisMap {
  public:
   AxisMap(const Axis& axis, const std::vector<double>& values, double first_px, double last_px);
 
   double pixel(double value) const;
   double value_at(double fraction) const;
-  /// Round values within the axis, few enough for texts of the given room; (value, text).
+  /// Ticks as (value, text): round values within the axis, few enough for texts of that size.
   std::vector<std::pair<double, std::string>> ticks(double room_px) const;
-  /// Some value has no place on a logarithmic axis and is drawn at its low end.
+  /// Whether some value has no place on a logarithmic axis, so it is drawn at its low end.
   bool has_zero() const { return has_zero_; }
   double low() const { return low_; }
   double high() const { return high_; }
