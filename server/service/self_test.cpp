@@ -1,7 +1,7 @@
 #include "server/service/self_test.hpp"
 
-#include "server/world/query/audit.hpp"
-#include "server/world/query/random_questions.hpp"
+#include "server/world/audit/audit.hpp"
+#include "server/world/audit/random_questions.hpp"
 
 namespace collided::engine::service {
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "server/geometry/mesh.hpp"
-#include "server/world/query/opinion_request.hpp"
+#include "server/world/audit/opinion_request.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 // What is sent to collided-opinion: a request or a refusal, whatever the bytes.

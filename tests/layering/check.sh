@@ -40,6 +40,7 @@ declare -A within=(
   [world/events]="objects"
   [world/step]=". objects events"
   [world/query]=". objects step"
+  [world/audit]=". objects step query"
   [service/runtime]=""
   [service/recording]="runtime"
   [service/events]="recording runtime"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/world/query/opinion_request.hpp"
+#include "server/world/audit/opinion_request.hpp"
 
 namespace collided::engine {
 

@@ -22,7 +22,7 @@
 #include "server/service/questions/background_audit.hpp"
 #include "server/service/runtime/work_queue.hpp"
 #include "server/service/world_loop.hpp"
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/menu.hpp"
 
 namespace collided::engine::service {
 

@@ -6,7 +6,7 @@
 #include "idl/commands.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/questions/validation.hpp"
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/menu.hpp"
 
 namespace collided::engine::service {
 

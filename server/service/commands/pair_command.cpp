@@ -6,7 +6,7 @@
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
-#include "server/world/query/fcl_opinion.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine::service {

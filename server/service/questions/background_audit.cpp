@@ -5,7 +5,7 @@
 
 #include "idl/topics.hpp"
 #include "server/service/questions/time_slice.hpp"
-#include "server/world/query/audit.hpp"
+#include "server/world/audit/audit.hpp"
 
 namespace collided::engine::service {
 

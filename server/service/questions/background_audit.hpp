@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/world/query/fcl_opinion.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {

@@ -5,8 +5,8 @@
 
 #include "server/world/objects/parts.hpp"
 #include "server/world/objects/surface_distance.hpp"
-#include "server/world/query/boxes_only.hpp"
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/boxes_only.hpp"
+#include "server/world/audit/menu.hpp"
 #include "server/world/query/plan.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/query/question.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/world/query/audit.hpp"
+#include "server/world/audit/audit.hpp"
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "server/geometry/convex_hull.hpp"
 #include "server/intake/child_process.hpp"
-#include "server/world/query/fcl_opinion.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/world.hpp"
 #include "tests/scenes/meshes.hpp"
 

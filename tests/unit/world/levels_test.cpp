@@ -7,7 +7,7 @@
 #include "server/intake/simplify/simplify.hpp"
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/objects/surface_distance.hpp"
-#include "server/world/query/audit.hpp"
+#include "server/world/audit/audit.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/menu.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"

@@ -7,9 +7,9 @@
 #include "server/exact_phase/part.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/parts.hpp"
-#include "server/world/query/boxes_only.hpp"
-#include "server/world/query/menu_table.hpp"
-#include "server/world/query/random_questions.hpp"
+#include "server/world/audit/boxes_only.hpp"
+#include "server/world/audit/menu_table.hpp"
+#include "server/world/audit/random_questions.hpp"
 
 namespace collided::engine {
 namespace {

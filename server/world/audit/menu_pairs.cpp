@@ -8,8 +8,8 @@
 
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/exactly.hpp"
-#include "server/world/query/exact_answer.hpp"
-#include "server/world/query/menu_table.hpp"
+#include "server/world/audit/exact_answer.hpp"
+#include "server/world/audit/menu_table.hpp"
 #include "server/world/query/object_parts.hpp"
 #include "server/world/query/pair_report.hpp"
 

@@ -1,4 +1,4 @@
-#include "server/world/query/exact_answer.hpp"
+#include "server/world/audit/exact_answer.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "server/world/query/opinion_request.hpp"
+#include "server/world/audit/opinion_request.hpp"
 #include "server/world/query/pair_report.hpp"
 #include "server/world/query/query.hpp"
 

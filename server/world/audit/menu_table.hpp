@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/menu.hpp"
 
 namespace collided::engine {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/world/query/fcl_opinion.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {

@@ -1,4 +1,4 @@
-#include "server/world/query/boxes_only.hpp"
+#include "server/world/audit/boxes_only.hpp"
 
 #include <algorithm>
 #include <cmath>

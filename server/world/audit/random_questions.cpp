@@ -1,4 +1,4 @@
-#include "server/world/query/random_questions.hpp"
+#include "server/world/audit/random_questions.hpp"
 
 #include <limits>
 

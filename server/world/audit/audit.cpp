@@ -1,8 +1,8 @@
-#include "server/world/query/audit.hpp"
+#include "server/world/audit/audit.hpp"
 
 #include <fmt/format.h>
 
-#include "server/world/query/exact_answer.hpp"
+#include "server/world/audit/exact_answer.hpp"
 
 namespace collided::engine {
 

@@ -1,4 +1,4 @@
-#include "server/world/query/opinion_request.hpp"
+#include "server/world/audit/opinion_request.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "server/world/query/fcl_opinion.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 
 #include <fmt/format.h>
 

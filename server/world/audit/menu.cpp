@@ -1,4 +1,4 @@
-#include "server/world/query/menu.hpp"
+#include "server/world/audit/menu.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <set>
 
 #include "server/geometry/float_environment.hpp"
-#include "server/world/query/boxes_only.hpp"
-#include "server/world/query/exact_answer.hpp"
-#include "server/world/query/menu_table.hpp"
-#include "server/world/query/random_questions.hpp"
+#include "server/world/audit/boxes_only.hpp"
+#include "server/world/audit/exact_answer.hpp"
+#include "server/world/audit/menu_table.hpp"
+#include "server/world/audit/random_questions.hpp"
 
 namespace collided::engine {
 namespace {
