@@ -29,6 +29,11 @@ import time
 
 COLUMNS = 100
 COMMAND_SECONDS = 60
+# What differs from run to run; lines that differ in nothing else are equal.
+VARIES = [(re.compile(pattern), text) for pattern, text in [
+    (r"\bin [0-9.]+ (us|ms|s)\b", "in TIME"), (r"[0-9.]+ frames/s", "RATE"), (r"\bworld [0-9]+", "world N"),
+    (r"\bpid [0-9]+", "pid N"), (r"\bdomain [0-9]+", "domain N"), (r"\bepoch [0-9]+", "epoch N"),
+    (r"127\.0\.0\.1:[0-9]+", "ADDRESS")]]
 # Statistics of a batch: times differ from run to run.
 STATISTICS = re.compile(r"^ [0-9 ]+ (rays|spheres|boxes|points) |^     [0-9.]+ (us|ms|s): ")
 
@@ -79,6 +84,12 @@ def run(command, environment, folder):
     if lines and not lines[-1]:
         lines.pop()
     return [line.rstrip() for line in lines if not STATISTICS.match(line)]
+
+
+def without_times(line):
+    for pattern, text in VARIES:
+        line = pattern.sub(text, line)
+    return line.rstrip()
 
 
 def start_server(collided, environment, folder):
@@ -162,12 +173,13 @@ def main():
     if commands < arguments.least or (arguments.least == 0 and blocks):
         sys.exit(f"{arguments.doc.name} has {commands} commands in {blocks} console blocks; {arguments.least} are expected")
     if arguments.write:
+        known = {without_times(line): line.rstrip() for line in lines}
+        result = [known.get(without_times(line), line) for line in result]
         arguments.doc.write_text("\n".join(result) + "\n", encoding="utf-8")
         print(f"{arguments.doc.name}: {commands} commands written")
         return
-    shown = [line.rstrip() for line in lines]
-    differences = list(difflib.unified_diff(shown, [line.rstrip() for line in result], arguments.doc.name, "what came out",
-                                            lineterm=""))
+    differences = list(difflib.unified_diff([without_times(line) for line in lines], [without_times(line) for line in result],
+                                            arguments.doc.name, "what came out", lineterm=""))
     if differences:
         print("\n".join(differences))
         sys.exit(f"{arguments.doc.name} shows what the programs do not print")
