@@ -31,7 +31,7 @@ COLUMNS = 100
 COMMAND_SECONDS = 60
 # What differs from run to run; lines that differ in nothing else are equal.
 VARIES = [(re.compile(pattern), text) for pattern, text in [
-    (r"\bin [0-9.]+ (us|ms|s)\b", "in TIME"), (r"[0-9.]+ frames/s", "RATE"), (r"\bworld [0-9]+", "world N"),
+    (r"\bin [0-9.]+ (us|ms|s)\b", "in TIME"), (r"[0-9.]+ frames/s", "RATE"), (r"\b[0-9.]+ ms$", "TIME"), (r"\bworld [0-9]+", "world N"),
     (r"\bpid [0-9]+", "pid N"), (r"\bdomain [0-9]+", "domain N"), (r"\bepoch [0-9]+", "epoch N"),
     (r"127\.0\.0\.1:[0-9]+", "ADDRESS")]]
 # Statistics of a batch: times differ from run to run.
@@ -49,25 +49,19 @@ def terminal():
 
 
 def read_until_end(ours, process):
-    """All that is written to the terminal; what takes too long is ended."""
+    """All that is written to the terminal up to a silence after the process's end; what takes too long is ended."""
     seen = bytearray()
     limit = time.monotonic() + COMMAND_SECONDS
     while True:
-        ready, _, _ = select.select([ours], [], [], 0.2)
-        if not ready:
-            if process.poll() is not None:
-                return bytes(seen)
-            if time.monotonic() > limit:
-                os.killpg(process.pid, signal.SIGKILL)
-                return bytes(seen) + b"(did not end)\n"
-            continue
-        try:
-            piece = os.read(ours, 65536)
-        except OSError:  # the other end is closed
+        has_ended = process.poll() is not None
+        ready, _, _ = select.select([ours], [], [], 0.05)
+        if ready:
+            seen += os.read(ours, 65536)
+        elif has_ended:
             return bytes(seen)
-        if not piece:
-            return bytes(seen)
-        seen += piece
+        elif time.monotonic() > limit:
+            os.killpg(process.pid, signal.SIGKILL)
+            return bytes(seen) + b"(did not end)\n"
 
 
 def run(command, environment, folder):
@@ -75,9 +69,10 @@ def run(command, environment, folder):
     ours, theirs = terminal()
     process = subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
                                env=environment, cwd=folder, start_new_session=True)
-    os.close(theirs)
+    # Our end of what it writes to stays open: a terminal that nobody writes to any more may lose the last line.
     text = read_until_end(ours, process).decode()
-    os.close(ours)
+    for end in (ours, theirs):
+        os.close(end)
     process.wait()
     # A progress line is drawn over itself and erased.
     lines = [re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", line.split("\r")[-1]) for line in text.split("\n")]
