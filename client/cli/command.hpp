@@ -71,6 +71,7 @@ std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_help();
+std::unique_ptr<Command> make_man();
 std::unique_ptr<Command> make_version();
 
 /// For verbs whose words are passed on: check, convert and implicit take them here instead of through declare().
