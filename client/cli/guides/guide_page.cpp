@@ -43,7 +43,7 @@ std::string bright_words(const std::string& text, bool bright) {
 void add_indented(std::string& page, const std::vector<std::string>& lines, std::string_view first,
                   std::size_t indent) {
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    page += k == 0 ? fmt::format("{:<{}}", first, indent) : std::string(indent, ' ');
+    if (!lines[k].empty()) page += k == 0 ? fmt::format("{:<{}}", first, indent) : std::string(indent, ' ');
     page += lines[k] + '\n';
   }
 }

@@ -139,10 +139,10 @@ void print_help(Io& io) {
       if (verb.group == group) names += (names.empty() ? "" : "  ") + std::string(verb.name);
     }
     const bool last = group == kGroups.back();
-    if (last) names = fmt::format("{:<42}collide help VERB", names);
+    if (last) names = fmt::format("{:<42}collide help VERB|GUIDE", names);
     if (!names.empty()) io.out << fmt::format("{:<9}{}\n", group, names);
   }
-  io.out << guide_lines() << fmt::format("{:<51}collide help GUIDE\n", "");
+  io.out << guide_lines();
 }
 
 void print_common_options(Io& io) {
