@@ -89,7 +89,7 @@ def without_times(line):
 
 def start_server(collided, environment, folder):
     with open(os.path.join(folder, "server.out"), "wb") as said:
-        server = subprocess.Popen([collided], stdin=subprocess.DEVNULL, stdout=said, stderr=said, env=environment, cwd=folder)
+        server = subprocess.Popen([os.path.abspath(collided)], stdin=subprocess.DEVNULL, stdout=said, stderr=said, env=environment, cwd=folder)
     for _ in range(400):
         with open(os.path.join(folder, "server.out"), encoding="utf-8") as said:
             text = said.read()
