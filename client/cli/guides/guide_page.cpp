@@ -57,13 +57,6 @@ std::string guide_of_link(std::string_view target) {
   return guide == nullptr ? std::string() : std::string(guide->name);
 }
 
-const Guide* find_guide(std::string_view name) {
-  for (const Guide& guide : guides()) {
-    if (guide.name == name) return &guide;
-  }
-  return nullptr;
-}
-
 std::string guide_page(const Guide& guide, std::size_t width, bool bright) {
   width = std::min(width, kWidest);
   std::string page;

@@ -23,6 +23,8 @@ std::string help_of(const Verb& verb) {
   Globals ignored;
   declare_verb(app, *command, ignored);
   print_verb_help(io, verb, app);
+  // Another program has the options of these, and says them itself.
+  if (verb.passes_words_on) text << "Options: collide help " << verb.name << '\n';
   return text.str();
 }
 
