@@ -74,6 +74,7 @@ std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_help();
+std::unique_ptr<Command> make_man();
 std::unique_ptr<Command> make_version();
 
 /// A verb whose words are not parsed here, such as check, convert and implicit: it gets them by take_words() before

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/global_options.hpp"
+#include "client/cli/guides/guide_page.hpp"
+#include "client/cli/output/terminal_width.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/output/metavars.hpp"
 #include "client/cli/input/shape_text.hpp"
@@ -15,6 +17,7 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kGroups{"Ask", "Follow", "Change", "Look", "Measure", "Files", "More"};
 constexpr std::size_t kOptionColumn = 28;
+constexpr std::size_t kHelpColumns = 78;
 constexpr std::string_view kCommonOptions = "options";
 
 std::string lines_after_collide(std::string_view text) {
@@ -64,18 +67,30 @@ void print_options(Io& io, const CLI::App& app, bool common) {
   }
 }
 
-void print_common_options(Io& io) {
-  io.out << "Options that every verb has\n";
-  CLI::App app("", "collide");
-  app.set_help_flag();
-  Globals ignored;
-  declare_globals(app, ignored);
-  print_options(io, app, true);
+/// The names of the guides in lines of a terminal.
+std::string guide_lines() {
+  std::string text;
+  std::string line = "Guides ";
+  for (const Guide& guide : guides()) {
+    if (line.size() + 2 + guide.name.size() > kHelpColumns) {
+      text += line + '\n';
+      line = std::string(std::string_view("Guides ").size(), ' ');
+    }
+    line += fmt::format("  {}", guide.name);
+  }
+  return text + line + '\n';
+}
+
+void print_guide(Session& session, const Globals& globals, const Guide& guide) {
+  constexpr std::size_t kPipeColumns = 100;
+  const std::size_t width = terminal_width(session.io);
+  session.io.out << guide_page(guide, width == 0 ? kPipeColumns : width,
+                               color_wanted(session.io, globals, session.io.out_is_terminal));
 }
 
 class HelpCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("verb", verb_, "Verb to explain"); }
+  void declare(CLI::App& app) override { app.add_option("verb", verb_, "Verb to explain, or guide to read"); }
   Exit run(Session& session, const Globals& globals) override {
     if (verb_.empty()) {
       print_help(session.io);
@@ -85,10 +100,15 @@ class HelpCommand : public Command {
       print_common_options(session.io);
       return Exit::yes;
     }
+    if (const Guide* guide = find_guide(verb_)) {
+      print_guide(session, globals, *guide);
+      return Exit::yes;
+    }
     const Verb* verb = find_verb(verb_);
     if (verb == nullptr) {
       std::vector<std::string> names;
       for (const Verb& known : verbs()) names.emplace_back(known.name);
+      for (const Guide& known : guides()) names.emplace_back(known.name);
       throw bad_use(fmt::format("no verb '{}'{}", verb_, did_you_mean(verb_, names)));
     }
     CLI::App app(std::string(verb->summary), "collide");
@@ -119,9 +139,19 @@ void print_help(Io& io) {
       if (verb.group == group) names += (names.empty() ? "" : "  ") + std::string(verb.name);
     }
     const bool last = group == kGroups.back();
-    if (last) names = fmt::format("{:<42}collide help VERB", names);
+    if (last) names = fmt::format("{:<42}collide help VERB|GUIDE", names);
     if (!names.empty()) io.out << fmt::format("{:<9}{}\n", group, names);
   }
+  io.out << guide_lines();
+}
+
+void print_common_options(Io& io) {
+  io.out << "Options that every verb has\n";
+  CLI::App app("", "collide");
+  app.set_help_flag();
+  Globals ignored;
+  declare_globals(app, ignored);
+  print_options(io, app, true);
 }
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {

@@ -7,6 +7,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/global_options.hpp"
+#include "client/cli/guides/guides.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 
@@ -80,7 +81,7 @@ class CompleteCommand : public PassOn {
     const auto verb_name = std::find_if(words_.begin(), words_.end(), [](const auto& w) { return find_verb(w); });
     if (verb_name == words_.end()) return verb_names();
     const Verb& verb = *find_verb(*verb_name);
-    if (verb.name == "help") return verb_names();
+    if (verb.name == "help") return help_topics();
     if (verb.name == "completion") return {"bash", "zsh", "fish"};
     if (typed.starts_with("-")) return options_of(verb);
     const std::string& before = words_.back();
@@ -97,6 +98,12 @@ class CompleteCommand : public PassOn {
     for (const Verb& verb : verbs()) {
       if (!verb.group.empty()) names.emplace_back(verb.name);
     }
+    return names;
+  }
+
+  static std::vector<std::string> help_topics() {
+    std::vector<std::string> names = verb_names();
+    for (const Guide& guide : guides()) names.emplace_back(guide.name);
     return names;
   }
 

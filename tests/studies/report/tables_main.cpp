@@ -1,8 +1,8 @@
-// The tables that are pinned and shown in the README.
+// The tables that are pinned and shown in the guide to accuracy.
 //   report_tables pairs FILE             measures every shape pair and query and writes FILE with new ceilings
 //   report_tables check FILE             measures again; fails on a cell above its ceiling, or on a loose ceiling
-//   report_tables prices ROWS FILE       keeps of a report's rows.csv what the README shows
-//   report_tables readme PAIRS PRICES    prints the README's part
+//   report_tables prices ROWS FILE       keeps of a report's rows.csv what the guide shows
+//   report_tables readme PAIRS PRICES    prints the guide's part
 //   report_tables page DIR               fails if the page written there is broken or empty, or a bound does not hold
 #include <cstdio>
 #include <exception>
