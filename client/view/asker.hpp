@@ -13,17 +13,19 @@
 
 namespace collided::view {
 
-/// Asks a server what pages want to know, on threads of its own: an answer may take its time, a web server may not.
+/// Asks the server the questions of pages. It has threads of its own, since answers may take long and the web server's
+/// thread must not wait. The destructor ends them. The client must outlive it.
 class Asker {
  public:
-  using Done = std::function<void(std::string text)>;  // the answer as the page reads it; on a thread of the asker's
+  /// Called with the answer as the page reads it, on one of the asker's threads.
+  using Done = std::function<void(std::string text)>;
 
   explicit Asker(Client& client);
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
 
-  /// False when too many wait already. Any thread; returns at once.
+  /// Queues a question; false where kMostWaiting wait already. Any thread; returns at once.
   bool ask(PageQuestion question, Done done);
 
  private:

@@ -9,8 +9,8 @@
 
 namespace collided::view {
 
-/// The world as `collide draw` draws it, as SVG, for browsers without WebGL. Drawn while somebody asks for it, on a thread of
-/// its own, that rests for as long as a drawing takes.
+/// Draws the world as SVG, as `collide draw` does, for browsers without WebGL. It draws only on request, on a thread of
+/// its own, which pauses after each drawing for as long as the drawing took. The client must outlive it.
 class Drawer {
  public:
   Drawer(Client& client, bool y_is_up);
@@ -18,7 +18,7 @@ class Drawer {
   Drawer(const Drawer&) = delete;
   Drawer& operator=(const Drawer&) = delete;
 
-  /// The newest; null before the first is done. Asks for another. Any thread; returns at once.
+  /// The newest drawing, null before the first is done; requests another one. Any thread; returns at once.
   Bytes newest();
 
  private:

@@ -13,32 +13,33 @@
 
 namespace collided::view {
 
-/// Whoever shows a running server.
+/// The interface of what shows a running server; a Follower calls it.
 class Observer {
  public:
   virtual ~Observer() = default;
 
   // One thread calls these.
-  virtual void objects(const std::shared_ptr<const ShownObjects>& shown) = 0;  // others than before, or of other shapes
-  virtual void poses(const Poses& poses) = 0;                                  // some have moved
-  /// recent: what the server did in the last moments.
+  virtual void objects(const std::shared_ptr<const ShownObjects>& shown) = 0;  // objects or shapes have changed
+  virtual void poses(const Poses& poses) = 0;                                  // some objects have moved
+  /// recent  what the server did since the last status
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
-  virtual void silent(double seconds) = 0;  // nobody has answered for so long
+  virtual void silent(double seconds) = 0;  // no answer for this long
 
-  /// Another thread calls this, as soon as they come.
+  /// Another thread calls this, as soon as events come.
   virtual void events(std::span<const Event> events) = 0;
 };
 
+/// How often to ask, and when.
 struct FollowOptions {
   std::chrono::milliseconds frame{33};
   std::chrono::milliseconds status{500};
-  std::function<bool()> is_watched;  // poses are asked for while it says so; any thread
+  std::function<bool()> is_watched;  // poses are fetched while it returns true; any thread
 };
 
-/// Follows a server for an observer, over restarts and silences, until it is destroyed.
+/// Follows a server on behalf of an observer, across restarts and silences, until it is destroyed. It has two threads.
 class Follower {
  public:
-  /// client, observer  live longer
+  /// client, observer  must outlive it
   static Result<std::unique_ptr<Follower>> start(Client& client, Observer& observer, FollowOptions options);
   ~Follower();
   Follower(const Follower&) = delete;
@@ -59,7 +60,7 @@ class Follower {
   const FollowOptions options_;
   std::atomic<bool> stopping_{false};
 
-  // Of the looking thread.
+  // Used by the looking thread only.
   std::shared_ptr<const ShownObjects> shown_;
   std::uint64_t reported_version_ = 0;
   std::uint64_t reported_epoch_ = 0;

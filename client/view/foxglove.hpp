@@ -14,19 +14,20 @@
 
 namespace collided::view {
 
-/// The world for programs that speak the Foxglove WebSocket protocol, as JSON: channels /scene (foxglove.SceneUpdate),
-/// /tf (foxglove.FrameTransforms, 10 a second at most), /contacts (foxglove.SceneUpdate) and /events. Every moving object
-/// is a frame of its own name in the frame "world".
+/// Shows the world to programs that speak the Foxglove WebSocket protocol, as JSON: channels /scene
+/// (foxglove.SceneUpdate), /tf (foxglove.FrameTransforms, 10 a second at most), /contacts (foxglove.SceneUpdate) and
+/// /events. Every moving object is a frame with its name, within the frame "world".
 ///
-/// threads  any; send is called with no lock held
-/// source   github.com/foxglove/ws-protocol, docs/spec.md; schemas: github.com/foxglove/foxglove-sdk, schemas/jsonschema
+/// threads  any; `send` is called without a lock held
+/// source   github.com/foxglove/ws-protocol, docs/spec.md; schemas: github.com/foxglove/foxglove-sdk,
+///          schemas/jsonschema
 class Foxglove : public Observer {
  public:
   using Connection = WebServer::Connection;
   using Send = std::function<void(Connection, const WebMessage&)>;
   explicit Foxglove(Send send) : send_(std::move(send)) {}
 
-  /// The protocol's name among those that a client offers; nothing where it is not there.
+  /// The name of the protocol, if it is among those that a client offers.
   static std::optional<std::string> protocol(const std::vector<std::string>& offered);
 
   void opened(Connection client);
@@ -41,12 +42,12 @@ class Foxglove : public Observer {
 
  private:
   enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kChannelEnd };
-  /// Triangles go out as text: beyond this many of one object its bounds stand for it.
+  /// Triangles are sent as text, so an object with more of them is shown as its bounding box.
   static constexpr std::uint32_t kMostTriangles = 50'000;
   static constexpr std::size_t kMostSubscriptions = 64;
 
   struct Subscription {
-    std::uint32_t number = 0;  // the client's own
+    std::uint32_t number = 0;  // the client's number for it
     Channel channel = kScene;
   };
   struct Client {
@@ -65,7 +66,7 @@ class Foxglove : public Observer {
   std::mutex mutex_;
   std::map<Connection, Client> clients_;
   std::map<std::uint64_t, std::string> frames_;  // names of moving objects by id
-  std::shared_ptr<const std::string> scene_;     // for who subscribes late
+  std::shared_ptr<const std::string> scene_;     // for clients that subscribe later
   std::int64_t scene_time_ns_ = 0;
   std::int64_t transforms_time_ns_ = 0;
 };

@@ -9,7 +9,7 @@
 
 namespace collided::view {
 
-/// JSON text of Foxglove's types.
+/// A type of Foxglove: its name and its JSON schema.
 struct FoxgloveSchema {
   const char* name;
   const char* json_schema;
@@ -18,16 +18,18 @@ extern const FoxgloveSchema kSceneUpdateSchema;
 extern const FoxgloveSchema kFrameTransformsSchema;
 extern const FoxgloveSchema kEventSchema;
 
-/// All objects as entities, after deleting those of before. An object with more triangles than most_triangles becomes the
-/// box around it; half-spaces are left out, since they have no end.
+/// A SceneUpdate that deletes all entities and then adds all objects. An object with more than most_triangles is shown
+/// as its bounding box; half-spaces are left out, since they are unbounded.
 std::string scene_update(const ShownObjects& shown, std::uint32_t most_triangles);
 
-/// Frames of moving objects, by id, in the frame "world".
+/// The frames of moving objects within the frame "world".
+/// names  of the frames, by id
 std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, std::string>& names);
 
-/// A beginning as an arrow along its normal that lasts a second.
+/// A SceneUpdate with an arrow along the normal of each contact that begins, shown for a second.
 std::string contact_update(std::span<const Event> events);
 
+/// An event as JSON.
 std::string event_json(const Event& event);
 
 }  // namespace collided::view

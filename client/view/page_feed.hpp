@@ -15,12 +15,12 @@
 
 namespace collided::view {
 
-/// What pages are told of a server: as it changes, and all that holds to who comes late.
+/// Makes the messages for pages: changes as they come, and everything that holds for a page that connects later.
 ///
-/// threads  any; tell is called with no lock held
+/// threads  any; `tell` is called without a lock held
 class PageFeed : public Observer {
  public:
-  using Tell = std::function<void(const WebMessage&)>;  // every page
+  using Tell = std::function<void(const WebMessage&)>;  // sends to every page
   explicit PageFeed(Tell tell) : tell_(std::move(tell)) {}
 
   void objects(const std::shared_ptr<const ShownObjects>& shown) override;
@@ -29,24 +29,24 @@ class PageFeed : public Observer {
   void silent(double seconds) override;
   void events(std::span<const Event> events) override;
 
-  /// For a page that has just come.
+  /// The messages for a page that has just connected.
   std::vector<WebMessage> first_words() const;
-  /// "/objects", "/surface?number=N" of the newest table; nothing where there is no such thing.
+  /// "/objects" or "/surface?number=N" of the newest table; nothing where there is no such page.
   std::optional<WebPage> page(std::string_view target) const;
-  /// The newest table; null before the first.
+  /// The newest table of objects; null before the first.
   std::shared_ptr<const ShownObjects> shown() const;
-  /// Numbers of all surfaces in the newest table.
+  /// The numbers of all surfaces in the newest table.
   std::vector<std::uint64_t> surfaces() const;
 
  private:
-  /// A world may hold more contacts than a page can show or a viewer should keep.
+  /// Limits: a world may have more contacts than a page can show or a viewer should keep.
   static constexpr std::size_t kMostContacts = 20'000;
   static constexpr std::size_t kMostContactsReported = 2'000;
   static constexpr std::size_t kMostEventsReported = 500;
 
   struct KnownSurface {
     std::shared_ptr<const Surface> surface;
-    mutable Bytes bytes;  // made when first asked for
+    mutable Bytes bytes;  // made at the first request
   };
 
   const Tell tell_;

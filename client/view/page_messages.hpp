@@ -10,20 +10,23 @@
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
-/// What the page is told. Text is JSON with a "type"; bytes are little-endian and as the page reads them (page/source.js).
+/// The messages to the page. Texts are JSON with a "type"; bytes are little-endian, as the page reads them in
+/// page/source.js.
 namespace collided::view {
 
-/// The slot that an object has in the world, by which the page knows it while the table stays the same.
+/// An object's slot in the server's table, by which the page knows it for as long as the table stays the same.
 inline std::uint32_t slot_of(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
 /// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, pose [7],
-///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}. Kinds and their numbers: sphere 0 (centre,
+///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}. Kinds and their numbers: sphere 0
+///  (centre,
 /// radius), box 1 and ellipsoid 5 (centre, qw qx qy qz, half sizes), capsule 2, cylinder 3, cone 4 (end, end, radius),
-/// half-space 6 (point, normal). A surface's number is text: it has 64 bits.
+/// half-space 6 (point, normal). A surface's number is a text, since
+/// it has 64 bits.
 std::string objects_text(const ShownObjects& shown);
 
-/// u32 vertices, u32 triangles, f64 origin 3, f32 positions 3 each relative to the origin, u32 corners 3 each. The origin is
-/// in the middle, so that what is far from 0 keeps its digits.
+/// u32 vertices, u32 triangles, f64 origin 3, f32 positions 3 each relative to the origin, u32 corners 3 each. The
+/// origin is in the middle, so that coordinates far from 0 keep their digits.
 std::string surface_bytes(const Surface& surface);
 
 /// u32 1, u32 count, f64 world time (s), f64 table version, f64 version, f64 origin 3, then f32 7 an object (position
@@ -33,16 +36,17 @@ std::string poses_bytes(const Poses& poses);
 /// {type "events", events [...], left_out}: at most `most` of them, the newest; left_out counts the others.
 std::string events_text(std::span<const Event> events, std::size_t most);
 
-/// {type "contacts", contacts [...], left_out}: what holds now.
+/// {type "contacts", contacts [...], left_out}: the contacts that hold now, at most `most`.
 std::string contacts_text(std::span<const Event> contacts, std::size_t most);
 
-/// {type "status", ... as `collide status --json` says it, publishers, rates and stages over the last moments}.
+/// {type "status", ... as in `collide status --json`, publishers, and the rates and stages of the time since the last
+/// one}.
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent);
 
-/// {type "silent", seconds}: nobody answers.
+/// {type "silent", seconds}: the server does not answer.
 std::string silent_text(double seconds);
 
-/// {type "table", epoch, table_version}: objects or shapes are others than before.
+/// {type "table", epoch, table_version}: objects or shapes have changed.
 std::string table_text(const ShownObjects& shown);
 
 /// {type "answer", id, ask "ray", answer ...}: the members that `collide ray --json` prints, and the ray.

@@ -9,19 +9,20 @@
 
 namespace collided::view {
 
+/// A question about two objects.
 struct PairOfNames {
   std::string a;
   std::string b;
 };
 
-/// What the page asks: {"ask": "ray", "id", "origin": [3], "direction": [3]} or {"ask": "pair", "id", "a", "b"}.
+/// A question of the page: {"ask": "ray", "id", "origin": [3], "direction": [3]} or {"ask": "pair", "id", "a", "b"}.
 struct PageQuestion {
-  double id = 0;  // comes back with the answer
+  double id = 0;  // the page's number for it, repeated in the answer
   std::variant<RayQuestion, PairOfNames> what;
 };
 
-/// From bytes of anybody; nothing where they are no question: not JSON, a member missing or of another kind, a number that
-/// is not finite, a direction without length, a name that is empty or longer than 255 bytes.
+/// Reads a question from untrusted text. Nothing where it is not JSON, a member is missing or of another type, a number
+/// is not finite, the direction is zero, or a name is empty or longer than 255 bytes.
 std::optional<PageQuestion> parse_page_question(std::string_view text);
 
 }  // namespace collided::view

@@ -6,19 +6,19 @@
 
 namespace collided::view {
 
-/// Who may talk to the viewer. A page of another site that a browser shows must not: it reaches local ports as well, under
-/// a name of its own (DNS rebinding) or from an origin of its own.
+/// Which requests the viewer accepts. A page of another site, shown in the user's browser, can reach local ports too,
+/// under its own host name (DNS rebinding) or from its own origin. It must be refused.
 struct RequestRules {
-  std::vector<std::string> hosts{};    // names under which it may be asked, beside the address of the socket itself
-  std::vector<std::string> origins{};  // of other pages that may connect, "https://app.foxglove.dev"
+  std::vector<std::string> hosts{};    // host names that are accepted, besides the address of the socket itself
+  std::vector<std::string> origins{};  // of other pages that may connect, such as "https://app.foxglove.dev"
 };
 
-/// Whether a Host header names this machine: the very address that the connection came to, localhost on a loopback
-/// address, or one of the rules' names. The port is free, since it may have been forwarded.
+/// Whether a Host header is accepted: it must be the address that the connection was made to, localhost for a loopback
+/// address, or one of the rules' names. Any port is accepted, since ports may be forwarded.
 bool may_be_called(std::string_view host, std::string_view own_address, bool is_loopback, const RequestRules& rules);
 
-/// Whether a page may connect: one that came from here (its origin is the asked host), one of the rules', or no page at all
-/// (programs send no origin). To be asked after may_be_called.
+/// Whether a page may connect: its origin is the requested host or one of the rules', or there is none, as for programs
+/// that are not browsers. Check may_be_called first.
 bool may_connect(std::string_view origin, std::string_view host, const RequestRules& rules);
 
 }  // namespace collided::view

@@ -16,6 +16,7 @@
 
 namespace collided::view {
 
+/// Where to serve, whom, and how much.
 struct ViewerOptions {
   WebAddress address{};
   RequestRules rules{};
@@ -23,12 +24,12 @@ struct ViewerOptions {
   bool y_is_up = false;
 };
 
-/// A server's state as live pages in browsers, and for programs that speak Foxglove's protocol: follows it as a client, serves
-/// the page, passes the page's questions on.
+/// Shows a server live in browsers and to programs that speak Foxglove's protocol. It follows the server as a client,
+/// serves the page, and passes the page's questions on. It runs on its own threads until it is destroyed.
 class Viewer {
  public:
-  /// client  lives longer
-  /// Throws std::runtime_error with a sentence where the address cannot be had.
+  /// client  must outlive it
+  /// throws  std::runtime_error with a sentence where it cannot listen at the address
   static Result<std::unique_ptr<Viewer>> start(Client& client, const ViewerOptions& options);
   ~Viewer();
   Viewer(const Viewer&) = delete;
@@ -39,7 +40,7 @@ class Viewer {
 
  private:
   using Connection = WebServer::Connection;
-  /// Both kinds of clients hear the same.
+  /// Passes everything on to both kinds of clients.
   class Both : public Observer {
    public:
     Both(PageFeed& pages, Foxglove& foxglove) : pages_(pages), foxglove_(foxglove) {}
@@ -69,7 +70,7 @@ class Viewer {
   mutable std::mutex mutex_;
   std::vector<Connection> pages_;
   std::atomic<std::size_t> watching_{0};
-  // In this order: the web server's thread uses the feed, the asker's and the follower's threads use the web server.
+  // Destroyed in reverse order: the asker's and the follower's threads use the web server, whose thread uses the feed.
   PageFeed feed_;
   Foxglove foxglove_;
   Both both_{feed_, foxglove_};

@@ -14,63 +14,68 @@
 
 namespace collided::view {
 
-/// Bytes that many connections send, and nobody changes.
+/// Immutable bytes that many connections may send.
 using Bytes = std::shared_ptr<const std::string>;
 
 inline Bytes make_bytes(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
+/// Where to listen.
 struct WebAddress {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  // 0: any that is free
 };
 
+/// What clients may use at most.
 struct WebLimits {
-  std::size_t connections = 64;           // of all kinds together; whoever comes then is told so and sent away
+  std::size_t connections = 64;           // of all kinds together; further ones are refused with a message
   std::uint32_t header_bytes = 8 * 1024;  // of a request; a body is refused
-  std::size_t message_bytes = 16 * 1024;  // that a WebSocket client may send at once
-  std::uint32_t messages_a_second = 100;  // the same; a client that sends more is dropped
-  std::size_t waiting_messages = 256;     // for a client that does not take them; with more it is dropped
+  std::size_t message_bytes = 16 * 1024;  // of one message from a WebSocket client
+  std::uint32_t messages_a_second = 100;  // from a WebSocket client; one that sends more is dropped
+  std::size_t waiting_messages = 256;     // for a client that does not receive them; with more it is dropped
   std::size_t waiting_bytes = 4 << 20;    // the same
-  std::chrono::seconds request{10};       // until a request is there; also until the next one on a kept connection
-  std::chrono::seconds response{60};      // until a page is sent
-  std::chrono::seconds stall{20};         // a message that a client has not taken by then drops it; so does its silence
+  std::chrono::seconds request{10};       // to receive a request; also between requests on a connection
+  std::chrono::seconds response{60};      // to send a page
+  std::chrono::seconds stall{
+      20};  // a client that has not received a message by then is dropped, and so is a silent one
 };
 
-/// What is told a client: whole, or superseded by a newer one of its lane if it still waits.
+/// A message to a client. While it still waits, a newer one of its lane replaces it.
 struct WebMessage {
   Bytes bytes;
   bool is_text = false;
   std::uint8_t lane = 0;  // 0: none, every message is sent
 };
 
+/// A page to be served.
 struct WebPage {
-  std::string_view type;  // of constant life
+  std::string_view type;  // for the Content-Type header; must remain valid
   Bytes body;
 };
 
-/// Counted since the start.
+/// Counts since the start, of connections unless stated otherwise.
 struct WebCounts {
   std::atomic<std::uint64_t> connections{0};
   std::atomic<std::uint64_t> open{0};        // now
-  std::atomic<std::uint64_t> full{0};        // sent away since there were too many
-  std::atomic<std::uint64_t> forbidden{0};   // by the rules about hosts and origins
-  std::atomic<std::uint64_t> malformed{0};   // requests and messages that are none, or too long
-  std::atomic<std::uint64_t> slow{0};        // dropped since they did not take what they were told
+  std::atomic<std::uint64_t> full{0};        // refused since there were too many
+  std::atomic<std::uint64_t> forbidden{0};   // refused by the RequestRules
+  std::atomic<std::uint64_t> malformed{0};   // requests and messages that are malformed or too long
+  std::atomic<std::uint64_t> slow{0};        // dropped since they did not receive their messages in time
   std::atomic<std::uint64_t> flooding{0};    // dropped since they sent too much
-  std::atomic<std::uint64_t> superseded{0};  // messages
-  std::atomic<std::uint64_t> faults{0};      // exceptions on the server's thread, such as memory; it goes on
+  std::atomic<std::uint64_t> superseded{0};  // messages that a newer one replaced
+  std::atomic<std::uint64_t> faults{0};      // exceptions on the server's thread, such as out of memory; it goes on
 };
 
-/// HTTP and WebSocket on one port, on a thread of its own. Everything that clients may make it keep is bounded.
+/// An HTTP and WebSocket server on one port, on a thread of its own. All memory that clients can make it use is
+/// limited.
 class WebServer {
  public:
-  using Connection = std::uint64_t;  // a WebSocket; numbers are never used again
+  using Connection = std::uint64_t;  // the number of a WebSocket connection; never reused
 
-  /// Called on the server's thread; none may wait.
+  /// What the server calls, on its own thread. None may wait.
   struct Handlers {
-    /// The page of a path with its query, or nothing: 404.
+    /// The page for a path with its query; nothing: 404.
     std::function<std::optional<WebPage>(std::string_view target)> page;
-    /// The subprotocol to speak of those offered, "" for none of them; nothing: refused.
+    /// The subprotocol to use of those offered, "" for none; nothing: the connection is refused.
     std::function<std::optional<std::string>(std::string_view target, const std::vector<std::string>& offered)>
         protocol;
     std::function<void(Connection, const std::string& protocol)> opened;
@@ -78,17 +83,18 @@ class WebServer {
     std::function<void(Connection)> closed;
   };
 
-  /// Listens; answers once start() was called. Throws std::runtime_error with a sentence where the address cannot be had.
+  /// Listens; requests are answered after start(). Throws std::runtime_error with a sentence where it cannot listen at
+  /// the address.
   WebServer(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// Once: the handlers may be called from now on.
+  /// Starts to answer: the handlers may be called from now on. Call it once.
   void start();
   std::uint16_t port() const;
   const WebCounts& counts() const;
-  /// Any thread; one that is gone takes nothing.
+  /// Sends a message to one or more connections; closed ones are ignored. Any thread.
   void send(Connection to, WebMessage message);
   void send(const std::vector<Connection>& to, const WebMessage& message);
 

@@ -13,8 +13,8 @@ namespace collided::cli {
 /// The spheres, and how they answer contacts.
 struct BounceOptions {
   std::size_t sphere_count = 20;
-  double relative_size =
-      0.2;  // mean diameter as a fraction of the cube's side; diameters are random, from half to one and a half of the mean
+  // Mean diameter as a fraction of the cube's side. Diameters are random, from half to one and a half of the mean.
+  double relative_size = 0.2;
   double side_m = 1;
   double speed_m_s = 0.5;  // largest velocity component
   double spin_rad_s = 0;   // largest angular speed

@@ -56,7 +56,7 @@ std::string as_svg(const Picture& picture);
 /// The picture as PNG, with strokes anti-aliased by each pixel's distance from their middle. Empty where libpng fails.
 std::string as_png(const Picture& picture);
 
-/// The strokes as text in braille: two dots across and four down for each character.
+/// The strokes as text in braille: a dot for a pixel, two across and four down for each character. Lines end with "\n".
 std::string as_braille(const Picture& picture);
 
 }  // namespace collided::draw
