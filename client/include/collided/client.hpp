@@ -104,12 +104,11 @@ class Client {
     if (!answers) return answers.error();
     return std::move(answers->answers.front());
   }
-  /// Asks 1 to 100,000 questions of one kind about one state of the world. All are answered, or none and there is an
+  /// Asks 1 to 100,000 questions of one kind about one state of the world. Either all are answered or there is an
   /// error.
   ///
   /// questions  a vector, array or span of them
-  /// earlier    the answers of an earlier batch, whose memory is used again; saves a third of the client's time for
-  ///            rays
+  /// earlier    the answers of an earlier batch: their memory is used again, which saves a third of a ray's time here
   template <std::ranges::contiguous_range Questions>
   requires Question<std::ranges::range_value_t<Questions>> Result<Answers> ask(const Questions& questions,
                                                                                const AskOptions& options = {},

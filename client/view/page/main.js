@@ -148,7 +148,8 @@ class Page {
     return 10 ** Math.round(Math.log10(Math.max(1e-6, this.camera.distance) / 12));
   }
 
-  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is time.
+  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is
+  /// time.
   note(took) {
     if (took > 5000) return;  // the page was hidden
     this.frames.push(took);

@@ -102,8 +102,8 @@ class Renderer {
     instances.count = count;
   }
 
-  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they do not move; else they are
-  /// drawn at the poses that place() gives.
+  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they do not move; else
+  /// they are drawn at the poses that place() gives.
   addMesh(origin, positions, corners, slots) {
     const gl = this.gl;
     const array = gl.createVertexArray();
@@ -187,7 +187,8 @@ class Renderer {
     return places;
   }
 
-  /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height along `up`.
+  /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height
+  /// along `up`.
   draw(camera, { near, far, anchor, ground, grid }) {
     this.resize();
     const gl = this.gl;
@@ -256,7 +257,8 @@ class Renderer {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.marks.count);
   }
 
-  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance, or null.
+  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance,
+  /// or null.
   pick(x, y) {
     const gl = this.gl;
     const numbers = new Uint32Array(4);

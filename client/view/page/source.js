@@ -136,8 +136,8 @@ class LiveSource {
   }
 }
 
-/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is text,
-/// or bytes compressed by zlib, as base64.
+/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is
+/// text, or bytes compressed by zlib, as base64.
 class SavedSource {
   constructor(run, told) {
     this.told = told;
@@ -165,7 +165,8 @@ class SavedSource {
 
   duration() { return this.run.end - this.run.begin; }
 
-  /// Goes to a time, in seconds from the beginning. Going back replays from the beginning without drawing what is between.
+  /// Goes to a time, in seconds from the beginning. Going back replays from the beginning without drawing what is
+  /// between.
   async seek(at) {
     await this.seeking;
     this.seeking = this.go(at);
