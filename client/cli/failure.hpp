@@ -9,7 +9,7 @@ namespace collided::cli {
 /// Exit codes of the process. Scripts rely on the numbers: do not change them.
 enum class Exit : int {
   yes = 0,             // a hit, or done
-  no = 1,              // a miss
+  no = 1,              // a miss, nothing found, or a server that is not ready
   bad_use = 2,         // nothing was sent
   undecided = 3,       // neither hit nor miss is certain
   no_server = 4,       // none answers
