@@ -8,14 +8,14 @@ namespace collided::cli {
 
 /// Exit codes of the process. Scripts rely on the numbers: do not change them.
 enum class Exit : int {
-  yes = 0,
-  no = 1,
-  bad_use = 2,
-  undecided = 3,
-  no_server = 4,
-  refused = 5,
-  partly_refused = 6,
-  interrupted = 130,
+  yes = 0,             // a hit, or done
+  no = 1,              // a miss, nothing found, or a server that is not ready
+  bad_use = 2,         // nothing was sent
+  undecided = 3,       // neither hit nor miss is certain
+  no_server = 4,       // none answers
+  refused = 5,         // by the server
+  partly_refused = 6,  // some lines of a batch were refused
+  interrupted = 130,   // by Ctrl-C
 };
 
 /// Thrown to end the verb. `message` is printed after "error: ", and each line of `hint` indented below it.

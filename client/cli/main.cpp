@@ -19,7 +19,7 @@ void install_signals() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // `collide watch | head` ends when the next write fails, without a word.
+  // `collide watch | head` ends without a message when the next write fails.
   std::signal(SIGPIPE, SIG_IGN);
 }
 

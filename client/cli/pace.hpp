@@ -28,9 +28,11 @@ class Until {
     constexpr std::chrono::hours kForever{24 * 365 * 100};
     end_ = Clock::now() + std::min<std::chrono::nanoseconds>(most_time, kForever);
   }
+  /// Whether the run is over, after this many results.
   bool reached(std::uint64_t count) const {
     return stop_requested || (most_count_ > 0 && count >= most_count_) || Clock::now() >= end_;
   }
+  /// When the time is over; a hundred years from the start where it is unlimited.
   Clock::time_point end() const { return end_; }
 
  private:

@@ -15,7 +15,7 @@
 namespace collided::cli {
 namespace {
 
-/// Where the verb stands in the tokens; options of rule 1 may come before it. tokens.size() where there is none.
+/// The index of the verb in the tokens, after options that every verb has; tokens.size() where there is none.
 std::size_t verb_position(const std::vector<std::string>& tokens) {
   CLI::App globals_only("", "collide");
   Globals ignored;
@@ -37,7 +37,7 @@ std::vector<std::string> option_names(CLI::App& app) {
   return names;
 }
 
-/// Throws Failure for what the parser left over.
+/// Throws Failure for arguments that the parser did not take.
 void refuse_leftovers(CLI::App& app) {
   for (const std::string& leftover : app.remaining()) {
     const std::string word = unmarked(leftover);
@@ -48,7 +48,7 @@ void refuse_leftovers(CLI::App& app) {
   }
 }
 
-/// Fills what is declared on the parser; throws CLI::CallForHelp, or Failure for anything wrong.
+/// Parses the tokens into the declared members. Throws CLI::CallForHelp, and Failure for anything wrong.
 void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   app.allow_extras();
   for (CLI::Option* option : app.get_options())
@@ -62,7 +62,7 @@ void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   refuse_leftovers(app);
 }
 
-/// Fills the verb's members and the globals. False when help was asked for, and given.
+/// Parses the options of a verb and the globals. False where help was requested; it has then been printed.
 bool parse_verb(const Verb& verb, Command& command, std::vector<std::string> tokens, Io& io, Globals& globals) {
   CLI::App app(std::string(verb.summary), "collide " + std::string(verb.name));
   declare_verb(app, command, globals);
@@ -75,7 +75,7 @@ bool parse_verb(const Verb& verb, Command& command, std::vector<std::string> tok
   return true;
 }
 
-/// The words before or without a verb: global options only.
+/// Parses the words before or without a verb, which may only be global options.
 void parse_globals(std::vector<std::string> tokens, Globals& globals) {
   CLI::App app("", "collide");
   app.set_help_flag();
@@ -111,11 +111,12 @@ const Verb& known_verb(const std::string& name) {
 
 Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& globals);
 
-/// `collide -`: one verb a line over one connection. A line that fails is reported and the next one runs.
+/// `collide -`: runs a verb for each line of standard input, over one connection. A line that fails is reported and the
+/// next one runs.
 Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
   parse_globals(std::move(tokens), globals);
   LineReader lines(session.io.in);
-  session.io.in = -1;  // the lines are taken from it; no verb among them may
+  session.io.in = -1;  // the lines come from it, so the verbs must not read it
   std::string line;
   std::size_t failed = 0;
   while (lines.next(line) && !stop_requested) {
@@ -168,7 +169,7 @@ int run(const std::vector<std::string>& arguments, Io& io) {
     print_failure(io, globals, failure);
     code = failure.code;
   } catch (const std::exception& error) {
-    // Nothing of ours throws anything else: memory, or a fault of collide itself.
+    // This program throws nothing else itself: it is out of memory, or has a bug.
     print_failure(io, globals, Failure(Exit::refused, std::string("inside collide: ") + error.what()));
     code = Exit::refused;
   }

@@ -21,7 +21,7 @@ nlohmann::json object_from(const std::string& text, std::string_view command) {
   return answer;
 }
 
-/// Why a name was refused: a Failure with the nearest names if the world does not hold it, nothing otherwise.
+/// A Failure with the nearest names, where the world has no object of that name; else nothing.
 std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
   namespace wire = wire_contract::command;
   const nlohmann::json all =
@@ -38,7 +38,7 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
   return Failure(Exit::no, message);
 }
 
-/// With bytes replaced it would name something else.
+/// Arguments as text. Throws Failure for a name that is not UTF-8: with its bytes replaced it could be another name.
 std::string text_of_arguments(const nlohmann::json& arguments) {
   try {
     return arguments.dump();

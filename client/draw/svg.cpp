@@ -13,7 +13,7 @@ std::string attribute(const char* name, std::string_view value) {
   return std::string(" ") + name + "=\"" + escaped(value) + "\"";
 }
 
-/// Bytes that continue a UTF-8 character take no room of their own.
+/// Whether a byte continues a UTF-8 character, so that it takes no width.
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
 double glyph_width(char c) {

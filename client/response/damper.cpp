@@ -11,7 +11,8 @@ namespace collided::response {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Next to critical damping both forms divide by a difference that vanishes; this far off they lose 1e-10 of their value.
+// Near critical damping both forms divide by a difference that vanishes. It is kept this far from 0, which costs a
+// relative error of 1e-10.
 constexpr double kCriticalWidth = 1e-10;
 constexpr double kLargestDampingRatio = 20;
 
@@ -21,7 +22,7 @@ double off_critical(double ratio) {
   return std::abs(off) < kCriticalWidth ? kCriticalWidth : off;
 }
 
-/// First root of a function that falls from above 0 at `low` to below 0 at `high`; to the last bit.
+/// The root of a function that falls from above 0 at `low` to below 0 at `high`, to the last bit.
 template <typename Function>
 double bisect(const Function& function, double low, double high) {
   for (double middle = low + (high - low) / 2; low < middle && middle < high; middle = low + (high - low) / 2) {
@@ -41,7 +42,8 @@ double Spring::frequency(double reduced_mass_kg) const { return std::sqrt(stiffn
 double restitution_of_damping(double damping_ratio) {
   const double off = off_critical(damping_ratio);
   const double root = std::sqrt(std::abs(off));
-  // Time to the end of the contact, times the damped frequency: where the force, not the depth, is 0 again.
+  // The time to the end of the contact times the damped frequency. The contact ends where the force, not the depth, is
+  // 0.
   if (off > 0)
     return std::exp(-damping_ratio / root *
                     std::atan2(2 * damping_ratio * root, 2 * damping_ratio * damping_ratio - 1));
@@ -75,7 +77,7 @@ double ContactPhase::depth(double seconds) const {
   if (oscillates_) {
     const double half = std::sin(turn_ * seconds / 2);
     const double kept = std::exp(-decay_ * seconds);
-    // 1 - e^(-a) cos b without the cancellation of a start near 0.
+    // 1 - e^(-a) cos b without cancellation for short times.
     const double risen = -std::expm1(-decay_ * seconds) + kept * 2 * half * half;
     return rest_ * risen + kept * (start_m_ * std::cos(turn_ * seconds) + sine_ * std::sin(turn_ * seconds));
   }
@@ -102,12 +104,12 @@ double ContactPhase::force_over_mass(double seconds) const {
 double ContactPhase::find_end() const {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   if (decay_ == 0) {
-    // y = rest + A cos(theta - phase), which falls through 0 where theta - phase has the cosine -rest / A.
+    // y = rest + A cos(theta - phase) falls through 0 where the cosine of theta - phase is -rest / A.
     const double sine2 = sine_ * sine_ + start_m_ * (start_m_ - 2 * rest_);  // A^2 - rest^2
     if (sine2 < 0 || (sine2 == 0 && rest_ >= 0)) return kEndless;
     return (std::atan2(sine_, cosine_) + std::atan2(std::sqrt(sine2), -rest_)) / turn_;
   }
-  // The force is its value at rest plus e^(-at) times a wave; where it stands still, tan(theta) is the quotient below.
+  // The force is its value at rest plus e^(-at) times a wave. Its extremes are where tan(theta) is the quotient below.
   const double w2 = frequency_ * frequency_;
   const double p = 2 * decay_ * approach_m_s_ + w2 * cosine_;
   const double q = w2 * sine_ + 2 * decay_ * ((oscillates_ ? -cosine_ : cosine_) * turn_ - decay_ * sine_);
@@ -121,17 +123,17 @@ double ContactPhase::find_end() const {
     const double least = rises ? peak + kPi / turn_ : peak;
     return force(least) < 0 ? bisect(force, low, least) : kEndless;
   }
-  // Two falling exponentials: at most one place where the force stands still.
+  // The force is a sum of two falling exponentials, so it has at most one extreme.
   const double slow = (p + q) * (turn_ - decay_);
   const double fast = (p - q) * (turn_ + decay_);
   const double still = fast / slow > 0 ? std::log(fast / slow) / (2 * turn_) : 0;
-  // After a thousand decays nothing is left but the load.
+  // After a thousand decay times only the load is left.
   if (still <= 0 || force(still) >= 0) return rest_ < 0 ? bisect(force, 0, 1e3 / (decay_ - turn_)) : kEndless;
   return bisect(force, 0, still);
 }
 
 double ContactPhase::deepest() const {
-  // The rate is the approach times the cosine less this times the sine: 0 and falling at atan2 of the two.
+  // The rate is the approach times the cosine minus this times the sine; it is 0 and falling at atan2 of the two.
   if (oscillates_) {
     double angle = std::atan2(approach_m_s_, cosine_ * turn_ + decay_ * sine_);
     if (angle < 0) angle += 2 * kPi;
@@ -141,7 +143,8 @@ double ContactPhase::deepest() const {
   const double fast = (turn_ + decay_) * (sine_ - cosine_);
   const double quotient = -fast / slow;
   const double ends = std::max({rest_, start_m_, 0.0});
-  // Without approach the quotient is 1: a rounding above it is the beginning, where the rate is 0 too.
+  // With no approach speed the quotient is 1. If rounding makes it larger, the time found is the start, where the rate
+  // is 0.
   return quotient > 1 ? std::max(depth(std::min(std::log(quotient) / (2 * turn_), duration_s_)), ends) : ends;
 }
 

@@ -70,7 +70,7 @@ void Spheres::touched_cube(std::size_t sphere, const Vec3& normal) {
   if (options_.answer == Answer::compliant) return;
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
-  // The walls' own reflection may have come first: only a sphere still on its way out turns.
+  // Only a sphere that still moves outward is reflected: its step may have reflected it already.
   Sphere& touching = spheres_[sphere];
   if (touching.position[axis] * touching.velocity[axis] > 0) touching.velocity[axis] *= -options_.restitution;
 }
@@ -85,20 +85,20 @@ bool Spheres::answer(const Pair& pair, Episode& episode, double seconds) {
       return true;
     case Answer::impulse: {
       const Vec3 along = b.position - a.position;
-      // Of one place there is no line of centres: x, so that every run agrees.
+      // Centres at one point have no line between them. The x axis is taken, so that all runs agree.
       const Vec3 normal = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitX());
       return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal, options_.restitution);
     }
     case Answer::compliant: break;
   }
   const double distance = between(pair).place_m.norm();
-  // A spring that has let go starts afresh: at its length, or where the two have come nearer in the meantime.
+  // A spring that has let go begins again at its length, or where the two are now if they are nearer.
   const double length_m = episode.depth_m > 0 ? distance + episode.depth_m : std::min(distance, episode.touch_m);
   return push(pair, episode, length_m, 0, seconds);
 }
 
-/// From the touch to now. The depth was that of the two at `seen_s`, on a straight way: it touched when the distance was that
-/// much more, if what brackets the instant allows that.
+/// Computes a contact that began in the past, up to now. The two moved straight and had the reported depth at `seen_s`,
+/// so they touched when their distance was larger by that depth, unless the bracket of the instant excludes it.
 void Spheres::catch_up(const Pair& pair, Episode& episode, const Touch& touch) {
   const RelativeMotion now = between(pair);
   const double flown_s = std::min(free_s_[pair.first], free_s_[pair.second]);
@@ -119,8 +119,8 @@ void Spheres::catch_up(const Pair& pair, Episode& episode, const Touch& touch) {
   }
 }
 
-/// The pair on its spring, from `back_s` ago to `seconds` from now. The velocities take the whole impulse; what the two would
-/// then travel too far or too little, because it came early or late, goes into their places.
+/// Moves a pair on its spring from `back_s` ago to `seconds` from now. The velocities get the whole impulse at once;
+/// the positions are corrected for the time at which it really acted.
 bool Spheres::push(const Pair& pair, Episode& episode, double length_m, double back_s, double seconds) {
   Sphere& a = spheres_[pair.first];
   Sphere& b = spheres_[pair.second];
@@ -139,11 +139,11 @@ bool Spheres::push(const Pair& pair, Episode& episode, double length_m, double b
   ledger_.penetration_m = std::max(ledger_.penetration_m, run.deepest_m);
   // move() adds the step.
   free_s_[pair.first] = free_s_[pair.second] = run.free_s - seconds;
-  // However many steps a contact on a spring takes, it is one answer.
+  // A contact on a spring counts as one response, however many steps it takes.
   return episode.answers == 0;
 }
 
-/// Not into a wall: its spring would take the way for work that nobody did.
+/// Moves a sphere, but not into a wall, whose spring would then have energy for which no work was done.
 void Spheres::shift(Sphere& sphere, const Vec3& by) const {
   const double most = options_.half_side_m - sphere.radius_m;
   for (int axis = 0; axis < 3; ++axis) {
@@ -217,7 +217,7 @@ Vec3 Spheres::momentum() const {
 
 SphereLedger Spheres::ledger() const {
   SphereLedger result = ledger_;
-  // Episodes that still hold count with what they have done so far.
+  // Episodes that have not ended count too.
   for (const auto& [pair, episode] : open_) count_episode(result, episode.answers);
   result.energy_after = energy();
   result.momentum_after = momentum();

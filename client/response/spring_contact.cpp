@@ -9,7 +9,7 @@
 namespace collided::response {
 namespace {
 
-/// When a distance that shrinks is down to `length_m`, in free flight; infinite if never.
+/// The time in free flight until the distance has fallen to `length_m`; infinite where it never does.
 double time_to_length(const RelativeMotion& motion, double length_m) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const double closing = -motion.place_m.dot(motion.velocity_m_s);
@@ -19,29 +19,31 @@ double time_to_length(const RelativeMotion& motion, double length_m) {
   return discriminant < 0 ? kNever : outside / (closing + std::sqrt(discriminant));
 }
 
-/// From the start of `phase` for that long: its deepest may lie beyond.
+/// The largest depth within that time from the start of `phase`, whose own largest depth may come later.
 double deepest_within(const ContactPhase& phase, double approach_m_s, double seconds) {
   const bool turns = approach_m_s > 0 && phase.depth_rate(seconds) <= 0;
   return turns ? phase.deepest() : std::max(phase.depth(0), phase.depth(seconds));
 }
 
-/// The contact, for at most `most_s`; returns for how long it held.
+/// Moves the two through the contact, for at most `most_s`. Returns for how long it lasted.
 double hold(const Spring& spring, double mass_kg, double length_m, RelativeMotion& motion, double most_s,
             SpringRun& run) {
   const double distance = motion.place_m.norm();
-  // Of one place there is no line of centres: x, so that every run agrees.
+  // Centres at one point have no line between them. The x axis is taken, so that all runs agree.
   const Vec3 line = distance > 0 ? Vec3(motion.place_m / distance) : Vec3::UnitX();
   const double rate = motion.velocity_m_s.dot(line);
   const Vec3 across = motion.velocity_m_s - rate * line;
   const double across_m_s = across.norm();
-  // Where the centres all but meet, the line between them turns at once: nothing turns about less than this.
+  // Where the centres nearly meet, the line between them turns very fast; the turning is limited to that at this
+  // distance.
   const double least_m = kLeastDistance * length_m;
   const double spun = std::max(distance, least_m) * across_m_s;  // angular momentum over mass
   const double turning_s = kMostTurn * std::max(distance, least_m) / motion.velocity_m_s.norm();
   const double most = std::min(most_s, turning_s);
   const double depth = std::max(0.0, length_m - distance);
   const double approach = depth > 0 ? -rate : std::max(0.0, -rate);
-  // Constant, and from one distance to the other as much work as the true one, m spun^2 / r^3: so no energy comes of its being so.
+  // A constant load that does the same work between the two distances as the true one, m spun^2 / r^3, so that treating
+  // it as constant adds no energy.
   const auto centrifugal = [&](double from_m, double to_m) {
     return -mass_kg * spun * spun * (from_m + to_m) / (2 * from_m * from_m * to_m * to_m);
   };
@@ -93,7 +95,7 @@ SpringRun move_on_spring(const Spring& spring, double reduced_mass_kg, double le
     left -= hold(spring, reduced_mass_kg, length_m, motion, left, run);
     holds = run.depth_m > 0;
   }
-  // A spring that has let go does not catch them again: they part.
+  // After the spring has let go the two separate, so it does not touch again.
   if (left > 0) motion.place_m += left * motion.velocity_m_s;
   run.free_s = run.pushed ? std::max(left, 0.0) : seconds;
   return run;
@@ -103,7 +105,7 @@ SpringRun move_between_springs(const Spring& spring, double mass_kg, double most
                                double& velocity_m_s, double seconds) {
   SpringRun run{.free_s = seconds};
   double left = seconds;
-  bool is_let_go = false;  // with a force of 0 but for rounding, which must not be taken for a new contact
+  bool is_let_go = false;  // the spring has let go, so a force from rounding must not count as a new contact
   for (int round = 0; round < kMostBounces && left > 0; ++round) {
     double side = position_m < 0 ? -1 : 1;
     double depth = side * position_m - most_m;
@@ -124,7 +126,7 @@ SpringRun move_between_springs(const Spring& spring, double mass_kg, double most
     const double held = std::min(left, phase.duration());
     run.deepest_m = std::max(run.deepest_m, deepest_within(phase, approach, held));
     run.depth_m = held < phase.duration() ? std::max(0.0, phase.depth(held)) : 0;
-    // Undamped it lets go at the wall itself, not an ulp to either side of it.
+    // Without damping it lets go exactly at the wall, without a rounding to either side.
     const bool lets_go_at_wall = held == phase.duration() && spring.damping_ratio == 0;
     position_m = side * (most_m + (lets_go_at_wall ? 0 : phase.depth(held)));
     velocity_m_s = side * phase.depth_rate(held);

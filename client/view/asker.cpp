@@ -44,7 +44,7 @@ void Asker::work() {
 
 std::string Asker::answer(const PageQuestion& question) {
   if (const auto* ray = std::get_if<RayQuestion>(&question.what)) {
-    // The batch form, as the command line asks: one way for both.
+    // As a batch of one ray, as the command line asks.
     const Result<Answers> answers = client_.ask(std::span<const RayQuestion>(ray, 1));
     if (!answers) return refused_text(question.id, answers.error().message);
     return ray_answer_text(question.id, *ray, answers->answers.front());

@@ -30,12 +30,13 @@ class Asker {
 
  private:
   static constexpr std::size_t kMostWaiting = 64;
-  static constexpr std::size_t kThreads = 2;
+  static constexpr std::size_t kThreads = 2;  // so that one slow answer does not hold up the next
   struct Job {
     PageQuestion question;
     Done done;
   };
   void work();
+  // Asks the server and writes the answer as text.
   std::string answer(const PageQuestion& question);
 
   Client& client_;

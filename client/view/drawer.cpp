@@ -41,7 +41,7 @@ void Drawer::work() {
   }
 }
 
-/// Null where the server does not answer: the one before stays.
+/// A new drawing; null where the server does not answer, and then the last one stays.
 Bytes Drawer::draw() const {
   constexpr double kCreaseCosine = 0.866;
   const Result<ShownObjects> shown = client_.shapes({.edges = true, .crease_cosine = kCreaseCosine});

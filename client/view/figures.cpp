@@ -52,7 +52,7 @@ Figures figures_of(const json& answer) {
   return figures;
 }
 
-/// Readings of a running server are not of one moment: a sum may be behind another, never less than nothing.
+/// The growth of a count, never negative. The counts in one reading are not taken at the same instant.
 std::uint64_t grown(std::uint64_t older, std::uint64_t newer) { return newer > older ? newer - older : 0; }
 
 std::vector<DurationStep> grown(const std::vector<DurationStep>& older, const std::vector<DurationStep>& newer) {

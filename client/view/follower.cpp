@@ -41,7 +41,7 @@ void Follower::look() {
   while (!stopping_.load()) {
     if (options_.is_watched()) look_at_poses();
     if (Clock::now() >= next_status_) look_at_status();
-    // A frame that came late does not make the next ones come at once.
+    // After a late frame the next ones still come one period apart.
     due = std::max(due + options_.frame, Clock::now());
     std::this_thread::sleep_until(std::min(due, Clock::now() + options_.frame));
   }
@@ -57,7 +57,8 @@ void Follower::look_at_poses() {
   observer_.poses(*poses);
 }
 
-/// Asked for anew when there are others. Where objects come and go all the time, at most half of the time goes into that.
+/// Fetches the objects again when there are others. Where objects come and go all the time, at most half of the time is
+/// spent on that.
 void Follower::look_at_objects(const Poses& poses) {
   const bool is_known = shown_ && shown_->epoch == poses.epoch && shown_->table_version == poses.table_version;
   const Clock::time_point start = Clock::now();

@@ -14,7 +14,7 @@ using nlohmann::json;
 
 constexpr std::string_view kProtocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 constexpr std::int64_t kTransformsPeriod_ns = 100'000'000;
-constexpr std::uint8_t kTransformsLane = 1;  // a newer frame takes the place of one that waits
+constexpr std::uint8_t kTransformsLane = 1;  // a newer frame replaces one that still waits
 
 WebMessage text_message(const json& message) {
   return {
@@ -120,7 +120,7 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
   return answers;
 }
 
-/// Opcode 1, the subscription, nanoseconds, the message.
+/// A binary message of the protocol: opcode 1, the subscription, nanoseconds, the message.
 std::string Foxglove::data(std::uint32_t subscription, std::int64_t time_ns, std::string_view text) {
   std::string bytes(1 + sizeof(subscription) + sizeof(time_ns), '\1');
   std::memcpy(bytes.data() + 1, &subscription, sizeof(subscription));
@@ -187,7 +187,7 @@ void Foxglove::events(std::span<const Event> events) {
   }
   const std::string contacts = contact_update(events);
   if (!contacts.empty()) publish(kContacts, events.back().world_time.count(), contacts);
-  // A storm of events is told in part: nobody reads more as text.
+  // Of very many events at once only some are sent, since they are for people to read.
   constexpr std::size_t kMostAtOnce = 50;
   for (const Event& event : events.subspan(events.size() - std::min(events.size(), kMostAtOnce))) {
     publish(kEvents, event.world_time.count(), event_json(event));

@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Ink on paper: what stands, what moves, what touches.
+/// Colours of what stands, what moves, and what touches.
 const json kStill{{"r", 0.78}, {"g", 0.77}, {"b", 0.74}, {"a", 1}};
 const json kMoving{{"r", 0.36}, {"g", 0.36}, {"b", 0.35}, {"a", 1}};
 const json kAccent{{"r", 0.78}, {"g", 0.27}, {"b", 0.05}, {"a", 1}};
@@ -31,7 +31,7 @@ json pose(const Vec3& position, const Quat& rotation) {
 
 std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
-/// One object's primitives, in its own frame.
+/// The primitives of one object, in its own frame.
 struct Entity {
   const json& color;
   json cubes = json::array();
@@ -45,7 +45,7 @@ struct Entity {
   void box(const Vec3& center, const Quat& rotation, const Vec3& half) {
     cubes.push_back({{"pose", pose(center, rotation)}, {"size", vector(2 * half)}, {"color", color}});
   }
-  /// z along the way from `bottom` to `top`.
+  /// Adds a cylinder or cone with its axis from `bottom` to `top`.
   void tube(const Vec3& bottom, const Vec3& top, double radius_m, double top_scale) {
     const Vec3 along = top - bottom;
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), along);
@@ -65,7 +65,7 @@ struct Entity {
     if (s.a != s.b) tube(s.a, s.b, s.radius_m, 1);
     for (const Vec3& end : {s.a, s.b}) ball(end, Quat::Identity(), Vec3::Constant(s.radius_m));
   }
-  /// Half-spaces have no end; the other kinds come as runs of surfaces.
+  /// Half-spaces are unbounded and left out; the other kinds are runs of surfaces.
   template <class Other>
   void operator()(const Other&) {}
 
@@ -118,7 +118,7 @@ json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::u
               {"texts", json::array()},
               {"models", json::array()}};
   if (!object.moving) {
-    // Without a frame of its own: its pose goes into each primitive.
+    // An object that does not move has no frame; its pose goes into each primitive.
     for (const char* kind : {"cubes", "spheres", "cylinders", "triangles"}) {
       for (json& primitive : result[kind]) {
         const json& own = primitive["pose"];
@@ -135,7 +135,7 @@ json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::u
 
 }  // namespace
 
-// What is sent of each type, no more; readers know the rest by the name.
+// The schemas have only the fields that are sent; programs know the types by name.
 const FoxgloveSchema kSceneUpdateSchema{"foxglove.SceneUpdate",
                                         R"({"title":"foxglove.SceneUpdate","type":"object","properties":{
 "deletions":{"type":"array","items":{"type":"object","properties":{

@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "numbers go out as the
 
 std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
-/// JSON has no infinity; the CLI writes it as text too.
+/// A number; infinity is a text, since JSON has none, as in the command line's output.
 json number(double value) {
   return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : value < 0 ? "-inf" : "nan");
 }
@@ -66,7 +66,7 @@ struct PartText {
     append(part, s.normal);
     return part;
   }
-  /// Everything else comes as runs of surfaces, or as many of the above.
+  /// The other kinds come as runs of surfaces, or as several of the parts above.
   template <class Other>
   json operator()(const Other&) const {
     return nullptr;
@@ -97,7 +97,7 @@ json object_text(const ShownObject& object) {
           {"runs", runs}};
 }
 
-/// Numbers one after the other.
+/// Appends numbers to a text, as bytes.
 class ByteWriter {
  public:
   explicit ByteWriter(std::size_t byte_count) { bytes_.reserve(byte_count); }
@@ -119,7 +119,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// The middle of their bounds in whole metres; what is not finite does not count.
+/// The middle of the bounds of the finite points, rounded to whole metres.
 template <class Points, class PointOf>
 Vec3 middle(const Points& points, PointOf&& point_of) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());

@@ -18,10 +18,9 @@ namespace collided::view {
 inline std::uint32_t slot_of(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
 /// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, pose [7],
-///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}. Kinds and their numbers: sphere 0
-///  (centre,
-/// radius), box 1 and ellipsoid 5 (centre, qw qx qy qz, half sizes), capsule 2, cylinder 3, cone 4 (end, end, radius),
-/// half-space 6 (point, normal). A surface's number is a text, since
+///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}.
+/// Kinds and their numbers: sphere 0 (centre, radius), box 1 and ellipsoid 5 (centre, qw qx qy qz, half sizes),
+/// capsule 2, cylinder 3, cone 4 (end, end, radius), half-space 6 (point, normal). A surface's number is a text, since
 /// it has 64 bits.
 std::string objects_text(const ShownObjects& shown);
 

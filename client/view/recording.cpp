@@ -41,7 +41,8 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-/// JSON in which nothing looks like an element: names are anybody's, and it will stand inside a script element.
+/// JSON in which nothing can end or begin an HTML element. Names may contain anything, and the text is put into a
+/// script element.
 std::string without_elements(std::string_view json_text) {
   std::string text;
   for (const char c : json_text) c == '<' ? text += "\\u003c" : text += c;
@@ -60,7 +61,7 @@ std::string_view asset(std::string_view path) {
   return {};
 }
 
-/// What pages would have been told, with the time.
+/// Records the messages that a live page would get, with their times.
 class Recorder {
  public:
   explicit Recorder(std::size_t most_bytes)
@@ -98,7 +99,7 @@ void Recorder::hear(const WebMessage& message) {
   const json told = json::parse(*message.bytes, nullptr, false);
   const bool is_table = told.is_object() && told.value("type", "") == "table";
   if (!is_table) return keep("text", *message.bytes);
-  // A page would fetch it now.
+  // A page would fetch the table now.
   if (const auto shown = feed_.shown()) keep_table(*shown);
 }
 

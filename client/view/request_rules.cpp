@@ -15,7 +15,7 @@ bool is_port(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// "name" of "name", "name:port", "[address]" or "[address]:port"; empty where it is none of them.
+/// The name in "name", "name:port", "[address]" or "[address]:port"; empty for other texts.
 std::string_view name_of(std::string_view host) {
   std::string_view name = host;
   std::string_view rest;

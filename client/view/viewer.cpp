@@ -43,7 +43,7 @@ Viewer::Viewer(Client& client, const ViewerOptions& options)
 }
 
 Viewer::~Viewer() {
-  // Who calls goes before who is called.
+  // What calls others is destroyed before what it calls.
   follower_.reset();
   asker_.reset();
   web_.reset();
@@ -69,7 +69,7 @@ std::optional<WebPage> Viewer::page(std::string_view target) const {
   return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;
 }
 
-/// The protocol that pages speak has no name.
+/// Opens a connection. Pages use no named protocol; an empty name means a page.
 void Viewer::open(Connection client, const std::string& protocol) {
   protocol.empty() ? greet(client) : foxglove_.opened(client);
   ++watching_;
@@ -97,7 +97,7 @@ void Viewer::greet(Connection page) {
     const std::lock_guard lock(mutex_);
     pages_.push_back(page);
   }
-  // What happens meanwhile is told too: twice is no harm, never would be.
+  // The page is in the list already, so it may get a change twice, which does no harm, but never misses one.
   for (const WebMessage& message : feed_.first_words()) web_->send(page, message);
 }
 

@@ -57,11 +57,14 @@ class Viewer {
 
   Viewer(Client& client, const ViewerOptions& options);
   WebServer::Handlers handlers();
+  // The web server's handlers.
   std::optional<WebPage> page(std::string_view target) const;
   void open(Connection client, const std::string& protocol);
   void close(Connection client);
   void hear(Connection client, std::string_view message, bool is_text);
+  // Sends a new page everything that holds, and adds it to pages_.
   void greet(Connection page);
+  // Has the asker answer a page's question.
   void pass_on(Connection page, std::string_view text);
   void tell_pages(const WebMessage& message);
 
@@ -69,7 +72,7 @@ class Viewer {
   std::map<std::string, WebPage, std::less<>> assets_;
   mutable std::mutex mutex_;
   std::vector<Connection> pages_;
-  std::atomic<std::size_t> watching_{0};
+  std::atomic<std::size_t> watching_{0};  // connections; poses are fetched only while there are any
   // Destroyed in reverse order: the asker's and the follower's threads use the web server, whose thread uses the feed.
   PageFeed feed_;
   Foxglove foxglove_;

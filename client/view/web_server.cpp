@@ -26,7 +26,7 @@ using tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using beast::error_code;
 
-/// Nothing from elsewhere runs in the page, and the page stands in no other.
+/// The page runs nothing from elsewhere, and cannot be embedded in another page.
 constexpr std::string_view kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -60,7 +60,7 @@ class WebServer::Running {
  private:
   class Request;
   class Socket;
-  /// One of the places for connections, as long as it lives.
+  /// Counts as one connection as long as it lives.
   class Place {
    public:
     explicit Place(WebCounts& counts) : counts_(&counts) { ++counts_->open; }
@@ -84,7 +84,7 @@ class WebServer::Running {
   const Handlers handlers_;
   WebCounts counts_;
   std::unordered_map<Connection, std::weak_ptr<Socket>> sockets_;
-  asio::io_context context_{1};  // holds the connections; they use what stands above
+  asio::io_context context_{1};  // owns the connections, which use the members above
   tcp::acceptor acceptor_{context_};
   asio::steady_timer pause_{context_};
   asio::steady_timer tick_{context_};
@@ -93,7 +93,7 @@ class WebServer::Running {
   std::thread thread_;
 };
 
-/// A WebSocket client: reads at its pace, tells at the client's.
+/// A WebSocket connection. It reads no more than the limits allow, and sends as fast as the client receives.
 class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
  public:
   Socket(Running& owner, Place place, beast::tcp_stream stream, Connection number)
@@ -127,7 +127,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   void tell(WebMessage message) {
     if (!is_open_ || is_dropped_) return;
     if (message.lane != 0) {
-      // The one that is being written is at the front and stays.
+      // The message at the front may be being written; then it stays.
       for (std::size_t i = is_writing_ ? 1 : 0; i < waiting_.size(); ++i) {
         if (waiting_[i].lane != message.lane) continue;
         waiting_bytes_ += message.bytes->size() - waiting_[i].bytes->size();
@@ -136,7 +136,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
         return;
       }
     }
-    // A lane holds at most one, of any size; the limit is on what piles up.
+    // Messages with a lane replace each other, so only those without one can accumulate and count for the limit.
     const bool piles_up = message.lane == 0 && !waiting_.empty();
     if (piles_up && (waiting_.size() >= owner_.limits_.waiting_messages ||
                      waiting_bytes_ + message.bytes->size() > owner_.limits_.waiting_bytes)) {
@@ -202,7 +202,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
     close();
   }
 
-  /// At once and without a word: whoever takes nothing takes no farewell either.
+  /// Closes at once, without a closing handshake, which a client that receives nothing would not answer.
   void close() {
     is_dropped_ = true;
     waiting_.resize(std::min<std::size_t>(waiting_.size(), is_writing_ ? 1 : 0));
@@ -224,7 +224,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   std::uint32_t said_this_second_ = 0;
 };
 
-/// A client that asks for pages, until it asks for a WebSocket.
+/// An HTTP connection, until it becomes a WebSocket.
 class WebServer::Running::Request : public std::enable_shared_from_this<Request> {
  public:
   Request(Running& owner, Place place, tcp::socket socket)
@@ -366,7 +366,7 @@ void WebServer::Running::run() {
       context_.run();
       return;
     } catch (const std::exception&) {
-      // Whoever it happened to is gone with its handler; the others go on.
+      // The connection whose handler threw is gone with it; the others go on.
       ++counts_.faults;
     }
   }
@@ -378,7 +378,7 @@ void WebServer::Running::accept() {
       take(std::move(socket));
       return accept();
     }
-    // Out of files, as a rule: others must end first.
+    // Usually the process has no file descriptor left: another connection must end first.
     pause_.expires_after(std::chrono::milliseconds(100));
     pause_.async_wait([this](error_code) { accept(); });
   });

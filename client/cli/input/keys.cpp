@@ -6,11 +6,11 @@
 namespace collided::cli {
 
 Keys::Keys(int file) : file_(file) {
-  // Whoever sets a terminal from the background is stopped.
+  // Only in the foreground: a process that changes the terminal from the background is stopped.
   is_terminal_ = ::tcgetattr(file, &before_) == 0 && ::tcgetpgrp(file) == ::getpgrp();
   if (!is_terminal_) return;
   termios single = before_;
-  // No line to wait for, no echo; Ctrl-C still is a signal.
+  // Keys come at once and are not echoed; Ctrl-C still is a signal.
   single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   single.c_cc[VMIN] = 0;
   single.c_cc[VTIME] = 0;

@@ -25,7 +25,7 @@ const char* LineReader::line_end() const {
   return static_cast<const char*>(std::memchr(buffer_.data() + begin_, '\n', end_ - begin_));
 }
 
-/// Reads more if it comes within wait_ms; false if nothing came.
+/// Reads more if something comes within wait_ms. False where nothing does.
 bool LineReader::fill(int wait_ms) {
   if (ended_) return false;
   pollfd waiter{.fd = file_, .events = POLLIN, .revents = 0};
@@ -50,7 +50,7 @@ bool LineReader::fill(int wait_ms) {
 
 bool LineReader::ready() {
   if (ended_ || line_end() != nullptr) return true;
-  // What has come may still lack its line end; then the answer is no.
+  // The line may not have ended yet; then reading it would wait.
   while (fill(0)) {
     if (line_end() != nullptr) return true;
     if (end_ - begin_ >= kLongestLine) return true;
@@ -65,7 +65,7 @@ bool LineReader::next(std::string& line) {
     fill(kInterruptCheckMs);
     if (end_ - begin_ > kLongestLine && line_end() == nullptr) {
       cut_ = true;
-      begin_ = end_ - 1;  // keep one byte, so that the line still counts as begun
+      begin_ = end_ - 1;  // one byte is kept, so that the line still counts as begun
     }
   }
   if (begin_ == end_) return false;

@@ -16,7 +16,8 @@ namespace {
 struct Unit {
   std::string_view name;
   Measure measure;
-  // value * times / over: both exact integers where the unit allows it, so that 3.5mm is the double nearest to 0.0035.
+  // The value in SI is value * times / over. Both are exact integers where the unit allows it, so that 3.5mm is the
+  // double nearest to 0.0035.
   double times;
   double over;
 };
@@ -173,7 +174,7 @@ std::string format_number(double value) {
 }
 
 std::string format_vector(const Eigen::Vector3d& value) {
-  // Adding 0 turns -0 into 0: people read the sign as a mistake.
+  // Adding 0 turns -0 into 0, since people would take the sign for a mistake.
   return fmt::format("{} {} {}", format_number(value.x() + 0.0), format_number(value.y() + 0.0),
                      format_number(value.z() + 0.0));
 }

@@ -83,7 +83,7 @@ BoxQuestion make_box_question(const Numbers& numbers) {
       throw bad_use(fmt::format("corners {} and {}: the first must be the lower one on every axis", format_vector(low),
                                 format_vector(high)));
     }
-    // Halves before the sum: the middle of two huge corners stays finite.
+    // Halved before they are added, so that the middle of two huge corners is finite.
     box.center = low / 2 + high / 2;
     box.half_m = high / 2 - low / 2;
   } else {

@@ -29,7 +29,7 @@ std::string column_names(const QuestionForm& form) {
   return names;
 }
 
-/// A caller's id from a cell: a number stays a number.
+/// The id in a cell, as JSON; a number stays a number.
 RawJson id_from_text(const std::string& text) {
   RawJson id;
   if (nlohmann::json::accept(text) && !text.empty() &&
@@ -46,7 +46,7 @@ RawJson id_from_text(const std::string& text) {
 QuestionReader::QuestionReader(const InputFile& file, QuestionKind kind)
     : lines_(file.descriptor()), form_(form_of(kind)), kind_(kind) {}
 
-/// Looks at the first line: form, separator, header. True if the line was a header.
+/// Finds the form, the separator and the header from the first line. True where the line is a header.
 bool QuestionReader::take_header(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
   json_ = text[first] == '{';

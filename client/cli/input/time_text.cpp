@@ -14,12 +14,12 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
-/// Reads a text from its front, piece by piece; after a piece that is not there nothing more is.
+/// Reads a text piece by piece from its beginning. Once a piece is missing, all later ones are missing too.
 class Reader {
  public:
   explicit Reader(std::string_view text) : rest_(text) {}
 
-  /// Exactly so many digits, of at most this value.
+  /// A number of exactly `count` digits and at most `most`.
   int digits(std::size_t count, int most) {
     int value = 0;
     const bool are_digits = rest_.size() >= count && rest_.find_first_not_of("0123456789") >= count;
@@ -29,7 +29,7 @@ class Reader {
   }
   void expect(char wanted) { skip(!rest_.empty() && rest_.front() == wanted, 1); }
   bool has(char wanted) const { return !rest_.empty() && rest_.front() == wanted; }
-  /// ".5": at most nine digits; nothing at all is 0.
+  /// A fraction such as ".5", of at most nine digits; 0 where there is none.
   nanoseconds fraction() {
     if (!has('.')) return nanoseconds(0);
     rest_.remove_prefix(1);
@@ -83,7 +83,7 @@ std::optional<nanoseconds> calendar_time(std::string_view text) {
   return std::chrono::sys_days(date).time_since_epoch() + time;
 }
 
-/// A double could not tell the nanoseconds of today.
+/// Seconds since 1970, read exactly: a double cannot hold today's time to the nanosecond.
 std::optional<nanoseconds> seconds_since_1970(std::string_view text) {
   constexpr std::int64_t kMost = 7'000'000'000;  // in the year 2191; nanoseconds end in 2262
   std::int64_t whole = 0;

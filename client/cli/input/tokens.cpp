@@ -12,7 +12,7 @@
 namespace collided::cli {
 namespace {
 
-// No argument of a shell starts with this byte by accident, and the option parser sees a plain word.
+// The mark: no argument begins with this byte by accident, and the option parser takes a marked token for a plain word.
 constexpr char kMark = '\x01';
 constexpr std::size_t kMostFileBytes = 1 << 20;
 

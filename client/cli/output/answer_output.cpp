@@ -22,7 +22,7 @@ std::string_view verdict_name(Verdict verdict) {
 
 bool measures_depth(QuestionKind kind) { return kind == QuestionKind::sphere || kind == QuestionKind::box; }
 
-/// Depth 0 within its bound: the surfaces meet without overlap.
+/// Whether the depth is 0 within its bound: the surfaces touch without overlap.
 bool is_touching(const Hit& hit) { return hit.distance_m <= hit.error_m; }
 
 Value reason_value(const Answer& answer) {
@@ -30,7 +30,7 @@ Value reason_value(const Answer& answer) {
   return name_of(answer.reason);
 }
 
-/// The record of one hit, or of an answer without hits (`hit` null).
+/// Fills the record of one hit, or of an answer without hits (`hit` is null).
 void fill_record(Record& record, const AnswerView& view, const RawJson& id, const Answer& answer, const Hit* hit,
                  std::size_t order) {
   record.clear();
@@ -118,7 +118,7 @@ void print_count(Printer& printer, const AnswerView& view, const RawJson& id, co
   Record record;
   if (view.with_id) record.push_back({"id", id});
   record.push_back({"count", std::uint64_t{answer.hits.size()}});
-  // One number for $(collide box ... --count); an answer without decision is more than a number.
+  // A single number, for $(collide box ... --count); an undecided answer needs its reason too.
   if (view.with_id || answer.verdict == Verdict::undecided) record.push_back({"reason", reason_value(answer)});
   if (!printer.human()) {
     printer.record(record);

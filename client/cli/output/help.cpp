@@ -48,7 +48,7 @@ std::string option_line(const CLI::Option& option) {
   return line + option.get_description() + '\n';
 }
 
-/// The options of a parser, or those of its groups that every verb has.
+/// Prints the parser's own options or, with `common`, those that every verb has.
 void print_options(Io& io, const CLI::App& app, bool common) {
   std::vector<std::string> groups;
   for (const CLI::Option* option : app.get_options()) {

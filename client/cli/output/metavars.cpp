@@ -7,7 +7,7 @@
 namespace collided::cli {
 namespace {
 
-/// Options of one name take the same everywhere.
+/// By option; options of the same name take the same kind of value in every verb.
 constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--as-of", "TIME"},
     {"--at", "X Y Z"},

@@ -25,7 +25,7 @@ void append_number(std::string& out, double value) {
 }
 
 void append_json_number(std::string& out, double value) {
-  // JSON has no infinity: a string that every reader of ours takes back.
+  // JSON has no infinity, so it is written as a string, which this project's readers accept.
   if (!std::isfinite(value)) out += '"';
   append_number(out, value);
   if (!std::isfinite(value)) out += '"';
@@ -74,7 +74,7 @@ void append_csv_text(std::string& out, std::string_view text) {
   out += '"';
 }
 
-/// One record stays one line: a tab or line end inside a name is written as \t, \n, \r.
+/// Appends text for plain output. A tab or line end is written as \t, \n or \r, so that a record stays one line.
 void append_plain_text(std::string& out, std::string_view text) {
   for (const char c : text) {
     if (c == '\t') out += "\\t";
@@ -89,7 +89,7 @@ void append_text(std::string& out, std::string_view text, bool csv) {
   else append_plain_text(out, text);
 }
 
-/// A JSON string loses its quotes: a column holds the text itself.
+/// JSON as text for a column: a string without its quotes.
 std::string raw_as_text(const RawJson& raw) {
   if (raw.text.empty() || raw.text.front() != '"') return raw.text;
   const auto parsed = nlohmann::json::parse(raw.text, nullptr, false);
@@ -173,7 +173,7 @@ void Printer::choose_fields(const Record& record) {
 
 void Printer::record(const Record& record) {
   if (fields_.size() == 1 && fields_.front() == "help") return list_fields(record);
-  // Records of one verb share their fields, so the choice is made once.
+  // All records of a verb have the same fields, so they are chosen once.
   if (selected_.empty()) choose_fields(record);
   if (format_ == Format::json) json(record);
   else if (format_ == Format::csv) separated(record, ',');

@@ -15,7 +15,7 @@ constexpr double kMicrometre = 1e-6;
 constexpr double kLeastPlain = 1e-4;  // smaller values are written with an exponent
 constexpr int kLeastDigits = 4;
 
-/// The power of ten that the last shown digit stands for.
+/// The exponent of ten of the last digit that is shown.
 int last_digit(double value, double error) {
   const double size = std::abs(value);
   const double by_digits = size > 0 ? std::pow(10.0, std::floor(std::log10(size)) - (kLeastDigits - 1)) : kMicrometre;
@@ -23,7 +23,7 @@ int last_digit(double value, double error) {
   return static_cast<int>(std::floor(std::log10(resolution) + 1e-9));  // the log of 1e-6 may be a rounding below -6
 }
 
-/// Fixed notation without the zeros at its end, and without a sign where nothing is left but zeros.
+/// Fixed notation without trailing zeros, and without a sign where only zeros are left.
 std::string fixed(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, std::max(0, decimals));
   if (text.find('.') != std::string::npos) {
@@ -33,7 +33,7 @@ std::string fixed(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
-/// So many digits with an exponent, without zeros at their end: "3.142e-07".
+/// Notation with an exponent and this many digits, without trailing zeros: "3.142e-07".
 std::string with_digits(double value, int digits) {
   const std::string rounded = fmt::format("{:.{}e}", value, digits - 1);
   double shown = value;
@@ -69,7 +69,7 @@ std::string readable_length(double metres, double error_m, Digits digits) {
 
 std::string readable_point(const Eigen::Vector3d& point, double error_m, Digits digits) {
   if (digits == Digits::all) return format_vector(point);
-  // One resolution for all three: a coordinate of 1e-17 m beside one of 2 m is rounding, and no place.
+  // One resolution for all three: a coordinate of 1e-17 m beside one of 2 m is only rounding.
   const double shown = std::max(error_m, std::min(kMicrometre, 1e-4 * point.cwiseAbs().maxCoeff()));
   return fmt::format("{} {} {}", readable_number(point.x(), shown), readable_number(point.y(), shown),
                      readable_number(point.z(), shown));

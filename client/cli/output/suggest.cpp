@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kLongestCompared = 64;
 
-/// Optimal string alignment: insert, delete, replace, swap neighbours.
+/// Edit distance by optimal string alignment: insertions, deletions, replacements, swaps of neighbours.
 /// source  Boytsov, "Indexing methods for approximate dictionary searching", 2011
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   a = a.substr(0, kLongestCompared);
@@ -28,7 +28,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return cost[a.size()][b.size()];
 }
 
-/// "pallet_07" and "pallet7" become the same text.
+/// A name without separators: "pallet_07" and "pallet7" give the same text.
 std::string bare(std::string_view name) {
   std::string text;
   for (std::size_t at = 0; at < name.size(); ++at) {
@@ -42,7 +42,7 @@ std::string bare(std::string_view name) {
   return text;
 }
 
-/// A shorter text is in too many names.
+/// Shorter texts are contained in too many names to be of use.
 constexpr std::size_t kLeastPart = 3;
 
 }  // namespace

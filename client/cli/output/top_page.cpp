@@ -52,7 +52,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// One character a value, by eighths of the largest.
+/// A bar chart with a character for each value, in eighths of the largest.
 std::string sparkline(const std::deque<double>& values) {
   static constexpr std::array<const char*, 8> kBars{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   double largest = 0;
@@ -106,7 +106,7 @@ std::string publishers_text(const ServerStatus& status) {
   return text.empty() ? "nobody publishes" : text;
 }
 
-/// In as many lines as it needs.
+/// Adds the structures that are not built, in as many lines as needed.
 void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
   constexpr std::size_t kColumns = 80;
   std::string line = "NOT BUILT  ";
@@ -124,7 +124,7 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
   lines.push_back(line);
 }
 
-/// Only where a publisher's clock does what clocks should not.
+/// Adds a line where publishers' stamps are late, jump or are missing.
 void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
   lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late),

@@ -11,7 +11,7 @@ constexpr std::size_t kLeastColumn = 6;
 
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }
 
-/// Where the text is to be broken so that at most `width` columns come before: behind the last two blanks, else behind the
+/// Where to break the text so that at most `width` columns come before: after the last double blank, else after the
 /// last blank; npos where there is none.
 std::size_t break_before(std::string_view text, std::size_t width) {
   std::size_t one = std::string_view::npos;
@@ -42,7 +42,7 @@ std::string wrapped(std::string_view text, std::size_t width) {
   std::string lines;
   std::size_t room = width;
   while (width > 2 * kIndent && columns_of(text) > room) {
-    // Blanks at the beginning are an indentation, and no place to break.
+    // Blanks at the beginning are indentation; the text is not broken there.
     const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
     std::size_t at = break_before(text.substr(begin), room - std::min(room, begin));
     if (at == std::string_view::npos) at = text.substr(begin).find(' ');

@@ -12,6 +12,7 @@
 namespace collided::cli {
 namespace {
 
+/// The next random number; the same sequence on every machine.
 /// source  Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014 (SplitMix64)
 std::uint64_t next_random(std::uint64_t& state) {
   state += 0x9e3779b97f4a7c15;
@@ -21,7 +22,7 @@ std::uint64_t next_random(std::uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-/// Uniform in [low, high): the same numbers on every machine, unlike std's distributions.
+/// A random number, uniform in [low, high); unlike with std's distributions, the same on every machine.
 double uniform(std::uint64_t& state, double low, double high) {
   constexpr double kStep = 0x1p-53;  // of 53 random bits, as a number in [0, 1)
   const double unit = static_cast<double>(next_random(state) >> 11) * kStep;

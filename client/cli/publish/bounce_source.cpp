@@ -13,7 +13,8 @@ namespace collided::cli {
 namespace {
 
 constexpr std::size_t kMostEventsPerFrame = 100'000;
-// A publisher's clock that is farther off than this is not world time (the lease of its signs of life).
+// If the server's world time differs from this publisher's time by more than this (the publisher's lease), the server
+// does not count by this publisher's clock.
 constexpr double kMostClockOff_s = 0.5;
 
 std::string escaped_glob(std::string_view name) {
@@ -30,7 +31,7 @@ class BounceSource : public Source {
   explicit BounceSource(const BounceSourceOptions& options) : options_(options), bounce_(options.bounce) {}
 
   void begin(Client& client, Publisher& publisher) override {
-    // Watching begins before the first sphere exists, so that no contact is missed.
+    // The watch begins before the first sphere is added, so that no contact is missed.
     WatchOptions own;
     own.only = escaped_glob(options_.name) + "/*";
     if (options_.bounces) watch_.emplace(take(client.watch(own)));
@@ -102,12 +103,12 @@ class BounceSource : public Source {
     return take(publisher.add(object));
   }
 
-  /// What the server has said since the last frame.
+  /// Takes the events that have come since the last frame.
   void hear() {
     for (std::size_t count = 0; count < kMostEventsPerFrame; ++count) {
       const std::optional<Event> event = watch_->next(std::chrono::nanoseconds(0));
       if (!event) return;
-      if (event->doubt != Doubt::none) continue;  // nothing to bounce off
+      if (event->doubt != Doubt::none) continue;  // not known to touch, so it is ignored
       const auto a = index_of_.find(event->a);
       const auto b = index_of_.find(event->b);
       const bool pair = a != index_of_.end() && b != index_of_.end();
@@ -121,13 +122,15 @@ class BounceSource : public Source {
     }
   }
 
-  /// World time is this publisher's own, to the nanosecond, so an event's bracket is a time of these spheres, however late it is
-  /// heard. Where the two clocks are so far apart that the server counts by its own, depth and velocity have to tell.
+  /// When and how deep the spheres of an event touch. World time is this publisher's own, to the nanosecond, so an
+  /// event's bracket can be compared with the spheres' times however late it is received. Where the clocks differ so
+  /// much that the server counts by its own, only depth and velocity are used.
   response::Touch touch_of(const Event& event) const {
     const double told_s = std::chrono::duration<double>(newest_ - event.world_time).count();
     if (!(std::abs(told_s) < kMostClockOff_s)) return {.earliest_s = kMostClockOff_s, .depth_m = event.depth_m};
     const double latest_s = std::max(0.0, told_s + event.bracket_high_s);
-    // The depth is that of the first frame after the touch; a bracket that ends with a frame ends a nanosecond to either side.
+    // The depth is that at the first frame after the touch. A bracket that ends at a frame may end a nanosecond before
+    // or after it.
     const double seen_s = std::floor(latest_s * options_.rate_hz + 1e-6) / options_.rate_hz;
     return {.earliest_s = std::max(0.0, told_s + event.bracket_low_s),
             .latest_s = latest_s,

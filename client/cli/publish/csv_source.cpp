@@ -25,7 +25,8 @@ class CsvSource : public Source {
     if (!read_ahead_) read();
     if (!read_ahead_) return std::nullopt;
     const std::optional<double> time_s = read_ahead_->time_s;
-    // One frame: rows of one time. Without times a file's frame is one row for each object, a pipe's what has come.
+    // A frame is the rows with one time. Without times, it is one row for each object in a file, and what has come in a
+    // pipe.
     while (read_ahead_ && belongs_to_frame(time_s)) {
       put_into_frame(std::move(*read_ahead_));
       read_ahead_.reset();
@@ -76,7 +77,7 @@ class CsvSource : public Source {
     return !place_in_frame_.contains(read_ahead_->name);
   }
 
-  /// In the order of the rows; of two rows of one object in one frame the later one holds.
+  /// Adds a row to the frame, in order; a later row of the same object replaces an earlier one.
   void put_into_frame(PoseRow row) {
     const auto [place, is_new] = place_in_frame_.emplace(row.name, frame_.size());
     if (is_new) frame_.push_back(std::move(row));

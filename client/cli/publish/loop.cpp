@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A server takes a publisher for lost after 500 ms of silence.
+// A server counts a publisher as lost after 500 ms of silence.
 constexpr std::chrono::milliseconds kKeepAlive{100};
 constexpr double kLongestWait_s = 1e9;
 
@@ -48,7 +48,7 @@ class Loop {
     std::optional<double> time_s = source_.next_time();
     const bool again = !time_s && options_.loop && frames_ > round_first_frame_;
     if (!again || !source_.restart()) return time_s;
-    // The next round begins one frame after the last one of this round.
+    // The next round begins one frame after the last frame of this one.
     round_start_ = last_due_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(last_step_s_));
     round_first_frame_ = frames_;
     return source_.next_time();
@@ -82,7 +82,7 @@ class Loop {
     if (!sent) lose(sent.error());
   }
 
-  /// The time that the source gives the frame, however late it is sent; of those without times, when it is sent.
+  /// The time of a frame: the one that the source gives, however late it is sent; without one, the time of sending.
   std::chrono::nanoseconds instant() {
     const auto now = since_1970(Clock::now());
     last_instant_ =
@@ -99,7 +99,7 @@ class Loop {
     if (const Result<void> said = publisher_.keep_alive(); !said) lose(said.error());
   }
 
-  /// A server that goes away comes back: the run goes on and counts what it could not send.
+  /// A frame could not be sent. The server may come back, so the run goes on and counts what is missing.
   void lose(const Error& error) {
     if (lost_++ == 0) print_hint(io_, globals_, "not sent: " + error.message + "; going on");
   }
@@ -107,7 +107,7 @@ class Loop {
   void stay() {
     print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
     while (!stop_requested && Clock::now() < until_.end()) {
-      // All rests; who waits for this publisher's word on it has it.
+      // Everything rests; this flush says so, so that contacts with other publishers' objects can be decided.
       if (const Result<std::uint64_t> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent)
         lose(sent.error());
       sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));

@@ -18,7 +18,7 @@ constexpr std::size_t kMostJoints = 4'096;
 constexpr std::size_t kMostLevels = 64;
 constexpr double kPi = 3.14159265358979323846;
 
-/// Words of a text with the line they stand on.
+/// The words of a text, one after the other, with their lines.
 class Words {
  public:
   Words(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -115,7 +115,7 @@ std::size_t add_joint(Words& words, MotionCapture& bvh, std::string_view name, i
   return bvh.joints.size() - 1;
 }
 
-/// The tree, without recursion: a hostile depth costs no stack.
+/// Reads the tree of joints, without recursion, so that a hostile depth cannot exhaust the stack.
 void read_hierarchy(Words& words, MotionCapture& bvh) {
   words.want("HIERARCHY");
   words.want("ROOT");
@@ -147,7 +147,7 @@ void read_hierarchy(Words& words, MotionCapture& bvh) {
 void read_motion(Words& words, MotionCapture& bvh) {
   words.want("MOTION");
   words.want("Frames:");
-  // Every value takes a digit and a blank, so the text bounds what may be reserved.
+  // Every value takes at least a digit and a blank, so the rest of the text bounds what may be reserved.
   const std::size_t most_frames = words.bytes_left() / (2 * bvh.channel_count) + 1;
   bvh.frame_count = words.count("frames", most_frames);
   words.want("Frame");

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 10'000'000;
 
-/// Which cells of a line are x, y and z.
+/// The numbers of the cells that are x, y and z, from the header.
 std::array<std::size_t, 3> coordinate_cells(const std::vector<std::string>& header, const std::string& where) {
   std::array<std::size_t, 3> cells{};
   constexpr std::array<std::string_view, 3> kNames{"x", "y", "z"};
@@ -110,7 +110,7 @@ Path::Path(std::vector<Vec3> points) : points_(std::move(points)) {
   if (!has_length) throw bad_use(fmt::format("a path of length {}", format_number(length_m())));
 }
 
-/// The segment that holds a place; never one of length 0 unless it is past the end.
+/// The segment at a distance from the start; never one of length 0, except past the end.
 std::size_t Path::segment(double along_m) const {
   const auto after = std::upper_bound(distance_m_.begin(), distance_m_.end(), along_m);
   const auto index = static_cast<std::size_t>(after - distance_m_.begin());

@@ -38,7 +38,7 @@ MeshShape sphere_mesh(double radius_m, std::size_t latitudes, std::size_t longit
 }
 
 LatitudeLongitude bands_for(std::size_t triangle_count) {
-  // Twice as many slices as bands between the polar caps: 2 * 2m * m triangles.
+  // With m bands between the polar caps and 2m slices there are 2 * 2m * m triangles.
   const double bands = std::sqrt(static_cast<double>(triangle_count) / 4);
   const auto inner = static_cast<std::size_t>(std::max(1.0, std::round(bands)));
   const auto slices = static_cast<std::size_t>(

@@ -29,7 +29,7 @@ Shape part_shape(const MotionCapture& bvh, std::size_t joint, const WalkerOption
   return shape;
 }
 
-/// The group that a name stands for: FNV-1a, never 0.
+/// A group number made from a name by the hash FNV-1a; never 0.
 std::uint32_t group_of(const std::string& name) {
   std::uint32_t hash = 2166136261U;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
@@ -69,7 +69,7 @@ class Walker : public Source {
 
   std::size_t move(Publisher& publisher) override {
     const std::vector<Pose> poses = walker_poses(bvh_, parts_, options_, frame_++);
-    // Back at the start a person does not sweep through the room.
+    // When the recording begins again, the person is placed at the start, not moved there through the room.
     for (std::size_t at = 0; at < poses.size(); ++at) moved(publisher.move(objects_[at], poses[at], restarted_));
     restarted_ = false;
     return poses.size();

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The first answers come soon, and a long file soon fills whole requests.
+// The first request is small, so that answers come soon; the next ones grow.
 constexpr std::size_t kFirstRequest = 1'000;
 constexpr std::size_t kLargestRequest = 100'000;
 constexpr std::size_t kMostInFlight = 4;
@@ -54,7 +54,7 @@ class Batch {
       read_some();
       if (!pending_.lines.empty()) send();
       while (!in_flight_.empty() && front_is_ready()) print_front();
-      // Nothing to read at the moment: answers first, then wait for the pipe.
+      // Nothing can be read at the moment: answers are printed before waiting for the pipe.
       while (!in_flight_.empty() && !ended_ && !reader_.ready()) print_front();
     }
     while (!in_flight_.empty() && !stop_requested) print_front();
@@ -67,7 +67,7 @@ class Batch {
   }
 
  private:
-  /// Takes lines until the request is full, the pipe pauses or the input ends; waits for the first.
+  /// Reads lines until the request is full, the pipe pauses or the input ends. Waits for the first line.
   void read_some() {
     QuestionReader::Line line;
     while (question_count(pending_.questions) < request_size_ && pending_.lines.size() < kLargestRequest) {

@@ -63,7 +63,7 @@ class RepeatedQuestion {
       else if (follows_distance() && moved(before->second.hit, hit))
         print(time, "moved", &hit, std::nullopt, UndecidedReason::none);
     }
-    // An answer without decision says nothing about what is not in it.
+    // An undecided answer does not mean that what it lacks is not there.
     if (undecided) {
       now.merge(held_);
       held_ = std::move(now);

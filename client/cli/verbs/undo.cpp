@@ -21,7 +21,8 @@ bool all_zero(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
 }
 
-/// "box 0.4 0.4 0.4" for what `add` can make: one sphere, box or upright capsule about its own origin. Else nothing.
+/// The words of `add` for a shape, such as "box 0.4 0.4 0.4"; empty where `add` cannot make it. It can where the shape
+/// is one sphere, box or upright capsule about its own origin.
 std::string shape_words(const nlohmann::json& shape) {
   if (!shape.is_array() || shape.size() != 1) return {};
   const nlohmann::json& part = shape[0];
@@ -74,7 +75,7 @@ Undo undo_of(Session& session, const Globals& globals, const std::string& glob, 
   const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
   undo.left_out = std::max<std::uint64_t>(count_of(answer, "count"), objects.size()) - objects.size();
   for (const nlohmann::json& object : objects) {
-    // A scene comes back from its file, a publisher's object from its publisher.
+    // Objects of scenes are loaded again from their files, and those of publishers come from their publishers.
     if (!text_of(object, "scene").empty() || !text_of(object, "publisher").empty()) continue;
     const bool shown = undo.lines.size() < most;
     const std::string line =

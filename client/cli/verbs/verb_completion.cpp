@@ -57,7 +57,7 @@ class CompletionCommand : public Command {
   std::string shell_;
 };
 
-/// The last of the words is the one that is being typed. One candidate a line; none where a file may stand.
+/// Prints the completions of the last word, one a line; none where it may be a file.
 class CompleteCommand : public PassOn {
  public:
   void declare(CLI::App&) override {}
@@ -119,7 +119,7 @@ class CompleteCommand : public PassOn {
     return names;
   }
 
-  /// Names from the server, if there is one that answers at once.
+  /// The names of objects, if a server answers at once.
   static std::vector<std::string> objects(Session& session, Globals globals) {
     if (globals.wait.empty()) globals.wait = "500ms";
     std::vector<std::string> names;
@@ -128,7 +128,7 @@ class CompleteCommand : public PassOn {
       for (const nlohmann::json& object : answer.value("objects", nlohmann::json::array()))
         names.push_back(text_of(object, "name"));
     } catch (const Failure&) {
-      // Without a server there is nothing to offer, and a message would stand in the middle of what is typed.
+      // Without a server there are no names, and a message would appear in the middle of the command line.
     }
     return names;
   }

@@ -16,7 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kStyles[] = {"wireframe", "hidden-line", "obscured-line", "haloed", "toon", "hatched"};
-constexpr std::size_t kMostContacts = 200;  // whose points are asked for
+constexpr std::size_t kMostContacts = 200;  // pairs whose points are requested
 constexpr double kTerminalColumns = 78;
 
 std::string after_dot(const std::string& path) {
@@ -111,14 +111,14 @@ class DrawCommand : public Command {
     return options;
   }
 
-  /// From above, north up.
+  /// Sets the view from above, with y up in the picture.
   static void plan_view(draw::View& view) {
     view.from = view.at.value_or(Vec3::Zero()) + Vec3(0, 0, 1);
     if (!view.at) view.at = Vec3::Zero();
     view.up = Vec3::UnitY();
   }
 
-  /// What hides is what is drawn.
+  /// The options for the rays of a drawing: the objects that are drawn are also those that hide others.
   static AskOptions drawing_rays(const AskOptions& ask) {
     AskOptions options = ask;
     options.timeout = std::max(options.timeout, std::chrono::nanoseconds(std::chrono::seconds(30)));
@@ -134,7 +134,7 @@ class DrawCommand : public Command {
             .bands = static_cast<int>(std::min<std::uint64_t>(parse_count(bands_, 1), 64))};
   }
 
-  /// The server knows which names a glob means.
+  /// Finds the objects that are coloured by clearance. The server decides which names the glob matches.
   static void measure(Client& client, const ShownObjects& shown, const AskOptions& ask, draw::ClearanceRamp& ramp) {
     std::set<std::uint64_t> ids;
     for (const ShownObject& object : take(client.shapes({.only = ramp.name_glob, .mask = ask.mask})).objects)
@@ -164,7 +164,7 @@ class DrawCommand : public Command {
     for (const auto& [a, b] : pairs) {
       if (asked++ == kMostContacts) break;
       const Result<PairAnswer> pair = client.pair(a, b);
-      if (!pair || pair->verdict != Verdict::hit) continue;  // they have parted meanwhile
+      if (!pair || pair->verdict != Verdict::hit) continue;  // they have separated since
       for (const ManifoldPoint& point : pair->manifold) marks.push_back({point.point, pair->normal, point.depth_m});
       if (pair->manifold.empty()) marks.push_back({pair->point, pair->normal, pair->depth_m});
     }
@@ -187,7 +187,7 @@ class DrawCommand : public Command {
 
   static std::vector<draw::RayMark> ray_marks(draw::Rays& rays, const std::vector<RayQuestion>& questions,
                                               const ShownObjects& shown) {
-    // One that meets nothing is drawn as far as the scene is long.
+    // A ray without a hit is drawn for the length of the scene.
     Eigen::AlignedBox3d bounds;
     for (const Vec3& p : draw::extreme_points(shown)) bounds.extend(p);
     const double far_m = bounds.isEmpty() ? 1 : bounds.diagonal().norm();

@@ -41,7 +41,7 @@ Record probe_record(const ProbeReading& reading) {
           {"world", reading.version}};
 }
 
-/// "-0.0031 m": below 0 it is sunk in.
+/// A clearance as text, such as "-0.0031 m"; negative values are collisions.
 std::string clearance_text(const ProbeReading& reading, Digits digits) {
   if (!has_met(reading)) return {};
   const std::string least = reading.state == Clearance::deeper ? "at most " : "";

@@ -15,7 +15,7 @@ namespace {
 
 enum class Kind { poses, recording, spheres, path };
 
-/// One option of some kinds of publisher only: text as written, and who knows it.
+/// An option that only some kinds of publisher have: its text as written, and those kinds.
 struct Setting {
   const char* name;
   std::vector<Kind> kinds;
@@ -188,7 +188,7 @@ class PublishCommand : public Command {
       throw bad_use("--stiffness needs --response compliant");
     bounce.restitution = given("--restitution") ? parse_finite(text("--restitution"), Measure::none) : 1;
     bounce.stiffness_n_m = positive("--stiffness", Measure::none, bounce.stiffness_n_m);
-    // What the response library is tested for.
+    // The range for which the response library is tested.
     if (!(bounce.stiffness_n_m >= 1e2 && bounce.stiffness_n_m <= 1e12))
       throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
   }

@@ -17,11 +17,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A server says how it is twenty times a second; without a word for this long it is silent.
+/// A server without a status for this long counts as silent; it sends twenty a second.
 constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
 
-/// The first `columns` characters: a line that wraps would push the others out of place.
+/// The first `columns` characters of a line, since a line that wraps would displace the others.
 std::string_view cut(std::string_view line, std::size_t columns) {
   std::size_t seen = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -31,7 +31,7 @@ std::string_view cut(std::string_view line, std::size_t columns) {
   return line;
 }
 
-/// A screen of its own while it lives; what stood there before comes back.
+/// Switches the terminal to its alternate screen. The destructor restores what was shown before.
 class Screen {
  public:
   explicit Screen(const Io& io) : io_(io) { io_.out << "\x1b[?1049h\x1b[?25l"; }
@@ -82,14 +82,14 @@ class TopCommand : public Command {
     if (!before_) throw Failure(Exit::refused, "the server's answer to 'figures' is none that this collide knows");
   }
 
-  /// Nothing while no server answers.
+  /// The server's figures; nothing while no server answers.
   static std::optional<view::Figures> ask(Session& session, const Globals& globals) {
     const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {},
                                                                      timeout_of(globals, std::chrono::seconds(1)));
     return text ? view::parse_figures(*text) : std::nullopt;
   }
 
-  /// What has happened since the last look; nothing while the server is silent.
+  /// What the server has done since the last look; nothing while it is silent.
   std::optional<Look> look(Session& session, const Globals& globals) {
     const std::optional<view::Figures> now = ask(session, globals);
     if (!now) return std::nullopt;
@@ -112,7 +112,7 @@ class TopCommand : public Command {
   }
 
   Exit live(Session& session, const Globals& globals, const Until& until, std::chrono::nanoseconds period) {
-    constexpr std::chrono::milliseconds kFirst{200};  // nobody waits a second for the first figures
+    constexpr std::chrono::milliseconds kFirst{200};  // shorter than later ones, so that the first figures appear soon
     Keys keys(session.io.in);
     Screen screen(session.io);
     std::vector<std::string> lines;
@@ -136,7 +136,7 @@ class TopCommand : public Command {
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 
-  /// False when it is to end: by a key, by Ctrl-C, by its time.
+  /// Waits. False where the page should end: on a key, on Ctrl-C, or at its time.
   static bool wait_for_key(Keys& keys, const Until& until, std::chrono::nanoseconds wait) {
     constexpr std::chrono::milliseconds kLook{50};
     const Clock::time_point due = std::min(Clock::now() + wait, until.end());

@@ -60,8 +60,8 @@ class Template {
   std::string text_;
 };
 
-/// Runs a shell command with the event's fields in its environment: a name can hold what it likes, the shell never reads it
-/// as a command.
+/// Runs a shell command with the event's fields in its environment, so that the shell never reads a name as part of the
+/// command, whatever it contains.
 void run_shell(const Template& command, const Event& event) {
   std::vector<std::string> environment;
   const std::string line = command.fill(event, [&](std::string_view name, const Value& value) {
@@ -141,14 +141,14 @@ class WatchCommand : public Command {
     else printer.record(event_record(event));
   }
 
-  /// How long ago it began, where the world's clock is this machine's.
+  /// How long ago an event's contact began, where the world's clock is this machine's.
   static std::string age_of(const Event& event) {
     const auto age = std::chrono::system_clock::now().time_since_epoch() - happened(event);
     const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
     return one_clock && event.kind == EventKind::began ? "  age " + format_duration(age) : std::string();
   }
 
-  /// As the two stand when they are asked about: they may have gone on, or parted.
+  /// Prints the contact points of the two objects as they are now; they may have moved on or separated.
   static void print_manifold(Session& session, const Globals& globals, Printer& printer, const Event& event) {
     const Result<PairAnswer> pair = session.client(globals).pair(event.a, event.b);
     if (!pair) return;

@@ -29,7 +29,7 @@ class VersionCommand : public Command {
   bool ask_server_ = false;
 };
 
-/// Verbs by topic, in the order in which help lists them.
+/// All verbs by topic, in the order of the help.
 constexpr Verb kVerbs[] = {
     {"ray", "Ask", "what a ray meets", "ray X Y Z  DX DY DZ\nray X Y Z --to X Y Z\nray FILE|-",
      "ray 0 0 5  0 0 -1\nray 0 0 5 --to 4 4 0 --all --only 'pallet_*' --json\nray - < rays.csv > hits.csv", make_ray},

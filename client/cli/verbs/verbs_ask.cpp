@@ -16,7 +16,8 @@ namespace collided::cli {
 namespace wire = wire_contract::command;
 namespace {
 
-/// What the four questions share: one question from the words, a batch from a file, a standing question.
+/// What the verbs of the four questions have in common: one question from the words, a batch from a file, or a question
+/// asked repeatedly.
 class AskCommand : public Command {
  public:
   explicit AskCommand(QuestionKind kind) { view_.kind = kind; }
@@ -41,7 +42,7 @@ class AskCommand : public Command {
     if (from_file) {
       if (watch_ || !repeat_.empty()) throw bad_use("--watch and --repeat take one question, not a file");
       view_.with_id = true;
-      // A full request waits for those before it.
+      // A request of a batch waits for those before it.
       constexpr std::chrono::seconds kBatchTimeout{60};
       options.timeout = timeout_of(globals, kBatchTimeout);
       return run_batch(session, globals, {words_.front(), options, view_, stop_on_error_});
@@ -55,12 +56,12 @@ class AskCommand : public Command {
  protected:
   virtual void declare_own(CLI::App& app) = 0;
   virtual void adjust(AskOptions&) {}
-  /// What is surely not meant; empty: nothing.
+  /// A warning where what is written is surely not meant; else empty.
   virtual std::string warning() const { return {}; }
   /// The numbers of the question from words_ and the verb's own options.
   virtual Numbers numbers() const = 0;
 
-  /// The words as numbers in metres, at columns 0, 1, ...; their count must be one of those allowed.
+  /// The words as numbers in metres for columns 0, 1, ... Throws Failure unless their count is one of those allowed.
   Numbers from_words(std::initializer_list<std::size_t> allowed, std::string_view needed) const {
     const std::vector<double> values = parse_numbers(words_, Measure::length);
     if (std::find(allowed.begin(), allowed.end(), values.size()) == allowed.end()) {
@@ -116,7 +117,7 @@ class AskCommand : public Command {
     return code;
   }
 
-  /// "Nothing there" is no answer to a question about an object that does not exist.
+  /// Prints a hint where the name patterns match no object: a miss is then no real answer.
   static void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options) {
     if (options.only.empty() || globals.quiet) return;
     try {
@@ -124,7 +125,7 @@ class AskCommand : public Command {
           server_command(session, globals, wire::kList, {{"name", options.only}, {"limit", 0}});
       if (count_of(listed, "count") > 0) return;
     } catch (const Failure&) {
-      return;  // the question was answered; only the hint is not
+      return;  // the question is answered; only the hint is missing
     }
     const std::string hint = fmt::format("no object's name matches --only '{}'", options.only);
     print_hint(session.io, globals, hint);

@@ -23,7 +23,7 @@ namespace {
 
 namespace wire = wire_contract::command;
 
-/// A command's answer: its own members for machines, one line for people.
+/// Prints a command's answer: as a record for machines, or as one line for people.
 void print_done(Session& session, const Globals& globals, const Record& record, const std::string& line) {
   Printer printer = make_printer(session.io, globals);
   if (printer.human()) printer.line(line);
@@ -73,7 +73,7 @@ class AddCommand : public Command {
     const std::string& name = words_[0];
     print_warning(session.io, angle_warning("--rpy", rpy_));
     const ShapePart shape = this->shape(session);
-    // A plane has no end, so it cannot move; nobody needs to say so.
+    // A plane is unbounded, so it is static without --static.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
     const nlohmann::json arguments{{"name", name},
                                    {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
@@ -271,14 +271,14 @@ class LoadCommand : public Command {
     return box;
   }
 
-  /// The bar is drawn from the library's thread that hears of the progress, while this one waits for the answer.
+  /// Loads a file, with a progress bar.
   static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
     Progress progress(session.io, globals);
     return server_command(session, globals, wire::kLoad, arguments, {},
                           [&](double now) { progress.show(0, "loading", now); });
   }
 
-  /// The file's bytes, and its name with what a server may not like in one replaced.
+  /// Uploads a file and loads it. Characters of its name that a server does not accept are replaced.
   nlohmann::json upload(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
     const std::vector<std::byte> bytes = bytes_of_file(path_);
     std::string name = std::filesystem::path(path_).filename().string();

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "collided-files";
 
-/// Beside this program, as installed and in a build tree; else wherever PATH says.
+/// The path of the program: beside this one, where it is when installed and in a build tree, else found by PATH.
 std::string find_program(const Io& io) {
   if (std::string chosen = io.env("COLLIDED_FILES"); !chosen.empty()) return chosen;
   std::error_code error;
@@ -28,7 +28,7 @@ std::string find_program(const Io& io) {
   return kProgram;
 }
 
-/// Runs the program with these words on our own stdin, stdout and stderr; what it returned.
+/// Runs the program with these words, on this process's stdin, stdout and stderr. Returns its exit code.
 int run_program(const std::string& program, std::vector<std::string> words) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -47,17 +47,18 @@ int run_program(const std::string& program, std::vector<std::string> words) {
   return WEXITSTATUS(status);
 }
 
-/// Reading files is the server's trade, whose code this program does not hold: a sibling program does it.
+/// A verb that reads files. Only the server's code reads files, and this program does not contain it, so another
+/// program does the work.
 class FilesCommand : public PassOn {
  public:
-  /// joins_values  whether a number below 0 after an option is its value, and not one of the numbers asked
+  /// joins_values  whether a negative number after an option is the option's value
   FilesCommand(const char* verb, bool joins_values) : verb_(verb), joins_values_(joins_values) {}
 
   void declare(CLI::App&) override {}
 
   void take_words(std::vector<std::string> words) override {
     for (std::size_t at = 0; at < words.size(); ++at) {
-      // A value that begins with a minus sign stays with its option.
+      // A value that begins with a minus sign is joined to its option.
       const bool value_follows = joins_values_ && words[at].starts_with("--") && at + 1 < words.size() &&
                                  words[at + 1].starts_with("-") && is_number_text(words[at + 1]);
       words_.push_back(value_follows ? words[at] + "=" + words[at + 1] : words[at]);

@@ -51,7 +51,7 @@ class StatusCommand : public Command {
   }
 
  private:
-  /// Null where none was stated, or a server that has said how it is does not answer.
+  /// The space that is covered; null where none was stated, or where the server does not answer.
   static nlohmann::json covers_of(Client& client) {
     const Result<std::string> answer = client.command(wire::kCovers, "{}", {}, std::chrono::milliseconds(500));
     const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
@@ -288,7 +288,7 @@ class PlanCommand : public Command {
   }
 
  private:
-  /// Sentences, which a table would spread over hundreds of columns.
+  /// Prints a structure as lines, since its sentences would make a table hundreds of columns wide.
   static void print_structure(Printer& printer, const nlohmann::json& row) {
     const bool is_built = flag_of(row, "built");
     std::string line = printer.paint(is_built ? Paint::good : Paint::faint, is_built ? "built   " : "left out") + "  " +

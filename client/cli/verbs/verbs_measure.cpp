@@ -23,12 +23,12 @@ std::vector<nlohmann::json> rows_of(const nlohmann::json& answer, const char* ke
   return {rows.begin(), rows.end()};
 }
 
-/// The server writes infinity as text.
+/// A member that is a number or, for infinity, a text.
 double number_or_infinity(const nlohmann::json& row, const char* key) {
   return text_of(row, key) == "inf" ? std::numeric_limits<double>::infinity() : number_of(row, key);
 }
 
-/// "298 agree, 1 differ"; empty where FCL was not asked.
+/// The counts of FCL's opinions, such as "298 agree, 1 differ"; empty where FCL was not asked.
 std::string opinion(const nlohmann::json& row) {
   std::string words;
   const nlohmann::json counts = row.value("opinion", nlohmann::json::object());
@@ -93,7 +93,7 @@ class MenuCommand : public Command {
     return format_duration(std::chrono::nanoseconds(count_of(row, key)));
   }
 
-  /// Of the questions, those compared with the rationals; a server that does not say compared all.
+  /// How many questions were compared with rationals; all of them, where the server does not say.
   static std::uint64_t judged_of(const nlohmann::json& row) {
     return row.contains("judged") ? count_of(row, "judged") : count_of(row, "asked");
   }

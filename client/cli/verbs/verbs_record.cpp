@@ -118,7 +118,7 @@ class ReplayCommand : public Command {
     print_hint(session.io, globals, "paused; Enter begins");
     LineReader lines(session.io.in);
     std::string line;
-    lines.next(line);  // an end of input begins too
+    lines.next(line);  // the end of input counts as a line
     return !stop_requested;
   }
 

@@ -8,14 +8,16 @@ namespace collided::draw {
 namespace {
 
 constexpr double kMargin = 0.04;  // of the picture, on each side
-// Pictures of a wall seen from its end are not to be a line, nor those of a tower a pole.
+// The least ratio of a picture's sides, so that a wall seen from its end does not give a picture a few pixels wide.
 constexpr double kLeastAspect = 0.3;
 constexpr double kMostAspect = 1.4;
-/// From above, to the right of the front where z is up: three sides of a box are seen, none of them alike.
+/// The direction to the eye where none is given: above and to the right of the front, where z is up. Three sides of a
+/// box are visible from there, in different shapes.
 const Vec3 kUsualSide = Vec3(0.5, -1, 0.75).normalized();
-/// Of the angle from the axis to a side: an eye in the middle of things does not see all of them.
+/// Tangent of the largest angle from the axis to a side. An eye in the middle of the scene does not see all of it.
 constexpr double kWidestTangent = 1.2;
-/// Multiples of the scene's radius: near enough for perspective to be seen, far enough not to disturb.
+/// Distance of the eye where none is given, in radii of the scene: near enough for visible perspective, far enough not
+/// to distort.
 constexpr double kUsualDistance = 3.2;
 
 struct Bounds {
@@ -50,7 +52,7 @@ struct Frame {
   }
 };
 
-/// At right angles to the axis, as upright as it can be.
+/// The picture's direction to the right: at right angles to the axis, with `up` pointing up in the picture.
 Vec3 right_of(const Vec3& forward, const Vec3& up) {
   const Vec3 right = forward.cross(up);
   if (right.norm() > 1e-9 * up.norm()) return right.normalized();
@@ -81,7 +83,7 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
     if (view.is_orthographic) {
       camera.nearest_m_ = std::min(camera.nearest_m_, q.z());
       frame.extend(q.x(), q.y());
-    } else if (q.z() > 0.02 * radius_m) {  // what is beside the eye would make the frame endless
+    } else if (q.z() > 0.02 * radius_m) {  // a point beside the eye would make the frame infinite
       frame.extend(q.x() / q.z(), q.y() / q.z());
     }
   }
@@ -145,7 +147,7 @@ std::optional<std::pair<double, double>> Camera::clip(const Vec3& a, const Vec3&
   const double bottom = top_ - height_px_ / pixels_per_unit_;
   double from = 0;
   double to = 1;
-  // Each side of the frustum is a linear function that is not below 0 inside.
+  // Each side of the frustum is a linear function that is 0 or more inside.
   const auto side = [&](double at_a, double at_b) {
     if (at_a < 0 && at_b < 0) to = -1;
     if (at_a < 0 && at_b >= 0) from = std::max(from, at_a / (at_a - at_b));
@@ -162,7 +164,7 @@ std::optional<std::pair<double, double>> Camera::clip(const Vec3& a, const Vec3&
 }
 
 Vec3 Camera::at_image_fraction(const Vec3& a, const Vec3& b, double a_depth_m, double b_depth_m, double fraction) {
-  // Depths run harmonically along an image; equal ones (a parallel projection is given 1 and 1) evenly.
+  // Along an image the inverse depth is linear. For a parallel projection both depths are given as 1.
   const double t = fraction * a_depth_m / (b_depth_m + fraction * (a_depth_m - b_depth_m));
   return a + t * (b - a);
 }

@@ -21,7 +21,7 @@ const Ink& ink_of(LineKind kind) {
   return kInks[static_cast<std::size_t>(kind)];
 }
 
-/// "#rrggbb" a share of the way from one colour to another.
+/// A colour "#rrggbb" between two others, by the fraction `share`.
 std::string mixed(const std::string& from, const std::string& to, double share) {
   static constexpr char kDigits[] = "0123456789abcdef";
   std::string color = "#";
@@ -38,7 +38,7 @@ Spot spot_at(const Segment& s, double fraction) {
   return {s.image_a.x + fraction * (s.image_b.x - s.image_a.x), s.image_a.y + fraction * (s.image_b.y - s.image_a.y)};
 }
 
-/// Pieces of one line that follow each other are one stroke.
+/// Adds the visible or the hidden pieces as strokes. Successive pieces of one line make one stroke.
 void add_strokes(const Drawing& drawing, bool seen, const Ink* ink, std::vector<Stroke>& strokes) {
   for (int kind = kLineKindCount - 1; kind >= 0; --kind) {
     std::uint32_t line = 0xffffffff;
@@ -88,7 +88,7 @@ void add_tones(const ShownObjects& shown, const DrawOptions& options, Rays& rays
   drawing.picture.pixels = std::move(pixels);
 }
 
-/// A straight line in the world, as far as it is in the picture.
+/// Adds a straight line of the world, clipped to the picture.
 void add_line(const Vec3& a, const Vec3& b, const Ink& ink, Drawing& drawing) {
   const auto shown = drawing.camera.clip(a, b);
   if (!shown) return;
@@ -126,7 +126,7 @@ void make_black_and_white(Picture& picture) {
 }  // namespace
 
 double contact_width_px(double depth_m, double scene_m) {
-  // The root keeps small depths apart; those of a tenth of the scene are half as wide as any can be.
+  // The square root makes small depths distinguishable.
   return 1 + 4 * std::sqrt(depth_m / (depth_m + 0.1 * scene_m));
 }
 
@@ -139,7 +139,7 @@ Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) 
                   .crossings = {},
                   .bias_m = 0};
   const Camera& camera = drawing.camera;
-  // Not a number for coordinates whose squares are none.
+  // Written so that NaN, from coordinates whose squares overflow, is refused.
   if (!(camera.height_px() >= 1 && camera.height_px() <= 4 * camera.width_px())) {
     throw Error{ErrorCode::bad_input, "the scene is too large to be drawn: its coordinates have no squares in double",
                 "--only draws a part of it"};

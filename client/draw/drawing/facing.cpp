@@ -11,11 +11,11 @@ using client::ExactVector;
 
 ExactVector exactly(const Vec3& v) { return client::exact({v.x(), v.y(), v.z()}); }
 
-/// Relative to the sum of what its terms may be: three subtractions, a cross product and a scalar product round to
-/// less.
+/// The error of n . (eye - p) in double, relative to the sum of its terms' magnitudes, is below this: it is made of
+/// three subtractions, a cross product and a scalar product.
 constexpr double kFilter = 32 * 0x1p-53;
 
-/// The sign of normal . way in double where it is sure.
+/// The sign of (u x v) . displacement where double decides it; else 0.
 int sure_sign(const Vec3& u, const Vec3& v, const Vec3& displacement) {
   const double value = u.cross(v).dot(displacement);
   const double spread = 6 * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() * displacement.cwiseAbs().maxCoeff();

@@ -11,8 +11,7 @@
 namespace collided::draw {
 namespace {
 
-/// A surface at one pose, with the runs of it that are shown: a scene's parts have one surface, which is looked at
-/// once.
+/// A surface at one pose, with its runs that are shown. The parts of a scene share one surface, so it is examined once.
 struct PlacedSurface {
   std::shared_ptr<const Surface> surface;
   Pose pose;
@@ -50,7 +49,7 @@ std::vector<PlacedSurface> placed_surfaces(const ShownObjects& shown) {
 class SurfaceLines {
  public:
   SurfaceLines(const PlacedSurface& placed, const Camera& camera) : placed_(placed), surface_(*placed.surface) {
-    // Looked at in the surface's own frame, so that its triangles are the server's to the last bit.
+    // In the surface's own frame, where the triangles are the server's to the last bit.
     const Quat back = placed.pose.rotation.conjugate();
     is_far_ = camera.is_orthographic();
     eye_ = is_far_ ? Vec3(back * -camera.forward()) : Vec3(back * (camera.eye() - placed.pose.position));
@@ -121,7 +120,7 @@ void add_box_corners(const Vec3& center, const Eigen::Matrix3d& half_axes, std::
   }
 }
 
-/// In the part's frame.
+/// Adds the extreme points of a part, in the object's frame.
 void add_extremes(const ShapePart& part, std::vector<Vec3>& points) {
   const auto ball = [&](const Vec3& center, double radius_m) {
     for (int k = 0; k < 3; ++k) {

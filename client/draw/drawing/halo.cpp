@@ -7,7 +7,7 @@
 namespace collided::draw {
 namespace {
 
-/// Two depths of one crossing that differ by less, relative to them, are one point in space.
+/// Two segments whose depths at a crossing differ by less than this fraction of them meet in space.
 constexpr double kSameDepth = 1e-9;
 
 double depth_at(const Segment& s, double fraction, bool is_orthographic) {
@@ -15,7 +15,7 @@ double depth_at(const Segment& s, double fraction, bool is_orthographic) {
   return 1 / (1 / s.image_a.depth_m + fraction * (1 / s.image_b.depth_m - 1 / s.image_a.depth_m));
 }
 
-/// Fractions of both images at which they cross, strictly inside of both.
+/// Whether the images of two segments cross strictly inside both, and at which fractions of them.
 bool cross_at(const Segment& s, const Segment& t, double& of_s, double& of_t) {
   const double sx = s.image_b.x - s.image_a.x, sy = s.image_b.y - s.image_a.y;
   const double tx = t.image_b.x - t.image_a.x, ty = t.image_b.y - t.image_a.y;
@@ -37,8 +37,8 @@ double distance_px(const Segment& s, double x, double y) {
   return std::hypot(px - t * dx, py - t * dy);
 }
 
-/// How far from `at`, towards `end`, the farther segment stays within the halo. The distance grows all the way: a
-/// segment's neighbourhood is convex.
+/// Where, between `at` and `end`, the farther segment leaves the halo. It does so only once, since the neighbourhood of
+/// a segment is convex.
 double end_of_halo(const Segment& nearer, const Segment& farther, double at, double end, double halo_px) {
   const auto is_inside = [&](double t) {
     const double x = farther.image_a.x + t * (farther.image_b.x - farther.image_a.x);

@@ -7,13 +7,14 @@
 namespace collided::draw {
 namespace {
 
-/// Darkness in [0, 1] from which on a line is drawn: lines far apart first, those between later. 8 are one period.
+/// The darkness in [0, 1] from which on a line is drawn. Lines far apart come first, those between them at darker
+/// tones; the pattern repeats after 8 lines.
 double threshold_of(int line) {
   static constexpr int kTurn[8] = {0, 4, 2, 6, 1, 5, 3, 7};  // bits reversed
   return (kTurn[static_cast<std::size_t>(((line % 8) + 8) % 8)] + 0.5) / 8;
 }
 
-/// Lines at one angle; darkness `from` is where the first of them begin, `to` where all are there.
+/// Lines at one angle. The first of them are drawn from darkness `from` on, all of them at `to`.
 struct Family {
   double angle_rad;
   double from;

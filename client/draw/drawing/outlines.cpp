@@ -10,15 +10,14 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// How far chains run outside of their curve, relative to its size: more than the rounding of all that is computed
-/// here.
+/// How far outside its curve a chain runs, relative to the curve's size: more than all roundings here.
 constexpr double kOutside = 1e-9;
 
 Vec3 placed(const Pose& pose, const Vec3& p) { return pose.rotation * p + pose.position; }
 
-/// The eye as a solid sees it: a point, or a direction without end.
+/// The eye: a point or, for a parallel projection, a direction.
 struct Eye {
-  Vec3 place;  // direction towards the eye where it has no place
+  Vec3 place;  // a point; where is_far, the direction to the eye
   bool is_far;
   Vec3 from(const Vec3& p) const { return is_far ? place : Vec3(place - p); }
 };
@@ -39,8 +38,8 @@ struct Arc {
 std::vector<Vec3> chain(const Arc& arc, const Camera& camera) {
   const double radius_m = std::max(arc.u.norm(), arc.v.norm());
   const double radius_px = radius_m / camera.pixel_m(arc.center);
-  // A polygon about the circle leaves it by R (1/cos(step/2) - 1) at its corners: half of what is promised, since the
-  // middle of the circle may be farther away than its front.
+  // A polygon around a circle is off by R (1/cos(step/2) - 1) at its corners. Half of kCurveError_px is allowed, since
+  // parts of the circle may be nearer to the eye than its middle.
   const double sagitta = std::min(0.25, kCurveError_px / 2 / std::max(radius_px, 1e-3));
   const double step = std::min(2 * std::acos(1 / (1 + sagitta)), kTurn / 12);
   const int count = std::clamp(static_cast<int>(std::ceil((arc.to - arc.from) / step)), 1, 4'096);
@@ -54,8 +53,8 @@ std::vector<Vec3> chain(const Arc& arc, const Camera& camera) {
   return points;
 }
 
-/// The circle of a unit sphere about the origin along which it is seen edge-on: center and radius along `toward`;
-/// nothing from inside.
+/// The silhouette of a unit sphere about the origin: a circle with its centre along `toward`. There is none for an eye
+/// inside.
 struct SightCircle {
   Vec3 center;
   Vec3 u;
@@ -76,7 +75,7 @@ struct Line {
   Vec3 b;
 };
 
-/// An axis in the world with two directions across it.
+/// An axis in the world with two directions at right angles to it.
 struct Axis {
   Vec3 a;
   Vec3 along;  // of unit length
@@ -92,7 +91,7 @@ Axis axis_of(const Vec3& a, const Vec3& b) {
   return {a, along, u, along.cross(u), length};
 }
 
-/// Angles about the axis at which a surface with the normal cos u + sin v + slope along faces the eye edge-on.
+/// The two angles about the axis at which a surface with the normal cos u + sin v + slope along is edge-on to the eye.
 std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const Vec3& toward_eye, double slope,
                                                         double lift_m) {
   const double x = axis.u.dot(toward_eye);
@@ -106,7 +105,7 @@ std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const 
 
 Vec3 around(const Axis& axis, double angle) { return std::cos(angle) * axis.u + std::sin(angle) * axis.v; }
 
-/// The part of a sphere's outline that is behind a plane through its middle (normal . (p - center) <= 0).
+/// Adds the part of a sphere's silhouette that is behind a plane through its centre (normal . (p - center) <= 0).
 void add_half_outline(const Vec3& center, double radius_m, const Vec3& normal, const Eye& eye, const Camera& camera,
                       std::uint32_t object, std::vector<FeatureLine>& lines) {
   const Eye local{eye.is_far ? eye.place : Vec3((eye.place - center) / radius_m), eye.is_far};
@@ -133,7 +132,7 @@ void add_half_outline(const Vec3& center, double radius_m, const Vec3& normal, c
 void add_outline(const SphereShape& sphere, const Pose& pose, const Camera& camera, std::uint32_t object,
                  std::vector<FeatureLine>& lines) {
   if (!(sphere.radius_m > 0)) return;
-  // Behind a plane without a direction is the whole of it.
+  // With a zero normal the whole silhouette is behind the plane.
   add_half_outline(placed(pose, sphere.center), sphere.radius_m, Vec3::Zero(), eye_of(camera), camera, object, lines);
 }
 
@@ -182,7 +181,7 @@ void add_outline(const ConeShape& cone, const Pose& pose, const Camera& camera, 
   const double radius_m = cone.radius_m;
   if (!(axis.length_m > 0)) return;
   lines.push_back({chain({axis.a, radius_m * axis.u, radius_m * axis.v}, camera), LineKind::crease, object});
-  // Every plane that touches the cone goes through its apex.
+  // Every tangent plane of a cone goes through its apex.
   const auto angles = edge_on_angles(axis, eye_of(camera).from(apex), radius_m / axis.length_m, 0);
   if (!angles) return;
   for (const double angle : {angles->first, angles->second}) {
@@ -194,7 +193,7 @@ void add_outline(const ConeShape& cone, const Pose& pose, const Camera& camera, 
 void add_outline(const EllipsoidShape& ellipsoid, const Pose& pose, const Camera& camera, std::uint32_t object,
                  std::vector<FeatureLine>& lines) {
   if (!(ellipsoid.half_m.array() > 0).all()) return;
-  // In the frame in which it is the unit sphere; affine maps keep what is edge-on edge-on.
+  // Computed where the ellipsoid is the unit sphere: affine maps preserve silhouettes.
   const Eigen::Matrix3d axes = (pose.rotation * ellipsoid.rotation).toRotationMatrix();
   const Eigen::Matrix3d out_of = axes * ellipsoid.half_m.asDiagonal();
   const Vec3 center = placed(pose, ellipsoid.center);

@@ -6,7 +6,7 @@
 namespace collided::draw {
 namespace {
 
-/// The bit of a dot in its sign, by column and row. Source: Unicode, "Braille Patterns", U+2800.
+/// The bit of a dot in its character, by column and row. Source: Unicode, "Braille Patterns", U+2800.
 constexpr unsigned kDots[2][4] = {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}};
 
 std::string sign(unsigned dots) {
@@ -42,7 +42,7 @@ std::string as_braille(const Picture& picture) {
   for (int y = 0; y < rows; ++y) {
     std::string line;
     for (int x = 0; x < columns; ++x) line += sign(cells[static_cast<std::size_t>(y) * columns + x]);
-    // What is blank to the right is left out: three bytes a sign.
+    // Blank characters at the end of a line, of three bytes each, are removed.
     while (line.ends_with(sign(0))) line.resize(line.size() - 3);
     text += line + '\n';
   }

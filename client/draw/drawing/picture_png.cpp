@@ -38,7 +38,7 @@ class Raster {
     }
   }
 
-  /// Covers what is within half the width of the segment, and by its share what is at the rim.
+  /// Covers the pixels within half the width of a segment; those at the edge are covered in part.
   void cover(const Spot& a, const Spot& b, double width_px) {
     const double reach = width_px / 2 + 0.5;
     const double dx = b[0] - a[0];
@@ -53,7 +53,7 @@ class Raster {
         const double py = y + 0.5 - a[1];
         const double t = squared > 0 ? std::clamp((px * dx + py * dy) / squared, 0.0, 1.0) : 0;
         const double distance = std::hypot(px - t * dx, py - t * dy);
-        // A stroke thinner than a pixel is paler, not narrower.
+        // A stroke thinner than a pixel is drawn a pixel wide and paler.
         double share = std::min(1.0, width_px) * std::clamp(std::max(width_px, 1.0) / 2 + 0.5 - distance, 0.0, 1.0);
         if (is_black_and_white_) share = share < 0.5 ? 0 : 1;
         if (share <= 0) continue;
@@ -64,7 +64,7 @@ class Raster {
     }
   }
 
-  /// Everything covered since the last time is of this colour.
+  /// Paints everything that was covered since the last call in this colour.
   void ink(const Color& color) {
     for (const std::size_t i : touched_) {
       for (std::size_t k = 0; k < 3; ++k) colors_[i][k] += cover_[i] * (color[k] - colors_[i][k]);
@@ -87,7 +87,7 @@ class Raster {
  private:
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
 
-  /// The columns of a row that can be within reach of the segment.
+  /// The columns of a row that may be within `reach` of the segment.
   std::pair<int, int> columns(const Spot& a, const Spot& b, double y, double reach) const {
     double left = std::min(a[0], b[0]);
     double right = std::max(a[0], b[0]);

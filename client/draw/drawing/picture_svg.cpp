@@ -6,10 +6,11 @@
 namespace collided::draw {
 namespace {
 
-/// "M12 3.5": no digit more than a hundredth of a pixel needs.
+/// A point as text, to a hundredth of a pixel.
 std::string spot(const Spot& p) { return pixels(p[0]) + ' ' + pixels(p[1]); }
 
-/// Equal pixels of a row are one run; a run that the row above has as well makes that one taller.
+/// The pixels of one colour as rectangles. Adjacent pixels of a row make a run, and equal runs of successive rows one
+/// rectangle.
 std::string rectangles(const Pixels& shown, std::uint8_t number) {
   struct Run {
     int x, width, y, height;

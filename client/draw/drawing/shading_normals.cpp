@@ -78,7 +78,8 @@ Vec3 ShadingNormals::normal(const Hit& hit) {
     if (about.norm() > 0) mixed += hit.weights[static_cast<Eigen::Index>(k)] * about.normalized();
   }
   const Vec3 turned = shown_.objects[object].pose.rotation * mixed;
-  // A mesh that was mended may number its pieces otherwise: then its own normal is far from the hit's.
+  // Hits have the triangle numbers of the file, which differ in a mended mesh. Then the triangle's normal is not the
+  // hit's.
   const Vec3 own_turned = shown_.objects[object].pose.rotation * own;
   const bool is_same = std::abs(own_turned.dot(hit.normal)) > 0.999 * own.norm() * hit.normal.norm();
   return is_same && turned.norm() > 0 ? Vec3(turned.normalized()) : hit.normal;

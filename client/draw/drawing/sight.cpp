@@ -9,21 +9,21 @@ namespace collided::draw {
 
 namespace {
 
-/// So that the server has the next batch while this side reads the last one.
+/// Questions in a request.
 constexpr std::size_t kBatch = 20'000;
 constexpr std::size_t kBatchesInFlight = 4;
 
-/// Of the largest coordinate: placing a point on an edge rounds to a few of these.
+/// The rounding in computing a point on an edge, as a fraction of the largest coordinate, is below this.
 constexpr double kPointRounding = 16 * 0x1p-52;
 
-/// Samples of one segment, at the middles of as many intervals, and what was found.
+/// The samples of one segment, each in the middle of an interval, and whether each is visible.
 struct Samples {
   std::uint32_t segment;
   std::size_t first;
   int count;
 };
 
-/// Between two samples that differ, to be halved.
+/// An interval between two samples that differ, for bisection.
 struct Bracket {
   std::uint32_t segment;
   double seen_at;

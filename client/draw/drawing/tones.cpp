@@ -17,7 +17,7 @@ struct Pixel {
   float clearance_m = 0;
 };
 
-/// A square of pixels by its low corner.
+/// A square of pixels, by its low corner.
 struct Cell {
   int x;
   int y;
@@ -79,7 +79,8 @@ class Caster {
     return static_cast<std::uint8_t>(options_.tones + std::min(band, ramp.bands - 1));
   }
 
-  /// Looks through the cells' corners; fills those whose corners are alike, and gives back the others in quarters.
+  /// Casts rays through the corners of cells. Fills the cells whose corners are alike; returns the quarters of the
+  /// others.
   std::vector<Cell> refine(const std::vector<Cell>& cells, int step) {
     std::vector<std::size_t> asked;
     for (const Cell& cell : cells) {
@@ -109,7 +110,9 @@ class Caster {
     return {{{cell.x, cell.y}, {right, cell.y}, {cell.x, low}, {right, low}}};
   }
 
-  /// What is between is linear: it has the same number, since each number is an interval.
+  /// Fills a cell whose corners have the same number, with light interpolated between them. The pixels between have
+  /// that number too, since each number stands for an interval of light. False where the corners differ or a line
+  /// passes.
   bool fill(const Cell& cell, int step) {
     const auto corner = corners(cell, step);
     std::array<const Pixel*, 4> p{};

@@ -43,8 +43,7 @@ struct Certificate {
   /// plane             every part of a in its range lies where normal . (x - point) <= 0, every part of b in its range
   ///                   where it is above 0; this range is done
   /// split_a, split_b  the range of a (or b) is cut in two, the parts with numbers below `at` and the others; a proof
-  ///                   of
-  ///                   each follows
+  ///                   of each follows
   struct Step {
     enum class Kind { plane, split_a, split_b };
     Kind kind = Kind::plane;
@@ -66,8 +65,7 @@ struct Certificate {
 /// Whether the certificate proves what it says, decided by exact arithmetic of the library's own.
 ///
 /// returns  true: the point sets that `a` and `b` describe share the point (touches), or share no point. Whether `a`
-///          and
-///          `b` are the objects that were asked about is left to the caller, who can compare their numbers.
+///          and `b` are the objects that were asked about is left to the caller, who can compare their numbers.
 ///          False also where a product of the certificate's numbers leaves the range of double.
 /// cost     a few microseconds for each part and step
 /// threads  pure

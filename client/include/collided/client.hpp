@@ -49,17 +49,17 @@ struct ConnectOptions {
 
 /// A publisher as the server sees it.
 struct PublisherInfo {
-  std::string name;
+  std::string name;                    // as given to Client::publish
   std::uint64_t applied_sequence = 0;  // of its newest message that is applied; Publisher::flush returns such numbers
   std::chrono::nanoseconds silent{0};  // time since its last message
-  bool lost = false;
+  bool lost = false;                   // it ended, or its lease of 500 ms ran out
 };
 
 /// What the server says of itself, twenty times a second. Counts are since its start.
 struct ServerStatus {
-  std::string name_space;
-  std::string version_text;  // of the server program, "0.2.0"
-  std::uint32_t pid = 0;
+  std::string name_space;                  // that it serves
+  std::string version_text;                // of the server program, "0.2.0"
+  std::uint32_t pid = 0;                   // of its process
   std::string state;                       // starting, recovering, ready, stopping
   std::uint64_t epoch = 0;                 // grows with each start of a server
   std::uint64_t version = 0;               // of the newest state; grows with each change of the world
@@ -68,16 +68,16 @@ struct ServerStatus {
   std::uint32_t contacts = 0;              // that hold now
   bool contacts_truncated = false;         // there are more contacts than the server's limit (its max_contacts)
   std::vector<std::string> scenes;         // names of those loaded
-  std::uint64_t static_triangles = 0;
-  std::uint32_t objects = 0;
-  std::uint32_t moving = 0;  // of the objects
+  std::uint64_t static_triangles = 0;      // of the meshes of all scenes
+  std::uint32_t objects = 0;               // in the world, with the parts of scenes
+  std::uint32_t moving = 0;                // of the objects
   std::uint64_t poses_applied = 0;
-  std::uint64_t poses_dropped = 0;
+  std::uint64_t poses_dropped = 0;  // malformed, or from more publishers at a time than the server takes
   std::uint64_t questions_answered = 0;
   std::uint64_t questions_refused = 0;
-  std::uint64_t undecided_answers = 0;
-  std::vector<PublisherInfo> publishers;
-  std::chrono::nanoseconds age{0};  // of this status
+  std::uint64_t undecided_answers = 0;    // of the answers
+  std::vector<PublisherInfo> publishers;  // that it knows
+  std::chrono::nanoseconds age{0};        // of this status
 };
 
 /// A connection to one server. When the server is silent, calls fail with disconnected; when it is back or replaced by
@@ -104,12 +104,11 @@ class Client {
     if (!answers) return answers.error();
     return std::move(answers->answers.front());
   }
-  /// Asks 1 to 100,000 questions of one kind about one state of the world. All are answered, or none and there is an
+  /// Asks 1 to 100,000 questions of one kind about one state of the world. Either all are answered or there is an
   /// error.
   ///
   /// questions  a vector, array or span of them
-  /// earlier    the answers of an earlier batch, whose memory is used again; saves a third of the client's time for
-  ///            rays
+  /// earlier    the answers of an earlier batch: their memory is used again, which saves a third of a ray's time here
   template <std::ranges::contiguous_range Questions>
   requires Question<std::ranges::range_value_t<Questions>> Result<Answers> ask(const Questions& questions,
                                                                                const AskOptions& options = {},
@@ -195,8 +194,8 @@ class Client {
 
   // Commands as JSON.
 
-  /// Sends any command, also one that has no call of its own above. Both the arguments and the answer are JSON objects,
-  /// described in idl/commands.hpp of the sources.
+  /// Sends any command, also one that has no call of its own above. The arguments are a JSON object, and so is the
+  /// answer except for the commands of viewers; idl/commands.hpp of the sources describes both.
   ///
   /// shape     for commands that take one, such as add
   /// progress  called with a fraction in [0, 1], on the calling thread; each call starts the timeout anew

@@ -125,9 +125,9 @@ struct ObjectDetails : ListedObject {
 /// A structure that the server builds only where it is needed.
 struct PlannedStructure {
   std::string structure;  // its name
-  bool built = false;
-  std::string reason;  // why it is built or not
-  std::string saves;   // what that saves
+  bool built = false;     // else left out
+  std::string reason;     // why it is built or not
+  std::string saves;      // what that saves
 };
 /// How the server decides whether shapes of two kinds touch.
 struct PlannedPair {

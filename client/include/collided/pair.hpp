@@ -22,7 +22,7 @@ struct PairOptions {
   std::uint32_t most_triangle_pairs = 10'000;  // reported; at most 100,000
   Instant as_of = {};                          // of both objects; latest: each at its newest pose
   std::string opinion = {};                    // "fcl": what the library FCL says about the pair too; empty: nothing
-  std::chrono::nanoseconds timeout{10'000'000'000};
+  std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
 
 /// One of up to four points that carry a contact, half-way between the two surfaces.
@@ -30,15 +30,15 @@ struct ManifoldPoint {
   Vec3 point = Vec3::Zero();
   double depth_m = 0;  // how far the surfaces overlap there along the contact's normal; |truth - depth_m| <= error_m
   double error_m = 0;
-  std::uint32_t a_triangle = kNoTriangle;
-  std::uint32_t b_triangle = kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;  // of a's mesh, at the point
+  std::uint32_t b_triangle = kNoTriangle;  // of b's mesh
 };
 
 /// Two triangles that share a point, and the segment that they share. Of triangles in one plane, which share an area,
 /// it is the longest segment in that area.
 struct TrianglePair {
-  std::uint32_t a_triangle = kNoTriangle;
-  std::uint32_t b_triangle = kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;  // of a's mesh
+  std::uint32_t b_triangle = kNoTriangle;  // of b's mesh
   Vec3 from = Vec3::Zero();
   Vec3 to = Vec3::Zero();
   double error_m = 0;  // each end is within this distance of a point of both triangles

@@ -30,7 +30,7 @@ class SamplePool {
   }
 
  private:
-  static constexpr std::size_t kMostIdle = 64;
+  static constexpr std::size_t kMostIdle = 64;  // bounds the memory after a burst
   std::mutex mutex_;
   std::vector<Pointer> idle_;
 };

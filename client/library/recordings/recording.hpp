@@ -28,11 +28,15 @@ struct [[gnu::visibility("hidden")]] Recording::State {
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& path);
   void wait_until_heard() const;
+  // Writes what is in the world already. Returns why that is not possible; empty: done.
   std::string begin_with_opening();
+  // The writing thread.
   void run();
   void note_written();
+  // Options of a reader that puts its samples into the queue.
   template <class T>
   dds::ReaderOptions<T> into(recording::Recorded topic, std::string partition = {});
+  // Counts what is missing. False for a sample that is not to be recorded.
   void hear(const wire::Definition& sample);
   void hear(const wire::PoseBatch& sample);
   bool hear(const wire::Query& sample);

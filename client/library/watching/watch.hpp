@@ -39,13 +39,17 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   using Message = std::variant<FramePool::Pointer, PersistedFrame, ShardPool::Pointer, client::HeardBookmark>;
 
   State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
+  // Waits until the readers are matched.
   std::optional<Error> wait_for_server() const;
+  // Fetches the flight recorder and takes its events since that time into recorded_.
   std::optional<Error> hear_recorded(std::chrono::nanoseconds since);
   template <class As, class T>
   void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
+  // Queues a message for the thread, which runs work().
   void queue(Message message);
   void work();
   void hear(Message & message);
+  // Passes an event on if it is wanted: to recorded_, the callback or the queue.
   void emit(const Event& event);
 
   std::shared_ptr<client::Connection> connection_;

@@ -1,4 +1,4 @@
-/// An eye that turns about a point.
+/// A camera that turns about a point.
 class Camera {
   constructor() {
     this.target = [0, 0, 0];
@@ -6,9 +6,9 @@ class Camera {
     this.yaw = -0.9;
     this.pitch = 0.7;
     this.yIsUp = false;
-    this.halfHeight = Math.tan((45 / 2) * (Math.PI / 180));  // of the picture, at distance 1
+    this.halfHeight = Math.tan((45 / 2) * (Math.PI / 180));  // half the picture's height at distance 1
     this.aspect = 1;
-    this.isTouched = false;  // by the user: nothing fits itself any more
+    this.isTouched = false;  // the user has moved it, so it is no longer fitted to the world
   }
 
   /// Unit vectors: towards the eye, right, up.
@@ -26,7 +26,7 @@ class Camera {
     this.yaw -= dx;
     this.pitch = Math.max(-1.55, Math.min(1.55, this.pitch + dy));
   }
-  /// dx, dy: parts of the picture's height.
+  /// dx, dy: fractions of the picture's height.
   slide(dx, dy) {
     this.isTouched = true;
     const { right, up } = this.axes();
@@ -42,13 +42,13 @@ class Camera {
     this.distance = (bounds.radius() / Math.sin(Math.atan(this.halfHeight))) * 0.92;
   }
 
-  /// Direction through a place of the picture; x and y from -1 to 1, y up. Not of length 1: its part along the view is.
+  /// The direction through a point of the picture; x and y from -1 to 1, y up. Its component along the view is 1.
   direction(x, y) {
     const { back, right, up } = this.axes();
     return add(scale(back, -1), add(scale(right, x * this.halfHeight * this.aspect), scale(up, y * this.halfHeight)));
   }
 
-  /// Where a point comes to stand, x and y from -1 to 1; null behind the eye.
+  /// The image of a point, x and y from -1 to 1; null where it is behind the eye.
   project(point) {
     const { back, right, up } = this.axes();
     const p = subtract(point, this.eye());
@@ -57,7 +57,7 @@ class Camera {
     return [dot(p, right) / (depth * this.halfHeight * this.aspect), dot(p, up) / (depth * this.halfHeight), depth];
   }
 
-  /// Column-major, of points relative to the eye.
+  /// The projection matrix, column-major, for points relative to the eye.
   matrix(near, far) {
     const { back, right, up } = this.axes();
     const sx = 1 / (this.halfHeight * this.aspect);

@@ -3,7 +3,7 @@ const kRay_ms = 5000;
 const kMarkFloats = 10;
 const kMostMarks = 4000;
 
-/// The page: the world, the eye, and what the user does.
+/// The page: connects the world, the camera and the panels, and handles what the user does.
 class Page {
   constructor() {
     this.canvas = byId("scene");
@@ -11,8 +11,8 @@ class Page {
     this.panels = new Panels();
     this.contacts = new Contacts();
     this.rays = [];
-    this.frames = [];        // how long the newest pictures held up the next ones, ms
-    this.flashes = [];       // when a beginning was first drawn, for who measures
+    this.frames = [];        // time that each of the newest pictures took, ms
+    this.flashes = [];       // when each new contact was first drawn, for measurements
     this.markData = new Float32Array(kMostMarks * kMarkFloats);
     this.isDirty = true;
     this.question = 0;
@@ -148,10 +148,10 @@ class Page {
     return 10 ** Math.round(Math.log10(Math.max(1e-6, this.camera.distance) / 12));
   }
 
-  /// How long a picture held up the next one, in ms. Pictures become coarser where they take too long, finer where there is
-  /// time left.
+  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is
+  /// time.
   note(took) {
-    if (took > 5000) return;  // the page was out of sight
+    if (took > 5000) return;  // the page was hidden
     this.frames.push(took);
     if (this.frames.length > 240) this.frames.shift();
     this.sinceChange = (this.sinceChange || 0) + 1;
@@ -167,7 +167,7 @@ class Page {
     this.sinceChange = 0;
   }
 
-  /// Contacts with their normals, rays and their ends. Whether anything among them moves by itself.
+  /// Draws contacts with their normals, and rays with their ends. Returns whether any of them is animated.
   placeMarks(now) {
     if (!this.renderer) return false;
     let count = 0;
@@ -208,7 +208,7 @@ class Page {
     const slots = new Set();
     for (const { holds, a_slot, b_slot } of this.contacts.pairs.values()) {
       if (!holds) continue;
-      // What stands still and is met by many says nothing by being coloured.
+      // Static objects, such as the floor, are not coloured: they are in contact with many others.
       for (const slot of [a_slot, b_slot]) if (this.world.objects.get(slot)?.moving) slots.add(slot);
     }
     for (const slot of this.world.objects.keys()) this.world.setState(slot, kInContact, slots.has(slot));
@@ -221,7 +221,7 @@ class Page {
     this.panels.showMatrix(this.contacts);
   }
 
-  /// Without WebGL: the drawing that the viewer makes, anew every other second.
+  /// Without WebGL: shows the drawing that the viewer makes, a new one every other second.
   showDrawing(why) {
     this.renderer = null;
     if (this.world) this.world.renderer = null;
@@ -339,7 +339,7 @@ class Page {
     label.style.top = `${Math.min(this.pointer.y + 14, innerHeight - 60)}px`;
   }
 
-  /// How far what is chosen is from what the pointer is on: the server says it exactly. One question at a time.
+  /// Asks the server for the distance from the chosen object to the one under the pointer. One question at a time.
   askGap() {
     const [a, b] = [this.chosen, this.hovered].map((slot) => this.world.objects.get(slot));
     if (!a || !b || a === b || this.isAskingGap) return;
@@ -355,7 +355,7 @@ class Page {
     if (slot === null) byId("answer").hidden = true;
   }
 
-  /// A ray from the eye through that place. Six digits say where one pointed, and can be typed again.
+  /// Asks a ray from the eye through that place. Its numbers have six digits, which is enough and can be typed again.
   askAt(clientX, clientY) {
     const box = this.canvas.getBoundingClientRect();
     const x = (2 * (clientX - box.left)) / box.width - 1;
@@ -372,7 +372,7 @@ class Page {
     const unit = normalized(answer.direction);
     const met = answer.answer === "hit";
     const to = met ? answer.point : add(answer.origin, scale(unit, this.camera.distance * 3));
-    // From a little beside the eye: a ray that comes straight out of it is a point.
+    // It is drawn from a little beside the eye, since a line from the eye itself would look like a point.
     const { up, right } = this.camera.axes();
     const from = add(answer.origin, scale(subtract(scale(right, 0.25), up), this.camera.distance * 0.2));
     this.rays.push({ from, to, met, normal: answer.normal || unit, at: performance.now() });
@@ -402,7 +402,7 @@ class Page {
   }
 }
 
-/// As the command line says it.
+/// As the command line writes it.
 function answerText(answer) {
   if (answer.answer === "miss") return "miss  nothing along the ray";
   if (answer.answer !== "hit") return `${answer.answer}  ${answer.reason || ""}`;

@@ -1,5 +1,5 @@
-// Vectors are arrays of 3, quaternions [w, x, y, z]; all in doubles. What goes to the graphics card is relative to a point
-// near by, so that a million metres out nothing shakes.
+// Vectors are arrays of 3 numbers, quaternions [w, x, y, z]; all in doubles. What is sent to the graphics card is
+// relative to a point near by, so that its floats are precise a million metres from the origin too.
 
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -26,7 +26,7 @@ function multiplied(a, b) {
   ];
 }
 
-/// The shortest turn that takes z to the direction.
+/// The smallest rotation that turns z to the direction.
 function turnFromZ(direction) {
   const d = normalized(direction);
   if (d[2] < -0.999999999) return [0, 1, 0, 0];
@@ -35,7 +35,7 @@ function turnFromZ(direction) {
   return q.map((part) => part / norm);
 }
 
-/// Bounds that grow.
+/// A bounding box that grows.
 class Bounds {
   constructor() {
     this.low = [Infinity, Infinity, Infinity];

@@ -13,7 +13,7 @@ function fillTable(table, rows) {
   });
 }
 
-/// What stands beside the picture.
+/// The panels beside the picture.
 class Panels {
   constructor() {
     this.events = [];
@@ -57,7 +57,7 @@ class Panels {
     fillTable(byId("kinds"), asked.map(({ kind, rate, p50, p99 }) => [`${kind}  ${rateText(rate)}`, `p50 ${durationText(p50)}  p99 ${durationText(p99)}`]));
   }
 
-  /// Ages go on between two statuses.
+  /// Lets the ages shown grow between two statuses.
   showPublishers() {
     const since = (performance.now() - this.publishersAt) / 1000;
     const rows = this.publishers.map(({ name, silent, lost }) => {
@@ -89,7 +89,7 @@ class Panels {
     }));
   }
 
-  /// Objects that meet, against each other: those that touched last.
+  /// A matrix of objects that touch each other: those with the newest contacts.
   showMatrix(contacts) {
     const canvas = byId("matrix");
     const kMost = 14;
@@ -143,7 +143,7 @@ function shortened(pen, text, width) {
   return `…${kept}`;
 }
 
-/// Pairs that meet or have met, the newest last.
+/// Pairs that touch or have touched, the newest last.
 class Contacts {
   constructor() {
     this.pairs = new Map();
@@ -151,7 +151,7 @@ class Contacts {
   }
   key({ a, b }) { return `${a}\n${b}`; }
 
-  /// All that hold now.
+  /// All contacts that hold now.
   set(contacts) {
     for (const pair of this.pairs.values()) pair.holds = false;
     for (const contact of contacts) this.hear(contact, -Infinity);

@@ -1,11 +1,11 @@
-/// Draws a World with WebGL 2. Throws where there is none.
+/// Draws a World with WebGL 2. The constructor throws where the browser has none.
 class Renderer {
   constructor(canvas) {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: false, powerPreference: "high-performance" });
     if (!gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.gl = gl;
-    this.sharpness = 1;  // pixels that are drawn to one of the screen; the browser scales the picture
+    this.sharpness = 1;  // drawn pixels for each pixel of the screen; the browser scales the picture
     this.still = this.program(kStillVertex, kTriangleFragment);
     this.placed = this.program(kPlacedVertex, kTriangleFragment);
     this.solid = this.program(kSolidVertex, kSolidFragment);
@@ -62,7 +62,7 @@ class Renderer {
     return texture;
   }
 
-  /// Floats of an instance after one another in one buffer; `layout` is [place, floats] of each attribute.
+  /// A buffer with the floats of one instance after the other; `layout` has [location, floats] for each attribute.
   instances(layout, corners, cornerFloats) {
     const gl = this.gl;
     const array = gl.createVertexArray();
@@ -102,8 +102,8 @@ class Renderer {
     instances.count = count;
   }
 
-  /// Triangles for good: positions (3 floats each) and corners. With slots, one a vertex: they stand still; else they are
-  /// drawn wherever place() says.
+  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they do not move; else
+  /// they are drawn at the poses that place() gives.
   addMesh(origin, positions, corners, slots) {
     const gl = this.gl;
     const array = gl.createVertexArray();
@@ -187,7 +187,8 @@ class Renderer {
     return places;
   }
 
-  /// near and far: of what may be seen; anchor: what positions of instances are relative to; ground: its height along `up`.
+  /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height
+  /// along `up`.
   draw(camera, { near, far, anchor, ground, grid }) {
     this.resize();
     const gl = this.gl;
@@ -256,7 +257,8 @@ class Renderer {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.marks.count);
   }
 
-  /// What stands at a place of the picture (parts of its width and height, from the lower left): slot and distance, or null.
+  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance,
+  /// or null.
   pick(x, y) {
     const gl = this.gl;
     const numbers = new Uint32Array(4);

@@ -1,4 +1,4 @@
-// Where the page hears of the world: the viewer that served it, or a run that was saved into it.
+// Where the page gets the world from: the viewer that served it, or a run that was saved into it.
 
 function readSurface(bytes) {
   const view = new DataView(bytes);
@@ -32,7 +32,7 @@ function readPoses(bytes) {
   };
 }
 
-/// Surfaces by number, each fetched once, for as long as the newest table has it.
+/// Surfaces by number. Each is fetched once and kept for as long as the newest table has it.
 class Surfaces {
   constructor(fetchOne) {
     this.fetchOne = fetchOne;
@@ -88,7 +88,7 @@ class LiveSource {
     };
   }
 
-  /// The viewer says something twice a second; a connection that says nothing is given up.
+  /// The viewer sends something twice a second; a connection that brings nothing is closed.
   lookForSilence() {
     if (this.socket.readyState !== WebSocket.OPEN || performance.now() - this.heard < 5000) return;
     const silent = this.socket;
@@ -108,7 +108,7 @@ class LiveSource {
     else if (this.told[message.type]) this.told[message.type](message);
   }
 
-  /// One fetch at a time; the newest table that was told of comes last.
+  /// Fetches one table at a time; the newest one announced is fetched last.
   async fetchTable(wanted) {
     this.wanted = wanted;
     if (this.isFetching) return;
@@ -121,7 +121,7 @@ class LiveSource {
         const table = await reply.json();
         const surfaces = await this.surfaces.all(table);
         this.told.table(table, surfaces.of);
-        // The world went on meanwhile, and with it the surfaces of this table.
+        // The world has changed meanwhile, and the surfaces of this table are gone.
         if (surfaces.missing > 0) setTimeout(() => this.fetchTable(wanted), 500);
       }
     } catch (failed) {
@@ -136,8 +136,8 @@ class LiveSource {
   }
 }
 
-/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is text,
-/// or bytes packed by zlib, as base64.
+/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is
+/// text, or bytes compressed by zlib, as base64.
 class SavedSource {
   constructor(run, told) {
     this.told = told;
@@ -165,7 +165,8 @@ class SavedSource {
 
   duration() { return this.run.end - this.run.begin; }
 
-  /// Goes to a moment, in seconds from the beginning. Backwards means all over again, without drawing what is between.
+  /// Goes to a time, in seconds from the beginning. Going back replays from the beginning without drawing what is
+  /// between.
   async seek(at) {
     await this.seeking;
     this.seeking = this.go(at);

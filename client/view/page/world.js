@@ -6,7 +6,7 @@ const kStale = 16;
 const kSolidFloats = 12;
 const kPlacedFloats = 8;
 
-/// What the server holds, as what the renderer draws. Without a renderer it keeps the objects all the same.
+/// The server's objects, as what the renderer draws. Without a renderer it only keeps the objects.
 class World {
   constructor(renderer) {
     this.renderer = renderer;
@@ -16,14 +16,14 @@ class World {
     this.anchor = [0, 0, 0];
     this.states = new Uint8Array(1024);
     this.tableVersion = null;
-    this.solids = [];       // {object, kind, position, turn, half}; those that stand come first
+    this.solids = [];       // {object, kind, position, turn, half}; those that do not move come first
     this.stillSolids = 0;
     this.solidData = new Float32Array(0);
     this.placedMeshes = [];  // {mesh, objects}
     this.worldTime = 0;
   }
 
-  /// table: the answer to /objects; surfaceOf: what /surface gave, by number.
+  /// table: the answer to /objects; surfaceOf: the answers to /surface, by number.
   setTable(table, surfaceOf) {
     this.tableVersion = table.table_version;
     const before = this.objects;
@@ -35,7 +35,7 @@ class World {
       object.position = [x, y, z];
       object.turn = turn;
       object.isThere = !object.moving && turn[0] === 1 && x === 0 && y === 0 && z === 0;
-      // A newer frame than the table may have come already.
+      // A frame that is newer than the table may have come already.
       const known = before.get(object.slot);
       if (known && known.name === object.name && known.frame > table.version) {
         object.position = known.position;
@@ -118,7 +118,7 @@ class World {
     this.solidData = new Float32Array(kSolidFloats * this.solids.length);
   }
 
-  /// Poses of a frame (source.js) take effect.
+  /// Sets the poses of a frame (source.js).
   setPoses(frame) {
     const { count, origin, numbers, slots, stale } = frame;
     this.worldTime = frame.worldTime;
@@ -134,7 +134,7 @@ class World {
     this.place();
   }
 
-  /// Instances where their objects are.
+  /// Moves the instances to where their objects are.
   place() {
     if (!this.renderer) return;
     const data = this.solidData;
@@ -176,14 +176,14 @@ class World {
   }
 }
 
-/// The box around a primitive, z along its axis, and what kind it is; null where it has none.
+/// The box around a primitive, with z along its axis, and its kind; null for a kind without a box.
 function solidOf(part, object, reach = 1) {
   const [kind, ...n] = part;
   const center = n.slice(0, 3);
   if (kind === 0) return { object, kind, position: center, turn: [1, 0, 0, 0], half: [n[3], n[3], n[3]] };
   if (kind === 1 || kind === 5) return { object, kind, position: center, turn: n.slice(3, 7), half: n.slice(7, 10) };
   if (kind === 6) {
-    // Behind a plane: a slab as wide as all the rest, its upper side in the plane.
+    // A half-space is drawn as a slab as wide as everything else, with its upper side in the plane.
     const thickness = reach * 1e-3;
     const normal = normalized(n.slice(3, 6));
     return { object, kind: 1, position: subtract(center, scale(normal, thickness)), turn: turnFromZ(normal), half: [3 * reach, 3 * reach, thickness] };
@@ -197,7 +197,7 @@ function solidOf(part, object, reach = 1) {
   return { object, kind, position: scale(add(far, near), 0.5), turn: turnFromZ(along), half: [radius, radius, half] };
 }
 
-/// Vertices of runs, doubled where runs of several objects share them: each vertex then has one object.
+/// The vertices of runs, copied where runs of several objects share them, so that each vertex belongs to one object.
 function separated(surface, runs) {
   const corners = new Uint32Array(runs.reduce((sum, [, , count]) => sum + 3 * count, 0));
   const newNumber = new Uint32Array(surface.positions.length / 3);

@@ -29,13 +29,13 @@ Cells cells_of(std::string_view line) {
   }
 }
 
-/// Numbers of columns that belong together, as the heading has them.
+/// The indexes of columns that belong together, from the heading.
 template <std::size_t kCount>
 using Columns = std::array<std::size_t, kCount>;
 
-/// One box a line, by the columns that the heading names: centre x,y,z and whole sizes sx,sy,sz, with a turn
-/// qw,qx,qy,qz where there is one; or corners min_x,min_y,min_z,max_x,max_y,max_z. A column name, id or object names
-/// the box.
+/// Reads a table of boxes, one a line, whose heading names the columns: the centre x,y,z and the full sizes sx,sy,sz,
+/// and perhaps a rotation qw,qx,qy,qz; or the corners min_x,min_y,min_z,max_x,max_y,max_z. The box's name is in a
+/// column name, id or object.
 class BoxTableReader {
  public:
   explicit BoxTableReader(const Reading& reading) : reading_(reading) {}
@@ -50,7 +50,7 @@ class BoxTableReader {
   }
 
  private:
-  /// Over empty lines and those that begin with '#'.
+  /// The next line that is not empty and does not begin with '#'; false at the end.
   bool next_line(std::string_view& line) {
     while (at_ < reading_.bytes.size()) {
       const std::string_view rest(reading_.begin() + at_, reading_.bytes.size() - at_);
@@ -70,7 +70,7 @@ class BoxTableReader {
     return static_cast<std::size_t>(found - heading_.begin());
   }
 
-  /// The first of the ways of naming columns of which all are there.
+  /// The first of several sets of column names of which all are in the heading.
   template <std::size_t kCount>
   std::optional<Columns<kCount>> columns(std::initializer_list<std::array<const char*, kCount>> motions) const {
     for (const auto& displacement : motions) {

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// How many lists stand around a surface's list of rings.
+/// How many lists are nested around a surface's list of rings, by the type of the geometry.
 std::optional<int> nesting_of(const std::string& type) {
   if (type == "MultiSurface" || type == "CompositeSurface") return 1;
   if (type == "Solid") return 2;
@@ -22,6 +22,7 @@ std::optional<int> nesting_of(const std::string& type) {
   return std::nullopt;
 }
 
+/// Reads a CityJSON file: the surfaces of each object as a part.
 /// source    CityJSON specifications 1.0 to 2.0, cityjson.org
 class CityReader {
  public:
@@ -89,7 +90,7 @@ class CityReader {
     if (part.triangle_count > 0) scene_.parts.push_back(std::move(part));
   }
 
-  /// "2.2", or 2 as older files have it.
+  /// The level of detail, written as "2.2", or as the number 2 in older files.
   static double detail_of(const JsonView& geometry) {
     if (!geometry.has("lod")) return 0;
     const json& lod = geometry.at("lod").json();
@@ -132,7 +133,7 @@ class CityReader {
     }
     if (corners.empty()) return;
     if (corners.size() > 1 && cut_with_holes(corners)) return;
-    // A hole that is no hole is covered, which makes an obstacle of it; the other way something would be passed.
+    // A hole that is not valid is filled, which makes it an obstacle. That errs on the safe side.
     hole_flaw_count_ += corners.size() > 1 ? 1 : 0;
     cut(geometry, corners[0]);
   }

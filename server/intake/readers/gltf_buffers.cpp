@@ -14,7 +14,7 @@ constexpr std::uint32_t kGlbMagic = 0x46546c67;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-/// Of a base64 letter its six bits, or 64.
+/// The six bits of a base64 character; 64 for any other character.
 std::uint8_t six_bits(char c) {
   if (c >= 'A' && c <= 'Z') return static_cast<std::uint8_t>(c - 'A');
   if (c >= 'a' && c <= 'z') return static_cast<std::uint8_t>(c - 'a' + 26);
@@ -38,7 +38,7 @@ std::string decode_base64(const JsonView& uri, std::string_view text) {
   return bytes;
 }
 
-/// "%20" and the like as they are meant.
+/// A URI with "%20" and the like replaced by the characters that they stand for.
 std::string unescaped(std::string_view uri) {
   const auto hex = [](char c) {
     return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;

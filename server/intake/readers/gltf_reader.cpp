@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-// glTF's names for the types of numbers and for how vertices make triangles.
+// glTF's codes for number types and for how vertices form triangles.
 enum Component : std::uint64_t { kByte = 5120, kUnsignedByte, kShort, kUnsignedShort, kUnsignedInt = 5125, kFloat };
 enum Mode : std::uint64_t { kTriangles = 4, kStrip, kFan, kModeEnd };
 
@@ -52,7 +52,7 @@ class GltfReader {
       : reading_(reading), root_(root), buffers_(reading, root, binary), visited_(root.size_of("nodes"), false) {}
 
   Scene read() {
-    // Our own stack: how deep a file nests is the file's choice.
+    // No recursion: the file decides how deep its nodes are nested.
     struct Waiting {
       std::uint64_t node;
       NodePlacement parent;
@@ -151,13 +151,14 @@ class GltfReader {
                                  : mode == kStrip ? TriangleCorners{corner(i), corner(i + 1), corner(i + 2)}
                                                   : TriangleCorners{corner(i + 1), corner(i + 2), corner(0)};
       if (turned != mirrors) std::swap(triangle[1], triangle[2]);
-      // A repeated corner only steers the strip; it is no triangle.
+      // A repeated corner only steers the strip and does not make a triangle.
       const bool steers = triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
       if (mode == kTriangles || !steers) scene_.mesh.triangles.push_back(triangle);
     }
   }
 
-  /// A file may show one mesh any number of times, so its size does not bound how many there will be.
+  /// Appends the positions of an accessor. Their number must be checked, since a file may use one mesh any number of
+  /// times.
   std::uint64_t add_positions(const JsonView& accessor, const NodePlacement& placement) {
     const std::vector<double> numbers = numbers_of(accessor);
     const std::uint64_t count = numbers.size() / 3;
@@ -179,7 +180,7 @@ class GltfReader {
     return count;
   }
 
-  /// Three numbers an element.
+  /// The numbers of an accessor, three for each element.
   std::vector<double> numbers_of(const JsonView& accessor) const {
     if (accessor.at("type").text() != "VEC3") accessor.complain("is not of type VEC3");
     const std::uint64_t count = accessor.at("count").index(kMaxVertices);
@@ -187,7 +188,7 @@ class GltfReader {
     const bool is_unit = accessor.has("normalized") && accessor.at("normalized").json() == true;
     const std::size_t bytes = 3 * component_bytes(accessor, type);
     const bool has_view = accessor.has("bufferView");
-    // Without a view the elements are zeros, and that many are not given away for nothing.
+    // Without a buffer view all elements are zeros. Their number is limited, since they take no bytes in the file.
     if (!has_view && count > kMaxBareElements)
       accessor.complain(fmt::format("has {} elements and no buffer view", count));
     std::vector<double> numbers;
@@ -253,7 +254,8 @@ class GltfReader {
     }
   }
 
-  /// is_unit: whole numbers stand for [0, 1] or [-1, 1] (KHR_mesh_quantization).
+  /// A number of an element.
+  /// is_unit  whole numbers stand for values in [0, 1] or [-1, 1] (KHR_mesh_quantization)
   static double component(const char* bytes, std::uint64_t type, bool is_unit) {
     const auto whole = [&]<class Number>(Number) {
       const double value = number_at<Number>(bytes, std::endian::little);
@@ -294,7 +296,7 @@ class GltfReader {
   std::uint64_t morph_count_ = 0;
 };
 
-/// What would change the triangles is refused; the rest is about looks.
+/// Refuses a version or extensions that would change the triangles; others are about appearance.
 void check_asset(const Reading& reading, const JsonView& root) {
   const std::string version = root.at("asset").text_or("version", "");
   if (!version.starts_with("2.")) {

@@ -26,7 +26,7 @@ json parse_json(const Reading& reading, std::string_view text) {
 
 void JsonView::complain(const std::string& what) const {
   if (motion_.empty()) refuse(*reading_, "the root " + what);
-  // Members are named by the file, so the way may hold anything and be of any length.
+  // The file names its members, so the path may contain anything and be of any length.
   constexpr std::size_t kShown = 120;
   std::string motion = motion_.substr(0, kShown) + (motion_.size() > kShown ? "..." : "");
   std::replace_if(

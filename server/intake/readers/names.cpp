@@ -11,8 +11,8 @@
 namespace collided::engine {
 namespace {
 
-/// Bytes of the character of UTF-8 that the text begins with, 0 when it begins with none. Overlong forms, surrogates
-/// and what lies beyond U+10FFFF are none (RFC 3629).
+/// The number of bytes of the UTF-8 character that the text begins with; 0 where it does not begin with one. Overlong
+/// forms, surrogates and codes beyond U+10FFFF are not characters (RFC 3629).
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const auto follows = [&](std::size_t i) { return (byte(i) & 0xc0u) == 0x80u; };
@@ -41,7 +41,7 @@ std::string cut_to(std::string name, std::size_t byte_limit) {
   return name;
 }
 
-/// Hands out each name once.
+/// Makes names unique.
 class UniqueNames {
  public:
   std::string take(const std::string& name) {

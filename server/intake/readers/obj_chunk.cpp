@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Words of OBJ that say nothing about where surfaces are, or only more about curves.
+/// Keywords of OBJ that do not matter for surfaces, or only add to curves.
 constexpr std::string_view kPassedOver[] = {
     "vn",    "vt",       "s",        "mtllib", "vp",     "cstype",     "deg",       "bmat",  "step",
     "parm",  "trim",     "hole",     "scrv",   "sp",     "end",        "con",       "mg",    "lod",
@@ -45,7 +45,7 @@ class ChunkParser {
     if (!cursor_.at_line_end()) { parse_vertex_extras(); }
   }
 
-  // After x y z: a weight, a colour, or both.
+  // After x y z there may be a weight, a colour, or both.
   void parse_vertex_extras() {
     std::size_t extra_count = 0;
     double first = 1;
@@ -104,7 +104,8 @@ class ChunkParser {
     if (!chunk_.is_relative.empty()) chunk_.is_relative.push_back(false);
   }
 
-  /// Back from the last vertex: kept from the chunk's first one on, until it is known how many were before that.
+  /// Adds a corner that counts back from the last vertex. It is stored relative to the chunk's first vertex, until the
+  /// number of vertices before the chunk is known.
   void add_relative(std::int64_t number) {
     const auto here = static_cast<std::int64_t>(chunk_.vertices.size());
     if (number < -std::int64_t{std::numeric_limits<std::int32_t>::max()}) {
@@ -155,7 +156,7 @@ void ObjSplitter::fetch(std::size_t end) {
   if (reading_.fetch) reading_.fetch(text_.data() + fetched_);
 }
 
-/// One past the first line end from there on that no backslash joins, or the end of the text.
+/// The place after the first line end from there on that no backslash continues; else the end of the text.
 std::size_t ObjSplitter::line_end_from(std::size_t place) {
   while (true) {
     const std::size_t newline = text_.substr(0, fetched_).find('\n', place);
@@ -173,7 +174,7 @@ std::size_t ObjSplitter::line_end_from(std::size_t place) {
 
 ObjChunk ObjSplitter::next() {
   if (begin_ == text_.size()) return {};
-  // A little beyond, where the line that is cut there mostly ends.
+  // A little more than the chunk is fetched, since the line at its end usually ends soon after.
   constexpr std::size_t kLineBytes = 4096;
   fetch(std::max(fetched_, begin_ + kChunkBytes + kLineBytes));
   const std::size_t end = line_end_from(std::min(begin_ + kChunkBytes, text_.size()));

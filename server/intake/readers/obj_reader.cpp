@@ -15,8 +15,8 @@
 namespace collided::engine {
 namespace {
 
-/// What the lines in force say a face belongs to. An `o` line begins a new object even under an old name; a group or
-/// a material that comes back is the same one.
+/// The object, group and material that a face belongs to. An `o` line begins a new object even if the name occurred
+/// before; a group or material with an earlier name is the same one.
 struct Belonging {
   std::uint64_t object_number = 0;
   std::string_view group;
@@ -24,7 +24,7 @@ struct Belonging {
   auto operator<=>(const Belonging&) const = default;
 };
 
-/// Faces of one chunk that belong to one part, and where their triangles end in the chunk.
+/// A run of faces of one chunk that belong to one part, and where its triangles end in the chunk.
 struct FaceRun {
   std::size_t chunk_index;
   std::size_t first_face;
@@ -72,7 +72,7 @@ class ObjReader {
   }
 
  private:
-  /// Cuts the chunks up to that one, which some thread asks for next; false: there are not so many.
+  /// Cuts chunks off the file up to that one, which a thread needs next. False where there are fewer.
   bool is_cut(std::size_t index) {
     const std::lock_guard lock(cutting_);
     while (cut_count_ <= index) {
@@ -102,7 +102,7 @@ class ObjReader {
     }
   }
 
-  // Faces in file order, cut where what they belong to changes.
+  // Makes runs of the faces in file order; a run ends where the part changes.
   void find_runs() {
     for (std::size_t i = 0; i < chunks_.size(); ++i) {
       const ObjChunk& chunk = chunks_[i];
@@ -113,7 +113,7 @@ class ObjReader {
         switch (mark.kind) {
           case ObjMark::Kind::object:
             object_names_.push_back(mark.name);
-            // A group or material stays in force by the format, but an object line begins afresh in every file met.
+            // By the format a group stays in force, but in real files an object line ends it.
             now_ = {.object_number = object_names_.size(), .group = {}, .material = now_.material};
             break;
           case ObjMark::Kind::group: now_.group = mark.name; break;
@@ -132,7 +132,7 @@ class ObjReader {
     runs_.push_back({chunk_index, first_face, end_face, entry->second});
   }
 
-  // The material is named only where it tells parts of one group apart.
+  // The material is part of a name only where it distinguishes parts of one group.
   void name_parts() {
     std::map<Belonging, std::size_t> material_counts;
     for (const Belonging& belonging : belongings_) {
@@ -197,7 +197,7 @@ class ObjReader {
     }
   }
 
-  /// Afterwards and one by one, since each may need a new vertex.
+  /// Splits polygons that cross themselves. At the end and one by one, since each may need a new vertex.
   void split_crossing_faces() {
     for (ChunkTriangles& cut : triangles_) {
       for (const CrossingFace& face : cut.crossing) {
@@ -225,7 +225,7 @@ class ObjReader {
     return static_cast<std::uint32_t>(index);
   }
 
-  // Parts become runs without gaps: triangles are gathered part by part, in file order within each.
+  // Sorts the triangles by part, in file order within each, so that every part is one run.
   void gather_triangles() {
     std::vector<std::size_t> part_ends(scene_.parts.size(), 0);
     for (const FaceRun& run : runs_) { part_ends[run.part_index] += run.end_triangle - run.first_triangle; }

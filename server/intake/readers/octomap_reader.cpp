@@ -9,9 +9,10 @@
 namespace collided::engine {
 namespace {
 
-/// The tree halves a cube of 2^16 cells, whose middle is the origin, sixteen times.
+/// Depth of the tree: it divides a cube of 2^16 cells along each side, centred at the origin, sixteen times.
 constexpr int kDepth = 16;
 
+/// Reads the occupied cells of an OctoMap as boxes.
 /// source    Hornung et al., "OctoMap: an efficient probabilistic 3D mapping framework", 2013; the .bt stream as
 ///           OctoMap 1.9 writes it: of each inner node two bytes, two bits a child, and after them its inner children
 class OctomapReader {
@@ -77,7 +78,7 @@ class OctomapReader {
       const unsigned bits = static_cast<std::uint8_t>(reading_.bytes[at_]) |
                             static_cast<unsigned>(static_cast<std::uint8_t>(reading_.bytes[at_ + 1])) << 8;
       at_ += 2;
-      // The last child lies deepest, so that the first one's branch is read first.
+      // Children are put on the stack in reverse, so that the first one's branch is read first.
       for (unsigned child = 8; child-- > 0;) {
         const unsigned state = bits >> (2 * child) & 3;  // 0 unknown, 1 free, 2 occupied, 3 an inner node
         if (state >= 2) take_child(node, child, state == 3, waiting);

@@ -31,13 +31,13 @@ class OffReader {
   }
 
  private:
-  // [ST][C][N]OFF: texture, colour and normal follow a vertex on its line and are not used.
+  // The header [ST][C][N]OFF. Texture, colour and normal follow a vertex on its line and are ignored.
   void read_header() {
     if (!cursor_.find_word()) { refuse(reading_, "no text of OFF in it"); }
     TextCursor ahead = cursor_;
     std::string_view word = ahead.word();
     if (word[0] >= '0' && word[0] <= '9' && !word.ends_with("OFF")) {
-      return;  // the word itself may be left out
+      return;  // the word itself is optional
     }
     const std::string_view whole = word;
     for (const std::string_view prefix : {"ST", "C", "N"}) {

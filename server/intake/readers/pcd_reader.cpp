@@ -32,6 +32,7 @@ struct PcdHeader {
   std::array<std::size_t, 3> axes{};  // which fields are x y z
 };
 
+/// Reads the header of a PCD file.
 /// source    "The PCD (Point Cloud Data) file format", Point Cloud Library documentation, version 0.7
 class PcdHeaderReader {
  public:
@@ -140,13 +141,13 @@ double value_at(const char* bytes, const PcdField& field) {
     case 1: return is_signed ? number_at<std::int8_t>(bytes, kOrder) : number_at<std::uint8_t>(bytes, kOrder);
     case 2: return is_signed ? number_at<std::int16_t>(bytes, kOrder) : number_at<std::uint16_t>(bytes, kOrder);
     default:
-      // Without the conversion the two have the unsigned type in common.
+      // Each is converted by itself: the common type of the two would be unsigned.
       return is_signed ? static_cast<double>(number_at<std::int32_t>(bytes, kOrder))
                        : number_at<std::uint32_t>(bytes, kOrder);
   }
 }
 
-/// What LZF packed, or nothing where it does not come out at the told size.
+/// Unpacks LZF. Nothing where the result does not have the stated size.
 /// source    LibLZF's stream format: a byte below 32 is a run of that many literals and one; else three bits of length
 ///           and thirteen of distance back, with one more byte of length where the three are all set
 std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size) {
@@ -203,7 +204,7 @@ class PcdReader {
 
  private:
   void add(const Vec3& point, std::uint64_t number) {
-    // Of an ordered cloud, a pixel without a measurement.
+    // In an organized cloud this is a pixel without a measurement.
     if (point.hasNaN()) {
       ++missing_count_;
       return;
@@ -269,7 +270,7 @@ class PcdReader {
     }
   }
 
-  /// Packed, and all of a field before all of the next.
+  /// Reads compressed data, which has all values of one field before those of the next.
   void read_compressed() {
     const std::string_view bytes = rest();
     check_room(8, bytes.size());
@@ -277,7 +278,7 @@ class PcdReader {
     const auto size = number_at<std::uint32_t>(bytes.data() + 4, std::endian::little);
     check_room(std::uint64_t{packed} + 8, bytes.size());
     check_room(header_.point_count * header_.point_bytes, size);
-    // A byte of LZF makes at most 132.
+    // A byte of LZF expands to at most 132.
     if (size / 132 > packed) refuse(reading_, fmt::format("{} bytes cannot hold {} unpacked", packed, size));
     const std::optional<std::string> plain = unpack_lzf(bytes.substr(8, packed), size);
     if (!plain) refuse(reading_, fmt::format("the packed points do not unpack to {} bytes", size));

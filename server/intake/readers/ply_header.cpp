@@ -59,7 +59,8 @@ class HeaderParser {
   }
 
  private:
-  // Blender 2.4 wrote its comment without the word. Before the first element such a line moves no byte of the rows.
+  // Skips a line with an unknown keyword: Blender 2.4 wrote its comment without the word. Before the first element such
+  // a line cannot be about the rows.
   void skip_stray_line(std::string_view keyword) {
     if (!header_.elements.empty() || reading_.options.strict) {
       cursor_.complain(fmt::format("{} is no word of a PLY header", quoted(keyword)));
@@ -115,7 +116,8 @@ class HeaderParser {
     return *type;
   }
 
-  // A row takes at least this much, whatever its lists hold: digits and a blank each in text.
+  // Refuses more rows than the file has room for. A row takes at least the bytes of its numbers and of its
+  // lists' lengths, in text a digit and a blank for each.
   void check_room() const {
     const std::uint64_t room = reading_.bytes.size() - header_.body_byte + 1;
     for (const PlyElement& element : header_.elements) {

@@ -18,7 +18,7 @@ using Kind = PolynomialStep::Kind;
 
 constexpr int kMostParentheses = 64;
 
-/// Recursive descent; writes steps and follows what they leave on the stack.
+/// Parses a polynomial by recursive descent into steps for a stack machine, and keeps track of the stack's depth.
 ///
 ///   sum     = ['+' | '-'] product {('+' | '-') ['+' | '-'] product}
 ///   product = power {'*' ['+' | '-'] power}
@@ -41,7 +41,7 @@ class PolynomialReader {
   }
 
  private:
-  /// Each returns the degree of what it has written.
+  /// Each of these returns the degree of what it has parsed.
   int sum() {
     int degree = signed_product();
     for (char sign = skip_one_of("+-"); sign != 0; sign = skip_one_of("+-")) {
@@ -115,7 +115,7 @@ class PolynomialReader {
     const auto [stop, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
     const std::string_view digits = text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_);
     if (error == std::errc::invalid_argument) complain(fmt::format("{} is no number", found()));
-    // Zero instead of 1e-999 would be another polynomial.
+    // A number that is too small for a double is refused: with 0 instead it would be another polynomial.
     if (error != std::errc{} || !std::isfinite(value))
       complain(fmt::format("number {} is beyond the doubles (4.9e-324 to 1.8e308)", quoted(digits)));
     at_ += digits.size();
@@ -174,7 +174,7 @@ class PolynomialReader {
   }
   bool at_end() const { return at_ == text_.size(); }
 
-  /// The character stepped over, or 0.
+  /// Steps over one of these characters and returns it; 0 where none comes next.
   char skip_one_of(std::string_view characters) {
     skip_blanks();
     if (at_end() || characters.find(text_[at_]) == std::string_view::npos) return 0;

@@ -24,7 +24,7 @@ LinkPairs read_srdf(const std::string& text, const std::string& file) {
 }
 
 std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& objects, std::uint64_t& unknown_count) {
-  // Layer 0 is that of everything else, which all of them meet.
+  // Layer 0 belongs to everything else, with which all links may collide.
   constexpr std::size_t kMostLinks = 31;
   if (objects.size() > kMostLinks) {
     return fmt::format("{} links with collision shapes; pairs can be told apart for {}", objects.size(), kMostLinks);

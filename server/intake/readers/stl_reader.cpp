@@ -29,8 +29,8 @@ bool is_word(std::string_view word, std::string_view lower) {
          });
 }
 
-// Binary files often begin with "solid" as well. A size that fits the count to the byte settles it; else text is
-// what says "solid" and, within its next words, "facet" or "endsolid".
+// Whether a file is text. Binary files often begin with "solid" too. A size that matches the triangle count to the byte
+// means binary; else text is what begins with "solid" and has "facet" or "endsolid" among its next words.
 bool is_text(const Reading& reading) {
   if (reading.bytes.size() >= kHeaderBytes &&
       reading.bytes.size() == kHeaderBytes + kTriangleBytes * claimed_triangles(reading)) {
@@ -132,7 +132,7 @@ class StlTextReader {
                             .first_triangle = static_cast<std::uint32_t>(scene_.mesh.triangles.size())});
   }
 
-  // The normal is not read: it often is nonsense, and the corners' order says the same.
+  // The normal is skipped: it is often wrong, and the order of the corners gives it.
   void begin_facet() {
     if (!loop_.empty()) { cursor_.complain("facet begins before 'endloop' of the one before"); }
     if (scene_.parts.empty()) { cursor_.complain("facet before 'solid'"); }

@@ -8,7 +8,7 @@
 namespace collided::engine {
 namespace {
 
-/// Triangles by the directed edges that they run along, taken one after the other.
+/// The triangles that are in no strip or fan yet, by their directed edges.
 class FreeTriangles {
  public:
   explicit FreeTriangles(const TriangleMesh& mesh) : mesh_(mesh), is_taken_(mesh.triangles.size(), false) {
@@ -24,7 +24,7 @@ class FreeTriangles {
   void take(std::uint32_t triangle) { is_taken_[triangle] = true; }
   void give_back(std::uint32_t triangle) { is_taken_[triangle] = false; }
 
-  /// A free triangle that runs from a to b.
+  /// A free triangle that has the directed edge from a to b.
   std::optional<std::uint32_t> along(std::uint32_t a, std::uint32_t b) const {
     const std::uint64_t wanted = key(a, b);
     for (auto at = std::lower_bound(edges_.begin(), edges_.end(), std::pair(wanted, 0u));
@@ -34,7 +34,7 @@ class FreeTriangles {
     return std::nullopt;
   }
 
-  /// The corner that is neither a nor b, of a triangle that runs from a to b.
+  /// The third corner of a triangle that has the directed edge from a to b.
   std::uint32_t tip(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
     const TriangleCorners& c = mesh_.triangles[triangle];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -51,7 +51,7 @@ class FreeTriangles {
   std::vector<bool> is_taken_;
 };
 
-/// From a triangle with that corner first, as far round the corner as free triangles go.
+/// Takes a fan around the corner `center`: free triangles from the given one on, as far as they go.
 std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, std::uint32_t second,
                                     std::uint32_t triangle) {
   std::vector<std::uint32_t> fan{center, second};
@@ -64,7 +64,7 @@ std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, s
   return fan;
 }
 
-/// The strip that begins with the triangle's corners from that one on.
+/// Takes the strip that begins with the triangle's corners, from a given corner on.
 std::vector<std::uint32_t> strip_from(const TriangleMesh& mesh, FreeTriangles& free, std::uint32_t triangle,
                                       std::size_t first, std::vector<std::uint32_t>& taken) {
   const TriangleCorners& c = mesh.triangles[triangle];

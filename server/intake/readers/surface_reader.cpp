@@ -20,10 +20,11 @@ constexpr std::string_view kKinds =
     "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS, "
     "implicit POLYNOMIAL";
 
-/// So that three digits, rounded to nearest, are no less than the number.
+/// A factor after which a number written with three digits is no less than it was.
 constexpr double kRoundedUp = 1.0051;
 
-/// A surface a line: NAME KIND NUMBERS [at X Y Z] (count N [M] | error E), or NAME implicit POLYNOMIAL [in X Y Z X Y Z].
+/// Reads one surface from each line: NAME KIND NUMBERS [at X Y Z] (count N [M] | error E), or NAME implicit POLYNOMIAL
+/// [in X Y Z X Y Z].
 class SurfaceReader {
  public:
   explicit SurfaceReader(const Reading& reading)
@@ -69,7 +70,7 @@ class SurfaceReader {
     } catch (const std::invalid_argument& wrong) { cursor_.complain(wrong.what()); }
   }
 
-  /// No triangles come of it, but what it says is looked at all the same.
+  /// An implicit surface makes no triangles, but its line is checked.
   void skip_implicit(const std::string& name) {
     rest_as_implicit_surface(cursor_);
     reading_.report.refused.push_back(
@@ -170,7 +171,7 @@ class SurfaceReader {
     scene_.parts.push_back({.name = name,
                             .first_triangle = first_triangle,
                             .triangle_count = static_cast<std::uint32_t>(surface.mesh.triangles.size())});
-    // Moving it rounds each coordinate once more.
+    // Moving the surface rounds each coordinate once more.
     reading_.report.notes.push_back(fmt::format("{}: {} as {} triangles, off by at most {:.3g} of the file's units",
                                                 quoted(std::string_view(name)), kind, surface.mesh.triangles.size(),
                                                 kRoundedUp * (surface.off_by_m + 4 * kRoundoff * reach)));

@@ -10,8 +10,8 @@
 namespace collided::engine {
 namespace {
 
-// from_chars may say "out of range" for what is too small as well, and leaves the value alone. Too small for a double
-// is zero; it is told from too large by the sign of the decimal exponent of the first digit that counts.
+// Whether a number that is out of the range of double is too small, so that it counts as 0, and not too large.
+// from_chars reports both as "out of range". The sign of the decimal exponent of the first significant digit decides.
 bool is_tiny(std::string_view digits) {
   const std::size_t exponent_at = std::min(digits.find_first_of("eE"), digits.size());
   const std::string_view mantissa = digits.substr(0, exponent_at);

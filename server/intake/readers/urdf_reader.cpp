@@ -30,7 +30,7 @@ struct Joint {
   bool moves = false;
 };
 
-/// The robot's links with a collision shape, each an object, where they are with all joints at zero.
+/// Reads a robot: each link with a collision shape becomes an object, placed as with all joints at zero.
 /// source    ROS URDF specification, wiki.ros.org/urdf/XML; units and axes: REP 103
 class UrdfReader {
  public:
@@ -63,7 +63,7 @@ class UrdfReader {
     return {numbers(origin.attribute("xyz"), Vec3::Zero()), rotation.normalized()};
   }
 
-  /// Three numbers; otherwise where there is no such attribute.
+  /// The three numbers of an attribute; `otherwise` where there is none.
   Vec3 numbers(const pugi::xml_attribute& attribute, const Vec3& otherwise) const {
     if (!attribute) return otherwise;
     const std::string_view text = attribute.value();
@@ -86,7 +86,7 @@ class UrdfReader {
     return value;
   }
 
-  /// Walks the tree of joints from the links that are no joint's child.
+  /// Places the links, along the tree of joints from those links that are not the child of one.
   void place_links(const pugi::xml_node& robot) {
     std::unordered_map<std::string, std::vector<Joint>> joints_below;
     std::unordered_map<std::string, std::size_t> parent_counts;
@@ -197,7 +197,8 @@ class UrdfReader {
     }
   }
 
-  /// A package's files are looked for from the robot's folder upwards, with the package's name and without.
+  /// The path of a file. Files of a package are searched from the robot's folder upwards, with and without the
+  /// package's name.
   fs::path find_file(const std::string& name) const {
     if (reading_.folder.empty()) return {};
     std::string rest = name;

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
-/// What is wrong with a buffer; never leaves this file.
+/// What is wrong with a buffer; thrown and caught in this file.
 struct VertexFlaw {
   std::string what;
 };
@@ -44,7 +44,7 @@ BufferPiece piece_of(BufferKind kind) {
   throw VertexFlaw{fmt::format("kind {}, allowed are 0 to 5", static_cast<int>(kind))};
 }
 
-/// Number of the primitive that first uses corner i of the sequence.
+/// The number of the first primitive that uses corner i of the sequence.
 std::size_t piece_with(BufferKind kind, std::size_t i) {
   const BufferPiece piece = piece_of(kind);
   if (piece.corner_count > 1) return i / piece.corner_count;
@@ -87,7 +87,7 @@ std::vector<Vec3> read_vertices(const VertexBuffer& buffer) {
   return vertices;
 }
 
-/// The vertex numbers in the order in which they are joined.
+/// The vertex numbers in the order in which they form primitives.
 std::vector<std::uint32_t> read_sequence(const VertexBuffer& buffer, std::size_t vertex_count) {
   const BufferPiece piece = piece_of(buffer.kind);
   const std::size_t count = buffer.index_bytes == 0 ? vertex_count : buffer.indices.size() / buffer.index_bytes;

@@ -6,7 +6,7 @@
 
 namespace collided::engine {
 
-/// A point a line: its three coordinates; what follows them (intensity, colour) is not used.
+/// Each line has the three coordinates of a point. What follows them (intensity, colour) is ignored.
 Scene read_xyz(const Reading& reading) {
   TextCursor cursor(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline_or_comment, false);
   SceneObject cloud;

@@ -136,6 +136,7 @@ class SceneDecoder {
     }
     primitive_budget_ -= count;
   }
+  /// The primitives of one kind, taken off the budgets.
   template <class Struct>
   std::vector<Struct> take(const flatbuffers::Vector<const Struct*>* vector) {
     const std::uint64_t count = vector == nullptr ? 0 : vector->size();
@@ -144,6 +145,7 @@ class SceneDecoder {
     return copied(vector);
   }
 
+  /// Finite vertices, and vertex numbers in range.
   void check(const TriangleMesh& mesh) const {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       const Vec3& v = mesh.vertices[i];
@@ -159,6 +161,7 @@ class SceneDecoder {
     }
   }
 
+  /// A finite length of 0 or more; `what` names it in a Flaw.
   double size(double value, std::string_view what) const {
     if (!(value >= 0 && std::isfinite(value))) {
       throw Flaw{fmt::format("{} {} m, allowed are finite sizes of 0 and more", what, value)};
@@ -192,6 +195,7 @@ class SceneDecoder {
     }
   }
 
+  /// Three unit vectors at right angles, within the slack of unit quaternions.
   Mat3 unit_axes(const format::Mat3& from, std::string_view what) const {
     Mat3 axes;
     axes << point(from.column_0(), what), point(from.column_1(), what), point(from.column_2(), what);
@@ -307,6 +311,7 @@ class SceneDecoder {
     }
   }
 
+  /// The two triangles of each cell share the diagonal from a point to the next one of the next row.
   TriangleMesh height_field(const format::HeightField& from) {
     const auto& heights = *from.heights();
     const std::uint64_t columns = from.columns();
@@ -338,6 +343,7 @@ class SceneDecoder {
     return mesh;
   }
 
+  /// The mesh or the height field.
   void add_surface(const format::Shape& from, Shape& shape) {
     if (from.mesh() != nullptr && from.height_field() != nullptr) {
       throw Flaw{"a mesh and a height field; a shape holds one of them"};
@@ -353,6 +359,7 @@ class SceneDecoder {
     shape.mesh = known;
   }
 
+  /// Vertex buffers; at most one of them may make a surface.
   void add_buffers(const format::Shape& from, Shape& shape) {
     for (std::uint32_t i = 0; from.buffers() != nullptr && i < from.buffers()->size(); ++i) {
       const format::VertexBuffer& buffer = *from.buffers()->Get(i);
@@ -384,13 +391,14 @@ class SceneDecoder {
   void apply_scale(const Vec3& factor, Shape& shape) {
     if (factor == Vec3::Ones()) return;
     if (shape.mesh) {
-      // A copy of its own.
+      // The scaled mesh is a copy, which is not shared with other objects.
       spend_triangles(shape.mesh->triangles.size());
       spend_bytes(8 * 3 * shape.mesh->vertices.size());
     }
     if (const std::string reason = scale(shape, factor); !reason.empty()) { throw Flaw{reason}; }
   }
 
+  /// Hulls are computed from their points; corners in the file are ignored.
   void add_hulls(const format::Shape& from, Shape& shape) {
     for (std::uint32_t i = 0; from.hulls() != nullptr && i < from.hulls()->size(); ++i) {
       const TriangleMesh points = mesh(*from.hulls()->Get(i));

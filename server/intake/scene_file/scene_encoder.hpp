@@ -29,6 +29,7 @@ class SceneEncoder {
  public:
   explicit SceneEncoder(std::size_t byte_count) : builder_(byte_count) {}
 
+  /// The table of a mesh. Its numbers are copied as they are in memory.
   flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
     double* numbers = nullptr;
     const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
@@ -48,6 +49,7 @@ class SceneEncoder {
     return known;
   }
 
+  /// The table of a shape.
   flatbuffers::Offset<format::Shape> shape(const Shape& from) {
     Parts parts;
     for (const Primitive& primitive : from.primitives) {
@@ -151,6 +153,7 @@ class SceneEncoder {
     return vector;
   }
 
+  // A vector that is left out where it is empty.
   template <class Struct>
   flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
     return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);

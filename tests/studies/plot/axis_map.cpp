@@ -31,7 +31,7 @@ void AxisMap::choose_logarithmic(const std::vector<double>& values) {
   if (!(least <= largest)) least = largest = 1;
   low_ = std::pow(10.0, std::floor(std::log10(least) - 0.05));
   high_ = std::pow(10.0, std::ceil(std::log10(largest) + 0.05));
-  // Zeros get a decade of their own below the least number.
+  // Zeros are drawn one decade below the smallest value.
   if (has_zero_) low_ /= 10;
 }
 

@@ -13,7 +13,9 @@ class AxisMap {
  public:
   AxisMap(const Axis& axis, const std::vector<double>& values, double first_px, double last_px);
 
+  /// The place of a value.
   double pixel(double value) const;
+  /// The value at a fraction of the axis.
   double value_at(double fraction) const;
   /// Ticks as (value, text): round values within the axis, few enough for texts of that size.
   std::vector<std::pair<double, std::string>> ticks(double room_px) const;

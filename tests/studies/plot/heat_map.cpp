@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kTextSize = 11;
 
-/// From paper to dark blue; lightness falls evenly, so that the order survives without colour.
+/// A colour from that of the paper to dark blue. Lightness falls evenly, so that the order is visible without colour
+/// too.
 std::string shade(double part) {
   part = std::clamp(part, 0.0, 1.0);
   const auto mix = [part](int from, int to) { return static_cast<int>(std::lround(from + part * (to - from))); };

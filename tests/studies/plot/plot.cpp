@@ -17,7 +17,8 @@ struct Style {
   int shape = 0;
 };
 
-/// Ours is the accent; the palette's colours and the shapes go round together, so that neither alone tells them apart.
+/// The style of each series: the accent for this project's, else a colour of the palette together with a shape, so that
+/// series can be distinguished by either alone.
 std::vector<Style> styles(const std::vector<Series>& series) {
   std::vector<Style> result;
   int next = 0;
@@ -35,7 +36,7 @@ std::vector<Style> styles(const std::vector<Series>& series) {
   return result;
 }
 
-/// Words that the plot's labels keep clear of: a line is a chain of small squares.
+/// Marks a line, as a chain of small squares, as a place that labels must avoid.
 void occupy_segment(Canvas& canvas, std::pair<double, double> a, std::pair<double, double> b) {
   const int steps = 1 + static_cast<int>(std::hypot(b.first - a.first, b.second - a.second) / 4);
   for (int i = 0; i <= steps; ++i) {
@@ -95,7 +96,7 @@ class Frame {
     }
   }
 
-  /// Beside the mark, then farther and farther out with a line to it; nearest free place first.
+  /// Draws a label at the nearest free place: beside the mark, else farther away with a line to it.
   void draw_label(const Point& p, const Style& style) {
     const auto [x, y] = place(p);
     const double width = text_width(p.label, kLabelSize);
@@ -162,7 +163,7 @@ std::string svg(const Plot& plot) {
   const std::vector<Style> style = styles(plot.series);
   frame.draw_axes(plot);
   draw_legend(canvas, plot, style, frame.legend_x(), frame.top());
-  // Ours last, so that it lies on top.
+  // This project's series come last, so that they are on top.
   for (const bool ours : {false, true}) {
     for (std::size_t i = 0; i < plot.series.size(); ++i) {
       if ((plot.series[i].paint == Paint::accent) == ours) frame.draw_series(plot.series[i], style[i]);
