@@ -8,7 +8,10 @@ source=${1:?source folder} build=${2:?build folder} work=${3:?scratch folder}
 for tool in dh lintian apt-cache unshare ip; do
   command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
-[[ $(id -u) -eq 0 ]] && unshare --net --mount true 2>/dev/null || { echo "skipped: only root may chroot and mount"; exit 77; }
+if [[ $(id -u) -ne 0 ]] || ! unshare --net --mount true 2>/dev/null; then
+  echo "skipped: only root may chroot and mount"
+  exit 77
+fi
 if [[ -z ${COLLIDED_ALONE:-} ]]; then
   COLLIDED_ALONE=1 exec unshare --net bash -c 'ip link set lo up && exec "$@"' - "${BASH_SOURCE[0]}" "$@"
 fi
