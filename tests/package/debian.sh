@@ -37,7 +37,8 @@ done
 echo "two packings are equal in every byte"
 rm -rf "$work/again"
 
-lintian --allow-root --fail-on error "$work"/packages/*.deb 2>/dev/null || fail "lintian finds errors"
+# They go to nobody's archive: there is no request for a package that the changelog could close.
+lintian --allow-root --fail-on error --suppress-tags initial-upload-closes-no-bugs "$work"/packages/*.deb 2>/dev/null || fail "lintian finds errors"
 
 # The clean root: Debian's essential packages and what ours depend on, copied from this machine with their entries of dpkg's
 # database. A dependency that is not declared is not there.
