@@ -38,7 +38,8 @@ echo "two packings are equal in every byte"
 rm -rf "$work/again"
 
 # They go to nobody's archive: there is no request for a package that the changelog could close.
-lintian --allow-root --fail-on error --suppress-tags initial-upload-closes-no-bugs "$work"/packages/*.deb 2>/dev/null || fail "lintian finds errors"
+lintian --allow-root --fail-on error --suppress-tags initial-upload-closes-no-bugs "$work"/packages/*.deb 2>/dev/null ||
+  fail "lintian finds errors"
 
 # The clean root: Debian's essential packages and what ours depend on, copied from this machine with their entries of dpkg's
 # database. A dependency that is not declared is not there.
@@ -77,7 +78,7 @@ for package in "${closure[@]}"; do
   cp -p /var/lib/dpkg/info/"$package"{.*,:*} "$database/info/" 2>/dev/null || true
 done
 cp /etc/passwd /etc/group "$clean/etc/"
-mkdir -p "$clean/proc" "$clean/dev" "$clean/tmp"
+mkdir -p "$clean"/{proc,dev,tmp,var/lib/private}
 mknod -m 666 "$clean/dev/null" c 1 3
 mknod -m 666 "$clean/dev/urandom" c 1 9
 ldconfig -r "$clean"
@@ -92,7 +93,9 @@ contents() {
   (cd "$clean" && find . \( -path ./var/lib/dpkg -o -path ./var/log -o -path ./var/cache/ldconfig \) -prune -o \
     ! -path ./etc/ld.so.cache -printf '%y %m %p %l\n' | sort)
 }
-as_dpkg() { DEBIAN_FRONTEND=noninteractive dpkg --root="$clean" "$@" >"$work/dpkg.log" 2>&1 || { cat "$work/dpkg.log"; fail "dpkg $1"; }; }
+as_dpkg() {
+  DEBIAN_FRONTEND=noninteractive dpkg --root="$clean" "$@" >"$work/dpkg.log" 2>&1 || { cat "$work/dpkg.log"; fail "dpkg $1"; }
+}
 
 contents >"$work/before"
 as_dpkg --install "$work"/packages/*.deb
@@ -108,7 +111,7 @@ fi
 # As the unit starts it: its line, its environment, the state folder as systemd makes it for a dynamic user.
 read -ra start < <(sed -n 's/^ExecStart=//p' "$unit")
 read -ra environment < <(sed -n 's/^Environment=//p' "$unit")
-mkdir -p "$clean/var/lib/private/collided"
+mkdir "$clean/var/lib/private/collided"
 ln -s private/collided "$clean/var/lib/collided"
 # Domain 230, the last: other scripts have theirs below, and recording/foreign_reader this one, but not in this network.
 (in_root /usr/bin/env "${environment[@]}" COLLIDED_DOMAIN=230 "${start[@]}") >"$work/server.out" 2>&1 &
@@ -134,7 +137,8 @@ rm "$clean/tmp/one.obj"
 echo "installed, asked: $answer"
 
 as_dpkg --remove collide collided libcollided-dev libcollided1
-[[ -e $clean/etc/collided/collided.toml && ! -e $clean/usr/bin/collided ]] || fail "removing does not leave just the configuration"
+[[ -e $clean/etc/collided/collided.toml && ! -e $clean/usr/bin/collided ]] ||
+  fail "removing does not leave just the configuration"
 as_dpkg --purge collide collided libcollided-dev libcollided1
 contents >"$work/after"
 diff "$work/before" "$work/after" || fail "purging leaves the files above"

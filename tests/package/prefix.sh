@@ -73,7 +73,8 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$scratch/one.obj"
 for module in collided collided-vcollide; do
   PKG_CONFIG_PATH=$lib/pkgconfig pkg-config --validate "$module"
 done
-read -ra use < <(PKG_CONFIG_PATH=$lib/pkgconfig pkg-config --cflags --libs collided | tr '\n' ' ')
+told=$(PKG_CONFIG_PATH=$lib/pkgconfig pkg-config --cflags --libs collided)
+read -ra use <<<"$told"
 read -ra extra <<<"$flags"
 "$cxx" -std=c++20 "${extra[@]}" "$here/ask.cpp" "${use[@]}" -Wl,-rpath,"$lib" -o "$scratch/ask"
 answer=$("$scratch/ask")
