@@ -52,7 +52,11 @@ ${lib#"$prefix"/}/pkgconfig/collided.pc
 ${lib#"$prefix"/}/libcollided_client.so.1
 ${lib#"$prefix"/}/libcollided_vcollide.so.1
 END
-grep -rlaF "$build" "$prefix" && fail "the files above know the build tree"
+# A debugger's data may know it; not what is read when programs run and others are built.
+grep -rlIF "$build" "$prefix" && fail "the files above know the build tree"
+for program in "$prefix"/bin/* "$prefix"/libexec/collided/* "$lib"/*.so; do
+  readelf -d "$program" | grep -F "$build" && fail "$program looks for libraries in the build tree"
+done
 bash -c "source '$prefix/share/bash-completion/completions/collide' && complete -p collide" | grep -q _collide ||
   fail "bash has no completion for collide"
 
