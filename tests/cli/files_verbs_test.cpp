@@ -43,7 +43,7 @@ TEST_F(FilesVerbs, SayWhichProgramIsMissing) {
   const Ran ran = collide("check a.obj", {.environment = {{"COLLIDED_FILES", program_.path() + ".missing"}}});
   EXPECT_EQ(ran.code, 2);
   EXPECT_NE(ran.err.find("error: check: the program collided-files was not found"), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("it is installed beside collide; COLLIDED_FILES may name it"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("it is installed with collide; COLLIDED_FILES may name it"), std::string::npos) << ran.err;
 }
 
 TEST_F(FilesVerbs, SayWhatEndedIt) {

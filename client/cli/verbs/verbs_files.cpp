@@ -17,12 +17,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "collided-files";
 
-/// The path of the program: beside this one, where it is when installed and in a build tree, else found by PATH.
+/// The path of the program: with the helpers where it is installed, beside this one, or in a build tree; else found by PATH.
 std::string find_program(const Io& io) {
   if (std::string chosen = io.env("COLLIDED_FILES"); !chosen.empty()) return chosen;
   std::error_code error;
   const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const fs::path& place : {here / kProgram, here / "../../server" / kProgram}) {
+  for (const fs::path& place :
+       {here / kProgram, here / "../libexec/collided" / kProgram, here / "../../server" / kProgram}) {
     if (fs::is_regular_file(place, error)) return place.string();
   }
   return kProgram;
@@ -74,7 +75,7 @@ class FilesCommand : public PassOn {
     const int code = run_program(find_program(session.io), std::move(words));
     if (code == 127)
       throw Failure(Exit::bad_use, fmt::format("the program {} was not found", kProgram),
-                    "it is installed beside collide; COLLIDED_FILES may name it");
+                    "it is installed with collide; COLLIDED_FILES may name it");
     return static_cast<Exit>(code);
   }
 
