@@ -13,6 +13,9 @@ namespace collided::engine {
 /// Any part of an object, in world coordinates.
 using ConvexPart = std::variant<Primitive, Triangle>;
 
+inline ConvexPart as_part(const Primitive& primitive) { return primitive; }
+inline ConvexPart as_part(const Triangle& triangle) { return triangle; }
+
 /// The part's half-space; null where it is another shape.
 inline const HalfSpace* half_space_of(const ConvexPart& part) {
   const auto* primitive = std::get_if<Primitive>(&part);

@@ -27,6 +27,7 @@ class Placing {
   explicit Placing(const Frame& frame) : frame_(frame), turns_(turns(frame)) {}
 
   double of_point(const Vec3& own) const {
+    if (own.isZero(0)) return 0;
     if (turns_) return rounded_up(kTurnedPoint * own.norm() + kRoundoff * (frame_.position.norm() + own.norm()));
     const Vec3& to = frame_.position;
     return rounded_up(Vec3(lost(own[0], to[0]), lost(own[1], to[1]), lost(own[2], to[2])).norm());

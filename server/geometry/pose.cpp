@@ -22,10 +22,11 @@ Mat3 turned(const Frame& frame, const Mat3& axes) {
 }  // namespace
 
 Frame frame_of(const Pose& pose) {
-  const double w = pose.rotation.w();
-  const double x = pose.rotation.x();
-  const double y = pose.rotation.y();
-  const double z = pose.rotation.z();
+  const double norm = pose.rotation.norm();
+  const double w = pose.rotation.w() / norm;
+  const double x = pose.rotation.x() / norm;
+  const double y = pose.rotation.y() / norm;
+  const double z = pose.rotation.z() / norm;
   const double x2 = x + x;
   const double y2 = y + y;
   const double z2 = z + z;

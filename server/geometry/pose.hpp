@@ -5,7 +5,8 @@
 
 namespace collided::engine {
 
-/// Position, metres, and unit quaternion of a body in the world (X_WB).
+/// Position, metres, and rotation of a body in the world (X_WB): v -> q v q* / |q|^2, so that the quaternion stands as it
+/// was given, whose norm validation keeps within 1e-6 of 1.
 struct Pose {
   Vec3 position = Vec3::Zero();
   Quat rotation = Quat::Identity();
@@ -17,7 +18,7 @@ struct Frame {
   Vec3 position = Vec3::Zero();
 };
 
-/// Uses the quaternion as given (validation accepts | |q| - 1 | <= 1e-6 and divides by the norm once).
+/// Divides the quaternion by its norm, in double.
 Frame frame_of(const Pose& pose);
 
 /// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the result

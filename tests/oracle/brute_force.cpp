@@ -7,6 +7,7 @@
 #include "server/exact_phase/distance/closest.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/placing_error.hpp"
@@ -96,35 +97,57 @@ double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb&
   return placing_error_m(object, part.triangle, asked);
 }
 
+GivenPart given(const Part& part) {
+  if (part.pose == nullptr) return {};
+  if (const auto* triangle = std::get_if<Triangle>(&part.own))
+    return {.own = *triangle, .pose = part.pose, .frame = part.frame};
+  return {.own = &std::get<Primitive>(part.own), .pose = part.pose, .frame = part.frame};
+}
+
+ConvexPart placed(const Part& part) {
+  return std::visit([](const auto& shape) -> ConvexPart { return shape; }, part.shape);
+}
+
+/// Whether two parts meet for the numbers given: by rationals wherever their bounds meet, or are apart by no more than
+/// placing may be off.
+bool meet(const ConvexPart& a, const GivenPart& given_a, const ConvexPart& b, const GivenPart& given_b) {
+  if (given_a.pose == nullptr && given_b.pose == nullptr) return overlaps(a, b).yes();
+  Aabb near = bounds_of_part(a);
+  const Vec3 margin = Vec3::Constant(1e-12 * near.low.cwiseAbs().cwiseMax(near.high.cwiseAbs()).maxCoeff());
+  near.low -= margin;
+  near.high += margin;
+  if (!overlaps(near, bounds_of_part(b))) return false;
+  const Decision decision = overlaps_as_given(a, b, {given_a, given_b});
+  return decision == Decision::undecided ? overlaps(a, b).yes() : decision == Decision::yes;
+}
+
+/// The contact of two that meet; where they are apart as placed, their nearest points.
+Contact contact_of(const ConvexPart& a, const ConvexPart& b) {
+  if (overlaps(a, b).yes()) return contact(a, b);
+  const Separation apart = separation(a, b);
+  return {.point = apart.on_a, .normal = apart.normal, .depth_error_m = apart.distance_m + apart.error_m};
+}
+
 template <class Asked>
 std::vector<AnswerHit> overlap(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
-                               const Asked& asked) {
+                               const Asked& asked, const GivenPart& given_asked) {
+  const ConvexPart whole = Primitive(asked);
   std::map<ObjectId, AnswerHit> deepest;
   for (const Part& part : parts) {
     if (!may_answer(snapshot, questions, part.object)) continue;
-    std::visit(
-        [&](const auto& shape) {
-          const Primitive primitive = asked;
-          using Shape = std::decay_t<decltype(shape)>;
-          Contact touched;
-          if constexpr (std::is_same_v<Shape, Triangle>) {
-            if (!overlaps(primitive, shape).yes()) return;
-            touched = contact(primitive, shape);
-          } else {
-            if (!overlaps(primitive, Primitive(shape)).yes()) return;
-            touched = contact(primitive, Primitive(shape));
-          }
-          AnswerHit hit{.object = part.object, .triangle = part.triangle};
-          hit.distance_m = touched.depth_m;
-          hit.error_m = touched.depth_error_m + placing_of_object(snapshot, part, bounds(asked));
-          hit.point = touched.point;
-          hit.normal = touched.normal;
-          const auto [place, is_new] = deepest.emplace(part.object, hit);
-          const bool deeper = hit.distance_m > place->second.distance_m ||
-                              (hit.distance_m == place->second.distance_m && hit.triangle < place->second.triangle);
-          if (!is_new && deeper) place->second = hit;
-        },
-        part.shape);
+    const ConvexPart shape = placed(part);
+    if (!meet(whole, given_asked, shape, given(part))) continue;
+    const Contact touched = contact_of(whole, shape);
+    AnswerHit hit{.object = part.object, .triangle = part.triangle};
+    hit.distance_m = touched.depth_m;
+    hit.error_m = touched.depth_error_m + placing_of_object(snapshot, part, bounds(asked));
+    if (given_asked.pose != nullptr) hit.error_m += given_asked.placing_error_m(0);
+    hit.point = touched.point;
+    hit.normal = touched.normal;
+    const auto [place, is_new] = deepest.emplace(part.object, hit);
+    const bool deeper = hit.distance_m > place->second.distance_m ||
+                        (hit.distance_m == place->second.distance_m && hit.triangle < place->second.triangle);
+    if (!is_new && deeper) place->second = hit;
   }
   std::vector<AnswerHit> hits;
   for (const auto& [object, hit] : deepest) hits.push_back(hit);
@@ -191,17 +214,18 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
   for (const auto& info : *snapshot.objects) {
     if (!info) continue;
     const Frame& frame = snapshot.frames[slot_of(info->id)];
+    const Pose* pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(info->id)] : nullptr;
     for (const Primitive& primitive : info->primitives) {
       std::visit(
           [&](const auto& own) {
-            parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame});
+            parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame, pose});
           },
           primitive);
     }
     if (!info->mesh) continue;
     for (std::uint32_t t = 0; t < info->mesh->mesh->triangles.size(); ++t) {
       const Triangle own = info->mesh->mesh->triangle(t);
-      parts.push_back({info->id, t, place(frame, own), own, &frame});
+      parts.push_back({info->id, t, place(frame, own), own, &frame, pose});
     }
   }
   return parts;
@@ -220,11 +244,14 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
     if (questions.kind == QuestionKind::ray) {
       hits = ray(parts, snapshot, questions, n);
     } else if (questions.kind == QuestionKind::sphere) {
-      hits = overlap(parts, snapshot, questions, Sphere{.center = {n[0], n[1], n[2]}, .radius_m = n[3]});
+      hits = overlap(parts, snapshot, questions, Sphere{.center = {n[0], n[1], n[2]}, .radius_m = n[3]}, {});
     } else if (questions.kind == QuestionKind::box) {
       const Pose pose{.position = {n[0], n[1], n[2]}, .rotation = Quat(n[6], n[7], n[8], n[9])};
+      const Frame frame = frame_of(pose);
+      const Primitive own = Box{.center = Vec3::Zero(), .half_m = {n[3], n[4], n[5]}};
       hits = overlap(parts, snapshot, questions,
-                     Box{.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}});
+                     Box{.center = pose.position, .axes = frame.rotation, .half_m = {n[3], n[4], n[5]}},
+                     {.own = &own, .pose = &pose, .frame = &frame});
     } else {
       hits = near(parts, snapshot, questions, n);
     }
@@ -245,9 +272,7 @@ std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot)
       const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
       const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
       if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a.filter, info_b.filter)) continue;
-      const bool touching =
-          std::visit([](const auto& x, const auto& y) { return overlaps(x, y).yes(); }, parts[i].shape, parts[j].shape);
-      if (touching) pairs.emplace(a, b);
+      if (meet(placed(parts[i]), given(parts[i]), placed(parts[j]), given(parts[j]))) pairs.emplace(a, b);
     }
   }
   return pairs;

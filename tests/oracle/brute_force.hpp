@@ -18,6 +18,7 @@ struct Part {
   std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace, Triangle> shape;
   std::variant<Triangle, Primitive> own;  // in its object's frame
   const Frame* frame = nullptr;           // null: of a scene
+  const Pose* pose = nullptr;             // that the frame was made of; null: of a scene, or none was given
 
   /// How far it may be from where its pose has it, looked at from the point and so far beyond it.
   double placing_m(const Vec3& point, double beyond_m = 0) const;

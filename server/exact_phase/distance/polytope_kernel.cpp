@@ -139,6 +139,11 @@ Decision polytopes_meet(const Convex& a, const Convex& b) {
   return search(corners_of(a), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m), foot);
 }
 
+Decision hulls_meet(const std::vector<Point>& a, const std::vector<Point>& b, const Dyadic& radius_m) {
+  Foot foot;
+  return search(a, b, radius_m, foot);
+}
+
 Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m) {
   Foot foot;
   return search(points, {Point(Vec3(Vec3::Zero()))}, radius_m, foot);

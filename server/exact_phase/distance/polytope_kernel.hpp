@@ -26,6 +26,8 @@ std::vector<Vector<Dyadic>> corners_of(const Convex& set);
 /// The corners of what the set covers during a translation.
 std::vector<Vector<Dyadic>> corners_swept(const Convex& set, const Vector<Dyadic>& displacement);
 
+/// Whether the hulls of two sets of points come within radius_m of each other; as polytopes_meet.
+Decision hulls_meet(const std::vector<Vector<Dyadic>>& a, const std::vector<Vector<Dyadic>>& b, const Dyadic& radius_m);
 /// Whether the hull of the points comes within radius_m of the origin; as polytopes_meet.
 Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m);
 

@@ -193,7 +193,13 @@ struct About {
   int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
 };
 
-About sides_about(const Triples& points, const Triples& plane) {
+/// How much a triple product of differences of points changes where each point moves by a part of off_m in all, relative
+/// to off_m and the square of the largest coordinate: three factors change by 2 off_m each, and two others are at most
+/// sqrt(3) times their largest coordinate (18); the rest covers the products of changes.
+constexpr double kMovedProduct = 24;
+constexpr double kLeastReachOverMove = 100;
+
+About sides_about(const Triples& points, const Triples& plane, double off_m) {
   const Triple e = plane[1] - plane[0];
   const Triple f = plane[2] - plane[0];
   const Triple normal = cross(e, f);
@@ -202,7 +208,9 @@ About sides_about(const Triples& points, const Triples& plane) {
   const double second = f.largest();
   const double distance = std::max({motion[0].largest(), motion[1].largest(), motion[2].largest()});
   if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
-  const double error = kOrientationError * first * second * distance;
+  const double largest = std::max({first, second, distance});
+  if (off_m * kLeastReachOverMove > largest) return {};
+  const double error = kOrientationError * first * second * distance + kMovedProduct * off_m * largest * largest;
   return {{sure_sign(dot(normal, motion[0]), error), sure_sign(dot(normal, motion[1]), error),
            sure_sign(dot(normal, motion[2]), error)},
           (distance + std::max(first, second)) * (1 + kFewSlack)};
@@ -210,12 +218,12 @@ About sides_about(const Triples& points, const Triples& plane) {
 
 }  // namespace
 
-Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
+Decision quickly_overlaps(const Triangle& a, const Triangle& b, double off_m) {
   const Triples s{triple(a.a), triple(a.b), triple(a.c)};
   const Triples t{triple(b.a), triple(b.b), triple(b.c)};
-  const About s_about = sides_about(s, t);
+  const About s_about = sides_about(s, t, off_m);
   if (s_about.one_sided()) return Decision::no;
-  const About t_about = sides_about(t, s);
+  const About t_about = sides_about(t, s, off_m);
   if (t_about.one_sided()) return Decision::no;
   if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
 
@@ -232,7 +240,9 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
   const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
   // Two of each three factors lie between the triangles; the third is an edge of s, no longer than two edges that leave
   // its first corner.
-  const double error = 2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach;
+  const double reach = std::max(s_about.reach, t_about.reach);
+  const double error =
+      2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach + 2 * kMovedProduct * off_m * reach * reach;
   const double one = dot(q1 - p1, cross(q - p1, p - p1));
   const double other = dot(q2 - p, cross(q - p, p2 - p));
   if (one > error || other > error) return Decision::no;

@@ -23,8 +23,9 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m);
 /// double; undecided where a sign is closer to zero than its bound, as where an edge meets a corner or a plane is
 /// shared.
 ///
+/// off_m   the answer also holds where the corners of the two are moved by off_m in all
 /// cost    about 45 ns separate, 65 crossing, against 700; no allocation
 /// source  Guigue, Devillers, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates", 2003
-Decision quickly_overlaps(const Triangle& a, const Triangle& b);
+Decision quickly_overlaps(const Triangle& a, const Triangle& b, double off_m = 0);
 
 }  // namespace collided::engine::kernel

@@ -50,7 +50,7 @@ bool read_pose(const double* numbers, Pose& pose) {
   const double norm = given.norm();
   if (!(nothing == 0 && std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) return false;
   pose.position = {numbers[0], numbers[1], numbers[2]};
-  pose.rotation.coeffs() = given.coeffs() / norm;
+  pose.rotation = given;
   return true;
 }
 

@@ -12,7 +12,7 @@
 namespace collided::engine::service {
 
 /// A pose from seven numbers of outside: x y z in m, then the quaternion w x y z. All must be finite, and the norm 1
-/// within kUnitQuaternionSlack; the quaternion is then divided by its norm once.
+/// within kUnitQuaternionSlack; the quaternion stays as it is, and stands for v -> q v q* / |q|^2.
 std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers);
 
 /// The same without a reason, from kPoseNumbers numbers. False leaves `pose` as it was. No allocation.

@@ -36,9 +36,22 @@ double distance_at_least(const Vec3& point, const Aabb& box) {
   return std::isfinite(distance) && distance > 1e-100 ? distance : 0;
 }
 
-/// In any order of their kinds.
-Decision touches(const Primitive& asked, const Triangle& shape) { return exactly::overlaps(asked, shape); }
-Decision touches(const Primitive& asked, const Primitive& shape) { return exactly::overlaps(asked, shape); }
+/// For the numbers given, by rationals.
+template <class Shape>
+Decision touches(const Primitive& asked, const GivenPart& given_asked, const Shape& shape, const GivenPart& given) {
+  const GivenPair pair{given_asked, given};
+  if (pair.is_exact()) return exactly::overlaps(asked, shape);
+  const Decision as_given = overlaps_as_given(as_part(asked), as_part(shape), pair);
+  return as_given == Decision::undecided ? exactly::overlaps(asked, shape) : as_given;
+}
+
+/// Bounds with a margin of many roundings.
+template <class Shape>
+Aabb wide_bounds(const Shape& shape) {
+  const Aabb box = bounds(shape);
+  const Vec3 margin = 1e-12 * box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
+  return {.low = box.low - margin, .high = box.high + margin};
+}
 
 bool truncated(const Answers& given) { return given.reasons[0] == UndecidedReason::truncated; }
 
@@ -67,8 +80,16 @@ ExactAnswer::ExactAnswer(const Snapshot& snapshot, const Questions& question, do
   const double* numbers = question.numbers.data();
   switch (question.kind) {
     case QuestionKind::ray: cast_ray(snapshot); break;
-    case QuestionKind::sphere: find_touched(snapshot, sphere_of(numbers)); break;
-    case QuestionKind::box: find_touched(snapshot, box_of(numbers)); break;
+    case QuestionKind::sphere: {
+      const Sphere asked = sphere_of(numbers);
+      find_touched(snapshot, asked, {}, bounds(asked));
+      break;
+    }
+    case QuestionKind::box: {
+      const AskedBox asked(numbers);
+      find_touched(snapshot, asked.placed(), asked.given(), asked.bounds());
+      break;
+    }
     case QuestionKind::near: find_nearest(snapshot, far_m); break;
     default: return;
   }
@@ -80,7 +101,7 @@ bool ExactAnswer::allowed(const Snapshot& snapshot, ObjectId id) const {
 
 void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   const Ray ray = ray_of(question_.numbers.data());
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape) {
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || passes_by(ray, bounds(shape))) return;
     RayHit hit;
     if (exactly::cast_ray(ray, shape, hit) != Decision::yes) return;
@@ -88,12 +109,11 @@ void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   });
 }
 
-template <class Asked>
-void ExactAnswer::find_touched(const Snapshot& snapshot, const Asked& asked) {
-  const Aabb near = bounds(asked);
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape) {
-    if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, bounds(shape))) return;
-    const Decision touching = touches(asked, shape);
+void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked,
+                               const Aabb& near) {
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart& given) {
+    if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, wide_bounds(shape))) return;
+    const Decision touching = touches(asked, given_asked, shape, given);
     if (touching == Decision::yes) touched_.insert(object);
     if (touching == Decision::undecided) doubtful_.insert(object);
   });
@@ -103,7 +123,7 @@ void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
   const Vec3 point = point_of(question_.numbers.data());
   const double reach_m = question_.numbers[3];
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape) {
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + 1e-9)) return;
     if (std::isfinite(reach_m) && exactly::overlaps(Sphere{point, reach_m}, shape) != Decision::yes) return;
     const Closest nearest = exactly::closest(point, shape);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "server/exact_phase/given/given_part.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
@@ -48,8 +49,8 @@ class ExactAnswer {
 
   bool allowed(const Snapshot& snapshot, ObjectId id) const;
   void cast_ray(const Snapshot& snapshot);
-  template <class Asked>
-  void find_touched(const Snapshot& snapshot, const Asked& asked);
+  /// near: bounds of the asked shape as given
+  void find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked, const Aabb& near);
   void find_nearest(const Snapshot& snapshot, double far_m);
   std::string difference_of_ray(const Answers& given) const;
   std::string difference_of_first(const AnswerHit& hit) const;

@@ -8,6 +8,7 @@
 
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/exactly.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
 #include "server/world/audit/exact_answer.hpp"
 #include "server/world/audit/menu_table.hpp"
 #include "server/world/query/object_parts.hpp"
@@ -32,14 +33,17 @@ struct MenuObject {
 
 struct PartWithBounds {
   ConvexPart part;
+  GivenPart given;
   Aabb bounds;
 };
 
 std::vector<PartWithBounds> parts_with_bounds(const Snapshot& snapshot, ObjectId object) {
   std::vector<PartWithBounds> parts;
-  for (ConvexPart& part : parts_of_object(snapshot, object)) {
-    const Aabb box = bounds_of_part(part);
-    parts.push_back({std::move(part), box});
+  std::vector<ConvexPart> placed = parts_of_object(snapshot, object);
+  const std::vector<GivenPart> given = given_parts_of_object(snapshot, object);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Aabb box = bounds_of_part(placed[i]);
+    parts.push_back({std::move(placed[i]), given[i], box});
   }
   return parts;
 }
@@ -55,6 +59,16 @@ Decision exactly_overlaps(const ConvexPart& a, const ConvexPart& b) {
   if (std::holds_alternative<Primitive>(b)) return exactly_overlaps(b, a);
   return exactly::overlaps(std::get<Triangle>(a), std::get<Triangle>(b));
 }
+
+/// For the numbers given.
+Decision decided_by_rationals(const PartWithBounds& a, const PartWithBounds& b) {
+  const GivenPair given{a.given, b.given};
+  const Decision as_given = given.is_exact() ? Decision::undecided : overlaps_as_given(a.part, b.part, given);
+  return as_given == Decision::undecided ? exactly_overlaps(a.part, b.part) : as_given;
+}
+
+/// A gap of so many roundings, relative to how far from the origin it is, is one for the numbers given too.
+constexpr double kRoundings = 1e-12;
 
 /// How two objects stand to each other: yes or no by rationals, every part against every part, without an index; and for
 /// those apart the least distance of any two parts.
@@ -75,7 +89,8 @@ struct ExactPair {
     if (touches == Decision::yes) return;
     const double gap_m = gap_between(a.bounds, b.bounds) * (1 - 1e-9);
     if (gap_m > distance_m + error_m) return;
-    const Decision here = gap_m > 0 ? Decision::no : exactly_overlaps(a.part, b.part);
+    const double size_m = a.bounds.low.cwiseAbs().cwiseMax(a.bounds.high.cwiseAbs()).maxCoeff();
+    const Decision here = gap_m > kRoundings * size_m ? Decision::no : decided_by_rationals(a, b);
     if (here != Decision::no) touches = here;
     if (here != Decision::no) return;
     const Separation apart = separation(a.part, b.part);

@@ -36,7 +36,7 @@ class ExactSweep {
     // A place on the way is rounded before it is asked about.
     slack_m_ = 1e-12 * (ball.from.norm() + ball.to.norm() + ball.radius_m);
     const Aabb reach = bounds(ball.until(1, slack_m_));
-    visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape) {
+    visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
       if (overlaps(reach, bounds(shape))) near_.emplace_back(shape);
     });
     whole_ = touching(ball.until(1, 0));

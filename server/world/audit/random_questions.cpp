@@ -8,7 +8,8 @@ namespace collided::engine {
 
 RandomQuestions::RandomQuestions(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
   Aabb world;
-  visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape) { world.extend(bounds(shape)); });
+  visit_parts(snapshot,
+              [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) { world.extend(bounds(shape)); });
   if (world.empty()) return;
   size_m_ = (world.high - world.low).norm();
   // At least a millimetre, so that a world of one point has a neighbourhood.

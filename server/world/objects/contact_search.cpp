@@ -4,6 +4,10 @@
 #include <limits>
 #include <utility>
 
+#include "server/exact_phase/part.hpp"
+#include "server/geometry/placing_error.hpp"
+#include "server/geometry/tolerance.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -12,7 +16,6 @@ namespace {
 /// seeing back: one difference and the same again. Twice the sum (26) is taken.
 /// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
-constexpr double kRoundoff = 0x1p-53;
 
 /// Visits the triangles of a mesh, in its own frame, near a box in world coordinates.
 template <class Visit>
@@ -37,12 +40,13 @@ Aabb bounds_near(const Placed& a, const Aabb& box) {
   return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
 }
 
-void touch_mesh(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void touch_mesh(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = bounds_near(a, b.bounds);
   if (near.empty()) return;
   const IndexedMesh& mesh = *b.info->mesh;
   near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
-    search_parts(a, kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
+    const GivenPart given_b = b.given(triangle);
+    search_parts(a, kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch, {given, given_b});
     return !touch.done();
   });
 }
@@ -51,7 +55,9 @@ void touch_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCo
   PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
   PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
-    search_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch);
+    const GivenPart given_a = a.given(triangle_a);
+    const GivenPart given_b = b.given(triangle_b);
+    search_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch, {given_a, given_b});
     return !touch.done();
   };
   walk_mesh_pairs(a, b, candidate, cost);
@@ -62,7 +68,7 @@ void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touc
   visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
     turned.wanted = touch.wanted;
-    touch_mesh(place(*b.frame, primitive), a, turned, cost);
+    touch_mesh(place(*b.frame, primitive), b.given(primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
     touch.level = std::max(touch.level, turned.level);
     touch.undecided = touch.undecided || turned.undecided;
@@ -95,6 +101,37 @@ double placement_slack(const Frame& frame, double distance_m, double reach_m) {
   return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
 }
 
+namespace {
+
+/// How far off the part's placing may be within the box that the other part fills.
+double placing_error_within(const ConvexPart& part, const GivenPart& given, const ConvexPart& other) {
+  const HalfSpace* ground = half_space_of(part);
+  if (ground == nullptr || half_space_of(other) != nullptr) return given.placing_error_m(0);
+  const Aabb box = bounds_of_part(other);
+  return given.placing_error_m(
+      (box.high - ground->point).cwiseAbs().cwiseMax((box.low - ground->point).cwiseAbs()).norm());
+}
+
+}  // namespace
+
+double placing_error_m(const ConvexPart& a, const ConvexPart& b, const GivenPair& given) {
+  return (placing_error_within(a, given.a, b) + placing_error_within(b, given.b, a)) * (1 + kBoundSlack);
+}
+
+ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const GivenPair& given, double off_m,
+                             ExactResult verdict) {
+  if (verdict.yes() && surely_meet(a, b, off_m)) return verdict;
+  const Decision as_given = overlaps_as_given(a, b, given);
+  return as_given == Decision::undecided ? verdict : ExactResult{as_given, Level::rational};
+}
+
+Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
+  const Separation apart = separation(a, b);
+  return {.point = apart.on_a,
+          .normal = apart.normal.isZero(0) ? Vec3(Vec3::UnitZ()) : apart.normal,
+          .depth_error_m = apart.distance_m + apart.error_m};
+}
+
 /// Descends both trees at once, b's seen from a's frame: twice the slack of placing one.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
   const IndexedMesh& mesh_a = *a.info->mesh;
@@ -106,12 +143,18 @@ void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candid
   mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, cost);
 }
 
+Aabb bounds_as_given(const Frame& frame, const Primitive& own) {
+  const Aabb placed = bounds(place(frame, own));
+  const Vec3 off = Vec3::Constant(std::holds_alternative<HalfSpace>(own) ? 0 : engine::placing_error_m(frame, own));
+  return {.low = placed.low - off, .high = placed.high + off};
+}
+
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {
   Aabb all;
   if (info.parts) {
     all.extend(placed_bounds(frame, info.parts->tree.bounds(), info.parts->radius_m));
   } else {
-    for (const Primitive& primitive : info.primitives) all.extend(bounds(place(frame, primitive)));
+    for (const Primitive& primitive : info.primitives) all.extend(bounds_as_given(frame, primitive));
   }
   if (info.mesh && !info.mesh->mesh->triangles.empty()) {
     all.extend(placed_bounds(frame, info.mesh->tree.bounds(), info.mesh->radius_m));
@@ -137,20 +180,21 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
   return seen;
 }
 
-void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   // Bounds cost more than many tests, so they are computed only where an index needs them.
   const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
-    search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch);
+    const GivenPart given_b = b.given(primitive);
+    search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch, {given, given_b});
     return !touch.done();
   });
-  if (!touch.done() && b.info->mesh) touch_mesh(a, b, touch, cost);
+  if (!touch.done() && b.info->mesh) touch_mesh(a, given, b, touch, cost);
 }
 
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
-    search_object(place(*a.frame, primitive), b, touch, cost);
+    search_object(place(*a.frame, primitive), a.given(primitive), b, touch, cost);
     return !touch.done();
   });
   if (touch.done() || !a.info->mesh) return;

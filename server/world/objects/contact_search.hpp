@@ -7,6 +7,8 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
+#include "server/exact_phase/overlap/margin.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
@@ -20,6 +22,16 @@ struct Placed {
   const ObjectInfo* info = nullptr;
   const Frame* frame = nullptr;
   Aabb bounds;
+  const Pose* pose = nullptr;  // what the frame was made of; null where it was not given, as between two poses
+
+  /// A part of it as it was given.
+  GivenPart given(const Primitive& own) const {
+    return pose == nullptr ? GivenPart{} : GivenPart{.own = &own, .pose = pose, .frame = frame};
+  }
+  GivenPart given(std::uint32_t triangle) const {
+    if (pose == nullptr) return {};
+    return {.own = info->mesh->mesh->triangle(triangle), .pose = pose, .frame = frame};
+  }
 };
 
 /// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
@@ -39,12 +51,14 @@ struct ContactSearch {
   bool done() const { return yes && !wanted; }
 };
 
-/// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle.
+/// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle. Where their placing rounds
+/// more than the answer leaves room for, the answer is that for the parts as given.
 template <class A, class B>
-void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch);
+void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch,
+                  const GivenPair& given);
 
-/// Tests a primitive in world coordinates against an object.
-void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
+/// Tests a primitive in world coordinates against an object; `given` is the primitive as it was given.
+void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
 /// Tests two objects; the contact's normal points from a to b.
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
@@ -52,6 +66,9 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
 /// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
 /// must have a mesh.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m = 0);
+
+/// A box that contains every point of the shape where the numbers given put it, and where place() puts it.
+Aabb bounds_as_given(const Frame& frame, const Primitive& own);
 
 /// A box that contains every point of the object at the frame.
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
@@ -106,8 +123,25 @@ inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32
   return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;
 }
 
+/// How far two placed parts may be from those given, metres, in all.
+double placing_error_m(const ConvexPart& a, const ConvexPart& b, const GivenPair& given);
+
+/// Whether two parts touch, for the numbers given. verdict: what was decided for them as placed, off by off_m at most.
+ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const GivenPair& given, double off_m,
+                             ExactResult verdict);
+
+/// The contact of two parts of which only those given are known to touch: as placed they may be a few roundings apart.
+Contact contact_as_given(const ConvexPart& a, const ConvexPart& b);
+
 template <class A, class B>
-void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch) {
+void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch,
+                  const GivenPair& given) {
+  // Where another contact is known, one that hangs on a rounding adds nothing: it would be of no depth.
+  const double off_m = touch.yes || given.is_exact() ? 0 : placing_error_m(a, b, given);
+  if (off_m > 0 && surely_apart(a, b, off_m)) {
+    ++touch.exact_tests;
+    return;
+  }
   double depth_at_most_m = std::numeric_limits<double>::infinity();
   ExactResult verdict;
   if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
@@ -116,11 +150,13 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
     verdict = overlaps(a, b);
   }
   ++touch.exact_tests;
+  const bool meet_as_placed = verdict.yes();
+  if (off_m > 0) verdict = decided_as_given(a, b, given, off_m, verdict);
   touch.level = std::max(touch.level, verdict.level);
   if (verdict.decision == Decision::undecided) touch.undecided = true;
   if (!verdict.yes()) return;
   if (touch.wanted && !(touch.yes && depth_at_most_m < touch.contact.depth_m)) {
-    const Contact found = contact(a, b);
+    const Contact found = meet_as_placed ? contact(a, b) : contact_as_given(a, b);
     if (deeper(found, a_triangle, b_triangle, touch)) {
       touch.contact = found;
       touch.a_triangle = a_triangle;

@@ -92,7 +92,8 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
   }
   row.pose = pose;
   row.frame = frame_of(pose);
-  row.bounds = row.lone_sphere ? bounds(place(row.frame, *row.lone_sphere)) : bounds_of(*info(slot), row.frame);
+  row.bounds = row.lone_sphere && row.lone_sphere->center.isZero(0) ? bounds(place(row.frame, *row.lone_sphere))
+                                                                    : bounds_of(*info(slot), row.frame);
   // An object's time does not go back, even if its publisher's clock does: brackets are measured in it.
   row.posed_ns = std::max(row.posed_ns, at.time_ns);
   news_[slot] |= kPosed;

@@ -2,12 +2,22 @@
 
 #include <variant>
 
+#include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/snapshot.hpp"
 
 namespace collided::engine {
 
-/// Calls visit(object, triangle, shape) for every part of every object, in world coordinates, without an index: shape
-/// is a primitive or a Triangle; triangle is its number within the object, or kNoTriangle for a primitive.
+/// The object at its pose in this state.
+inline Placed placed_in(const Snapshot& snapshot, std::uint32_t slot) {
+  return {.info = (*snapshot.objects)[slot].get(),
+          .frame = &snapshot.frames[slot],
+          .bounds = snapshot.bounds[slot],
+          .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
+}
+
+/// Calls visit(object, triangle, shape, given) for every part of every object, in world coordinates, without an index:
+/// shape is a primitive or a Triangle; triangle is its number within the object, or kNoTriangle for a primitive; given
+/// is the part before it was placed.
 template <class Visit>
 void visit_parts(const Snapshot& snapshot, Visit&& visit) {
   for (const auto& scene : snapshot.scenes) {
@@ -15,18 +25,20 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
       const std::uint32_t part = scene->part_of(i);
       const ObjectId object = scene->part_objects[part];
       if (!(*snapshot.objects)[slot_of(object)]) continue;
-      visit(object, i - scene->parts[part].first_triangle, scene->mesh.triangle(i));
+      visit(object, i - scene->parts[part].first_triangle, scene->mesh.triangle(i), GivenPart{});
     }
   }
   for (const auto& info : *snapshot.objects) {
     if (!info) continue;
-    const Frame& frame = snapshot.frames[slot_of(info->id)];
-    for (const Primitive& primitive : info->primitives) {
-      std::visit([&](const auto& own) { visit(info->id, kNoTriangle, place(frame, own)); }, primitive);
-    }
+    const Placed object = placed_in(snapshot, slot_of(info->id));
+    const auto visit_primitive = [&](const Primitive& primitive) {
+      const GivenPart given = object.given(primitive);
+      std::visit([&](const auto& own) { visit(info->id, kNoTriangle, place(*object.frame, own), given); }, primitive);
+    };
+    for (const Primitive& primitive : info->primitives) visit_primitive(primitive);
     if (!info->mesh) continue;
     for (std::uint32_t i = 0; i < info->mesh->mesh->triangles.size(); ++i) {
-      visit(info->id, i, place(frame, info->mesh->mesh->triangle(i)));
+      visit(info->id, i, place(*object.frame, info->mesh->mesh->triangle(i)), object.given(i));
     }
   }
 }

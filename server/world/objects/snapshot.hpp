@@ -34,6 +34,7 @@ struct Snapshot {
   std::shared_ptr<const ObjectTable> objects;
   std::uint64_t table_version = 0;     // grows with each change of `objects`
   std::vector<Pose> poses;             // by slot
+  bool has_given_poses = true;         // false: poses were worked out, as at an instant between two that were given
   std::vector<Frame> frames;           // by slot
   std::vector<Aabb> bounds;            // by slot
   std::vector<std::int64_t> posed_ns;  // world time of the pose, by slot; 0: never moved

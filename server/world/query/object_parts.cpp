@@ -1,5 +1,7 @@
 #include "server/world/query/object_parts.hpp"
 
+#include "server/world/objects/parts.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -35,6 +37,17 @@ std::vector<ConvexPart> parts_of_object(const Snapshot& snapshot, ObjectId objec
     for (std::uint32_t i = 0; i < part.triangle_count; ++i)
       parts.emplace_back(scene.mesh.triangle(part.first_triangle + i));
   });
+  return parts;
+}
+
+std::vector<GivenPart> given_parts_of_object(const Snapshot& snapshot, ObjectId object) {
+  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const Placed placed = placed_in(snapshot, slot_of(object));
+  std::vector<GivenPart> parts;
+  for (const Primitive& primitive : info.primitives) parts.push_back(placed.given(primitive));
+  for (std::uint32_t i = 0; info.mesh && i < info.mesh->mesh->triangles.size(); ++i) parts.push_back(placed.given(i));
+  visit_scene_part(snapshot, info,
+                   [&](const StaticScene&, const Part& part) { parts.resize(parts.size() + part.triangle_count); });
   return parts;
 }
 

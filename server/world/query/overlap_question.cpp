@@ -12,19 +12,18 @@ using kernel::reported_at_most;
 
 /// Offers every triangle that the box may meet; where any will do, stops at the first that it meets.
 template <class Allowed, class Meet>
-void meet_scene(const Box& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
-                const Meet& meet) {
-  visit_scene(scene, bounds(asked), cost, allowed,
-              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
-                return !(meet(triangle, part, corners).yes && any);
-              });
+void meet_scene(const Box&, const Aabb& near, const StaticScene& scene, bool any, WalkCost& cost,
+                const Allowed& allowed, const Meet& meet) {
+  visit_scene(scene, near, cost, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+    return !(meet(triangle, part, corners).yes && any);
+  });
 }
 
 /// The deepest contact of a ball is with the nearest triangle, so in a scene of one part nothing farther than the
 /// deepest known needs a test.
 template <class Allowed, class Meet>
-void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
-                const Meet& meet) {
+void meet_scene(const Sphere& asked, const Aabb&, const StaticScene& scene, bool any, WalkCost& cost,
+                const Allowed& allowed, const Meet& meet) {
   double limit_m2 = square_up(asked.radius_m);
   visit_scene_near(scene, asked.center, limit_m2, cost, allowed,
                    [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
@@ -41,22 +40,24 @@ void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCos
 /// The queried shape is A of each contact: normals point from it to what it meets. In mode `any` the first triangle or
 /// primitive that is met ends the search, without computing a contact: depth 0 with an infinite bound.
 template <class Asked>
-void ask_overlap(Question& question, const Asked& asked) {
+void ask_overlap(Question& question, const Asked& asked, const GivenPart& given, const Aabb& near) {
   question.found.clear();
   const bool any = question.asked.mode == HitMode::any;
+  const double asked_placing_m = given.pose != nullptr ? given.placing_error_m(0) : 0;
   const auto ended = [&] { return any && !question.found.empty(); };
   const auto take = [&](ObjectId object, const ContactSearch& touch) {
     question.exact_tests += touch.exact_tests;
     question.level = std::max(question.level, touch.level);
     if (touch.undecided && !touch.yes) question.undecided = true;
     if (!touch.yes) return;
-    question.found.push_back({.object = object,
-                              .triangle = touch.b_triangle,
-                              .flags = question.flags_of(object),
-                              .distance_m = touch.contact.depth_m,
-                              .error_m = any ? std::numeric_limits<double>::infinity() : touch.contact.depth_error_m,
-                              .point = touch.contact.point,
-                              .normal = touch.contact.normal});
+    question.found.push_back(
+        {.object = object,
+         .triangle = touch.b_triangle,
+         .flags = question.flags_of(object),
+         .distance_m = touch.contact.depth_m,
+         .error_m = any ? std::numeric_limits<double>::infinity() : touch.contact.depth_error_m + asked_placing_m,
+         .point = touch.contact.point,
+         .normal = touch.contact.normal});
   };
   // Reused from question to question, so that no answer allocates once it has grown.
   thread_local PartTouches touches(true);
@@ -65,10 +66,11 @@ void ask_overlap(Question& question, const Asked& asked) {
     const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
     const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const ContactSearch& {
       ContactSearch& touch = touches.of(part);
-      search_parts(asked, kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
+      search_parts(asked, kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch,
+                   {given, GivenPart{}});
       return touch;
     };
-    meet_scene(asked, *scene, any, question.walk, allowed, meet);
+    meet_scene(asked, near, *scene, any, question.walk, allowed, meet);
     for (const PartTouch& part : touches.list()) take(scene->part_objects[part.part], part.touch);
     if (ended()) return;
   }
@@ -79,13 +81,13 @@ void ask_overlap(Question& question, const Asked& asked) {
     ContactSearch touch;
     touch.wanted = !any;
     const Placed object = question.placed(slot);
-    search_object(primitive, object, touch, question.walk);
+    search_object(primitive, given, object, touch, question.walk);
     if (touch.yes && touch.wanted)
       touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
     take(question.object(slot).id, touch);
     return !ended();
   };
-  question.snapshot.grid->walk_box(bounds(asked), candidate, question.walk);
+  question.snapshot.grid->walk_box(near, candidate, question.walk);
 }
 
 /// Deepest first; ties by name.
@@ -102,12 +104,14 @@ void finish_overlap(Question& question) {
 }  // namespace
 
 void ask_sphere(Question& question, const double* n) {
-  ask_overlap(question, sphere_of(n));
+  const Sphere asked = sphere_of(n);
+  ask_overlap(question, asked, GivenPart{}, bounds(asked));
   finish_overlap(question);
 }
 
 void ask_box(Question& question, const double* n) {
-  ask_overlap(question, box_of(n));
+  const AskedBox asked(n);
+  ask_overlap(question, asked.placed(), asked.given(), asked.bounds());
   finish_overlap(question);
 }
 

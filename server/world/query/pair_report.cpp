@@ -22,7 +22,10 @@ struct PlacedObject {
   PlacedObject(const Snapshot& snapshot, ObjectId id) {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
     frame = snapshot.frames[slot_of(id)];
-    placed = {.info = &info, .frame = &frame, .bounds = snapshot.bounds[slot_of(id)]};
+    placed = {.info = &info,
+              .frame = &frame,
+              .bounds = snapshot.bounds[slot_of(id)],
+              .pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(id)] : nullptr};
     reach = placed.bounds;
     if (const std::optional<Aabb> region = unknown_region(snapshot, id)) {
       reach.extend(*region);

@@ -164,6 +164,7 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
 
 void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const {
   state.frames[slot] = frame_at(life, time_ns);
+  state.has_given_poses = false;
   state.poses[slot] = {.position = state.frames[slot].position, .rotation = Quat(state.frames[slot].rotation)};
   if (life.source == Sources::kResting) return;
   const std::int64_t known_ns = known_of(life);

@@ -35,7 +35,10 @@ struct Question {
   bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
   const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }
   Placed placed(std::uint32_t slot) const {
-    return {.info = &object(slot), .frame = &snapshot.frames[slot], .bounds = snapshot.bounds[slot]};
+    return {.info = &object(slot),
+            .frame = &snapshot.frames[slot],
+            .bounds = snapshot.bounds[slot],
+            .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
   }
   std::uint8_t flags_of(ObjectId id) const {
     return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kStale} : std::uint8_t{0};

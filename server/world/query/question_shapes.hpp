@@ -3,6 +3,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
@@ -16,9 +17,28 @@ inline Ray ray_of(const double* n) {
 
 inline Sphere sphere_of(const double* n) { return {.center = point_of(n), .radius_m = n[3]}; }
 
-inline Box box_of(const double* n) {
-  const Pose pose{.position = point_of(n), .rotation = Quat(n[6], n[7], n[8], n[9])};
-  return {.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}};
-}
+inline Pose box_pose_of(const double* n) { return {.position = point_of(n), .rotation = Quat(n[6], n[7], n[8], n[9])}; }
+/// The box of a question, as placed and as given.
+class AskedBox {
+ public:
+  explicit AskedBox(const double* n)
+      : pose_(box_pose_of(n)),
+        frame_(frame_of(pose_)),
+        own_(Box{.center = Vec3::Zero(), .half_m = {n[3], n[4], n[5]}}) {}
+
+  Box placed() const {
+    return {.center = pose_.position, .axes = frame_.rotation, .half_m = std::get<Box>(own_).half_m};
+  }
+  /// Refers to this.
+  GivenPart given() const { return {.own = &own_, .pose = &pose_, .frame = &frame_}; }
+  Aabb bounds() const { return bounds_as_given(frame_, own_); }
+
+ private:
+  Pose pose_;
+  Frame frame_;
+  Primitive own_;
+};
+
+inline Box box_of(const double* n) { return AskedBox(n).placed(); }
 
 }  // namespace collided::engine

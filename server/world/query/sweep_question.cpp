@@ -12,7 +12,7 @@ constexpr double kAskedWidth = 1e-6;
 
 /// The frame of a pose's seven numbers: position, then quaternion (w, x, y, z).
 Frame frame_at(const double* n) {
-  return frame_of({.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6]).normalized()});
+  return frame_of({.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6])});
 }
 
 /// The earliest contact of all objects tested so far.

@@ -285,7 +285,13 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
-    return Placed{.info = rows_.info(slot), .frame = &frame, .bounds = bounds_of(*rows_.info(slot), frame)};
+    // Between two poses nothing was given.
+    const ObjectRow& row = rows_[slot];
+    const bool is_given = frame.position == row.frame.position && frame.rotation == row.frame.rotation;
+    return Placed{.info = rows_.info(slot),
+                  .frame = &frame,
+                  .bounds = bounds_of(*rows_.info(slot), frame),
+                  .pose = is_given ? &row.pose : nullptr};
   };
   const Placed a = placed_at(piece.a, piece.a_motion.to);
   const Placed b = placed_at(piece.b, piece.b_motion.to);

@@ -154,7 +154,8 @@ class Decisions {
 
   bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
   Placed placed(std::uint32_t slot) const {
-    return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
+    return {
+        .info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds, .pose = &rows_[slot].pose};
   }
   /// A number for the scene where SeparationCache takes a slot; counts down from the highest.
   static std::uint32_t partner_of(std::size_t scene) { return kNoTriangle - static_cast<std::uint32_t>(scene); }

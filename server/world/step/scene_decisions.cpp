@@ -30,17 +30,19 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
 void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
   lists_.part_touches.clear(step_.step_options.contacts);
-  const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
-    visit_scene(scene, bounds(part_of_a), walk_, allowed,
+  const auto test = [&](const auto& part_of_a, const Primitive& own) {
+    const GivenPart given = a.given(own);
+    visit_scene(scene, bounds_as_given(*a.frame, own), walk_, allowed,
                 [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
                   ContactSearch& touch = lists_.part_touches.of(part);
                   if (!touch.done())
-                    search_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
+                    search_parts(part_of_a, kNoTriangle, b, triangle - scene.parts[part].first_triangle, touch,
+                                 {given, GivenPart{}});
                   return true;
                 });
   };
   for (const Primitive& primitive : a.info->primitives) {
-    std::visit([&](const auto& own) { test(place(*a.frame, own), kNoTriangle); }, primitive);
+    std::visit([&](const auto& own) { test(place(*a.frame, own), primitive); }, primitive);
   }
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene);
 }
@@ -109,7 +111,8 @@ void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene)
     if (!may_meet(a.info->filter, part.filter)) return true;
     ContactSearch& touch = lists_.part_touches.of(number);
     if (touch.done()) return true;
-    search_parts(own, a_triangle, b, triangle - part.first_triangle, touch);
+    const GivenPart given = a.given(a_triangle);
+    search_parts(own, a_triangle, b, triangle - part.first_triangle, touch, {given, GivenPart{}});
     if (touch.done()) --open_parts;
     return open_parts > 0;
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 
@@ -122,8 +123,10 @@ double StepMotion::longest_displacement_m(std::uint32_t slot, double reach_m) co
 void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& path) {
   const ObjectRow& row = rows_[slot];
   BallMotion& ball = balls_[slot];
-  ball.radius_m = row.lone_sphere ? row.lone_sphere->radius_m : -1;
+  ball.radius_m = -1;
   if (!row.lone_sphere) return;
+  const double off_m = row.lone_sphere->center.isZero(0) ? 0 : placing_error_m(row.frame, *row.lone_sphere);
+  ball.radius_m = row.lone_sphere->radius_m + 2 * off_m;
   ball.end = path ? path->end : place(row.frame, row.lone_sphere->center);
   if (!path) return;
   ball.start = path->start;

@@ -17,7 +17,7 @@ struct BallMotion {
   Vec3 start = Vec3::Zero();  // of its centre, where it moved in this step
   Vec3 end = Vec3::Zero();
   Vec3 displacement = Vec3::Zero();  // of its frame's origin, where it moved in this step
-  double radius_m = -1;              // negative: the object is not one sphere
+  double radius_m = -1;              // with what its placing may round; negative: the object is not one sphere
 };
 
 /// When an object moved to its pose, world time; both equal: it jumped there.

@@ -19,16 +19,12 @@ Wide dot(const WidePoint& a, const WidePoint& b) { return a[0] * b[0] + a[1] * b
 WidePoint minus(const WidePoint& a, const WidePoint& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Wide at_least_0(const Wide& x) { return x > 0 ? x : Wide(0); }
 
-/// A pose as it was sent: the world has the quaternion divided by its norm.
+/// A pose as it was sent.
 struct Sent {
   Quat q;
   Vec3 position;
 
-  Pose pose() const {
-    Pose made{.position = position, .rotation = Quat()};
-    made.rotation.coeffs() = q.coeffs() / q.norm();
-    return made;
-  }
+  Pose pose() const { return {.position = position, .rotation = q}; }
   /// Seen from the shape's own frame: q* v q / |q|^2.
   WidePoint turned_back(const WidePoint& v) const {
     const WidePoint u{Wide(-q.x()), Wide(-q.y()), Wide(-q.z())};

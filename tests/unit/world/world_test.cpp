@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/geometry/placing_error.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 
@@ -255,8 +256,9 @@ TEST_F(WorldTest, FarFromOriginAMovingMeshIsStillFound) {
         ask(world, QuestionKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
     EXPECT_EQ(answers.answers[0], Verdict::hit) << i;
   }
-  const Answers corner = ask(world, QuestionKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), 0});
-  EXPECT_EQ(corner.answers[0], Verdict::hit) << "the placed corner is a point of the exact input";
+  const double off_m = placing_error_m(frame, mesh->triangle(0));
+  const Answers corner = ask(world, QuestionKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), off_m});
+  EXPECT_EQ(corner.answers[0], Verdict::hit) << "the corner is no farther from where it is placed";
 }
 
 TEST_F(WorldTest, NamesAreUniqueAndSlotsAreReused) {

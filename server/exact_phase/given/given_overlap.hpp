@@ -1,0 +1,27 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/exact_phase/given/given_part.hpp"
+#include "server/exact_phase/part.hpp"
+
+namespace collided::engine {
+
+/// Two parts that are to be compared: as they stand in world coordinates, in double, and as they were given.
+struct GivenPair {
+  const GivenPart& a;
+  const GivenPart& b;
+
+  /// Both stand in world coordinates as they were given.
+  bool is_exact() const { return a.pose == nullptr && b.pose == nullptr; }
+};
+
+/// Whether two closed sets share a point where the exact rotation v -> q v q* / |q|^2 and the exact translation put
+/// them: by rationals, since |q|^2 is a common denominator of all coordinates. Touching counts.
+///
+/// placed_a, placed_b  the parts in world coordinates, taken where the given part has no pose
+/// returns   undecided for pairs with a cylinder, a cone or an ellipsoid, a half-space against any of them aside
+/// cost      10 us to 1 ms; allocates
+/// threads   pure
+Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given);
+
+}  // namespace collided::engine

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <variant>
+
+#include "server/geometry/pose.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine {
+
+/// A part in its own frame and the pose that places it: the numbers that a user gave, before anything is rounded. A
+/// default one stands for a part whose world coordinates are the numbers given, or the only ones there are. Refers to what must outlive it.
+struct GivenPart {
+  std::variant<std::monostate, const Primitive*, Triangle> own;
+  const Pose* pose = nullptr;
+  const Frame* frame = nullptr;  // frame_of(*pose)
+
+  /// How far the part, placed in double, may be from the numbers given, metres; 0 where its placing rounds nothing.
+  ///
+  /// far_m  as in placing_error_m
+  double placing_error_m(double far_m) const;
+};
+
+}  // namespace collided::engine
