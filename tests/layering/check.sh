@@ -31,6 +31,7 @@ declare -A within=(
   [exact_phase/distance]="round_solids overlap ray kernels arithmetic"  # a contact's depth begins with the yes or no
   [exact_phase/overlap]="distance kernels arithmetic"      # general shapes decide by the nearest point
   [exact_phase/motion]="round_solids overlap distance kernels arithmetic"
+  [exact_phase/given]=". overlap distance kernels arithmetic"
   [intake/polygons]=". readers"
   [intake/mesh]=". polygons readers"
   [intake/simplify]=". mesh polygons"

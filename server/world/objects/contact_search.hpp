@@ -8,7 +8,7 @@
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/given/given_overlap.hpp"
-#include "server/exact_phase/overlap/margin.hpp"
+#include "server/exact_phase/given/margin.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"

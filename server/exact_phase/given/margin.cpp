@@ -1,4 +1,4 @@
-#include "server/exact_phase/overlap/margin.hpp"
+#include "server/exact_phase/given/margin.hpp"
 
 #include <optional>
 
