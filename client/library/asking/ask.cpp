@@ -1,6 +1,7 @@
 #include "client/library/asking/ask.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/connection/errors.hpp"
@@ -25,18 +26,18 @@ struct Request {
   const char* noun;
   std::uint32_t number_count;  // per question
   std::size_t question_count;
-  const void* questions;
-  void (*encode)(const void* questions, std::size_t first, std::size_t count, double* numbers);
-  std::span<const std::uint8_t> shape = {};  // for sweeps
+  std::function<void(std::size_t first, std::size_t count, double* numbers)> encode;  // writes some of the questions
+  std::span<const std::uint8_t> shape = {};                                           // for sweeps
 };
 
 template <class Question>
-void encode_some(const void* questions, std::size_t first, std::size_t count, double* numbers) {
-  const std::span<const Question> some(static_cast<const Question*>(questions) + first, count);
-  for (const Question& question : some) {
-    encode(question, numbers);
-    numbers += QuestionWire<Question>::number_count;
-  }
+auto encoder_of(std::span<const Question> questions) {
+  return [questions](std::size_t first, std::size_t count, double* numbers) {
+    for (const Question& question : questions.subspan(first, count)) {
+      encode(question, numbers);
+      numbers += QuestionWire<Question>::number_count;
+    }
+  };
 }
 
 std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
@@ -86,7 +87,7 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
   std::vector<double>& numbers = running.numbers();
   numbers.resize(count * request.number_count);
-  request.encode(request.questions, first, count, numbers.data());
+  request.encode(first, count, numbers.data());
   wire::Query& query = running.query();
   query.chunk_index = chunk;
   query.first_question = static_cast<std::uint32_t>(first);
@@ -168,8 +169,8 @@ Result<Answers> ask(Connection& connection, std::span<const Question> questions,
   using Wire = QuestionWire<Question>;
   if (auto error = fault_of(questions)) { return *error; }
   return run(connection,
-             {Wire::kind, Wire::noun, Wire::number_count, questions.size(), questions.data(), &encode_some<Question>},
-             options, std::move(earlier));
+             {Wire::kind, Wire::noun, Wire::number_count, questions.size(), encoder_of<Question>(questions)}, options,
+             std::move(earlier));
 }
 
 template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const AskOptions&, Answers&&);
@@ -183,8 +184,8 @@ Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<cons
   if (auto error = fault_of(motions)) { return *error; }
   const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
   if (!bytes) { return bytes.error(); }
-  const Request request{
-      Wire::kind, Wire::noun, Wire::number_count, motions.size(), motions.data(), &encode_some<SweepQuestion>, *bytes};
+  const Request request{Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions),
+                        *bytes};
   Result<Answers> answers = run(connection, request, options, {});
   if (!answers) { return answers; }
   for (Answer& answer : answers->answers) {
