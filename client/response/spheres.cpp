@@ -24,7 +24,7 @@ Spheres::Spheres(const SphereOptions& options, std::vector<Sphere> spheres)
       spring_{.stiffness_n_m = options.stiffness_n_m},
       free_s_(spheres_.size(), 0) {
   if (!(options.restitution >= 0 && options.restitution <= 1)) throw std::invalid_argument("restitution: 0 to 1");
-  if (options.answer == Answer::compliant) spring_.damping_ratio = damping_of_restitution(options.restitution);
+  if (options.answer == ResponseLaw::compliant) spring_.damping_ratio = damping_of_restitution(options.restitution);
   ledger_.energy_before = energy();
   ledger_.momentum_before = momentum();
 }
@@ -50,7 +50,7 @@ void Spheres::contact_began(std::size_t a, std::size_t b, const Touch& touch) {
   if (!is_new) return;
   ++ledger_.contacts;
   ledger_.seen_overlap_m = std::max(ledger_.seen_overlap_m, -gap(pair));
-  if (options_.answer == Answer::compliant) catch_up(pair, episode, touch);
+  if (options_.answer == ResponseLaw::compliant) catch_up(pair, episode, touch);
 }
 
 void Spheres::contact_ended(std::size_t a, std::size_t b) {
@@ -67,7 +67,7 @@ void Spheres::close(std::map<Pair, Episode>::iterator episode) {
 
 void Spheres::touched_cube(std::size_t sphere, const Vec3& normal) {
   ++ledger_.cube_contacts;
-  if (options_.answer == Answer::compliant) return;
+  if (options_.answer == ResponseLaw::compliant) return;
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
   // Only a sphere that still moves outward is reflected: its step may have reflected it already.
@@ -79,17 +79,17 @@ bool Spheres::answer(const Pair& pair, Episode& episode, double seconds) {
   Sphere& a = spheres_[pair.first];
   Sphere& b = spheres_[pair.second];
   switch (options_.answer) {
-    case Answer::flip:
+    case ResponseLaw::flip:
       if (!options_.every_frame && episode.answers > 0) return false;
       flip(a.velocity, b.velocity);
       return true;
-    case Answer::impulse: {
+    case ResponseLaw::impulse: {
       const Vec3 along = b.position - a.position;
       // Centres at one point have no line between them. The x axis is taken, so that all runs agree.
       const Vec3 normal = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitX());
       return restitute(a.velocity, b.velocity, {1 / mass(a), 1 / mass(b)}, normal, options_.restitution);
     }
-    case Answer::compliant: break;
+    case ResponseLaw::compliant: break;
   }
   const double distance = between(pair).place_m.norm();
   // A spring that has let go begins again at its length, or where the two are now if they are nearer.
@@ -159,7 +159,7 @@ void Spheres::move(std::size_t index, double seconds) {
   free_s_[index] += seconds;
   for (int axis = 0; axis < 3; ++axis) {
     bool turned = false;
-    if (options_.answer == Answer::compliant) {
+    if (options_.answer == ResponseLaw::compliant) {
       const SpringRun run =
           move_between_springs(spring_, mass(sphere), most, sphere.position[axis], sphere.velocity[axis], seconds);
       ledger_.penetration_m = std::max(ledger_.penetration_m, run.deepest_m);
@@ -190,14 +190,14 @@ void Spheres::step(double seconds) {
     const auto answered = at++;
     if (answered->second.has_ended && answered->second.depth_m == 0) close(answered);
   }
-  if (options_.answer != Answer::compliant) ledger_.penetration_m = ledger_.seen_overlap_m;
+  if (options_.answer != ResponseLaw::compliant) ledger_.penetration_m = ledger_.seen_overlap_m;
   for (std::size_t index = 0; index < spheres_.size(); ++index) move(index, seconds);
 }
 
 double Spheres::energy() const {
   double sum = 0;
   for (const Sphere& sphere : spheres_) sum += 0.5 * mass(sphere) * sphere.velocity.squaredNorm();
-  if (options_.answer != Answer::compliant) return sum;
+  if (options_.answer != ResponseLaw::compliant) return sum;
   const auto stored = [this](double depth_m) {
     return 0.5 * spring_.stiffness_n_m * std::max(depth_m, 0.0) * std::max(depth_m, 0.0);
   };

@@ -27,7 +27,7 @@ struct Sphere {
 double mass(const Sphere& sphere);
 
 /// The response to a contact.
-enum class Answer {
+enum class ResponseLaw {
   flip,       // reverse both velocities, as the homework says
   impulse,    // Newton's restitution along the line of centres
   compliant,  // a spring and a damper
@@ -35,7 +35,7 @@ enum class Answer {
 
 /// How spheres respond to contacts and walls.
 struct SphereOptions {
-  Answer answer = Answer::flip;
+  ResponseLaw answer = ResponseLaw::flip;
   bool every_frame =
       false;  // for flip: on every frame of a contact, as the homework is worded; else once for each contact
   double half_side_m = 0.5;    // half the side of the cube about the origin

@@ -13,7 +13,7 @@
 namespace collided::cli {
 namespace {
 
-using response::Answer;
+using response::ResponseLaw;
 
 /// Steps a run as a server would see it, which reports a pair at the first step that finds it touching.
 class SeenByServer {
@@ -63,7 +63,7 @@ BounceOptions crowd(Answer answer) {
 }
 
 TEST(PublishResponse, ElasticImpulsesKeepTheEnergyOverThousandsOfContacts) {
-  SeenByServer run(crowd(Answer::impulse));
+  SeenByServer run(crowd(ResponseLaw::impulse));
   run.run(20'000, 1.0 / 60);
   const BounceLedger ledger = run.bounce().ledger();
   EXPECT_GT(ledger.flips, 1'000U);
@@ -71,7 +71,7 @@ TEST(PublishResponse, ElasticImpulsesKeepTheEnergyOverThousandsOfContacts) {
 }
 
 TEST(PublishResponse, ImpulsesWithALossBringEverythingToRest) {
-  BounceOptions options = crowd(Answer::impulse);
+  BounceOptions options = crowd(ResponseLaw::impulse);
   options.restitution = 0.5;
   SeenByServer run(options);
   const double start = run.largest_speed();
@@ -84,7 +84,7 @@ TEST(PublishResponse, ImpulsesWithALossBringEverythingToRest) {
 // factor of a few over one fast contact, and no speed grows out of nothing.
 TEST(PublishResponse, SpringsOfEveryStiffnessKeepTheEnergyOfACrowd) {
   for (const double stiffness : {1e2, 1e4, 1e6, 1e9, 1e12}) {
-    BounceOptions options = crowd(Answer::compliant);
+    BounceOptions options = crowd(ResponseLaw::compliant);
     options.stiffness_n_m = stiffness;
     SeenByServer run(options);
     run.run(1'000, 1.0 / 60);
@@ -98,7 +98,7 @@ TEST(PublishResponse, SpringsOfEveryStiffnessKeepTheEnergyOfACrowd) {
 }
 
 TEST(PublishResponse, ALossyDamperOnlyTakesEnergy) {
-  BounceOptions options = crowd(Answer::compliant);
+  BounceOptions options = crowd(ResponseLaw::compliant);
   options.restitution = 0.5;
   SeenByServer run(options);
   run.run(1'000, 1.0 / 60);
@@ -108,7 +108,7 @@ TEST(PublishResponse, ALossyDamperOnlyTakesEnergy) {
 // Two spheres, no walls near: momentum stays, and of an impulse what the line of centres does not see. A spring's contact takes
 // a millisecond, in which that line turns: there it is the spin about the centre of mass that stays.
 TEST(PublishResponse, ImpulsesAndSpringsKeepMomentum) {
-  for (const Answer answer : {Answer::impulse, Answer::compliant}) {
+  for (const Answer answer : {ResponseLaw::impulse, ResponseLaw::compliant}) {
     response::SphereOptions options;
     options.answer = answer;
     options.half_side_m = 100;
@@ -133,7 +133,7 @@ TEST(PublishResponse, ImpulsesAndSpringsKeepMomentum) {
     const response::SphereLedger ledger = spheres.ledger();
     EXPECT_NEAR((ledger.momentum_after - ledger.momentum_before).norm(), 0, 1e-15);
     EXPECT_LT(std::abs(ledger.energy_drift()), 1e-7);
-    if (answer == Answer::impulse) {
+    if (answer == ResponseLaw::impulse) {
       EXPECT_EQ(spheres.spheres()[0].velocity.z(), 0.25);
     } else {
       EXPECT_NEAR((spin() - spin_before).norm(), 0, 1e-14);

@@ -12,7 +12,7 @@
 namespace collided::cli {
 namespace {
 
-using response::Answer;
+using response::ResponseLaw;
 using response::Touch;
 using response::Vec3;
 
@@ -28,7 +28,7 @@ class TwoSpheres {
   TwoSpheres(double stiffness, const Vec3& offset_m, const Hearing& hearing, double restitution = 1)
       : hearing_(hearing), stiffness_(stiffness) {
     response::SphereOptions options{
-        .answer = Answer::compliant, .half_side_m = 100, .restitution = restitution, .stiffness_n_m = stiffness};
+        .answer = ResponseLaw::compliant, .half_side_m = 100, .restitution = restitution, .stiffness_n_m = stiffness};
     response::Sphere a{.radius_m = 0.3, .position = {-0.41, 0, 0}, .velocity = {0.7, 0.1, 0}, .spin = Vec3::Zero()};
     response::Sphere b{
         .radius_m = 0.2, .position = Vec3(0.32, 0, 0) + offset_m, .velocity = {-0.5, 0.1, 0}, .spin = Vec3::Zero()};
@@ -150,7 +150,7 @@ TEST(PublishSprings, TheRealSpringKeepsItsEnergy) {
 
 // What holds on a soft spring is deep in it when a server that saw only straight ways says that they have parted.
 TEST(PublishSprings, ASpringThatPushesDoesSoUntilItLetsGo) {
-  response::SphereOptions options{.answer = Answer::compliant, .half_side_m = 100, .stiffness_n_m = 1e2};
+  response::SphereOptions options{.answer = ResponseLaw::compliant, .half_side_m = 100, .stiffness_n_m = 1e2};
   const response::Sphere a{.radius_m = 0.3, .position = {-0.3, 0, 0}, .velocity = {1, 0, 0}, .spin = Vec3::Zero()};
   const response::Sphere b{.radius_m = 0.3, .position = {0.3, 0, 0}, .velocity = {-1, 0, 0}, .spin = Vec3::Zero()};
   response::Spheres spheres(options, {a, b});
@@ -165,7 +165,7 @@ TEST(PublishSprings, ASpringThatPushesDoesSoUntilItLetsGo) {
 
 // One has been at the wall since: the other's contact with it cannot be sought on the way that it has now, back through the wall.
 TEST(PublishSprings, NobodyIsPutBackBeforeWhatItHasMetSince) {
-  response::SphereOptions options{.answer = Answer::compliant, .half_side_m = 0.5, .stiffness_n_m = 1e12};
+  response::SphereOptions options{.answer = ResponseLaw::compliant, .half_side_m = 0.5, .stiffness_n_m = 1e12};
   const response::Sphere a{.radius_m = 0.1, .position = {0.395, 0, 0}, .velocity = {1, 0, 0}, .spin = Vec3::Zero()};
   const response::Sphere b{.radius_m = 0.1, .position = {0.183, 0, 0}, .velocity = {3, 0, 0}, .spin = Vec3::Zero()};
   response::Spheres spheres(options, {a, b});

@@ -20,7 +20,7 @@ struct BounceOptions {
   double spin_rad_s = 0;   // largest angular speed
   std::uint64_t seed = 7;
   bool as_asked = false;  // flip on every frame of a contact, as the homework is worded
-  response::Answer answer = response::Answer::flip;
+  response::ResponseLaw answer = response::ResponseLaw::flip;
   double restitution = 1;      // for impulse and compliant
   double stiffness_n_m = 1e6;  // for compliant
 };

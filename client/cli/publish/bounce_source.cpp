@@ -161,9 +161,9 @@ class BounceSource : public Source {
 
   std::string_view answer_name() const {
     switch (options_.bounce.answer) {
-      case response::Answer::flip: return "flip";
-      case response::Answer::impulse: return "impulse";
-      case response::Answer::compliant: break;
+      case response::ResponseLaw::flip: return "flip";
+      case response::ResponseLaw::impulse: return "impulse";
+      case response::ResponseLaw::compliant: break;
     }
     return "compliant";
   }

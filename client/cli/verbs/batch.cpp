@@ -21,7 +21,7 @@ constexpr std::size_t kFirstRequest = 1'000;
 constexpr std::size_t kLargestRequest = 100'000;
 constexpr std::size_t kMostInFlight = 4;
 
-struct Request {
+struct BatchRequest {
   Questions questions;
   std::vector<QuestionReader::Line> lines;  // questions and refusals in the order of the file
   std::future<Result<Answers>> answers;
@@ -87,7 +87,7 @@ class Batch {
 
   void send() {
     while (in_flight_.size() >= kMostInFlight) print_front();
-    Request request = std::move(pending_);
+    BatchRequest request = std::move(pending_);
     pending_ = {no_questions(options_.view.kind), {}, {}};
     if (question_count(request.questions) > 0) {
       request.answers = ask_async(session_.client(globals_), std::move(request.questions), options_.ask);
@@ -102,7 +102,7 @@ class Batch {
   }
 
   void print_front() {
-    Request request = std::move(in_flight_.front());
+    BatchRequest request = std::move(in_flight_.front());
     in_flight_.pop_front();
     Answers answers;
     if (request.answers.valid()) answers = take(request.answers.get());
@@ -159,8 +159,8 @@ class Batch {
   QuestionReader reader_;
   Printer printer_;
   Progress progress_;
-  Request pending_;
-  std::deque<Request> in_flight_;
+  BatchRequest pending_;
+  std::deque<BatchRequest> in_flight_;
   std::size_t request_size_ = kFirstRequest;
   bool ended_ = false;
   Counts counts_;

@@ -172,19 +172,19 @@ class PublishCommand : public Command {
   }
 
   void read_response(BounceSourceOptions& options) {
-    using response::Answer;
+    using response::ResponseLaw;
     BounceOptions& bounce = options.bounce;
     const std::string& answer = text("--response");
-    if (answer == "impulse") bounce.answer = Answer::impulse;
-    else if (answer == "compliant") bounce.answer = Answer::compliant;
+    if (answer == "impulse") bounce.answer = ResponseLaw::impulse;
+    else if (answer == "compliant") bounce.answer = ResponseLaw::compliant;
     else if (!answer.empty() && answer != "flip")
       throw bad_use(fmt::format("--response '{}'; allowed: flip, impulse, compliant", answer));
     if (given("--response") && !options.bounces) throw bad_use("--response answers contacts: it needs --bounce");
-    if (bounce.as_asked && bounce.answer != Answer::flip)
+    if (bounce.as_asked && bounce.answer != ResponseLaw::flip)
       throw bad_use("--as-asked is a way to flip, and --response something else");
-    if (given("--restitution") && bounce.answer == Answer::flip)
+    if (given("--restitution") && bounce.answer == ResponseLaw::flip)
       throw bad_use("--restitution needs --response impulse or compliant");
-    if (given("--stiffness") && bounce.answer != Answer::compliant)
+    if (given("--stiffness") && bounce.answer != ResponseLaw::compliant)
       throw bad_use("--stiffness needs --response compliant");
     bounce.restitution = given("--restitution") ? parse_finite(text("--restitution"), Measure::none) : 1;
     bounce.stiffness_n_m = positive("--stiffness", Measure::none, bounce.stiffness_n_m);

@@ -53,12 +53,12 @@ struct Discs {
 };
 
 /// The images of the unit ball under three half axes.
-struct Quadric {
+struct UnitBallImage {
   Point center;
   Point half[3];
 };
 
-using ExactPart = std::variant<Rounded, Ground, Discs, Quadric>;
+using ExactPart = std::variant<Rounded, Ground, Discs, UnitBallImage>;
 
 Point exact(const Vec3& v) { return Point(v); }
 
@@ -94,7 +94,7 @@ class Placer {
     return Discs{{point(base)}, direction(base - apex), length(c.radius_m), point(apex)};
   }
   ExactPart operator()(const Ellipsoid& e) const {
-    Quadric result{.center = point(exact(e.center)), .half = {}};
+    UnitBallImage result{.center = point(exact(e.center)), .half = {}};
     for (int i = 0; i < 3; ++i) result.half[i] = direction(Dyadic(e.half_m[i]) * exact(e.axes.col(i)));
     return result;
   }
@@ -151,7 +151,7 @@ Decision meets(const Ground& ground, const Discs& part) {
   return Decision::no;
 }
 
-Decision meets(const Ground& ground, const Quadric& part) {
+Decision meets(const Ground& ground, const UnitBallImage& part) {
   Dyadic reach2;
   for (const Point& half : part.half) {
     const Dyadic along = dot(ground.normal, half);

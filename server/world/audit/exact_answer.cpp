@@ -86,7 +86,7 @@ ExactAnswer::ExactAnswer(const Snapshot& snapshot, const Questions& question, do
       break;
     }
     case QuestionKind::box: {
-      const AskedBox asked(numbers);
+      const BoxQuestionShape asked(numbers);
       find_touched(snapshot, asked.placed(), asked.given(), asked.bounds());
       break;
     }

@@ -110,7 +110,7 @@ void ask_sphere(Question& question, const double* n) {
 }
 
 void ask_box(Question& question, const double* n) {
-  const AskedBox asked(n);
+  const BoxQuestionShape asked(n);
   ask_overlap(question, asked.placed(), asked.given(), asked.bounds());
   finish_overlap(question);
 }

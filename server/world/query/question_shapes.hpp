@@ -19,9 +19,9 @@ inline Sphere sphere_of(const double* n) { return {.center = point_of(n), .radiu
 
 inline Pose box_pose_of(const double* n) { return {.position = point_of(n), .rotation = Quat(n[6], n[7], n[8], n[9])}; }
 /// The box of a question, as placed and as given.
-class AskedBox {
+class BoxQuestionShape {
  public:
-  explicit AskedBox(const double* n)
+  explicit BoxQuestionShape(const double* n)
       : pose_(box_pose_of(n)),
         frame_(frame_of(pose_)),
         own_(Box{.center = Vec3::Zero(), .half_m = {n[3], n[4], n[5]}}) {}
@@ -39,6 +39,6 @@ class AskedBox {
   Primitive own_;
 };
 
-inline Box box_of(const double* n) { return AskedBox(n).placed(); }
+inline Box box_of(const double* n) { return BoxQuestionShape(n).placed(); }
 
 }  // namespace collided::engine

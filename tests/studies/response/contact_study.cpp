@@ -112,7 +112,7 @@ void run_integrator(Worst& worst, const Start& start, Integrator step, int steps
 void run_spheres(Worst& worst, const Start& start, double rate_hz) {
   const double frame_s = 1 / rate_hz;
   const auto frames = static_cast<int>(std::ceil(2 * kFrame_s * rate_hz));
-  Spheres spheres({.answer = Answer::compliant, .half_side_m = 100, .stiffness_n_m = start.pair.stiffness_n_m},
+  Spheres spheres({.answer = ResponseLaw::compliant, .half_side_m = 100, .stiffness_n_m = start.pair.stiffness_n_m},
                   {sphere_of(kRadius_m[0], Vec3::Zero(), -0.5 * start.motion.velocity_m_s),
                    sphere_of(kRadius_m[1], start.motion.place_m, 0.5 * start.motion.velocity_m_s)});
   const auto between = [&]() -> RelativeMotion {
