@@ -56,7 +56,7 @@ class SeenByServer {
   std::set<std::pair<std::size_t, std::size_t>> open_;
 };
 
-BounceOptions crowd(Answer answer) {
+BounceOptions crowd(ResponseLaw answer) {
   BounceOptions options{.sphere_count = 20, .relative_size = 0.2, .speed_m_s = 0.5, .seed = 7};
   options.answer = answer;
   return options;
@@ -108,7 +108,7 @@ TEST(PublishResponse, ALossyDamperOnlyTakesEnergy) {
 // Two spheres, no walls near: momentum stays, and of an impulse what the line of centres does not see. A spring's contact takes
 // a millisecond, in which that line turns: there it is the spin about the centre of mass that stays.
 TEST(PublishResponse, ImpulsesAndSpringsKeepMomentum) {
-  for (const Answer answer : {ResponseLaw::impulse, ResponseLaw::compliant}) {
+  for (const ResponseLaw answer : {ResponseLaw::impulse, ResponseLaw::compliant}) {
     response::SphereOptions options;
     options.answer = answer;
     options.half_side_m = 100;
