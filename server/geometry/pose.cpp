@@ -1,6 +1,9 @@
 #include "server/geometry/pose.hpp"
 
+#include <cmath>
+
 #include "server/geometry/mesh.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,11 +25,12 @@ Mat3 turned(const Frame& frame, const Mat3& axes) {
 }  // namespace
 
 Frame frame_of(const Pose& pose) {
-  const double norm = pose.rotation.norm();
-  const double w = pose.rotation.w() / norm;
-  const double x = pose.rotation.x() / norm;
-  const double y = pose.rotation.y() / norm;
-  const double z = pose.rotation.z() / norm;
+  const double norm2 = pose.rotation.squaredNorm();
+  const double divisor = std::abs(norm2 - 1) <= kUnitSquareSlack ? 1 : std::sqrt(norm2);
+  const double w = pose.rotation.w() / divisor;
+  const double x = pose.rotation.x() / divisor;
+  const double y = pose.rotation.y() / divisor;
+  const double z = pose.rotation.z() / divisor;
   const double x2 = x + x;
   const double y2 = y + y;
   const double z2 = z + z;

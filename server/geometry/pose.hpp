@@ -18,7 +18,7 @@ struct Frame {
   Vec3 position = Vec3::Zero();
 };
 
-/// Divides the quaternion by its norm, in double.
+/// Divides the quaternion by its norm, in double, unless that is 1 already but for its own rounding.
 Frame frame_of(const Pose& pose);
 
 /// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the result

@@ -135,6 +135,10 @@ inline constexpr double kOrientationError = 52 * kRoundoff;
 /// At zero, ExactBodyMotion.WhatIsFreeMeetsNothingAtAnyFrameOfTheWay fails.
 inline constexpr double kWayError = 96 * kRoundoff;
 
+/// How far |q|^2, computed, is from 1 for a quaternion that has been divided by its norm: such a one is not divided again.
+/// No unit. At 1, GeometryPlacingError.NoPlacedPointIsFartherOff fails.
+inline constexpr double kUnitSquareSlack = 8 * kRoundoff;
+
 /// How far a point is from where the given quaternion rotates it, relative to its distance from the frame's origin,
 /// before the position is added: dividing the quaternion by its norm rotates by 2 u, and leaves |q|^2 within 8 u of 1,
 /// which the matrix of a unit quaternion contains twice (16 u); an entry of it is off by 5 u on the diagonal and 2 u

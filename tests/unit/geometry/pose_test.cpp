@@ -19,8 +19,7 @@ TEST(GeometryPose, QuarterTurnAboutZIsExact) {
 TEST(GeometryPose, PlacesByTheDocumentedOperations) {
   const Quat q = Quat(0.3, -0.2, 0.7, 0.1).normalized();
   const Frame frame = frame_of(Pose{{0.1, -3.7, 1e6}, q});
-  const double norm = q.norm();
-  const double x = q.x() / norm, y = q.y() / norm, z = q.z() / norm, w = q.w() / norm;
+  const double x = q.x(), y = q.y(), z = q.z(), w = q.w();
   EXPECT_EQ(frame.rotation(0, 0), 1 - (y * (y + y) + z * (z + z)));
   EXPECT_EQ(frame.rotation(1, 0), x * (y + y) + w * (z + z));
   EXPECT_EQ(frame.rotation(1, 2), y * (z + z) - w * (x + x));

@@ -204,7 +204,7 @@ TEST_F(PublishersTest, ABadPoseIsRefusedAndItsNeighboursAreApplied) {
       "pose of object 'bad' of publisher 'test' refused: quaternion norm 0.99, allowed 1 +- 1e-06. Refused so far: 1.");
 }
 
-TEST_F(PublishersTest, QuaternionsAreDividedByTheirNormOnce) {
+TEST_F(PublishersTest, QuaternionsStayAsTheyWereGivenAndTurnByTheirDirection) {
   define(definition(1, 1, "ball"));
   PoseSample sample = pose(2, {{1, 2}});
   const double scale = 1 + 0.9e-6;
@@ -212,8 +212,10 @@ TEST_F(PublishersTest, QuaternionsAreDividedByTheirNormOnce) {
   std::copy_n(q, 4, &sample.poses[3]);
   move(sample);
   step();
-  const Quat rotation = world.newest()->poses[slot_of(*world.find("ball"))].rotation;
-  EXPECT_NEAR(rotation.norm(), 1, 1e-15);
+  const auto state = world.newest();
+  const std::uint32_t slot = slot_of(*world.find("ball"));
+  EXPECT_EQ(state->poses[slot].rotation.coeffs(), Quat(q[0], q[1], q[2], q[3]).coeffs());
+  EXPECT_TRUE(state->frames[slot].rotation.isApprox(Quat(0.6, 0.8, 0, 0).toRotationMatrix(), 1e-15));
 }
 
 TEST_F(PublishersTest, MalformedBatchesAreCountedWhole) {
