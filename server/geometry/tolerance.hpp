@@ -94,6 +94,18 @@ inline constexpr double kSupportValueError = 64 * kRoundoff;
 /// At zero, where rounding chooses the direction across, ExactGeneralNearest.BallsOfTheTwoBoundsMissAndMeet fails.
 inline constexpr double kDiscSeenFlat = 0x1p-23;
 
+/// The same in 256 bits, for the square of the share of the direction across the axis. At zero, where what is left of
+/// the direction is rounding, ExtremeGivenRound.APairIsDecidedForTheShapesAndPosesGiven fails.
+inline constexpr double kDiscSeenFlatInLong = 0x1p-240;
+
+/// Two sets with round sides that overlap, or leave a gap, by less than this share of their size are left undecided where
+/// no algebra decides: 1e-30 m for sets of a metre.
+inline constexpr double kFinestGap = 1e-30;
+
+/// How far a point found in 256 bits is moved towards the middle of a set on whose border it may lie, as a share of the
+/// distance. At zero, ExtremeGivenRound.APairIsDecidedForTheShapesAndPosesGiven fails.
+inline constexpr double kInward = 0x1p-180;
+
 /// A point counts as in front of a face of the polytope that grows inside a difference set only if it is farther than
 /// this, relative to the sets' size: a flat side of several faces is then visible as a whole or not at all. Shapes the
 /// search only; the depth found has its own bound. No unit. At zero,

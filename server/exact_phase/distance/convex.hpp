@@ -116,12 +116,9 @@ Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>
   return less(N(4.0) * product, rest * rest);
 }
 
-/// Whether some plane perpendicular to n has the two sets strictly on opposite sides, b ahead.
+/// Whether two sets that reach this far towards each other along a line, from one origin, share no point of it.
 template <class N>
-Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
-  const Vec3& origin = b.carrier[0];
-  const ReachAlong<N> reach_a = reach_along<N>(a, n, origin);
-  const ReachAlong<N> reach_b = reach_along<N>(b, -n, origin);
+Decision parted(const ReachAlong<N>& reach_a, const ReachAlong<N>& reach_b) {
   AllOf all;
   for (int i = 0; i < reach_a.count; ++i) {
     for (int j = 0; j < reach_b.count; ++j) {
@@ -130,6 +127,13 @@ Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
     }
   }
   return all.result();
+}
+
+/// Whether some plane perpendicular to n has the two sets strictly on opposite sides, b ahead.
+template <class N>
+Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
+  const Vec3& origin = b.carrier[0];
+  return parted(reach_along<N>(a, n, origin), reach_along<N>(b, -n, origin));
 }
 template <class N>
 Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {

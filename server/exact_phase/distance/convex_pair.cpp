@@ -9,6 +9,8 @@
 #include "server/exact_phase/distance/nearest_value.hpp"
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/distance/simplex_search.hpp"
+#include "server/exact_phase/distance/witnesses.hpp"
+#include "server/exact_phase/round_solids/refined_search.hpp"
 #include "server/exact_phase/round_solids/round_pair.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -36,39 +38,10 @@ Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   return push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0 ? Decision::no : Decision::undecided;
 }
 
-/// Planes and points that the search found, for sets with round parts; each is then tested exactly.
-struct Witnesses {
-  Vec3 normal[4];
-  Vec3 point[10];
-
-  Witnesses(const ConvexPair& pair, const Proposal& proposal, const DepthProposal& depth)
-      : normal{squared_up(-proposal.nearest), squared_up(depth.normal), -proposal.nearest, depth.normal} {
-    point[1] = pair.a.carrier[0] + depth.on_a;
-    point[2] = pair.b.carrier[0] + depth.on_b;
-    point[0] = point[1] / 2 + point[2] / 2;
-    // The same points moved onto the plane that a reaches: where two faces touch, the search only comes near it.
-    for (int which = 0; which < 2; ++which) {
-      const Vec3& n = normal[which];
-      const Vec3 reached = pair.a.carrier[0] + pair.a.support(n) + pair.a.ball_m * n;
-      for (int i = 0; i < 3; ++i) point[3 + 3 * which + i] = point[i] + n.dot(reached - point[i]) * n;
-    }
-    // Between the nearest points of the two without their balls: the middle of what both balls cover.
-    const Vec3 near_a = pair.a.carrier[0] + proposal.on_a();
-    const double apart_m = proposal.nearest.stableNorm();
-    point[9] = near_a + (pair.a.ball_m + (apart_m - pair.b.ball_m)) / 2 * unit(Vec3(-proposal.nearest));
-  }
-  /// A unit vector without the components that are rounding: in axis-aligned scenes the true direction has none.
-  static Vec3 squared_up(const Vec3& n) {
-    Vec3 result = unit(n);
-    for (double& x : result) x = std::abs(x) < 1e-7 ? 0 : x;
-    return unit(result);
-  }
-};
-
 /// The point rounded to multiples of `step`: where everyday scenes touch, coordinates have few digits.
 Vec3 rounded_off(const Vec3& point, double step) { return ((point / step).array().round() * step).matrix(); }
 
-/// The last attempt, for touching sets that no algebra here decides: rounded points that may lie in both.
+/// For touching sets that no algebra here decides: rounded points that may lie in both.
 Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses) {
   for (const Vec3& point : witnesses.point) {
     constexpr double kEverydaySteps_m[] = {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3};
@@ -80,11 +53,19 @@ Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses)
   return Decision::undecided;
 }
 
+/// By algebra, by everyday coordinates, and last by a search in 256 bits.
+Decision decided_by_rationals(const ConvexPair& pair, const Witnesses& witnesses) {
+  const Decision by_algebra = round_sets_meet(pair.a, pair.b).decision;
+  if (by_algebra != Decision::undecided) return by_algebra;
+  const Decision held = holds_rounded_point(pair, witnesses);
+  return held != Decision::undecided ? held : refined_meet(ExactSolid(pair.a), ExactSolid(pair.b));
+}
+
 /// Near touching: tests each plane and point exactly, then decides by algebra.
 ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, 0);
   if (depth.least_m > support_error_m(pair)) return {Decision::yes, Level::filter};
-  const Witnesses witnesses(pair, proposal, depth);
+  const Witnesses witnesses(pair.a, pair.b, proposal, depth);
   Level level = Level::filter;
   for (const Vec3& n : witnesses.normal) {
     if (n.isZero(0)) continue;
@@ -99,8 +80,7 @@ ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   }
   if (precision.highest != Level::rational) return {Decision::undecided, level};
   ++rungs.rational;
-  const Decision decision = round_sets_meet(pair.a, pair.b).decision;
-  return {decision != Decision::undecided ? decision : holds_rounded_point(pair, witnesses), Level::rational};
+  return {decided_by_rationals(pair, witnesses), Level::rational};
 }
 
 /// A contact with the middle of a bracket as its depth.
@@ -131,15 +111,14 @@ ExactResult sets_overlap(const ConvexPair& pair) {
 Decision sets_overlap_by_rationals(const ConvexPair& pair) {
   if (pair.a.is_polytope() && pair.b.is_polytope()) return polytopes_meet(pair.a, pair.b);
   const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
-  const Witnesses witnesses(pair, proposal, depth_proposal(pair.a, pair.b, proposal, 0));
+  const Witnesses witnesses(pair.a, pair.b, proposal, depth_proposal(pair.a, pair.b, proposal, 0));
   for (const Vec3& n : witnesses.normal) {
     if (!n.isZero(0) && parted_along<Dyadic>(n, pair.a, pair.b) == Decision::yes) return Decision::no;
   }
   for (const Vec3& point : witnesses.point) {
     if (pair.both_hold(point).yes()) return Decision::yes;
   }
-  const Decision decision = round_sets_meet(pair.a, pair.b).decision;
-  return decision != Decision::undecided ? decision : holds_rounded_point(pair, witnesses);
+  return decided_by_rationals(pair, witnesses);
 }
 
 Contact contact_of(const ConvexPair& pair) {

@@ -22,11 +22,12 @@ struct ConvexPair {
 
 /// Whether two convex sets share a point. A search in plain double proposes, a certificate decides: a plane between the
 /// sets, by the sign of a sum of two roots over the ladder; a ball inside the difference set; a point in both sets; for
-/// sets of flat facets and balls, the same search in rationals; else the algebra of round_pair.hpp.
+/// sets of flat facets and balls, the same search in rationals; else the algebra of round_pair.hpp, and where that ends the
+/// search in 256 bits.
 ///
-/// returns  undecided only for two sets with round parts that nearly touch, as round_pair.hpp says, and whose common
-/// point the search did not find; and for a hull of more than a thousand corners, bent by a rotation, against a
-/// cylinder or cone
+/// returns  undecided only for two sets with round parts that touch to within kFinestGap, where neither algebra nor
+/// coordinates of few digits say how; and for a hull of more than a thousand corners, bent by a rotation, against
+/// a cylinder or cone
 /// threads  pure; allocates only beyond Level::filter
 ExactResult sets_overlap(const ConvexPair& pair);
 

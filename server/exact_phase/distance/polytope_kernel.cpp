@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/exact_phase/distance/simplex_faces.hpp"
+
 namespace collided::engine::kernel {
 namespace {
 
@@ -21,78 +23,23 @@ std::size_t farthest(const std::vector<Point>& corners, const Point& n) {
   return best;
 }
 
-/// A corner of a minus one of b.
-struct MinkowskiVertex {
-  Point w;
-  std::size_t of_a = 0;
-  std::size_t of_b = 0;
-};
-
-/// The point nearest to the origin as sum / total, and its weights of the corners.
-struct Foot {
-  Point sum;
-  Dyadic total;
-  std::vector<MinkowskiVertex> corners;
-  std::vector<Dyadic> weights;
-};
-
-/// The weights of the origin's foot on the plane, line or point through all corners; their sum is at least zero.
-std::vector<Dyadic> weights_of(const std::vector<MinkowskiVertex>& corners) {
-  if (corners.size() == 1) return {Dyadic(1.0)};
-  std::vector<Point> w;
-  for (const MinkowskiVertex& corner : corners) w.push_back(corner.w);
-  if (w.size() == 2) return {dot(w[1], w[1] - w[0]), dot(w[0], w[0] - w[1])};
-  const Point n = cross(w[1] - w[0], w[2] - w[0]);
-  if (w.size() == 3) return {dot(n, cross(w[1], w[2])), dot(n, cross(w[2], w[0])), dot(n, cross(w[0], w[1]))};
-  const Dyadic volume = dot(n, w[3] - w[0]);
-  const Dyadic turn(volume.sign() < 0 ? -1.0 : 1.0);
-  // Volumes of the tetrahedron with the origin in place of each corner.
-  return {turn * dot(w[1], cross(w[2], w[3])), -turn * dot(w[0], cross(w[2], w[3])),
-          turn * dot(w[0], cross(w[1], w[3])), -turn * dot(w[0], cross(w[1], w[2]))};
-}
-
-/// The point of the simplex nearest to the origin lies inside exactly one of its faces: the one for which no other
-/// corner is nearer along the foot. Tests one face.
-bool nearest_in(const std::vector<MinkowskiVertex>& simplex, unsigned which, Foot& foot) {
-  std::vector<MinkowskiVertex> face;
-  for (std::size_t i = 0; i < simplex.size(); ++i) {
-    if (which >> i & 1) face.push_back(simplex[i]);
-  }
-  Foot found{Point(Vec3(Vec3::Zero())), Dyadic(), face, weights_of(face)};
-  for (std::size_t i = 0; i < face.size(); ++i) {
-    if (found.weights[i].sign() <= 0) return false;
-    found.sum = found.sum + found.weights[i] * face[i].w;
-    found.total = found.total + found.weights[i];
-  }
-  const Dyadic level = square(found.sum);
-  for (const MinkowskiVertex& corner : simplex) {
-    if ((dot(found.sum, corner.w) * found.total - level).sign() < 0) return false;
-  }
-  foot = std::move(found);
-  return true;
-}
-
-bool nearest_of(const std::vector<MinkowskiVertex>& simplex, Foot& foot) {
-  for (unsigned which = 1; which < 1u << simplex.size(); ++which) {
-    if (nearest_in(simplex, which, foot)) return true;
-  }
-  return false;
-}
-
 bool is_origin(const Point& p) { return p.x.sign() == 0 && p.y.sign() == 0 && p.z.sign() == 0; }
 
 /// Whether the hulls' distance is at most the sum of the balls' radii; if so, `foot` is that near.
-Decision search(const std::vector<Point>& of_a, const std::vector<Point>& of_b, const Dyadic& ball, Foot& foot) {
+Decision search(const std::vector<Point>& of_a, const std::vector<Point>& of_b, const Dyadic& ball,
+                Foot<Dyadic>& foot) {
   for (const std::vector<Point>* corners : {&of_a, &of_b}) {
     for (const Point& p : *corners) {
       if (!p.x.finite() || !p.y.finite() || !p.z.finite()) return Decision::undecided;
     }
   }
-  const auto difference = [&](std::size_t i, std::size_t j) { return MinkowskiVertex{of_a[i] - of_b[j], i, j}; };
-  std::vector<MinkowskiVertex> simplex{difference(0, 0)};
+  const auto difference = [&](std::size_t i, std::size_t j) {
+    return MinkowskiVertex<Dyadic>{of_a[i] - of_b[j], i, j};
+  };
+  std::vector<MinkowskiVertex<Dyadic>> simplex{difference(0, 0)};
   while (nearest_of(simplex, foot)) {
     if (is_origin(foot.sum)) return Decision::yes;
-    const MinkowskiVertex next = difference(farthest(of_a, -foot.sum), farthest(of_b, foot.sum));
+    const MinkowskiVertex<Dyadic> next = difference(farthest(of_a, -foot.sum), farthest(of_b, foot.sum));
     const Dyadic level = square(foot.sum);
     const Dyadic along = dot(foot.sum, next.w) * foot.total;
     if (ball.sign() == 0 && along.sign() > 0) return Decision::no;
@@ -129,30 +76,30 @@ std::vector<Point> corners_swept(const Convex& set, const Point& displacement) {
 }
 
 Decision polytopes_meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion) {
-  Foot foot;
+  Foot<Dyadic> foot;
   return search(corners_swept(a, motion.displacement<Dyadic>()), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m),
                 foot);
 }
 
 Decision polytopes_meet(const Convex& a, const Convex& b) {
-  Foot foot;
+  Foot<Dyadic> foot;
   return search(corners_of(a), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m), foot);
 }
 
 Decision hulls_meet(const std::vector<Point>& a, const std::vector<Point>& b, const Dyadic& radius_m) {
-  Foot foot;
+  Foot<Dyadic> foot;
   return search(a, b, radius_m, foot);
 }
 
 Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m) {
-  Foot foot;
+  Foot<Dyadic> foot;
   return search(points, {Point(Vec3(Vec3::Zero()))}, radius_m, foot);
 }
 
 std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {
   const std::vector<Point> of_a = corners_of(a);
   const std::vector<Point> of_b = corners_of(b);
-  Foot foot;
+  Foot<Dyadic> foot;
   if (search(of_a, of_b, Dyadic(a.ball_m) + Dyadic(b.ball_m), foot) != Decision::yes) return std::nullopt;
   // The point between a's hull and b's that divides the gap in proportion to the balls; without balls, the hulls'
   // common point.
@@ -161,7 +108,7 @@ std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {
   const Dyadic share_b = no_balls ? Dyadic() : Dyadic(a.ball_m);
   CommonPoint common{.point = Point(Vec3(Vec3::Zero())), .divisor = foot.total * (share_a + share_b)};
   for (std::size_t i = 0; i < foot.corners.size(); ++i) {
-    const MinkowskiVertex& corner = foot.corners[i];
+    const MinkowskiVertex<Dyadic>& corner = foot.corners[i];
     const Dyadic& weight = foot.weights[i];
     common.point = common.point + weight * (share_a * of_a[corner.of_a] + share_b * of_b[corner.of_b]);
     common.mix_a.emplace_back(static_cast<std::uint32_t>(corner.of_a), weight);

@@ -1,183 +1,139 @@
 #include "server/exact_phase/given/given_overlap.hpp"
 
-#include <optional>
-#include <vector>
-
 #include "server/exact_phase/distance/polytope_kernel.hpp"
+#include "server/exact_phase/distance/witnesses.hpp"
+#include "server/exact_phase/given/exact_placing.hpp"
+#include "server/exact_phase/part_convex.hpp"
+#include "server/exact_phase/round_solids/refined_search.hpp"
+#include "server/exact_phase/round_solids/round_pair.hpp"
 #include "server/geometry/mesh.hpp"
+#include "server/geometry/placing_error.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
 
+using kernel::ExactSolid;
 using Point = kernel::Vector<Dyadic>;
-using kernel::dot;
-using kernel::square;
 
-/// q v q*, which is |q|^2 times the rotated vector.
-class ExactTurn {
- public:
-  explicit ExactTurn(const Quat& q) : w_(q.w()), v_(q.x(), q.y(), q.z()), norm2_(w_ * w_ + square(v_)) {}
+/// Of parts whose world coordinates are what was given.
+const Pose kNowhere;
 
-  const Dyadic& norm2() const { return norm2_; }
-  /// (w^2 - v.v) p + 2 (v.p) v + 2 w (v x p)
-  Point operator()(const Point& p) const {
-    const Dyadic two(2.0);
-    return (w_ * w_ - square(v_)) * p + two * dot(v_, p) * v_ + two * w_ * cross(v_, p);
+const Pose& pose_of(const GivenPart& part) { return part.pose != nullptr ? *part.pose : kNowhere; }
+
+/// As it was given, in its own frame.
+ConvexPart own_part(const ConvexPart& in_world, const GivenPart& given) {
+  if (const auto* triangle = std::get_if<Triangle>(&given.own)) return *triangle;
+  if (const auto* const* own = std::get_if<const Primitive*>(&given.own)) return **own;
+  return in_world;
+}
+
+/// The part in double, seen from a place near to it, where coordinates are small and placing rounds little.
+struct SeenNear {
+  ConvexPart part;
+  double off_m;
+
+  SeenNear(const ConvexPart& own, const Pose& pose, const Vec3& from) {
+    if (&pose == &kNowhere && from.isZero(0)) {
+      part = own;
+      off_m = 0;
+      return;
+    }
+    const Vec3 to = pose.position - from;
+    const Frame frame = frame_of({.position = to, .rotation = pose.rotation});
+    std::visit(
+        [&](const auto& shape) {
+          part = place(frame, shape);
+          off_m = placing_error_m(frame, shape) + 2 * kRoundoff * to.norm();
+        },
+        own);
   }
-
- private:
-  Dyadic w_;
-  Point v_;
-  Dyadic norm2_;
 };
 
-/// The hull of a few points with a ball around each.
-struct Rounded {
-  std::vector<Point> corners;
-  Dyadic radius;
+Decision meets(const Ground& ground, const ExactSolid& part) {
+  const kernel::ReachAlong<Dyadic> reach = reach_along(part, -ground.normal, ground.point);
+  const kernel::ReachAlong<Dyadic> plane{.part = {{Dyadic(), Dyadic(), Dyadic(1.0)}, {}}, .count = 1};
+  return kernel::opposite(kernel::parted(reach, plane));
+}
+
+bool is_round(const ExactSolid& part) { return part.kind >= ExactSolid::Kind::axial; }
+
+/// Two parts in their own frames, and their poses.
+struct OwnPair {
+  ConvexPart a;
+  ConvexPart b;
+  const Pose& pose_a;
+  const Pose& pose_b;
+
+  /// Where to look at them from. A hull in world coordinates is not placed anew.
+  Vec3 place() const {
+    const auto is_hull = [](const ConvexPart& part) {
+      const auto* primitive = std::get_if<Primitive>(&part);
+      return primitive != nullptr && std::holds_alternative<Hull>(*primitive);
+    };
+    if (&pose_a == &kNowhere) return is_hull(a) ? Vec3::Zero() : pose_b.position;
+    return &pose_b == &kNowhere && is_hull(b) ? Vec3::Zero() : pose_a.position;
+  }
 };
 
-/// All points whose product with the normal is at most that of `point`.
-struct Ground {
-  Point point;
-  Point normal;
+/// Both sets in double and exactly, near `place`.
+struct NearPair {
+  SeenNear near_a;
+  SeenNear near_b;
+  kernel::Convex a;
+  kernel::Convex b;
+
+  explicit NearPair(const OwnPair& own)
+      : near_a(own.a, own.pose_a, own.place()),
+        near_b(own.b, own.pose_b, own.place()),
+        a(convex_of(near_a.part)),
+        b(convex_of(near_b.part)) {}
 };
 
-/// A disc, or two: all points within `radius` of one of the centres in the plane through it that `axis` is perpendicular
-/// to. With `apex`, the hull with that point.
-struct Discs {
-  std::vector<Point> centers;
-  Point axis;
-  Dyadic radius;
-  std::optional<Point> apex;
-};
-
-/// The images of the unit ball under three half axes.
-struct UnitBallImage {
-  Point center;
-  Point half[3];
-};
-
-using ExactPart = std::variant<Rounded, Ground, Discs, UnitBallImage>;
-
-Point exact(const Vec3& v) { return Point(v); }
-
-/// The part with its corners where its pose puts them, all coordinates times `scale` and times |q|^2.
-class Placer {
- public:
-  Placer(const Pose& pose, Dyadic scale)
-      : turn_(pose.rotation),
-        scale_(std::move(scale)),
-        length_(turn_.norm2() * scale_),
-        to_(length_ * exact(pose.position)) {}
-
-  Point point(const Point& own) const { return direction(own) + to_; }
-  Point direction(const Point& own) const { return scale_ * turn_(own); }
-  Dyadic length(double own) const { return Dyadic(own) * length_; }
-
-  ExactPart operator()(const Sphere& s) const { return Rounded{{point(exact(s.center))}, length(s.radius_m)}; }
-  ExactPart operator()(const Capsule& c) const {
-    return Rounded{{point(exact(c.a)), point(exact(c.b))}, length(c.radius_m)};
+/// A plane between the two or a point of both, as a search in double finds them, tested exactly. `to_exact` takes
+/// a point of the search to the coordinates of the solids.
+template <class ToExact>
+Decision certified(const ExactSolid& a, const ExactSolid& b, const NearPair& near, const ToExact& to_exact) {
+  const kernel::Witnesses witnesses(near.a, near.b);
+  for (const Vec3& n : witnesses.normal) {
+    if (!n.isZero(0) && n.allFinite() && parted_along(Point(n), a, b) == Decision::yes) return Decision::no;
   }
-  ExactPart operator()(const Box& box) const { return corners(kernel::corners_of(kernel::Convex(box))); }
-  ExactPart operator()(const Hull& hull) const { return corners(kernel::corners_of(kernel::Convex(hull))); }
-  ExactPart operator()(const Triangle& t) const { return corners({exact(t.a), exact(t.b), exact(t.c)}); }
-  ExactPart operator()(const HalfSpace& h) const { return Ground{point(exact(h.point)), direction(exact(h.normal))}; }
-  ExactPart operator()(const Cylinder& c) const {
-    const Point a = exact(c.a);
-    const Point b = exact(c.b);
-    return Discs{{point(a), point(b)}, direction(b - a), length(c.radius_m), std::nullopt};
+  for (const Vec3& own : witnesses.point) {
+    if (!own.allFinite()) continue;
+    const Point point = to_exact(own);
+    if (holds_point(a, point) == Decision::yes && holds_point(b, point) == Decision::yes) return Decision::yes;
   }
-  ExactPart operator()(const Cone& c) const {
-    const Point apex = exact(c.apex);
-    const Point base = exact(c.base);
-    return Discs{{point(base)}, direction(base - apex), length(c.radius_m), point(apex)};
-  }
-  ExactPart operator()(const Ellipsoid& e) const {
-    UnitBallImage result{.center = point(exact(e.center)), .half = {}};
-    for (int i = 0; i < 3; ++i) result.half[i] = direction(Dyadic(e.half_m[i]) * exact(e.axes.col(i)));
-    return result;
-  }
-
- private:
-  Rounded corners(std::vector<Point> own) const {
-    for (Point& corner : own) corner = point(corner);
-    return {std::move(own), Dyadic()};
-  }
-
-  ExactTurn turn_;
-  Dyadic scale_;
-  Dyadic length_;
-  Point to_;
-};
-
-const Pose& pose_of(const GivenPart& part) {
-  static const Pose nowhere;
-  return part.pose != nullptr ? *part.pose : nowhere;
+  return Decision::undecided;
 }
 
-ExactPart placed(const ConvexPart& in_world, const GivenPart& given, const Dyadic& scale) {
-  const Placer place(pose_of(given), scale);
-  if (const auto* triangle = std::get_if<Triangle>(&given.own)) return place(*triangle);
-  if (const auto* const* own = std::get_if<const Primitive*>(&given.own)) return std::visit(place, **own);
-  if (const auto* triangle = std::get_if<Triangle>(&in_world)) return place(*triangle);
-  return std::visit(place, std::get<Primitive>(in_world));
+Decision meets(const ExactSolid& a, const ExactSolid& b, const OwnPair& own, const Dyadic& scale) {
+  if (!is_round(a) && !is_round(b)) return kernel::hulls_meet(a.points, b.points, a.radius + b.radius);
+  const ExactSolid& flat = is_round(a) ? b : a;
+  const ExactSolid& round = is_round(a) ? a : b;
+  if (flat.kind == ExactSolid::Kind::flat && round.kind == ExactSolid::Kind::axial && !flat.border)
+    return Decision::undecided;
+  const NearPair near(own);
+  const Point place(own.place());
+  const Decision certain = certified(a, b, near, [&](const Vec3& point) { return scale * (Point(point) + place); });
+  if (certain != Decision::undecided) return certain;
+  const Decision by_algebra = kernel::round_sets_meet({a, near.a, near.near_a.off_m}, {b, near.b, near.near_b.off_m});
+  return by_algebra != Decision::undecided ? by_algebra : kernel::refined_meet(a, b);
 }
-
-/// Whether a set comes down to the ground from its middle at height `above` when it reaches sqrt(reach2) from there, both
-/// times the length of the ground's normal.
-Decision comes_down(const Dyadic& above, const Dyadic& reach2) {
-  if (above.sign() <= 0) return Decision::yes;
-  return kernel::at_most(above * above, reach2);
-}
-
-Decision meets(const Ground& ground, const Rounded& part) {
-  const Dyadic reach2 = part.radius * part.radius * square(ground.normal);
-  for (const Point& corner : part.corners) {
-    if (comes_down(dot(ground.normal, corner - ground.point), reach2) == Decision::yes) return Decision::yes;
-  }
-  return Decision::no;
-}
-
-Decision meets(const Ground& ground, const Discs& part) {
-  if (part.apex && dot(ground.normal, *part.apex - ground.point).sign() <= 0) return Decision::yes;
-  // A disc reaches radius |n x axis| / |axis| along n; both sides are multiplied by |axis|^2 once squared.
-  const Dyadic axis2 = square(part.axis);
-  const Dyadic reach2 = part.radius * part.radius * square(cross(ground.normal, part.axis));
-  for (const Point& center : part.centers) {
-    const Dyadic above = dot(ground.normal, center - ground.point);
-    if (above.sign() <= 0 || kernel::at_most(above * above * axis2, reach2) == Decision::yes) return Decision::yes;
-  }
-  return Decision::no;
-}
-
-Decision meets(const Ground& ground, const UnitBallImage& part) {
-  Dyadic reach2;
-  for (const Point& half : part.half) {
-    const Dyadic along = dot(ground.normal, half);
-    reach2 = reach2 + along * along;
-  }
-  return comes_down(dot(ground.normal, part.center - ground.point), reach2);
-}
-
-Decision meets(const Rounded& a, const Rounded& b) {
-  return kernel::hulls_meet(a.corners, b.corners, a.radius + b.radius);
-}
-
-/// Pairs of round solids, and of two half-spaces, have no test here.
-Decision meets(const auto&, const auto&) { return Decision::undecided; }
 
 }  // namespace
 
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given) {
-  const ExactPart a = placed(placed_a, given.a, ExactTurn(pose_of(given.b).rotation).norm2());
-  const ExactPart b = placed(placed_b, given.b, ExactTurn(pose_of(given.a).rotation).norm2());
-  return std::visit(
-      [](const auto& first, const auto& second) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(second)>, Ground>) return meets(second, first);
-        else return meets(first, second);
-      },
-      a, b);
+  const OwnPair own{own_part(placed_a, given.a), own_part(placed_b, given.b), pose_of(given.a), pose_of(given.b)};
+  const Dyadic scale_a = square_norm(own.pose_a.rotation);
+  const Dyadic scale_b = square_norm(own.pose_b.rotation);
+  const ExactPart a = exactly_placed(own.a, own.pose_a, scale_b, own.b);
+  const ExactPart b = exactly_placed(own.b, own.pose_b, scale_a, own.a);
+  const auto* solid_a = std::get_if<ExactSolid>(&a);
+  const auto* solid_b = std::get_if<ExactSolid>(&b);
+  if (solid_a != nullptr && solid_b != nullptr) return meets(*solid_a, *solid_b, own, scale_a * scale_b);
+  if (solid_a != nullptr) return meets(std::get<Ground>(b), *solid_a);
+  if (solid_b != nullptr) return meets(std::get<Ground>(a), *solid_b);
+  return Decision::undecided;
 }
 
 }  // namespace collided::engine

@@ -19,8 +19,9 @@ struct GivenPair {
 /// them: by rationals, since |q|^2 is a common denominator of all coordinates. Touching counts.
 ///
 /// placed_a, placed_b  the parts in world coordinates, taken where the given part has no pose
-/// returns   undecided for pairs with a cylinder, a cone or an ellipsoid, a half-space against any of them aside
-/// cost      10 us to 1 ms; allocates
+/// returns   undecided only where a number is not finite, for two half-spaces, and for pairs with a cylinder, a cone or an
+/// ellipsoid that refined_meet (refined_search.hpp) leaves open
+/// cost      10 us to some ms, 100 ms at worst; allocates
 /// threads   pure
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given);
 

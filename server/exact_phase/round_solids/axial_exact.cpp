@@ -28,12 +28,12 @@ struct SeenBall {
   Dyadic across2;
   Dyadic ball;
 
-  SeenBall(const Convex& axial, const Vec3& center, double radius_m)
+  SeenBall(const ExactSolid& axial, const Vector<Dyadic>& center, const Dyadic& radius)
       : solid(axial),
-        to(solid.seen(center)),
+        to(center - axial.points[0]),
         along(dot(to, solid.axis)),
         across2(square(cross(to, solid.axis))),
-        ball(radius_m) {}
+        ball(radius) {}
 
   /// Whether the ball reaches the rim of the disc that lies `beyond` / l away along the axis: (distance across - R)^2 +
   /// (beyond / l)^2 <= r^2.
@@ -56,17 +56,18 @@ struct SeenBall {
     return at_most(across2, reach * reach * solid.length2);
   }
   /// In the plane of axis and centre, the side runs from (0, 0) to (l, R), and the centre is at (along / l, s / l^2)
-  /// with s the root of across2 l^2. True where its foot is on the side and the ball reaches the side's line or past
-  /// it.
+  /// with s the root of across2 l^2. True where it is outside of the side's line, with its foot on the side, and the ball
+  /// reaches that line: below the base of a flat cone there are points whose foot is on the side from within.
   bool reaches_slant() const {
     const Dyadic& R = solid.radius;
     const Dyadic& l2 = solid.length2;
     const Dyadic s2 = across2 * l2;
     const Dyadic whole2 = l2 + R * R;
     if (!at_most_root(-(along * l2), R, s2) || !at_most_root((along - whole2) * l2, -R, s2)) return false;
+    const Dyadic p = R * along;
+    if (p.sign() >= 0 && at_most(s2, p * p)) return false;
     // s - R along <= r l sqrt(l^2 + R^2).
     const Dyadic room = ball * ball * l2 * whole2;
-    const Dyadic p = R * along;
     if (p.sign() >= 0) return at_most_root(s2 - p * p - room, p + p, room);
     return at_most_root(-(room - p * p - s2), p + p, s2);
   }
@@ -84,13 +85,11 @@ struct SeenBall {
 struct LateralSurface {
   Segment<Dyadic> axis;
   Dyadic radius;
-  explicit LateralSurface(const Convex& set)
-      : axis(Vector<Dyadic>(set.carrier[0]), Vector<Dyadic>(set.carrier[1])),
-        radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {}
+  explicit LateralSurface(const ExactSolid& set) : axis(set.points[0], set.points[1]), radius(set.radius) {}
 };
 
-bool has_side(const Convex& set) {
-  return set.hull == nullptr && set.count() == 2 && set.first_disc == 0 && set.plus == Convex::Plus::nothing;
+bool has_side(const ExactSolid& set) {
+  return set.kind == ExactSolid::Kind::capsule || (set.kind == ExactSolid::Kind::axial && !set.tapers());
 }
 
 /// Tests feature by feature, each with the ladder from double upward, until one says yes.
@@ -100,7 +99,7 @@ class AxialAgainstFeatures {
       : axial_(axial), flat_(flat), features_(features) {}
 
   ExactResult meet() {
-    if (ask_standing(nullptr) || !features_.is_solid()) return all_;
+    if (ask_standing(nullptr) || !features_.border().is_solid) return all_;
     add({polytopes_meet(Convex(Sphere{axial_.carrier[0], 0}), flat_), Level::rational});
     return all_;
   }
@@ -112,7 +111,7 @@ class AxialAgainstFeatures {
     for (std::uint32_t i = 0; i < features_.corner_count(); ++i) {
       if (ask_edge({At{i, nullptr}, At{i, &motion}})) return all_;
     }
-    for (const FlatFeatures::Edge& edge : features_.edges()) {
+    for (const FlatFeatures::Edge& edge : features_.border().edges) {
       if (ask_face({At{edge[0], nullptr}, At{edge[1], nullptr}, At{edge[1], &motion}, At{edge[0], &motion}}, 4))
         return all_;
     }
@@ -149,10 +148,10 @@ class AxialAgainstFeatures {
     }));
   }
   bool ask_standing(const StraightMotion* motion) {
-    for (const FlatFeatures::Edge& edge : features_.edges()) {
+    for (const FlatFeatures::Edge& edge : features_.border().edges) {
       if (ask_edge({At{edge[0], motion}, At{edge[1], motion}})) return true;
     }
-    for (const FlatFeatures::Face& face : features_.faces()) {
+    for (const FlatFeatures::Face& face : features_.border().faces) {
       std::array<At, 4> corner;
       for (std::size_t i = 0; i < face.count; ++i) corner[i] = {face.corner[i], motion};
       if (ask_face(corner, face.count)) return true;
@@ -177,8 +176,25 @@ ExactResult axial_meets_flat(const Convex& axial, const Convex& flat, const Stra
                            : AxialAgainstFeatures{axial, flat, *features}.meet_on(motion->turned());
 }
 
-Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius_m) {
-  const SeenBall seen(axial, center, radius_m);
+Decision axial_meets_border(const ExactSolid& axial, const ExactSolid& flat) {
+  const AxialSolid<Dyadic> solid(axial);
+  std::vector<Vector<Dyadic>> seen;
+  for (const Vector<Dyadic>& corner : flat.points) seen.push_back(corner - axial.points[0]);
+  AnyOf any;
+  for (const FlatBorder::Edge& edge : flat.border->edges) {
+    if (any.add(meets_edge(solid, seen[edge[0]], seen[edge[1]]))) return Decision::yes;
+  }
+  for (const FlatBorder::Face& face : flat.border->faces) {
+    std::array<Vector<Dyadic>, 4> corner;
+    for (std::size_t i = 0; i < face.count; ++i) corner[i] = seen[face.corner[i]];
+    if (any.add(cuts_face<Dyadic>(solid, {corner.data(), face.count}))) return Decision::yes;
+  }
+  if (flat.border->is_solid) any.add(hull_meets_ball(seen, Dyadic()));
+  return any.result();
+}
+
+Decision axial_meets_ball(const ExactSolid& axial, const Vector<Dyadic>& center, const Dyadic& radius) {
+  const SeenBall seen(axial, center, radius);
   if (!seen.across2.finite() || !seen.ball.finite() || !seen.solid.radius.finite()) return Decision::undecided;
   return (seen.solid.tapers ? seen.reaches_cone() : seen.reaches_cylinder()) ? Decision::yes : Decision::no;
 }
@@ -186,7 +202,7 @@ Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius
 /// Between the feet of the shortest connection of the two lines there is a point of both sets, if each foot is within
 /// its segment and the connection is no longer than the radii. For parallel axes: any place where both segments run
 /// side by side.
-Decision sides_meet(const Convex& a, const Convex& b) {
+Decision sides_meet(const ExactSolid& a, const ExactSolid& b) {
   if (!has_side(a) || !has_side(b)) return Decision::undecided;
   const LateralSurface of_a(a);
   const LateralSurface of_b(b);
@@ -215,11 +231,11 @@ Decision sides_meet(const Convex& a, const Convex& b) {
 
 /// Sections perpendicular to the axes are discs whose radii change linearly along the axes: the sets meet anywhere only
 /// if they do at one end of their common range.
-Decision parallel_axials_meet(const Convex& a, const Convex& b) {
+Decision parallel_axials_meet(const ExactSolid& a, const ExactSolid& b) {
   const AxialSolid<Dyadic> of_a(a);
   const AxialSolid<Dyadic> of_b(b);
   const Vector<Dyadic> turn = cross(of_a.axis, of_b.axis);
-  const Vector<Dyadic> w = of_a.seen(of_b.from);
+  const Vector<Dyadic> w = b.points[0] - a.points[0];
   if (!square(turn).finite() || !square(w).finite()) return Decision::undecided;
   if (square(turn).sign() != 0) return Decision::undecided;
   const Dyadic& length2 = of_a.length2;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/kernels/straight_motion.hpp"
+#include "server/exact_phase/round_solids/exact_solid.hpp"
 
 namespace collided::engine::kernel {
 
@@ -15,14 +15,17 @@ ExactResult axial_meets_flat(const Convex& axial, const Convex& flat, const Stra
 
 // The following use rationals alone.
 
+/// The same as axial_meets_flat, for sets that stand; the flat one has its border.
+Decision axial_meets_border(const ExactSolid& axial, const ExactSolid& flat);
+
 /// Whether a cylinder or cone and a ball share a point.
-Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius_m);
+Decision axial_meets_ball(const ExactSolid& axial, const Vector<Dyadic>& center, const Dyadic& radius);
 
 /// Cylinders and capsules by their round sides, given that no end of a capsule reaches the other set: finds a point
 /// between the feet of the two axes, or a plane perpendicular to the line between them. Undecided where neither exists.
-Decision sides_meet(const Convex& a, const Convex& b);
+Decision sides_meet(const ExactSolid& a, const ExactSolid& b);
 
 /// Two cylinders or cones with exactly parallel axes; undecided for others.
-Decision parallel_axials_meet(const Convex& a, const Convex& b);
+Decision parallel_axials_meet(const ExactSolid& a, const ExactSolid& b);
 
 }  // namespace collided::engine::kernel

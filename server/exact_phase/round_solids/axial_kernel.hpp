@@ -3,30 +3,28 @@
 #include <array>
 #include <span>
 
-#include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/round_solids/exact_solid.hpp"
 
 namespace collided::engine::kernel {
 
 // Cylinders and cones against the features of a polytope, over any number type. Where such a solid meets a polytope, it
 // meets an edge; or, if none, it cuts a face strictly inside its rim; or, if none, it lies within the polytope.
 
-/// A cylinder with its axis starting at `from`, or a cone with its apex there; all points are relative to `from`.
+/// A cylinder with its axis starting at the origin, or a cone with its apex there.
 template <class N>
 struct AxialSolid {
-  Vec3 from;
   Vector<N> axis;
   N length2;
   N radius;
   bool tapers;
 
   explicit AxialSolid(const Convex& set)
-      : from(set.carrier[0]),
-        axis(Vector<N>(set.carrier[1]) - Vector<N>(from)),
+      : axis(Vector<N>(set.carrier[1]) - Vector<N>(set.carrier[0])),
         length2(square(axis)),
         radius(set.disc_m),
         tapers(set.first_disc > 0) {}
-
-  Vector<N> seen(const Vec3& point) const { return Vector<N>(point) - Vector<N>(from); }
+  explicit AxialSolid(const ExactSolid& set) requires std::same_as<N, Dyadic>
+      : axis(set.axis()), length2(square(axis)), radius(set.radius), tapers(set.tapers()) {}
 };
 
 /// A point's position about the axis: its component along it, and its cross product with it, which is the perpendicular

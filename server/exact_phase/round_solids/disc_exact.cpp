@@ -19,7 +19,7 @@ Decision decided(bool yes) { return yes ? Decision::yes : Decision::no; }
 }  // namespace
 
 /// Both discs cut the common line of their planes, each in a segment around the foot of its centre.
-Decision discs_meet(const Convex& a, int end_a, const Convex& b, int end_b) {
+Decision discs_meet(const ExactSolid& a, int end_a, const ExactSolid& b, int end_b) {
   const AcrossAxis of_a(a, end_a);
   const AcrossAxis of_b(b, end_b);
   const Point w = of_a.from - of_b.from;
@@ -38,7 +38,7 @@ Decision discs_meet(const Convex& a, int end_a, const Convex& b, int end_b) {
 }
 
 /// The disc's plane cuts the infinite cylinder in an ellipse, or in a strip where it is parallel to the axis.
-Decision disc_meets_endless(const Convex& cylinder, int end, const Convex& side) {
+Decision disc_meets_endless(const ExactSolid& cylinder, int end, const ExactSolid& side) {
   const AcrossAxis disc(cylinder, end);
   const AcrossAxis other(side, 0);
   const Point w = disc.from - other.from;

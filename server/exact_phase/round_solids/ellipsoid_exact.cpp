@@ -16,17 +16,15 @@ struct StretchedBall {
   Point row[3];
   Dyadic size;
 
-  explicit StretchedBall(const Convex& set) {
-    if (set.plus != Convex::Plus::ellipsoid) {
+  explicit StretchedBall(const ExactSolid& set) {
+    if (set.kind != ExactSolid::Kind::ellipsoid) {
       for (int i = 0; i < 3; ++i) row[i] = Point(Vec3(Vec3::Unit(i)));
-      size = Dyadic(set.ball_m);
+      size = set.radius;
       return;
     }
     // By Cramer's rule: everything is multiplied by the determinant of the three half axes.
-    Point half[3];
-    for (int i = 0; i < 3; ++i) half[i] = Dyadic(set.half_m[i]) * Point(Vec3(set.axes.col(i)));
-    for (int i = 0; i < 3; ++i) row[i] = cross(half[(i + 1) % 3], half[(i + 2) % 3]);
-    size = abs(dot(half[0], row[0]));
+    for (std::size_t i = 0; i < 3; ++i) row[i] = cross(set.half[(i + 1) % 3], set.half[(i + 2) % 3]);
+    size = abs(dot(set.half[0], row[0]));
   }
 
   bool has_extent() const { return size.finite() && size.sign() > 0; }
@@ -73,10 +71,10 @@ ExactRayPolynomial characteristic(const Quadric& a, const Quadric& b) {
 }  // namespace
 
 /// The plane cuts the ellipsoid in an ellipse, touches it in a point or misses it.
-Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, int end) {
+Decision ellipsoid_meets_disc(const ExactSolid& ellipsoid, const ExactSolid& cylinder, int end) {
   const StretchedBall ball(ellipsoid);
   const AcrossAxis plane(cylinder, end);
-  const Point center = plane.from - Point(ellipsoid.carrier[0]);
+  const Point center = plane.from - ellipsoid.points[0];
   if (!ball.has_extent() || !plane.is_usable() || !square(center).finite()) return Decision::undecided;
   const Point column[3] = {ball.seen(plane.u), ball.seen(plane.v), ball.seen(center)};
   Conic section;
@@ -100,14 +98,13 @@ Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, i
 }
 
 /// Their projections along the axis are an ellipse and a disc.
-Decision ellipsoid_meets_endless(const Convex& ellipsoid, const Convex& cylinder) {
+Decision ellipsoid_meets_endless(const ExactSolid& ellipsoid, const ExactSolid& cylinder) {
   const AcrossAxis plane(cylinder, 0);
-  const Point center = Point(ellipsoid.carrier[0]) - plane.from;
+  const Point center = ellipsoid.points[0] - plane.from;
   if (!StretchedBall(ellipsoid).has_extent() || !plane.is_usable() || !square(center).finite())
     return Decision::undecided;
   Dyadic uu, uv, vv;
-  for (int i = 0; i < 3; ++i) {
-    const Point half = Dyadic(ellipsoid.half_m[i]) * Point(Vec3(ellipsoid.axes.col(i)));
+  for (const Point& half : ellipsoid.half) {
     const Dyadic along_u = dot(plane.u, half);
     const Dyadic along_v = dot(plane.v, half);
     uu = uu + along_u * along_u;
@@ -130,20 +127,23 @@ Decision ellipsoid_meets_endless(const Convex& ellipsoid, const Convex& cylinder
 }
 
 Decision ellipsoid_meets_flat(const Convex& ellipsoid, const Convex& flat, const StraightMotion* motion) {
+  return ellipsoid_meets_hull(
+      ExactSolid(ellipsoid),
+      motion == nullptr ? corners_of(flat) : corners_swept(flat, motion->turned().displacement<Dyadic>()));
+}
+
+Decision ellipsoid_meets_hull(const ExactSolid& ellipsoid, const std::vector<Point>& corners) {
   const StretchedBall ball(ellipsoid);
   if (!ball.has_extent()) return Decision::undecided;
-  const Point center(ellipsoid.carrier[0]);
   std::vector<Point> seen;
-  const std::vector<Point> corners =
-      motion == nullptr ? corners_of(flat) : corners_swept(flat, motion->turned().displacement<Dyadic>());
-  for (const Point& corner : corners) seen.push_back(ball.seen(corner - center));
+  for (const Point& corner : corners) seen.push_back(ball.seen(corner - ellipsoid.points[0]));
   return hull_meets_ball(seen, ball.size);
 }
 
-Decision ellipsoids_meet(const Convex& a, const Convex& b) {
+Decision ellipsoids_meet(const ExactSolid& a, const ExactSolid& b) {
   const StretchedBall ball_a(a);
   const StretchedBall ball_b(b);
-  const Point between = Point(b.carrier[0]) - Point(a.carrier[0]);
+  const Point between = b.points[0] - a.points[0];
   if (!ball_a.has_extent() || !ball_b.has_extent() || !square(between).finite()) return Decision::undecided;
   const Quadric of_a = quadric_of(ball_a, Point(Vec3(Vec3::Zero())));
   const RealRoots positive = roots_from_zero(characteristic(of_a, quadric_of(ball_b, between)));

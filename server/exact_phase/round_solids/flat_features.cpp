@@ -61,9 +61,9 @@ std::optional<FlatFeatures> FlatFeatures::of(const Convex& set) {
     if (!features.take_hull(set)) return std::nullopt;
   } else {
     features.corners_.assign(set.carrier, set.carrier + set.count());
-    if (set.count() < 3) features.edges_.push_back({0, static_cast<std::uint32_t>(set.count() - 1)});
-    else features.edges_ = {{0, 1}, {1, 2}, {2, 0}};
-    if (set.count() == 3) features.faces_.push_back({{0, 1, 2, 0}, 3});
+    if (set.count() < 3) features.border_.edges.push_back({0, static_cast<std::uint32_t>(set.count() - 1)});
+    else features.border_.edges = {{0, 1}, {1, 2}, {2, 0}};
+    if (set.count() == 3) features.border_.faces.push_back({{0, 1, 2, 0}, 3});
   }
   return features;
 }
@@ -71,19 +71,19 @@ std::optional<FlatFeatures> FlatFeatures::of(const Convex& set) {
 /// Numbers corners by the signs of their three half axes, one bit each.
 void FlatFeatures::take_box(const Convex& set) {
   box_ = &set;
-  is_solid_ = true;
+  border_.is_solid = true;
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     const std::uint32_t along = 1u << axis;
     const std::uint32_t u = 1u << (axis + 1) % 3;
     const std::uint32_t v = 1u << (axis + 2) % 3;
-    for (const std::uint32_t at : {0u, u, v, u | v}) edges_.push_back({at, at | along});
-    for (const std::uint32_t at : {0u, along}) faces_.push_back({{at, at | u, at | u | v, at | v}, 4});
+    for (const std::uint32_t at : {0u, u, v, u | v}) border_.edges.push_back({at, at | along});
+    for (const std::uint32_t at : {0u, along}) border_.faces.push_back({{at, at | u, at | u | v, at | v}, 4});
   }
 }
 
 bool FlatFeatures::take_hull(const Convex& set) {
   for (int i = 0; i < set.count(); ++i) corners_.push_back(set.point(i));
-  is_solid_ = true;
+  border_.is_solid = true;
   const std::vector<TriangleCorners>& own = set.hull->mesh->triangles;
   if (!own.empty() && is_still_convex(corners_, own)) {
     take_faces(own);
@@ -99,10 +99,10 @@ bool FlatFeatures::take_hull(const Convex& set) {
 
 void FlatFeatures::take_faces(const std::vector<TriangleCorners>& triangles) {
   for (const TriangleCorners& corner : triangles) {
-    faces_.push_back({{corner[0], corner[1], corner[2], 0}, 3});
+    border_.faces.push_back({{corner[0], corner[1], corner[2], 0}, 3});
     // Each edge belongs to two faces, which run along it in opposite directions.
     for (std::size_t i = 0; i < 3; ++i) {
-      if (corner[i] < corner[(i + 1) % 3]) edges_.push_back({corner[i], corner[(i + 1) % 3]});
+      if (corner[i] < corner[(i + 1) % 3]) border_.edges.push_back({corner[i], corner[(i + 1) % 3]});
     }
   }
 }

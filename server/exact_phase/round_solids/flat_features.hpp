@@ -9,26 +9,34 @@
 
 namespace collided::engine::kernel {
 
-/// The edges and faces of a point, segment, triangle, box or hull, by numbers of corners. The faces are flat and
-/// convex; together with the edges they are the set's whole border. Keeps a pointer to a box's Convex, which must
-/// outlive this.
-class FlatFeatures {
- public:
+/// The edges and faces of a polytope by numbers of its corners. The faces are flat and convex; together with the edges
+/// they are the whole border.
+struct FlatBorder {
   using Edge = std::array<std::uint32_t, 2>;
   struct Face {
     std::array<std::uint32_t, 4> corner;
     std::size_t count;
   };
 
+  std::vector<Edge> edges;
+  std::vector<Face> faces;
+  bool is_solid = false;
+};
+
+/// The edges and faces of a point, segment, triangle, box or hull, and its corners. Keeps a pointer to a box's
+/// Convex, which must outlive this.
+class FlatFeatures {
+ public:
+  using Edge = FlatBorder::Edge;
+  using Face = FlatBorder::Face;
+
   /// Nothing where a hull's placed corners do not span space, or where they are more than kMostRebuilt and rounding
   /// made its faces not convex any more.
   /// cost  a hull: its faces, allocates; where rounding has bent them, corners times faces
   static std::optional<FlatFeatures> of(const Convex& set);
 
-  const std::vector<Edge>& edges() const { return edges_; }
-  const std::vector<Face>& faces() const { return faces_; }
+  const FlatBorder& border() const { return border_; }
   std::uint32_t corner_count() const { return box_ != nullptr ? 8 : static_cast<std::uint32_t>(corners_.size()); }
-  bool is_solid() const { return is_solid_; }
 
   /// A corner relative to `from`, formed in N without rounding of its own.
   template <class N>
@@ -51,9 +59,7 @@ class FlatFeatures {
 
   const Convex* box_ = nullptr;
   std::vector<Vec3> corners_;
-  std::vector<Edge> edges_;
-  std::vector<Face> faces_;
-  bool is_solid_ = false;
+  FlatBorder border_;
 };
 
 }  // namespace collided::engine::kernel

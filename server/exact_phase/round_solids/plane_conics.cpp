@@ -1,5 +1,7 @@
 #include "server/exact_phase/round_solids/plane_conics.hpp"
 
+#include <algorithm>
+
 #include "server/exact_phase/arithmetic/real_root.hpp"
 
 namespace collided::engine::kernel {
@@ -16,12 +18,12 @@ Decision ellipses_meet(const Conic& a, const Conic& b) {
   return positive.complete ? Decision::yes : Decision::undecided;
 }
 
-AcrossAxis::AcrossAxis(const Convex& set, int end)
-    : from(set.carrier[end]),
-      axis(Vector<Dyadic>(set.carrier[1]) - Vector<Dyadic>(set.carrier[0])),
-      radius(set.disc_m > 0 ? set.disc_m : set.ball_m) {
-  int least = 0;
-  (set.carrier[1] - set.carrier[0]).cwiseAbs().minCoeff(&least);
+AcrossAxis::AcrossAxis(const ExactSolid& set, int end)
+    : from(set.points[static_cast<std::size_t>(end)]), axis(set.axis()), radius(set.radius) {
+  const std::array<Dyadic, 3> along{abs(axis.x), abs(axis.y), abs(axis.z)};
+  const auto least = std::min_element(along.begin(), along.end(),
+                                      [](const Dyadic& a, const Dyadic& b) { return (a - b).sign() < 0; }) -
+                     along.begin();
   u = cross(axis, Vector<Dyadic>(Vec3(Vec3::Unit(least))));
   v = cross(axis, u);
 }

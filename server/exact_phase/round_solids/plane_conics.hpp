@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/round_solids/exact_solid.hpp"
 
 namespace collided::engine::kernel {
 
@@ -22,7 +22,7 @@ struct AcrossAxis {
   Vector<Dyadic> v;
   Dyadic radius;
 
-  AcrossAxis(const Convex& set, int end);
+  AcrossAxis(const ExactSolid& set, int end);
   bool is_usable() const { return square(v).finite() && radius.finite() && square(v).sign() > 0 && radius.sign() > 0; }
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/exact_phase/distance/convex_pair.hpp"
+#include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/round_solids/axial_exact.hpp"
 #include "server/exact_phase/round_solids/disc_exact.hpp"
 #include "server/exact_phase/round_solids/ellipsoid_exact.hpp"
@@ -11,67 +12,69 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// In the order in which in_order() takes pairs.
-enum class SolidKind { flat, ball, capsule, axial, ellipsoid };
+using Point = Vector<Dyadic>;
+using Kind = ExactSolid::Kind;
 
-SolidKind kind_of(const Convex& set) {
-  if (set.plus == Convex::Plus::ellipsoid) return SolidKind::ellipsoid;
-  if (set.disc_m > 0) return SolidKind::axial;
-  if (set.ball_m == 0) return SolidKind::flat;
-  return set.count() == 1 ? SolidKind::ball : SolidKind::capsule;
+/// How far a point of the set is from another one, within bounds that hold for the exact sets too.
+struct NearestPoint {
+  Vec3 place;
+  double distance_m;
+  double within_m;  // how far off `place` may be, were it formed without roundings
+};
+
+/// The point of one set nearest to another: a convex set moved by off_m moves it by no more than the root of their
+/// product with the distance.
+NearestPoint nearest(const RoundSet& set, const Convex& other, double other_off_m, bool on_other) {
+  const Separation apart = separation_of({set.rounded, other});
+  const double error_m = apart.error_m + 4 * (set.off_m + other_off_m);
+  const double within_m = std::sqrt(apart.distance_m) * std::sqrt(error_m) + error_m + apart.point_error_m;
+  return {on_other ? apart.on_b : apart.on_a, apart.distance_m, within_m};
 }
-
-ExactResult by_rationals(Decision decision) { return {decision, Level::rational}; }
-
-Convex ball_at(const Vec3& center, double radius_m) { return Convex(Sphere{center, radius_m}); }
 
 /// Whether the segment only leads away from the other set from this end on: true where the nearest point, known within
 /// a bound, is surely not ahead, because the distance from a convex set is convex along a line.
-bool leads_away(const Convex& a, const Vec3& end, const Vec3& other_end) {
-  const Separation apart = separation_of({a, Convex(Sphere{end, 0})});
+bool leads_away(const RoundSet& a, const RoundSet& segment, int from) {
+  const Vec3& end = segment.rounded.carrier[from];
+  const NearestPoint foot = nearest(a, Convex(Sphere{end, 0}), segment.off_m, false);
   // As in closest_in_general.
-  const double within_m =
-      2 * std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m;
-  const Vec3 displacement = other_end - end;
-  const Vec3 to_nearest = apart.on_a - end;
-  return displacement.dot(to_nearest) + displacement.norm() * (2 * within_m + kBoundSlack * to_nearest.norm()) < 0;
+  const double within_m = 2 * foot.within_m + 2 * segment.off_m;
+  const Vec3 displacement = segment.rounded.carrier[1 - from] - end;
+  const Vec3 to_nearest = foot.place - end;
+  const double slack = displacement.norm() * (2 * within_m + kBoundSlack * to_nearest.norm()) +
+                       2 * segment.off_m * (to_nearest.norm() + within_m);
+  return displacement.dot(to_nearest) + slack < 0;
 }
 
 /// Yes: the set's nearest point to the axis of a cylinder or capsule lies surely between the axis' ends.
-Decision is_beside(const Convex& set, const Convex& side) {
-  const Separation apart = separation_of({set, Convex(Capsule{side.carrier[0], side.carrier[1], 0})});
-  const Vec3 axis = side.carrier[1] - side.carrier[0];
+Decision is_beside(const RoundSet& set, const RoundSet& side) {
+  const Vec3& begin = side.rounded.carrier[0];
+  const Vec3& end = side.rounded.carrier[1];
+  const NearestPoint foot = nearest(set, Convex(Capsule{begin, end, 0}), side.off_m, true);
+  const Vec3 axis = end - begin;
   const double length = axis.norm();
-  const double along = axis.dot(apart.on_b - side.carrier[0]) / length;
+  const double along = axis.dot(foot.place - begin) / length;
   // As in closest_in_general.
-  const double within_m =
-      4 * (std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m) +
-      kBoundSlack * length;
-  if (along > within_m && along < length - within_m) return Decision::yes;
-  return Decision::undecided;
+  const double within_m = 4 * foot.within_m + 8 * side.off_m + kBoundSlack * length;
+  return along > within_m && along < length - within_m ? Decision::yes : Decision::undecided;
 }
 
 /// An ellipsoid that touches neither end but reaches into the infinite cylinder is wholly between the ends or beyond
 /// one.
-ExactResult ellipsoid_meets_side(const Convex& ellipsoid, const Convex& side) {
-  const Decision endless = ellipsoid_meets_endless(ellipsoid, side);
-  if (endless != Decision::yes) return by_rationals(endless);
-  return by_rationals(is_beside(ellipsoid, side));
+Decision ellipsoid_meets_side(const RoundSet& ellipsoid, const RoundSet& side) {
+  const Decision endless = ellipsoid_meets_endless(ellipsoid.exact, side.exact);
+  return endless == Decision::yes ? is_beside(ellipsoid, side) : endless;
 }
 
-bool tapers(const Convex& axial) { return axial.first_disc > 0; }
+const Point& apex_of(const ExactSolid& cone) { return cone.points[0]; }
 
-/// The apex of a cone as a point: tests of its base leave it out.
-Convex apex_of(const Convex& cone) { return Convex(Sphere{cone.carrier[0], 0}); }
-
-ExactResult ellipsoid_meets_axial(const Convex& ellipsoid, const Convex& axial) {
-  for (int end = axial.first_disc; end < 2; ++end) {
-    const Decision at_end = ellipsoid_meets_disc(ellipsoid, axial, end);
-    if (at_end != Decision::no) return by_rationals(at_end);
+Decision ellipsoid_meets_axial(const RoundSet& ellipsoid, const RoundSet& axial) {
+  for (int end = axial.exact.first_disc; end < 2; ++end) {
+    const Decision at_end = ellipsoid_meets_disc(ellipsoid.exact, axial.exact, end);
+    if (at_end != Decision::no) return at_end;
   }
-  if (!tapers(axial)) return ellipsoid_meets_side(ellipsoid, axial);
-  const bool at_apex = ellipsoid_meets_flat(ellipsoid, apex_of(axial)) == Decision::yes;
-  return by_rationals(at_apex ? Decision::yes : Decision::undecided);
+  if (!axial.exact.tapers()) return ellipsoid_meets_side(ellipsoid, axial);
+  const bool at_apex = ellipsoid_meets_hull(ellipsoid.exact, {apex_of(axial.exact)}) == Decision::yes;
+  return at_apex ? Decision::yes : Decision::undecided;
 }
 
 Convex disc_of(const Convex& cylinder, int end) {
@@ -83,33 +86,34 @@ Convex disc_of(const Convex& cylinder, int end) {
 }
 
 /// A disc that meets no flat end of the other cylinder: as for an ellipsoid.
-Decision disc_meets_side(const Convex& cylinder, int end, const Convex& side) {
-  const Decision endless = disc_meets_endless(cylinder, end, side);
-  return endless == Decision::yes ? is_beside(disc_of(cylinder, end), side) : endless;
+Decision disc_meets_side(const RoundSet& cylinder, int end, const RoundSet& side) {
+  const Decision endless = disc_meets_endless(cylinder.exact, end, side.exact);
+  if (endless != Decision::yes) return endless;
+  return is_beside({cylinder.exact, disc_of(cylinder.rounded, end), cylinder.off_m}, side);
 }
 
 /// Two cylinders that share a point share one of a flat end, or one between the feet of their axes (sides_meet):
 /// otherwise what their infinite sides share, which is connected, would lie within all four ends or cross one. For
 /// cones, base and apex can say yes; their sides are not tested.
-Decision axials_meet(const Convex& a, const Convex& b) {
+Decision axials_meet(const RoundSet& a, const RoundSet& b) {
   AnyOf any;
-  for (int end = a.first_disc; end < 2; ++end) {
-    for (int other = b.first_disc; other < 2; ++other) {
-      if (any.add(discs_meet(a, end, b, other))) return Decision::yes;
+  for (int end = a.exact.first_disc; end < 2; ++end) {
+    for (int other = b.exact.first_disc; other < 2; ++other) {
+      if (any.add(discs_meet(a.exact, end, b.exact, other))) return Decision::yes;
     }
   }
-  const auto end_meets = [&](const Convex& one, const Convex& other) {
-    for (int end = one.first_disc; end < 2; ++end) {
-      if (any.add(tapers(other) ? Decision::undecided : disc_meets_side(one, end, other))) return true;
+  const auto end_meets = [&](const RoundSet& one, const RoundSet& other) {
+    for (int end = one.exact.first_disc; end < 2; ++end) {
+      if (any.add(other.exact.tapers() ? Decision::undecided : disc_meets_side(one, end, other))) return true;
     }
-    return tapers(one) && any.add(axial_meets_flat(other, apex_of(one)).decision);
+    return one.exact.tapers() && any.add(axial_meets_ball(other.exact, apex_of(one.exact), Dyadic()));
   };
   if (end_meets(a, b) || end_meets(b, a)) return Decision::yes;
-  return tapers(a) || tapers(b) ? Decision::undecided : any.result();
+  return a.exact.tapers() || b.exact.tapers() ? Decision::undecided : any.result();
 }
 
 /// The same for a capsule whose end balls are separate from the cylinder.
-Decision cylinder_meets_capsule_side(const Convex& cylinder, const Convex& capsule) {
+Decision cylinder_meets_capsule_side(const RoundSet& cylinder, const RoundSet& capsule) {
   AnyOf any;
   for (int end = 0; end < 2; ++end) {
     if (any.add(disc_meets_side(cylinder, end, capsule))) return Decision::yes;
@@ -117,55 +121,84 @@ Decision cylinder_meets_capsule_side(const Convex& cylinder, const Convex& capsu
   return any.result();
 }
 
+Decision meets_end_ball(const RoundSet& a, const ExactSolid& capsule, std::size_t end) {
+  if (a.exact.kind == Kind::axial) return axial_meets_ball(a.exact, capsule.points[end], capsule.radius);
+  ExactSolid ball;
+  ball.kind = Kind::ball;
+  ball.points = {capsule.points[end]};
+  ball.radius = capsule.radius;
+  return ellipsoids_meet(a.exact, ball);
+}
+
 /// Tests a capsule as its two end balls and its side.
-ExactResult meets_capsule(const Convex& a, const Convex& capsule) {
+Decision meets_capsule(const RoundSet& a, const RoundSet& capsule) {
   bool are_apart = true;
-  for (int end = 0; end < 2; ++end) {
-    const ExactResult at_end = round_sets_meet(a, ball_at(capsule.carrier[end], capsule.ball_m));
-    if (at_end.yes()) return at_end;
-    are_apart = are_apart && at_end.decision == Decision::no;
+  for (std::size_t end = 0; end < 2; ++end) {
+    const Decision at_end = meets_end_ball(a, capsule.exact, end);
+    if (at_end == Decision::yes) return at_end;
+    are_apart = are_apart && at_end == Decision::no;
   }
-  const Vec3& first = capsule.carrier[0];
-  const Vec3& second = capsule.carrier[1];
-  if (are_apart && (leads_away(a, first, second) || leads_away(a, second, first))) return by_rationals(Decision::no);
-  if (are_apart && kind_of(a) == SolidKind::ellipsoid) return ellipsoid_meets_side(a, capsule);
-  const Decision sides = sides_meet(a, capsule);
-  const bool ends_known = are_apart && kind_of(a) == SolidKind::axial && !tapers(a);
-  return by_rationals(sides == Decision::undecided && ends_known ? cylinder_meets_capsule_side(a, capsule) : sides);
+  if (are_apart && (leads_away(a, capsule, 0) || leads_away(a, capsule, 1))) return Decision::no;
+  if (are_apart && a.exact.kind == Kind::ellipsoid) return ellipsoid_meets_side(a, capsule);
+  const Decision sides = sides_meet(a.exact, capsule.exact);
+  const bool ends_known = are_apart && a.exact.kind == Kind::axial && !a.exact.tapers();
+  return sides == Decision::undecided && ends_known ? cylinder_meets_capsule_side(a, capsule) : sides;
 }
 
 /// Whether a plane along a flat end separates the two.
-bool end_parts(const Convex& axial, const Convex& other) {
-  const Vector<Dyadic> axis = Vector<Dyadic>(axial.carrier[1]) - Vector<Dyadic>(axial.carrier[0]);
+bool end_parts(const ExactSolid& axial, const ExactSolid& other) {
+  const Point axis = axial.axis();
   return parted_along(axis, axial, other) == Decision::yes || parted_along(-axis, axial, other) == Decision::yes;
 }
 
-ExactResult in_order(const Convex& a, SolidKind kind_a, const Convex& b, SolidKind kind_b) {
-  if (kind_a >= SolidKind::capsule && (kind_a == SolidKind::axial || kind_b == SolidKind::axial)) {
-    if (kind_a == SolidKind::axial && end_parts(a, b)) return by_rationals(Decision::no);
-    if (kind_b == SolidKind::axial && end_parts(b, a)) return by_rationals(Decision::no);
+Decision meets_ellipsoid(const RoundSet& a, const RoundSet& ellipsoid) {
+  switch (a.exact.kind) {
+    case Kind::flat: return ellipsoid_meets_hull(ellipsoid.exact, a.exact.points);
+    case Kind::capsule: return meets_capsule(ellipsoid, a);
+    case Kind::axial: return ellipsoid_meets_axial(ellipsoid, a);
+    default: return ellipsoids_meet(a.exact, ellipsoid.exact);
   }
-  if (kind_b == SolidKind::ellipsoid) {
-    if (kind_a == SolidKind::flat) return by_rationals(ellipsoid_meets_flat(b, a));
-    if (kind_a == SolidKind::capsule) return meets_capsule(b, a);
-    if (kind_a == SolidKind::axial) return ellipsoid_meets_axial(b, a);
-    return by_rationals(ellipsoids_meet(a, b));
+}
+
+Decision axials_meet_in_order(const RoundSet& a, const RoundSet& b) {
+  const Decision parallel = parallel_axials_meet(a.exact, b.exact);
+  if (parallel != Decision::undecided) return parallel;
+  const Decision sides = sides_meet(a.exact, b.exact);
+  return sides == Decision::undecided ? axials_meet(a, b) : sides;
+}
+
+/// a's kind is not behind b's.
+Decision in_order(const RoundSet& a, const RoundSet& b) {
+  if (a.exact.kind >= Kind::capsule) {
+    if (a.exact.kind == Kind::axial && end_parts(a.exact, b.exact)) return Decision::no;
+    if (b.exact.kind == Kind::axial && end_parts(b.exact, a.exact)) return Decision::no;
   }
-  if (kind_a == SolidKind::flat) return axial_meets_flat(b, a);
-  if (kind_a == SolidKind::ball) return by_rationals(axial_meets_ball(b, a.carrier[0], a.ball_m));
-  if (kind_a == SolidKind::capsule) return meets_capsule(b, a);
-  const Decision parallel = parallel_axials_meet(a, b);
-  if (parallel != Decision::undecided) return by_rationals(parallel);
-  const Decision sides = sides_meet(a, b);
-  return by_rationals(sides == Decision::undecided ? axials_meet(a, b) : sides);
+  if (b.exact.kind == Kind::ellipsoid) return meets_ellipsoid(a, b);
+  switch (a.exact.kind) {
+    case Kind::flat: return axial_meets_border(b.exact, a.exact);
+    case Kind::ball: return axial_meets_ball(b.exact, a.exact.points[0], a.exact.radius);
+    case Kind::capsule: return meets_capsule(b, a);
+    default: return axials_meet_in_order(a, b);
+  }
 }
 
 }  // namespace
 
+Decision round_sets_meet(const RoundSet& a, const RoundSet& b) {
+  return a.exact.kind <= b.exact.kind ? in_order(a, b) : in_order(b, a);
+}
+
 ExactResult round_sets_meet(const Convex& a, const Convex& b) {
-  const SolidKind kind_a = kind_of(a);
-  const SolidKind kind_b = kind_of(b);
-  return kind_a <= kind_b ? in_order(a, kind_a, b, kind_b) : in_order(b, kind_b, a, kind_a);
+  // The ladder from double upward decides most of these, and needs no copy in rationals.
+  if (kind_of(a) == Kind::flat && kind_of(b) == Kind::axial) return axial_meets_flat(b, a);
+  if (kind_of(b) == Kind::flat && kind_of(a) == Kind::axial) return axial_meets_flat(a, b);
+  return {round_sets_meet(RoundSet{ExactSolid(a), a}, RoundSet{ExactSolid(b), b}), Level::rational};
+}
+
+Decision holds_point(const ExactSolid& set, const Point& point) {
+  if (set.kind == Kind::axial) return axial_meets_ball(set, point, Dyadic());
+  if (set.kind == Kind::ellipsoid) return ellipsoid_meets_hull(set, {point});
+  return hulls_meet(set.points, {point}, set.radius);
 }
 
 }  // namespace collided::engine::kernel

@@ -1,16 +1,29 @@
 #pragma once
 
-#include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/round_solids/exact_solid.hpp"
 
 namespace collided::engine::kernel {
 
-/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact algebra
-/// on the given doubles, whatever features they touch in.
+/// A convex set, in exact coordinates and in double.
+struct RoundSet {
+  const ExactSolid& exact;
+  const Convex& rounded;
+  double off_m = 0;  // how far points of `rounded` may be from those of `exact`, once its factor is divided out
+};
+
+/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact algebra,
+/// whatever features they touch in. A flat one beside a cylinder or cone needs its border.
 ///
 /// returns  undecided where no closed form is known here: the side of a cone against round solids, unless axes are
 /// parallel; and a cylinder or capsule that touches so near to the end of its side that double cannot tell on which
 /// side of the end
 /// cost     10 us to some ms; allocates
+Decision round_sets_meet(const RoundSet& a, const RoundSet& b);
+
+/// The same for sets that are what the doubles say.
 ExactResult round_sets_meet(const Convex& a, const Convex& b);
+
+/// Whether a set contains a point.
+Decision holds_point(const ExactSolid& set, const Vector<Dyadic>& point);
 
 }  // namespace collided::engine::kernel

@@ -4,13 +4,11 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <random>
 
 #include "server/exact_phase/exactly.hpp"
 #include "server/world/query/pair_report.hpp"
-#include "tests/extreme/worlds.hpp"
+#include "tests/extreme/world/given_pairs.hpp"
 #include "tests/oracle/exact_oracle.hpp"
-#include "tests/oracle/seed.hpp"
 
 namespace collided::engine {
 namespace {
@@ -42,63 +40,33 @@ Figure posed(Figure own, const Pose& pose) {
   return own;
 }
 
-/// A shape of one part, for the world and for the oracle.
-struct Sample {
-  std::string name;
-  Shape shape;
-  ConvexPart part;
+/// A shape of one part whose oracle takes rationals.
+struct FlatSample : GivenSample {
   Figure figure;
 };
 
-class ExtremeGivenNumbers : public testing::Test {
+class ExtremeGivenNumbers : public GivenPairs {
  protected:
-  double any(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
-  Vec3 point(double size) { return {any(-size, size), any(-size, size), any(-size, size)}; }
-  Pose pose(double far_m) {
-    std::normal_distribution<double> normal;
-    Pose made{.position = Vec3::Constant(far_m) + point(1),
-              .rotation = Quat(normal(random), normal(random), normal(random), normal(random)).normalized()};
-    made.rotation.coeffs() *= 1 + any(-9e-7, 9e-7);
-    return made;
-  }
   template <class Solid>
-  static Sample solid(const char* name, const Solid& own) {
-    return {name, {.primitives = {own}, .mesh = nullptr}, Primitive(own), oracle::figure(own)};
+  static FlatSample figured(const char* name, const Solid& own) {
+    return {solid(name, own), oracle::figure(own)};
   }
-  Sample sample(int kind) {
+  FlatSample sample(int kind) {
     switch (kind) {
-      case 0: return solid("sphere", Sphere{point(1), any(0.1, 1)});
-      case 1: return solid("box", Box{.center = point(1), .half_m = {any(0.1, 1), any(0.1, 1), any(0.1, 1)}});
-      case 2: return solid("capsule", Capsule{point(1), point(1), any(0.1, 0.5)});
+      case 0: return figured("sphere", Sphere{point(1), any(0.1, 1)});
+      case 1: return figured("box", Box{.center = point(1), .half_m = {any(0.1, 1), any(0.1, 1), any(0.1, 1)}});
+      case 2: return figured("capsule", Capsule{point(1), point(1), any(0.1, 0.5)});
       default: {
         const Triangle own{point(1), point(1), point(1)};
-        TriangleMesh mesh;
-        mesh.vertices = {own.a, own.b, own.c};
-        mesh.triangles = {{0, 1, 2}};
-        return {"triangle", extreme::mesh_shape(mesh), own, oracle::figure(own)};
+        return {triangle(own), oracle::figure(own)};
       }
     }
   }
-  std::mt19937_64 random = oracle::seeded(73);
 };
 
 int pairs_asked() {
   const char* asked = std::getenv("COLLIDED_PAIRS");
   return asked != nullptr ? std::atoi(asked) : 160;
-}
-
-/// Moves b so that the two are apart, or in each other, by some roundings at most.
-void bring_together(const Sample& a, const Pose& a_pose, const Sample& b, Pose& b_pose) {
-  for (int i = 0; i < 3; ++i) {
-    extreme::Stage stage;
-    const ObjectId first = stage.add("a", a.shape, a_pose);
-    const ObjectId second = stage.add("b", b.shape, b_pose);
-    stage.step();
-    const PairReport report = report_pair(*stage.world.newest(), first, second, {});
-    const bool in_each_other = report.touches == Decision::yes;
-    const Vec3 normal = in_each_other ? report.contact.normal : report.separation.normal;
-    b_pose.position += (in_each_other ? report.contact.depth_m : -report.separation.distance_m) * normal;
-  }
 }
 
 TEST_F(ExtremeGivenNumbers, APairIsDecidedForTheShapesAndPosesGiven) {
@@ -107,8 +75,8 @@ TEST_F(ExtremeGivenNumbers, APairIsDecidedForTheShapesAndPosesGiven) {
   int otherwise_as_placed = 0;
   const int pairs = pairs_asked();
   for (int i = 0; i < pairs; ++i) {
-    const Sample a = sample(i % 4);
-    const Sample b = sample(i / 4 % 4);
+    const FlatSample a = sample(i % 4);
+    const FlatSample b = sample(i / 4 % 4);
     const Pose a_pose = pose(std::pow(10.0, 3.0 * (i / 16 % 4)) - 1);
     Pose b_pose = pose(a_pose.position[0]);
     bring_together(a, a_pose, b, b_pose);
