@@ -61,8 +61,8 @@ class Kinds {
         kernel::climb([&]<class N>() { return is_crease<N>(one, other, turned_over, view_.crease_cosine); });
     if (crease.yes()) kind |= kCreaseEdge;
     if (view_.eye) {
-      const int other_side = sides_[triangle_of(uses[1])];
-      const bool other_faces = (turned_over ? -other_side : other_side) > 0;
+      const std::int8_t other_side = sides_[triangle_of(uses[1])];
+      const bool other_faces = turned_over ? other_side < 0 : other_side > 0;
       if ((sides_[triangle_of(uses[0])] > 0) != other_faces) kind |= kSilhouetteEdge;
     }
     return static_cast<std::uint8_t>(kind);

@@ -12,8 +12,6 @@
 #include <csignal>
 #include <cstring>
 
-extern "C" char** environ;
-
 namespace collided::engine {
 namespace {
 

@@ -70,7 +70,8 @@ Scene embedded_scene() {
   add_shelf(scene, "shelf_4", 0, 4);
   const double loads_m[] = {0, 0.6, 0.9, 0, 1.2, 0.3};
   for (unsigned i = 0; i < 6; ++i) {
-    scene.objects.push_back(pallet(fmt::format("pallet_{:02}", i + 1), i % 2 == 0 ? -5 : 5, i / 2 * 1.5, loads_m[i]));
+    const unsigned row = i / 2;
+    scene.objects.push_back(pallet(fmt::format("pallet_{:02}", i + 1), i % 2 == 0 ? -5 : 5, row * 1.5, loads_m[i]));
   }
   return scene;
 }

@@ -192,6 +192,7 @@ class Check {
         partial.push_back({triangle, place.box});
       }
     }
+    // Bit by bit, as they were written: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     return std::memcmp(&leaf, &expected, sizeof(Leaf)) == 0 ? "" : "a leaf's corners are not the mesh's";
   }
 
@@ -217,11 +218,11 @@ class Check {
       bool operator()(const PartialReference& a, std::uint32_t b) const { return a.triangle < b; }
       bool operator()(std::uint32_t a, const PartialReference& b) const { return a < b.triangle; }
     };
-    const auto [first, last] = std::equal_range(partial_.begin(), partial_.end(), split.triangle, ByTriangle{});
+    const auto parts = std::equal_range(partial_.begin(), partial_.end(), split.triangle, ByTriangle{});
     Primitive pieces[kMaxPieces];
     const std::uint32_t count = cover(mesh_, layout_.frame, split.triangle, split.piece_count, pieces);
     return std::all_of(pieces, pieces + count, [&](const Primitive& piece) {
-      return std::any_of(first, last,
+      return std::any_of(parts.first, parts.second,
                          [&](const PartialReference& part) { return part.box.contains(piece.low, piece.high); });
     });
   }

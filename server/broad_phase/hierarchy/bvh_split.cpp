@@ -43,7 +43,10 @@ struct Binning {
 
 using Bins = std::array<std::array<Bin, kBins>, 3>;
 
-float groups(std::uint32_t count) { return static_cast<float>((count + kGroup - 1) / kGroup); }
+float groups(std::uint32_t count) {
+  const std::uint32_t full_or_begun = (count + kGroup - 1) / kGroup;
+  return static_cast<float>(full_or_begun);
+}
 
 Plane best_plane(const Bins& bins, const Binning& binning) {
   Plane best;

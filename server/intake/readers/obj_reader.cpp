@@ -21,7 +21,7 @@ struct Belonging {
   std::uint64_t object_number = 0;
   std::string_view group;
   std::string_view material;
-  auto operator<=>(const Belonging&) const = default;
+  auto operator<=>(const Belonging&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
 /// A run of faces of one chunk that belong to one part, and where its triangles end in the chunk.

@@ -332,8 +332,9 @@ class SceneDecoder {
     mesh.triangles.reserve(2 * (columns - 1) * (rows - 1));
     for (std::uint32_t i = 0; i < heights.size(); ++i) {
       const double height = number_at(heights, i);
-      mesh.vertices.emplace_back(static_cast<double>(i % columns) * from.spacing_x(),
-                                 static_cast<double>(i / columns) * from.spacing_y(), height);
+      const auto column = static_cast<std::uint32_t>(i % columns);
+      const auto row = static_cast<std::uint32_t>(i / columns);
+      mesh.vertices.emplace_back(column * from.spacing_x(), row * from.spacing_y(), height);
       if (!std::isfinite(height)) { throw Flaw{fmt::format("height field: height {} is {}", i, height)}; }
       if (i % columns == columns - 1 || i / columns == rows - 1) continue;
       const std::uint32_t above = i + static_cast<std::uint32_t>(columns);

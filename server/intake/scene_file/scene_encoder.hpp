@@ -33,7 +33,9 @@ class SceneEncoder {
   flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
     double* numbers = nullptr;
     const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
-    if (!from.vertices.empty()) { std::memcpy(numbers, from.vertices.data(), from.vertices.size() * sizeof(Vec3)); }
+    if (!from.vertices.empty()) {
+      std::memcpy(numbers, from.vertices.front().data(), from.vertices.size() * sizeof(Vec3));
+    }
     std::uint32_t* indices = nullptr;
     const auto corners = builder_.CreateUninitializedVector(3 * from.triangles.size(), &indices);
     if (!from.triangles.empty()) {

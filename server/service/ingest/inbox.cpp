@@ -1,6 +1,7 @@
 #include "server/service/ingest/inbox.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "idl/topics.hpp"
 
@@ -165,7 +166,7 @@ void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
         slice->object_numbers.push_back(merged.numbers[i]);
         const double* pose = &merged.poses[i * kPoseNumbers];
         slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
-        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::move(slice));
+        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::exchange(slice, nullptr));
       }
       if (slice) put(std::move(slice));
     }

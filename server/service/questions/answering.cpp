@@ -84,7 +84,7 @@ void Answering::Worker::run() {
   set_time_slice(kLongSlice);
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
-      std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
+      std::visit([this](auto&& one) { work(std::forward<decltype(one)>(one)); }, std::move(*item));
     } catch (const std::bad_alloc&) { ++owner_.with_.counts.unanswerable; }
     if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
   }

@@ -141,7 +141,8 @@ void FlightOpening::fold(const wire::Reply& reply) {
 /// Commands remove what lost publishers left, never what a living one has.
 bool FlightOpening::take_published(const std::string* name, bool moving_only) {
   bool found = false;
-  for (auto& [id, publisher] : publishers_) {
+  for (auto& entry : publishers_) {
+    auto& publisher = entry.second;
     if (!publisher.lost) continue;
     std::erase_if(publisher.objects, [&](const auto& object) {
       const Defined& defined = object.second;

@@ -14,7 +14,7 @@ struct TrianglePair {
   std::uint32_t a = 0;  // a < b
   std::uint32_t b = 0;
   bool operator==(const TrianglePair&) const = default;
-  auto operator<=>(const TrianglePair&) const = default;
+  auto operator<=>(const TrianglePair&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
 /// What the search found, and whether it could finish.

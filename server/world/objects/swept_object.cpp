@@ -26,7 +26,7 @@ constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting fu
 struct PartPair {
   std::uint32_t a;
   std::uint32_t b;
-  auto operator<=>(const PartPair&) const = default;
+  auto operator<=>(const PartPair&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
 /// The search for the first contacts of two bodies. Parts of a are its primitives and triangles; b has triangles, or is

@@ -195,7 +195,7 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
       push_at_once(answers, *at_once);
       continue;
     }
-    group[size].emplace(snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]);
+    group[size].emplace(Question{snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]});
     of_group[size++] = ray;
   }
   ask_group();
