@@ -1,7 +1,7 @@
 # Rays through the ground-floor rooms of an IFC house, and how long each must be.
 # Reads the IFC file, finds each IfcSpace of the lowest storey with its extruded outline, and prints for 18 points a
-# room and 6 axis directions: id,fx,fy,fz,dx,dy,dz,room,expected  in the y-up frame that the importer makes of IFC:
-# (x, y, z) -> (x, z, -y). The expected length is the way from the point to the room's stated boundary.
+# room and 6 axis directions: id,fx,fy,fz,dx,dy,dz,room,expected  in the file's own frame, where z is up. The expected
+# length is the way from the point to the room's stated boundary.
 function arguments(text) { sub(/^[^(]*\(/, "", text); sub(/\);[ \r]*$/, "", text); return text }
 function numbers(text, out) { gsub(/[()]/, "", text); return split(text, out, ",") }
 /^#[0-9]+= *IFC(CARTESIANPOINT|DIRECTION|AXIS2PLACEMENT3D|LOCALPLACEMENT|POLYLINE|ARBITRARYCLOSEDPROFILEDEF|EXTRUDEDAREASOLID|SHAPEREPRESENTATION|PRODUCTDEFINITIONSHAPE|SPACE)\(/ {
@@ -54,12 +54,12 @@ function rays(name,   i, j, k, x, y, z) {
     x = low_x + (high_x - low_x) * i / 4
     y = low_y + (high_y - low_y) * j / 4
     z = floor_z + (k == 1 ? height / 2 : height - 0.2)
-    ray(name, x, z, -y,  1, 0, 0, high_x - x)
-    ray(name, x, z, -y, -1, 0, 0, x - low_x)
-    ray(name, x, z, -y, 0,  1, 0, floor_z + height - z)
-    ray(name, x, z, -y, 0, -1, 0, z - floor_z)
-    ray(name, x, z, -y, 0, 0,  1, y - low_y)
-    ray(name, x, z, -y, 0, 0, -1, high_y - y)
+    ray(name, x, y, z,  1, 0, 0, high_x - x)
+    ray(name, x, y, z, -1, 0, 0, x - low_x)
+    ray(name, x, y, z, 0,  1, 0, high_y - y)
+    ray(name, x, y, z, 0, -1, 0, y - low_y)
+    ray(name, x, y, z, 0, 0,  1, floor_z + height - z)
+    ray(name, x, y, z, 0, 0, -1, z - floor_z)
   }
 }
 function ray(name, x, y, z, dx, dy, dz, expected) {

@@ -113,10 +113,19 @@ void tell_placement(const FileFormat& format, const Reading& reading) {
   const LoadOptions& options = reading.options;
   const char up = options.up != 0 ? options.up : format.up;
   std::vector<std::string>& placed = reading.report.placed;
-  placed.push_back(fmt::format("a unit of the file is {} m, {}", options.unit_m,
-                               because(format, options.unit_m != 1, format.says_metres, "--unit")));
-  placed.push_back(fmt::format("{}, {}", up == 'y' ? "y is up and turned to z" : "z is up",
-                               because(format, options.up != 0, format.up != 0, "--up")));
+  // A converter tells what it has done by itself; what it could not find out is told here.
+  const auto told = [&](std::string_view what) {
+    return std::any_of(placed.begin(), placed.end(),
+                       [&](const std::string& line) { return line.find(what) != std::string::npos; });
+  };
+  if (options.unit_m != 1 || !told("lengths are in metres")) {
+    placed.push_back(fmt::format("a unit of the file is {} m, {}", options.unit_m,
+                                 because(format, options.unit_m != 1, format.says_metres, "--unit")));
+  }
+  if (options.up != 0 || !(told("is up") || told("the up axis"))) {
+    placed.push_back(fmt::format("{}, {}", up == 'y' ? "y is up and turned to z" : "z is up",
+                                 because(format, options.up != 0, format.up != 0, "--up")));
+  }
   placed.emplace_back("the origin is that of the file");
 }
 

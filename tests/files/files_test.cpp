@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -291,24 +292,37 @@ TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
       "  placed   a unit of the file is 1 m, since OBJ does not say; --unit does\n"
       "  placed   z is up, since OBJ does not say; --up does\n"
       "  placed   the origin is that of the file\n";
+  const std::string head = "panels  2 parts, 5 triangles, 0 objects\n" + placed +
+                           "  bounds   0 0 0  to  2 1 0.25\n"
+                           "  surface  open, not manifold\n"
+                           "  pieces   1\n"
+                           "  points   7 vertices, 0 of them equal to an earlier one\n"
+                           "  edges    12, 0 of them creases, 0 between parts\n";
   EXPECT_EQ(
-      run("check " + write("panels.obj", bent)).text,
-      "panels  2 parts, 5 triangles, 0 objects\n" + placed +
-          "  bounds   0 0 0  to  2 1 0.25\n"
-          "  surface  open, not manifold\n"
-          "  pieces   1\n"
-          "  points   7 vertices, 0 of them equal to an earlier one\n"
-          "  edges    12, 0 of them creases, 0 between parts\n"
-          "            9  boundary edges       kept; the surface is open, so nothing is inside\n"
+      run("check -v " + write("panels.obj", bent)).text,
+      head +
+          "            1  T-vertices           kept; a ray may pass between their roundings; --mend cuts the edges "
+          "there\n"
+          "               panels/right triangle 1 side 2 at vertex 2, gap 0 m\n"
+          "            9  boundary edges       kept; the surface is open: nothing is inside\n"
           "               the worst: panels/right triangle 0 side 1; panels/right triangle 1 side 1; panels/left "
           "triangle 0 side 0\n"
           "            2  pinched points       kept; several surfaces touch there\n"
           "               panels/left triangle 0 vertex 1; panels/left triangle 2 vertex 3\n"
-          "            3  meet each other      kept; every triangle counts\n"
-          "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with 1\n"
-          "            1  T-vertices           kept; a ray may pass between their roundings; --mend cuts the edges "
-          "there\n"
-          "               panels/right triangle 1 side 2 at vertex 2, gap 0 m\n");
+          "            3  meet each other      normal where parts join or overlap; every triangle counts\n"
+          "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with "
+          "1\n");
+  EXPECT_EQ(run("check " + write("panels.obj", bent)).text,
+            head +
+                "            1  T-vertices           kept; --mend cuts the edges there\n"
+                "               right triangle 1 side 2 at vertex 2, gap 0 m\n"
+                "            9  boundary edges       kept; the surface is open: nothing is inside\n"
+                "               the worst: right triangle 0 side 1; right triangle 1 side 1\n"
+                "            2  pinched points       kept; several surfaces touch there\n"
+                "               left triangle 0 vertex 1; left triangle 2 vertex 3\n"
+                "            3  meet each other      normal where parts join or overlap\n"
+                "               left triangle 0 with 1; left triangle 1 with 1\n"
+                "  -v shows every place, --json gives it to programs\n");
   EXPECT_EQ(run("check " + write("cube.obj", kCube) + " --encodings --eye 5,7,11").text,
             "cube  1 parts, 12 triangles, 0 objects\n" + placed +
                 "  bounds   0 0 0  to  1 1 1\n"
@@ -322,6 +336,23 @@ TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
                 "  fans                                  600         50.0\n"
                 "  strips                                444         37.0\n"
                 "  mesh                                  336         28.0\n");
+}
+
+// A building has faults of every kind and names of sixty characters; what matters still fits a terminal.
+TEST_F(Files, TheCheckOfABuildingFitsAScreen) {
+  const std::string house = "/usr/share/assimp/models/IFC/AC14-FZK-Haus.ifc";
+  if (!fs::exists(house)) GTEST_SKIP() << house << " is not installed";
+  const Ran brief = run("check " + house);
+  if (brief.text.find("no Assimp") != std::string::npos) GTEST_SKIP() << "needs Assimp";
+  EXPECT_LE(std::count(brief.text.begin(), brief.text.end(), '\n'), 24) << brief.text;
+  EXPECT_NE(brief.text.find("normal where parts join"), std::string::npos) << brief.text;
+  EXPECT_NE(brief.text.find("  placed   z is up, as IFC says\n"), std::string::npos) << brief.text;
+  EXPECT_LT(brief.text.find("cracks"), brief.text.find("boundary edges")) << "what spoils answers comes first";
+  std::istringstream lines(brief.text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  const Ran full = run("check -v " + house);
+  EXPECT_GT(std::count(full.text.begin(), full.text.end(), '\n'), 28);
+  EXPECT_NE(full.text.find("_16DNNqzfP2thtfaOflvsKA"), std::string::npos) << full.text;
 }
 
 // The index took no longer than the whole run; with the careful form, that is most of it.

@@ -64,7 +64,7 @@ class Supported {
   }
   LongPoint of_ellipsoid(const LongPoint& n) const {
     LongFloat reach2;
-    LongPoint sum(Vec3(Vec3::Zero()));
+    LongPoint sum{Vec3(Vec3::Zero())};
     for (const LongPoint& half : half_) {
       const LongFloat along = dot(half, n);
       reach2 = reach2 + along * along;
@@ -88,10 +88,10 @@ class RefinedSearch {
 
   /// From several sides: what one search finds may lie on the borders of both sets, the middle of several finds within.
   Decision run() {
-    LongPoint sum(Vec3(Vec3::Zero()));
-    for (int i = 0; i < 3; ++i) {
+    LongPoint sum{Vec3(Vec3::Zero())};
+    for (int i = 0; i < 6; ++i) {
       std::optional<LongPoint> common;
-      const Decision one = from_side(LongPoint(Vec3(Vec3::Unit(i))), common);
+      const Decision one = from_side(LongPoint(Vec3((i < 3 ? 1 : -1) * Vec3::Unit(i % 3))), common);
       if (one != Decision::undecided || !common) return one;
       sum = sum + *common;
       if (i > 0 && holds_near(LongFloat(1.0) / LongFloat(i + 1.0) * sum)) return Decision::yes;
@@ -129,7 +129,7 @@ class RefinedSearch {
   }
   /// The point of a that the foot stands for, which is near one of b.
   LongPoint common_point(const Foot<LongFloat>& foot) const {
-    LongPoint sum(Vec3(Vec3::Zero()));
+    LongPoint sum{Vec3(Vec3::Zero())};
     for (std::size_t i = 0; i < foot.corners.size(); ++i) sum = sum + foot.weights[i] * of_a_[foot.corners[i].of_a];
     return LongFloat(1.0) / foot.total * sum;
   }

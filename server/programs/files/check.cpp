@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <unordered_set>
 
 #include "server/programs/files/mesh_findings.hpp"
@@ -135,66 +137,190 @@ std::string surface_text(const MeshHealth& health) {
   return health.is_manifold() ? "open, manifold" : "open, not manifold";
 }
 
-void print_lines(const char* label, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) fmt::print("  {:<9}{}\n", label, line);
-}
+/// Prints the result for people, line by line. Without `full` it fits a screen.
+class Report {
+ public:
+  Report(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report, bool full)
+      : scene_(scene), meshes_(meshes), report_(report), full_(full) {}
 
-std::string places_text(const Finding& finding, bool names_objects) {
-  std::string text;
-  for (const Place& place : finding.worst) {
-    text += fmt::format("{}{}triangle {}{}{}", text.empty() ? "" : "; ", names_objects ? place.object + " " : "",
-                        place.triangle, place.detail.empty() ? "" : " ", place.detail);
+  void print() {
+    line(fmt::format("{}  {} parts, {} triangles, {} objects", scene_.name, grouped(scene_.parts.size()),
+                     grouped(scene_.mesh.triangles.size()), grouped(scene_.objects.size())));
+    lines("placed", report_.placed);
+    // The lines that follow the meshes have their place on the screen too.
+    const std::vector<std::string> warnings = this->warnings();
+    lines_after_ =
+        report_.notes.size() + report_.mended.size() + report_.refused.size() + warnings.size() + (full_ ? 0 : 1);
+    if (full_ || meshes_.size() < 2) {
+      for (const CheckedMesh& checked : meshes_) print_mesh(checked);
+    } else {
+      summarize_meshes();
+    }
+    lines("note", report_.notes);
+    lines("mended", report_.mended);
+    lines("refused", report_.refused);
+    lines("warning", warnings);
+    if (is_cut_) line("  -v shows every place, --json gives it to programs");
   }
-  return text;
-}
 
-void print_mesh(const CheckedMesh& checked) {
-  const MeshHealth& health = checked.health;
-  fmt::print("  bounds   {}  to  {}\n", point_text(health.bounds.low), point_text(health.bounds.high));
-  fmt::print("  surface  {}\n", surface_text(health));
-  fmt::print("  pieces   {}\n", grouped(health.component_count));
-  fmt::print("  points   {} vertices, {} of them equal to an earlier one\n", grouped(health.vertex_count),
-             grouped(health.equal_vertex_count));
-  fmt::print("  edges    {}, {} of them creases, {} between parts", grouped(health.edge_count),
-             grouped(checked.crease_edge_count), grouped(checked.material_edge_count));
-  if (checked.silhouette_edge_count) fmt::print(", {} silhouettes from there", grouped(*checked.silhouette_edge_count));
-  fmt::print("\n");
-  if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) fmt::print("  unit?    {}\n", doubt);
-  if (!checked.crossings.is_complete)
-    fmt::print("  unseen   the search for triangles that meet each other ended early: there are more\n");
-  if (health.seam_unseen_count > 0) {
-    fmt::print(
-        "  unseen   {} points of the border were not looked at for cracks: too many borders lie near each other\n",
-        grouped(health.seam_unseen_count));
-  }
-  const std::vector<Finding> findings = findings_of(checked, kWorstInTable);
-  if (findings.empty()) {
-    fmt::print("  nothing is wrong with it\n");
-    return;
-  }
-  const bool names_objects = checked.parts != nullptr && checked.parts->size() > 1;
-  for (const Finding& finding : findings) {
-    fmt::print("  {:>11}  {:<20} {}\n", grouped(finding.count), finding.what, finding.consequence);
-    if (!finding.worst.empty())
-      fmt::print("               {}{}\n", finding.count > finding.worst.size() ? "the worst: " : "",
-                 places_text(finding, names_objects));
-  }
-}
+ private:
+  static constexpr std::size_t kScreenLines = 23;
+  static constexpr std::size_t kScreenColumns = 80;
+  static constexpr std::size_t kIndent = 15;
 
-void print_text(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report) {
-  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()),
-             grouped(scene.mesh.triangles.size()), grouped(scene.objects.size()));
-  print_lines("placed", report.placed);
-  for (const CheckedMesh& checked : meshes) {
-    if (checked.parts == nullptr)
-      fmt::print("{}  {} triangles\n", checked.name, grouped(checked.health.triangle_count));
-    print_mesh(checked);
+  void line(const std::string& text) {
+    fmt::print("{}\n", text);
+    ++printed_;
   }
-  print_lines("note", report.notes);
-  print_lines("mended", report.mended);
-  print_lines("refused", report.refused);
-  print_lines("warning", report.warnings);
-}
+  void lines(const char* label, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) line(fmt::format("  {:<9}{}", label, text));
+  }
+
+  /// What loading warns of and the findings say as well is left out of the short report.
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> kept;
+    for (const std::string& warning : report_.warnings) {
+      const bool is_repeated = warning.find(" kept") != std::string::npos;
+      if (full_ || !is_repeated) kept.push_back(warning);
+    }
+    return kept;
+  }
+
+  void print_mesh(const CheckedMesh& checked) {
+    const MeshHealth& health = checked.health;
+    if (checked.parts == nullptr) line(fmt::format("{}  {} triangles", checked.name, grouped(health.triangle_count)));
+    const double size_m = (health.bounds.high - health.bounds.low).norm();
+    line(fmt::format("  bounds   {}  to  {}", corner_text(health.bounds.low, size_m),
+                     corner_text(health.bounds.high, size_m)));
+    line(fmt::format("  surface  {}", surface_text(health)));
+    line(fmt::format("  pieces   {}", grouped(health.component_count)));
+    line(fmt::format("  points   {} vertices, {} of them equal to an earlier one", grouped(health.vertex_count),
+                     grouped(health.equal_vertex_count)));
+    std::string edges = fmt::format("  edges    {}, {} of them creases, {} between parts", grouped(health.edge_count),
+                                    grouped(checked.crease_edge_count), grouped(checked.material_edge_count));
+    if (checked.silhouette_edge_count)
+      edges += fmt::format(", {} silhouettes from there", grouped(*checked.silhouette_edge_count));
+    line(edges);
+    if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) line("  unit?    " + doubt);
+    print_unseen(checked);
+    print_findings(checked);
+  }
+
+  void print_unseen(const CheckedMesh& checked) {
+    if (!checked.crossings.is_complete)
+      line("  unseen   the search for triangles that meet each other ended early: there are more");
+    if (checked.health.seam_unseen_count > 0) {
+      line(fmt::format(
+          "  unseen   {} points of the border were not looked at for cracks: too many borders lie near each other",
+          grouped(checked.health.seam_unseen_count)));
+    }
+  }
+
+  /// The findings, worst kind first; below each its worst places, as far as the screen goes.
+  void print_findings(const CheckedMesh& checked) {
+    const std::vector<Finding> findings = by_weight(findings_of(checked, kWorstInTable));
+    if (findings.empty()) line("  nothing is wrong with it");
+    const bool names_objects = checked.parts != nullptr && checked.parts->size() > 1;
+    std::size_t kinds_left = findings.size();
+    for (const Finding& finding : findings) {
+      line(finding_text(finding));
+      --kinds_left;
+      if (finding.worst.empty()) continue;
+      if (!full_ && printed_ + 1 + kinds_left + lines_after_ > kScreenLines) {
+        is_cut_ = true;
+        continue;
+      }
+      line(std::string(kIndent, ' ') + (finding.count > finding.worst.size() ? "the worst: " : "") +
+           places_text(finding, names_objects));
+    }
+  }
+
+  /// Of a consequence in several clauses, on a screen that is too narrow for all, the first and the last, which says
+  /// what to do.
+  std::string finding_text(const Finding& finding) {
+    const std::string head = fmt::format("  {:>11}  {:<20} ", grouped(finding.count), finding.what);
+    const std::string& all = finding.consequence;
+    const std::size_t first = all.find("; ");
+    if (full_ || head.size() + all.size() <= kScreenColumns || first == std::string::npos) return head + all;
+    is_cut_ = true;
+    const std::string ends = all.substr(0, first) + all.substr(all.rfind("; "));
+    return head + (head.size() + ends.size() <= kScreenColumns ? ends : all.substr(0, first));
+  }
+
+  std::string places_text(const Finding& finding, bool names_objects) {
+    constexpr std::size_t kHead = kIndent + std::string_view("the worst: ").size();
+    std::string text;
+    for (const Place& place : finding.worst) {
+      const std::string name = full_ ? place.object : short_name(place.object);
+      const std::string triangle =
+          fmt::format("{}{}triangle {}", text.empty() ? "" : "; ", names_objects ? name + " " : "", place.triangle);
+      std::string one = triangle + (place.detail.empty() ? "" : " " + place.detail);
+      if (!full_ && kHead + text.size() + one.size() > kScreenColumns) {
+        is_cut_ = true;
+        if (!text.empty()) break;
+        one = triangle;
+      }
+      text += one;
+    }
+    return text;
+  }
+
+  /// The name within its scene, cut where it is long: an IFC part's ends in 22 characters that no one reads.
+  std::string short_name(const std::string& name) {
+    constexpr std::size_t kLongest = 30;
+    std::string_view text = name;
+    if (text.starts_with(scene_.name + "/")) text.remove_prefix(scene_.name.size() + 1);
+    if (text.size() <= kLongest) return std::string(text);
+    is_cut_ = true;
+    std::size_t end = kLongest - 3;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not within a character
+    return std::string(text.substr(0, end)) + "...";
+  }
+
+  /// One line a mesh, those with findings first.
+  void summarize_meshes() {
+    std::vector<std::string> faulty;
+    std::vector<std::string> sound;
+    for (const CheckedMesh& checked : meshes_) {
+      std::string kinds;
+      for (const Finding& finding : by_weight(findings_of(checked, 0)))
+        kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", grouped(finding.count), finding.what);
+      const std::string text =
+          fmt::format("  {}  {} triangles, {}", short_name(checked.name), grouped(checked.health.triangle_count),
+                      kinds.empty() ? "nothing is wrong with it" : kinds);
+      (kinds.empty() ? sound : faulty).push_back(text);
+    }
+    faulty.insert(faulty.end(), sound.begin(), sound.end());
+    is_cut_ = true;
+    for (std::size_t i = 0; i < faulty.size(); ++i) {
+      if (printed_ + 1 + lines_after_ >= kScreenLines && i + 1 < faulty.size()) {
+        line(fmt::format("  and {} more meshes", grouped(faulty.size() - i)));
+        return;
+      }
+      line(faulty[i]);
+    }
+  }
+
+  /// Full digits on request; else as many as tell a thousandth of a thousandth of the size.
+  std::string corner_text(const Vec3& corner, double size_m) const {
+    const bool rounds = !full_ && size_m > 0 && std::isfinite(size_m);
+    if (!rounds) return point_text(corner);
+    const double step = std::pow(10, std::floor(std::log10(size_m)) - 5);
+    const auto places = static_cast<int>(std::max(0.0, -std::log10(step)));
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis)
+      text += (axis == 0 ? "" : " ") + shortest(std::stod(fmt::format("{:.{}f}", corner[axis], places)) + 0.0);
+    return text;
+  }
+
+  const Scene& scene_;
+  const std::vector<CheckedMesh>& meshes_;
+  const LoadReport& report_;
+  const bool full_;
+  std::size_t printed_ = 0;
+  std::size_t lines_after_ = 0;  // that will follow the meshes
+  bool is_cut_ = false;          // something was left out for want of space
+};
 
 }  // namespace
 
@@ -210,7 +336,7 @@ int check(const FileOptions& file, const CheckOptions& options) {
       check_meshes(scene, scrutiny, [&](double fraction) { line->tell(kLoaded + (1 - kLoaded) * fraction); });
   line.reset();
   if (options.as_json) print_json(scene, meshes, report);
-  else print_text(scene, meshes, report);
+  else Report(scene, meshes, report, options.full).print();
   if (options.volumes) print_volumes(scene);
   if (options.encodings) print_encodings(scene);
   return report.refused.empty() ? 0 : 1;

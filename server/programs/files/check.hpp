@@ -10,6 +10,7 @@ struct CheckOptions {
   double crease_deg = 30;  // angle between two triangles above which their edge is a crease
   bool volumes = false;    // print the table of bounding volumes too
   bool encodings = false;  // print the table of sizes as lists, fans, strips and a mesh too
+  bool full = false;       // every finding's places, with full names and digits; else what fits a screen
   std::string eye{};       // "X,Y,Z"; empty: no silhouettes are counted
 };
 

@@ -71,6 +71,7 @@ int main(int argument_count, char** arguments) {
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
   check->add_flag("--json", check_options.as_json, "One JSON object");
+  check->add_flag("-v,--verbose", check_options.full, "Every finding's places, with full names and digits");
   check
       ->add_option("--crease", check_options.crease_deg,
                    "Angle between two triangles above which their edge is a crease, degrees (30)")

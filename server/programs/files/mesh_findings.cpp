@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "server/exact_phase/edge_kinds.hpp"
 #include "server/programs/files/file_options.hpp"
@@ -86,7 +87,7 @@ class Findings {
   void add_edges() {
     const MeshHealth& h = c_.health;
     add("boundary_edges", "boundary edges", h.boundary_edge_count, sides(h.boundary_edges),
-        "kept; the surface is open, so nothing is inside");
+        "kept; the surface is open: nothing is inside");
     add("nonmanifold_edges", "edges of 3 and more", h.nonmanifold_edge_count, sides(h.nonmanifold_edges),
         "kept; each triangle answers by itself");
     std::vector<Item> twice;
@@ -128,7 +129,8 @@ class Findings {
       crossings.push_back({pair.a, 0, fmt::format("with {}", place({pair.b}).triangle)});
     }
     add("self_intersections", "meet each other", c_.crossings.pairs.size(), std::move(crossings),
-        "kept; every triangle counts");
+        c_.parts != nullptr && c_.parts->size() > 1 ? "normal where parts join or overlap; every triangle counts"
+                                                    : "kept; every triangle counts");
   }
 
   void add_seams() {
@@ -196,6 +198,19 @@ CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::ve
 
 std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count) {
   return Findings(checked, worst_count).all();
+}
+
+std::vector<Finding> by_weight(std::vector<Finding> findings) {
+  constexpr std::string_view kHeaviestFirst[] = {
+      "cracks",       "t_vertices",     "flipped",           "inconsistent_edges",
+      "unorientable", "boundary_edges", "nonmanifold_edges", "zero_area",
+      "duplicates",   "pinched_points", "self_intersections"};
+  const auto weight = [&](const Finding& finding) {
+    return std::find(std::begin(kHeaviestFirst), std::end(kHeaviestFirst), finding.key);
+  };
+  std::stable_sort(findings.begin(), findings.end(),
+                   [&](const Finding& a, const Finding& b) { return weight(a) < weight(b); });
+  return findings;
 }
 
 }  // namespace collided::engine::files

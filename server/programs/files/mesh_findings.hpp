@@ -59,4 +59,7 @@ struct Finding {
 /// The faults that the mesh has, in a fixed order, each with at most worst_count places.
 std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
 
+/// The same findings, what spoils answers first and what is usual last.
+std::vector<Finding> by_weight(std::vector<Finding> findings);
+
 }  // namespace collided::engine::files

@@ -1,5 +1,7 @@
 #include "server/programs/import/assimp_scene.hpp"
 
+#include <assimp/commonMetaData.h>
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -30,19 +33,103 @@ AssimpPlacement operator*(const AssimpPlacement& parent, const aiMatrix4x4& m) {
   return {parent.linear * linear, parent.linear * Vec3(m.a4, m.b4, m.c4) + parent.offset};
 }
 
+/// Which axis is up in what Assimp returns, by format. It turns some formats so that y is up, and others not at all.
+enum class Turned {
+  never,        // the numbers are the file's
+  from_z,       // the format has z up, and Assimp turned it about x
+  as_file_says  // the file names its axis, and Assimp turned that to y unless it was told to ignore it
+};
+
+struct AssimpFormat {
+  std::string_view assimp_name;  // as its metadata has it
+  std::string_view name;
+  Turned turned = Turned::never;
+  bool in_metres = false;  // Assimp has multiplied by the unit that the file states
+};
+constexpr AssimpFormat kAssimpFormats[] = {
+    {"Industry Foundation Classes (IFC) Importer", "IFC", Turned::from_z, true},
+    {"Discreet 3DS Importer", "3DS", Turned::from_z, false},
+    {"ASE Importer", "ASE", Turned::from_z, false},
+    {"Collada Importer", "Collada", Turned::as_file_says, true},
+    {"Autodesk FBX Importer", "FBX", Turned::never, false},
+};
+
+AssimpFormat format_of(const aiScene& scene) {
+  aiString name;
+  if (scene.mMetaData != nullptr) scene.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, name);
+  for (const AssimpFormat& format : kAssimpFormats) {
+    if (format.assimp_name == name.C_Str()) return format;
+  }
+  return {};
+}
+
+/// FBX states its axis in the metadata, and Assimp leaves the numbers alone.
+bool says_y_is_up(const aiScene& scene) {
+  std::int32_t axis = 0;
+  return scene.mMetaData != nullptr && scene.mMetaData->Get("UpAxis", axis) && axis == 1;
+}
+
+/// The turn (x, y, z) -> (x, -z, y), which takes y up to z up.
+Mat3 y_to_z() {
+  Mat3 turn;
+  turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return turn;
+}
+
+/// Undoes the turn by a quarter about x of a format that has z up. For IFC Assimp takes the cosine of a quarter turn in
+/// single precision, which is -4e-8 and not 0: half a micrometre at 10 m, unless the same angle is turned back.
+Mat3 undo_turn(std::string_view format) {
+  const double cosine = format == "IFC" ? static_cast<float>(std::cos(static_cast<double>(AI_MATH_HALF_PI_F))) : 0.0;
+  Mat3 undo;
+  undo << 1, 0, 0, 0, cosine, -1, 0, 1, cosine;
+  undo.bottomRightCorner<2, 2>() /= 1 + cosine * cosine;
+  return undo;
+}
+
+/// The turn with those entries made whole that are so but for the rounding of the product it came from: what was level in
+/// the file stays level.
+Mat3 without_rounding(const Mat3& turn) {
+  constexpr double kFewRoundings = 0x1p-50;
+  return turn.unaryExpr([](double x) { return std::abs(x - std::round(x)) <= kFewRoundings ? std::round(x) : x; });
+}
+
+/// What makes z be up in a scene as Assimp returned it, and says so. A caller who names the axis gets the file's own
+/// numbers, which are turned afterwards.
+Mat3 upright(const aiScene& scene, const LoadOptions& options, LoadReport& report) {
+  const AssimpFormat format = format_of(scene);
+  if (format.name.empty()) return Mat3::Identity();
+  const auto tell = [&](std::string_view what) {
+    if (options.up == 0) report.placed.push_back(fmt::format("{}, as {} says", what, format.name));
+  };
+  if (format.in_metres) report.placed.push_back(fmt::format("lengths are in metres, as {} says", format.name));
+  if (format.turned == Turned::from_z) {
+    tell("z is up");
+    return undo_turn(format.name);
+  }
+  if (format.turned == Turned::as_file_says) {
+    tell("the up axis is turned to z");
+    return options.up == 0 ? y_to_z() : Mat3::Identity();
+  }
+  const bool turns = says_y_is_up(scene);
+  tell(turns ? "y is up and turned to z" : "z is up");
+  return turns && options.up == 0 ? y_to_z() : Mat3::Identity();
+}
+
 class AssimpReader {
  public:
-  AssimpReader(const aiScene& from, const LoadOptions& options, LoadReport& report)
-      : from_(from), options_(options), report_(report) {}
+  /// turn  applied to everything that Assimp returned
+  AssimpReader(const aiScene& from, const Mat3& turn, const LoadOptions& options, LoadReport& report)
+      : from_(from), turn_(turn), options_(options), report_(report) {}
 
   Scene read() {
     count_names();
     // A stack of our own instead of recursion: the file chooses how deep it nests.
-    std::vector<std::pair<const aiNode*, AssimpPlacement>> waiting = {{from_.mRootNode, {}}};
+    std::vector<std::pair<const aiNode*, AssimpPlacement>> waiting = {{from_.mRootNode, {.linear = turn_}}};
     while (!waiting.empty()) {
       const auto [node, parent] = waiting.back();
       waiting.pop_back();
-      const AssimpPlacement placement = parent * node->mTransformation;
+      AssimpPlacement placement = parent * node->mTransformation;
+      if (node == from_.mRootNode) placement.linear = without_rounding(placement.linear);
       add_part(*node, placement);
       for (unsigned i = node->mNumChildren; i-- > 0;) { waiting.emplace_back(node->mChildren[i], placement); }
     }
@@ -141,6 +228,7 @@ class AssimpReader {
   }
 
   const aiScene& from_;
+  const Mat3 turn_;
   const LoadOptions& options_;
   LoadReport& report_;
   Scene scene_;
@@ -153,11 +241,12 @@ class AssimpReader {
 
 Scene read_with_assimp(const std::string& path, const LoadOptions& options, LoadReport& report) {
   Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options.up != 0);
   const aiScene* from = importer.ReadFile(path, aiProcess_Triangulate);
   if (from == nullptr || from->mRootNode == nullptr) {
     throw LoadError(fmt::format("Assimp cannot read it: {}", importer.GetErrorString()));
   }
-  Scene scene = AssimpReader(*from, options, report).read();
+  Scene scene = AssimpReader(*from, upright(*from, options, report), options, report).read();
   scene.name = options.name.empty() ? "scene" : options.name;
   if (scene.mesh.triangles.empty()) { throw LoadError("no triangles"); }
   name_parts({file_name(path), {}, options, report}, scene);

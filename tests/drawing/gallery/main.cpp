@@ -73,9 +73,10 @@ void add_styles(Stage& stage, Page& page) {
     const char* name;
     const char* path;
     double crease_cosine;
+    Vec3 up;
   };
-  for (const Scene& scene : {Scene{"house", "/usr/share/assimp/models/IFC/AC14-FZK-Haus.ifc", 0.866},
-                             Scene{"bunny", "/usr/share/glmark2/models/bunny.obj", 0.34}}) {
+  for (const Scene& scene : {Scene{"house", "/usr/share/assimp/models/IFC/AC14-FZK-Haus.ifc", 0.866, Vec3::UnitZ()},
+                             Scene{"bunny", "/usr/share/glmark2/models/bunny.obj", 0.34, Vec3::UnitY()}}) {
     std::string body;
     std::vector<Row> rows;
     if (!stage.load(scene.path)) {
@@ -84,7 +85,7 @@ void add_styles(Stage& stage, Page& page) {
     }
     for (int style = 0; style < 6; ++style) {
       draw::DrawOptions options;
-      options.view = {.up = Vec3::UnitY(), .width_px = 700};
+      options.view = {.up = scene.up, .width_px = 700};
       options.style = static_cast<draw::Style>(style);
       options.crease_cosine = scene.crease_cosine;
       // The lines of a whole house inside are a grey surface.
