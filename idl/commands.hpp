@@ -47,7 +47,8 @@ inline constexpr const char* kList = "list";
 /// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
 inline constexpr const char* kGet = "get";
 
-/// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], bytes
+/// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], scenes [{scene, load}], bytes. load: the
+/// arguments of the command load that would bring the scene back; null for a file that a client sent
 inline constexpr const char* kPlan = "plan";
 
 /// -> covers (as in load, of all that is loaded; null: none was ever stated, so all of space is covered), version
@@ -67,6 +68,12 @@ inline constexpr const char* kAudit = "audit";
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
 ///    not_built [structure]
 inline constexpr const char* kFigures = "figures";
+
+/// last (at most 256): the newest steps of the world, the oldest first
+/// -> steps [{version, world_time_ns, whole_ns, take_ns, update_ns, index_ns, test_ns, events_ns, publish_ns, moved,
+///    candidates (pairs), exact_tests, contacts, events}]. The stages have clock readings of their own; whole_ns is
+///    measured apart
+inline constexpr const char* kSteps = "steps";
 
 /// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0): sets a
 /// probe, in place of one of that name. With remove true: only the name, a glob. -> probes [names], version

@@ -73,6 +73,8 @@ std::unique_ptr<Command> make_doctor();
 std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_events();
+std::unique_ptr<Command> make_demo();
+std::unique_ptr<Command> make_shell();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_man();
 std::unique_ptr<Command> make_version();

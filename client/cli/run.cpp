@@ -1,5 +1,7 @@
 #include "client/cli/run.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +10,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/global_options.hpp"
 #include "client/cli/input/line_reader.hpp"
+#include "client/cli/input/prompt.hpp"
 #include "client/cli/input/tokens.hpp"
 #include "client/cli/output/help.hpp"
 #include "client/cli/output/suggest.hpp"
@@ -111,33 +114,51 @@ const Verb& known_verb(const std::string& name) {
 
 Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& globals);
 
-/// `collide -`: runs a verb for each line of standard input, over one connection. A line that fails is reported and the
-/// next one runs.
+/// Verbs whose words are lines of more verbs.
+bool is_lines_verb(const std::string& name) { return name == "-" || name == "shell"; }
+
+/// The lines of a pipe or file.
+LineSource piped_lines(int in) {
+  const auto reader = std::make_shared<LineReader>(in);
+  return {.next = [reader](std::string& line) { return reader->next(line); },
+          .number = [reader] { return reader->line_number(); }};
+}
+
+/// Runs the verb of one line. False where it failed, which has then been reported.
+bool run_line(const std::string& line, const LineSource& lines, Session& session, const Globals& globals) {
+  Globals line_globals = globals;
+  try {
+    const std::vector<std::string> words = split_words(line);
+    if (words.empty()) return true;
+    const std::vector<std::string> tokens = prepare_tokens(words);
+    if (is_lines_verb(tokens.front())) throw bad_use(fmt::format("'{}' has no meaning here", tokens.front()));
+    run_tokens(tokens, session, line_globals);
+    return true;
+  } catch (const Failure& failure) {
+    if (failure.code == Exit::no_server && lines.number) throw;
+    const std::string where = lines.number ? fmt::format("line {}: ", lines.number()) : std::string();
+    print_failure(session.io, line_globals, Failure(failure.code, where + failure.what(), failure.hint));
+    return false;
+  }
+}
+
+/// `collide -` and `collide shell`: runs a verb for each line of standard input, over one connection. A line that fails is
+/// reported and the next one runs.
 Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
   parse_globals(std::move(tokens), globals);
-  LineReader lines(session.io.in);
+  const bool is_typed = ::isatty(session.io.in) == 1;
+  const LineSource lines = is_typed ? prompted_lines(session.io) : piped_lines(session.io.in);
   session.io.in = -1;  // the lines come from it, so the verbs must not read it
   std::string line;
   std::size_t failed = 0;
-  while (lines.next(line) && !stop_requested) {
-    Globals line_globals = globals;
-    try {
-      const std::vector<std::string> words = split_words(line);
-      if (words.empty()) continue;
-      const std::vector<std::string> line_tokens = prepare_tokens(words);
-      if (line_tokens.front() == "-") throw bad_use("'-' has no meaning inside 'collide -'");
-      run_tokens(line_tokens, session, line_globals);
-    } catch (const Failure& failure) {
-      if (failure.code == Exit::no_server) throw;
-      ++failed;
-      print_failure(
-          session.io, line_globals,
-          Failure(failure.code, fmt::format("line {}: {}", lines.line_number(), failure.what()), failure.hint));
-    }
+  while (!stop_requested && lines.next(line)) {
+    if (!run_line(line, lines, session, globals)) ++failed;
     session.io.out.flush();
+    // At a prompt, Ctrl-C ends what runs, not the shell.
+    if (is_typed) stop_requested = false;
   }
   if (stop_requested) return Exit::interrupted;
-  return failed > 0 ? Exit::partly_refused : Exit::yes;
+  return failed > 0 && !is_typed ? Exit::partly_refused : Exit::yes;
 }
 
 Exit run_without_verb(std::vector<std::string> tokens, Session& session, Globals& globals) {
@@ -153,7 +174,9 @@ Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& glob
   if (at == tokens.size()) return run_without_verb(std::move(tokens), session, globals);
   const std::string name = unmarked(tokens[at]);
   tokens.erase(tokens.begin() + static_cast<std::ptrdiff_t>(at));
-  if (name == "-") return run_lines(std::move(tokens), session, globals);
+  const auto is_help = [](const std::string& token) { return token == "-h" || token == "--help"; };
+  if (is_lines_verb(name) && std::none_of(tokens.begin(), tokens.end(), is_help))
+    return run_lines(std::move(tokens), session, globals);
   return run_verb(known_verb(name), std::move(tokens), session, globals);
 }
 

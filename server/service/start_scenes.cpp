@@ -6,6 +6,9 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
 
 #include "server/service/commands/scene_loading.hpp"
 #include "server/service/runtime/clock.hpp"
@@ -59,7 +62,20 @@ LoadedScene load(const Options& options, const std::string& path) {
   load_options.mend_m = options.mend_m;
   load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
-  return load_and_index(path, load_options);
+  LoadedScene loaded = load_and_index(path, load_options);
+  nlohmann::json again{{"path", std::filesystem::absolute(path).lexically_normal().string()}};
+  if (options.unit_m != 1) again["unit_m"] = options.unit_m;
+  if (options.up != 0) again["up"] = std::string(1, options.up);
+  if (options.mend_m) again["mend"] = true;
+  if (options.mend_m && *options.mend_m > 0) again["crack_m"] = *options.mend_m;
+  loaded.indexed->source = again.dump();
+  return loaded;
+}
+
+LoadedScene embedded() {
+  LoadedScene loaded = embedded_and_indexed();
+  loaded.indexed->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
+  return loaded;
 }
 
 void add(World& world, const LoadedScene& loaded) {
@@ -72,7 +88,7 @@ void add(World& world, const LoadedScene& loaded) {
 
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns) {
   for (const std::string& path : options.scenes) add(world, load(options, path));
-  if (options.scenes.empty()) add(world, embedded_and_indexed());
+  if (options.scenes.empty()) add(world, embedded());
   if (!options.covers.empty()) world.state_covers("", options.covers);
   world.step(now_ns, 1, {});
   std::fflush(stdout);

@@ -72,8 +72,7 @@ void WorldLoop::serve() {
 }
 
 void WorldLoop::take_arrivals() {
-  const std::int64_t started_ns = steady_ns();
-  const std::int64_t stepping_before_ns = stepping_ns_;
+  taking_since_ns_ = steady_ns();
   for (Arrival& arrival : arrivals_) {
     const std::size_t known = publishers_.size();
     take(arrival);
@@ -81,8 +80,16 @@ void WorldLoop::take_arrivals() {
     keep_time();
   }
   apply([&] { return publishers_.release_parked(with_.clock.now_ns()); });
-  const std::int64_t stepped_ns = stepping_ns_ - stepping_before_ns;
-  sums_.take_ns.add(static_cast<std::uint64_t>(std::max<std::int64_t>(0, steady_ns() - started_ns - stepped_ns)));
+  count_taking(steady_ns());
+  taking_since_ns_ = 0;
+}
+
+/// Counts the time since the last reading as spent on taking samples, where any are being taken: a step may come between.
+void WorldLoop::count_taking(std::int64_t now_ns) {
+  if (taking_since_ns_ == 0) return;
+  taken_ns_ += now_ns - taking_since_ns_;
+  sums_.take_ns.add(static_cast<std::uint64_t>(now_ns - taking_since_ns_));
+  taking_since_ns_ = now_ns;
 }
 
 /// Writes a status twenty times a second, however much has come in: a client that gets none for 0.24 s (kStatusLostNs)
@@ -175,6 +182,7 @@ void WorldLoop::step_if_due() {
 
 void WorldLoop::step_now() {
   const std::int64_t started_ns = steady_ns();
+  count_taking(started_ns);
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   const bool leaves_out = with_.leaves_out_details && with_.leaves_out_details();
   const StepOptions step_options{.contacts = with_.event_writer.contacts_wanted(),
@@ -195,7 +203,7 @@ void WorldLoop::step_now() {
   sum_up(started_ns, stepped_ns);
 }
 
-/// Adds a step to the sums that any thread may read.
+/// Adds a step to the sums and traces that any thread may read.
 void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   const std::int64_t ended_ns = steady_ns();
   const StepCost& cost = with_.world.cost();
@@ -203,6 +211,7 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.update_ns.add(static_cast<std::uint64_t>(cost.update_ns));
   sums_.index_ns.add(static_cast<std::uint64_t>(cost.broad_ns));
   sums_.test_ns.add(static_cast<std::uint64_t>(cost.exact_ns));
+  sums_.events_ns.add(static_cast<std::uint64_t>(cost.events_ns));
   sums_.publish_ns.add(static_cast<std::uint64_t>(ended_ns - stepped_ns));
   sums_.poses_applied.set(publishers_.counts().poses_applied);
   sums_.moved.add(cost.moved);
@@ -214,7 +223,23 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.swept.add(cost.swept);
   sums_.kept_apart.add(cost.kept_apart);
   sums_.durations.add(ended_ns - started_ns);
-  stepping_ns_ += ended_ns - started_ns;
+  const SnapshotRing::Lease state = with_.world.newest();
+  traces_.add({.version = state->version,
+               .world_time_ns = state->world_time_ns,
+               .whole_ns = taken_ns_ + ended_ns - started_ns,
+               .take_ns = taken_ns_,
+               .update_ns = cost.update_ns,
+               .index_ns = cost.broad_ns,
+               .test_ns = cost.exact_ns,
+               .events_ns = cost.events_ns,
+               .publish_ns = ended_ns - stepped_ns,
+               .moved = cost.moved,
+               .candidates = cost.candidate_pairs,
+               .exact_tests = cost.exact_tests,
+               .contacts = cost.contacts,
+               .events = static_cast<std::uint32_t>(with_.world.events().size())});
+  taken_ns_ = 0;
+  if (taking_since_ns_ != 0) taking_since_ns_ = ended_ns;
 }
 
 void WorldLoop::sum_up_poses() {

@@ -18,6 +18,7 @@
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/counters.hpp"
 #include "server/service/runtime/step_sums.hpp"
+#include "server/service/runtime/step_traces.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -93,6 +94,8 @@ class WorldLoop {
   const LoopCounts& counts() const { return counts_; }
   /// Any thread.
   const StepSums& sums() const { return sums_; }
+  /// The newest steps, stage by stage. Any thread.
+  const StepTraces& traces() const { return traces_; }
   /// Period of the steps; 0: a step as soon as something has changed. Any thread.
   std::int64_t step_period_ns() const { return options_.step_ns; }
   /// The publisher's name as of the last status; empty: unknown. Any thread.
@@ -116,6 +119,7 @@ class WorldLoop {
   void keep_time();
   bool has_recovered() const;
   void take_arrivals();
+  void count_taking(std::int64_t now_ns);
   void step_if_due();
   void sum_up(std::int64_t started_ns, std::int64_t stepped_ns);
   void sum_up_poses();
@@ -147,7 +151,9 @@ class WorldLoop {
   std::int64_t next_tick_ns_ = 0;
   LoopCounts counts_;
   StepSums sums_;
-  std::int64_t stepping_ns_ = 0;  // spent in steps since the start
+  StepTraces traces_;
+  std::int64_t taking_since_ns_ = 0;  // 0 while no samples are being taken
+  std::int64_t taken_ns_ = 0;         // spent on taking samples since the last step
 
   Probes probes_;
   std::atomic<std::size_t> probe_count_{0};

@@ -65,9 +65,10 @@ struct StepCost {
   /// next step with any motion looks at all pairs again. Contacts that are reported are right all the same, and so are
   /// their ends.
   bool truncated = false;
-  std::int64_t update_ns = 0;  // these three: elapsed time of the stages
+  std::int64_t update_ns = 0;  // these four: elapsed time of the stages
   std::int64_t broad_ns = 0;
   std::int64_t exact_ns = 0;
+  std::int64_t events_ns = 0;  // inner edges, the ledger, and the new state made visible
 };
 
 /// What the subscribers need; the rest is not computed.

@@ -87,7 +87,8 @@ TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
       {"ray missing.csv", "error: ray: missing.csv: No such file or directory\n"},
       {"add crate bx 1 1 1",
        "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, "
-       "cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY]\n"},
+       "cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY], "
+       "mesh FILE, hull FILE\n"},
       {"add crate box 1 1", "error: add: a box takes 3: full lengths along x, y, z; 2 given\n"},
       {"--jsn status", "error: status: unknown option '--jsn'; did you mean '--json'?\n"},
       {"get \xff", "error: get: a name or path is not UTF-8 text\n"},

@@ -43,6 +43,7 @@ TEST_F(SaidInFull, UndoCountsWhatIsNotListedAndWhatNoLineBringsBack) {
   replies["get"] = {{"name", "ball"}, {"shape", {sphere}},  {"pose", {1, -0.0, 3, 1, 0, 0, 0}},
                     {"layers", 1},    {"mask", 0xffffffff}, {"group", 0},
                     {"moving", true}};
+  replies["plan"] = {{"scenes", {{{"scene", "hall"}, {"load", nullptr}}}}};
   replies["clear"] = {{"removed", 5}, {"ended", 0}, {"version", 3}};
   const Ran ran = at_terminal("clear");
   EXPECT_EQ(ran.code, 0);

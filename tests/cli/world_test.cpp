@@ -291,13 +291,21 @@ TEST_F(World, TheUndoLineIsACommandOfCollide) {
   EXPECT_EQ(std::get<CapsuleShape>(last_shape[0]).radius_m, 0.05);
 }
 
-TEST_F(World, ClearNamesTheScenesThatWent) {
-  fake::server().status.scenes = {"warehouse"};
+// The lines load each scene as it was loaded; a file that a client sent has none.
+TEST_F(World, ClearSaysHowToLoadTheScenesAgain) {
+  replies["plan"] = {{"scenes",
+                      {{{"scene", "warehouse"}, {"load", {{"path", "embedded:"}}}},
+                       {{"scene", "hall"},
+                        {"load", {{"path", "/srv/big hall.obj"}, {"name", "hall"}, {"unit_m", 0.001}, {"mend", true}}}},
+                       {{"scene", "sent"}, {"load", nullptr}}}}};
   replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
   replies["clear"] = {{"removed", 48}, {"kept", 2}, {"ended", 3}, {"version", 10}};
   const Ran ran = at_terminal("clear");
   EXPECT_EQ(ran.out, "removed 48 objects, ended 3 contacts (world 10); 2 belong to publishers that live and stay\n");
-  EXPECT_EQ(ran.err, "     undo: collide load FILE --name warehouse\n");
+  EXPECT_EQ(ran.err,
+            "     undo: collide load embedded:\n"
+            "     undo: collide load '/srv/big hall.obj' --name hall --unit 0.001 --mend\n"
+            "     1 more that no line here brings back\n");
 }
 
 TEST_F(World, ALineThatFailsIsNamedAndTheNextRuns) {

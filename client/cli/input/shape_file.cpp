@@ -7,6 +7,8 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/line_reader.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_mesh.hpp"
+#include "client/cli/input/shape_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -70,11 +72,10 @@ HeightFieldShape read_heights(const std::string& path, double dx, double dy, int
   return field;
 }
 
-}  // namespace
+/// Whether this kind of shape is read from a file of numbers.
+bool is_numbers_kind(const std::string& kind) { return kind == "points" || kind == "polyline" || kind == "heights"; }
 
-bool is_file_kind(const std::string& kind) { return kind == "points" || kind == "polyline" || kind == "heights"; }
-
-ShapePart read_shape(const std::vector<std::string>& words, int in) {
+ShapePart read_numbers_shape(const std::vector<std::string>& words, int in) {
   const std::string& kind = words[0];
   const bool heights = kind == "heights";
   const std::size_t most = heights ? 4 : 3;
@@ -90,6 +91,18 @@ ShapePart read_shape(const std::vector<std::string>& words, int in) {
   if (heights) return read_heights(words[1], numbers[0], numbers.back(), in);
   if (kind == "points") return CloudShape{.points = read_points(words[1], in), .radius_m = numbers[0]};
   return PolylineShape{.points = read_points(words[1], in), .radius_m = numbers[0]};
+}
+
+}  // namespace
+
+ShapePart shape_of_words(std::vector<std::string> words, const Io& io) {
+  if (const std::size_t colon = words[0].find(':'); colon != std::string::npos) {
+    words.insert(words.begin() + 1, words[0].substr(colon + 1));
+    words[0].resize(colon);
+  }
+  if (is_numbers_kind(words[0])) return read_numbers_shape(words, io.in);
+  if (is_mesh_kind(words[0])) return read_mesh_shape(words, io);
+  return make_shape(words[0], parse_numbers({words.begin() + 1, words.end()}, Measure::length));
 }
 
 }  // namespace collided::cli

@@ -5,13 +5,14 @@
 
 #include <collided/client.hpp>
 
+#include "client/cli/io.hpp"
+
 namespace collided::cli {
 
-/// Reads a shape from the words points FILE R | polyline FILE R | heights FILE DX [DY]. The file has rows of numbers
-/// separated by blanks or commas, and comments after '#'; "-" is the descriptor `in`. Throws Failure with the line.
-ShapePart read_shape(const std::vector<std::string>& words, int in);
-
-/// Whether this kind of shape is read from a file.
-bool is_file_kind(const std::string& kind);
+/// Makes a shape from a kind and what follows it: those of make_shape, or points FILE R | polyline FILE R |
+/// heights FILE DX [DY], whose file has rows of numbers separated by blanks or commas, and comments after '#', "-" being
+/// standard input; or mesh FILE | hull FILE. A colon may stand for the first blank: hull:part.stl. Throws Failure, with
+/// the line of a file.
+ShapePart shape_of_words(std::vector<std::string> words, const Io& io);
 
 }  // namespace collided::cli

@@ -11,7 +11,7 @@ namespace collided::cli {
 /// The shapes that `add` takes, for errors.
 inline constexpr const char* kShapeForms =
     "shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n"
-    "points FILE R, polyline FILE R, heights FILE DX [DY]";
+    "points FILE R, polyline FILE R, heights FILE DX [DY], mesh FILE, hull FILE";
 
 /// The same for the help. Lengths are in metres or have a unit; axes are the object's own, with its centre at the
 /// origin.
@@ -25,7 +25,9 @@ inline constexpr const char* kShapeTable =
     "  plane [NX NY NZ]          solid behind it; the normal is z where none is given\n"
     "  points FILE R             balls about points\n"
     "  polyline FILE R           lines with a thickness\n"
-    "  heights FILE DX [DY]      heights on a grid\n";
+    "  heights FILE DX [DY]      heights on a grid\n"
+    "  mesh FILE                 the triangles of a file that `collide check` reads\n"
+    "  hull FILE                 the convex hull of its points\n";
 
 /// Makes a shape: sphere R | box X Y Z (full lengths) | capsule R L (L between the two centres, along z) | cylinder R L
 /// | cone R H | ellipsoid X Y Z (full lengths) | plane [NX NY NZ] (solid behind it). Throws Failure.

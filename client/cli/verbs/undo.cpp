@@ -1,5 +1,6 @@
 #include "client/cli/verbs/undo.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
@@ -63,6 +64,40 @@ std::string add_line(const nlohmann::json& object) {
   return line;
 }
 
+/// The path as one would type it here: relative where the file lies below this folder.
+std::string typed_path(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::current_path(error);
+  const std::string nearer = error ? path : std::filesystem::path(path).lexically_relative(here).string();
+  return nearer.empty() || nearer.starts_with("..") ? path : nearer;
+}
+
+std::string load_line(const std::string& scene, const nlohmann::json& load) {
+  std::string line = "collide load " + shell_word(typed_path(text_of(load, "path")));
+  if (!text_of(load, "name").empty()) line += " --name " + shell_word(scene);
+  const auto length = [&](const char* key, const char* option, double usual) {
+    const double metres = load.contains(key) ? number_of(load, key) : usual;
+    if (metres != usual) line += fmt::format(" {} {}", option, format_number(metres));
+  };
+  length("unit_m", "--unit", 1);
+  length("radius_m", "--radius", 0);
+  length("crack_m", "--crack", 0);
+  if (!text_of(load, "up").empty()) line += " --up " + text_of(load, "up");
+  if (!text_of(load, "srdf").empty()) line += " --srdf " + shell_word(text_of(load, "srdf"));
+  for (const char* flag : {"strict", "mend"}) {
+    if (flag_of(load, flag)) line += fmt::format(" --{}", flag);
+  }
+  for (const nlohmann::json& box : load.value("covers", nlohmann::json::array())) {
+    std::string corners;
+    for (std::size_t i = 0; i < box.size(); ++i) {
+      const std::string number = box[i].is_string() ? box[i].get<std::string>() : format_number(box[i].get<double>());
+      corners += (i == 0 ? "" : i == 3 ? ":" : ",") + number;
+    }
+    line += " --covers=" + corners;
+  }
+  return line;
+}
+
 }  // namespace
 
 Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only, std::size_t most) {
@@ -83,6 +118,20 @@ Undo undo_of(Session& session, const Globals& globals, const std::string& glob, 
               : std::string();
     if (line.empty()) ++undo.left_out;
     else undo.lines.push_back(line);
+  }
+  return undo;
+}
+
+Undo undo_of_scenes(Session& session, const Globals& globals, const std::string& scene) {
+  Undo undo;
+  if (globals.quiet) return undo;
+  const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());
+  for (const nlohmann::json& one : answer.value("scenes", nlohmann::json::array())) {
+    const std::string name = text_of(one, "scene");
+    if (!scene.empty() && name != scene) continue;
+    const nlohmann::json load = one.value("load", nlohmann::json());
+    if (load.is_object()) undo.lines.push_back(load_line(name, load));
+    else ++undo.left_out;
   }
   return undo;
 }

@@ -17,6 +17,10 @@ struct Undo {
 Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only,
              std::size_t most = 10);
 
+/// The commands that would load scenes again: that one, or all where it is empty. Scenes whose file a client sent are left
+/// out and counted.
+Undo undo_of_scenes(Session& session, const Globals& globals, const std::string& scene);
+
 /// Prints the commands as a hint, after the objects were removed.
 void print_undo(Session& session, const Globals& globals, const Undo& undo);
 

@@ -3,6 +3,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/verbs/ask_options.hpp"
@@ -68,8 +69,7 @@ class SweepCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (shape_.empty()) throw bad_use("which shape?", "collide sweep sphere 0.1 --from 0 0 1 --to 2 0 1");
     if (from_.empty() || to_.empty()) throw bad_use("a way takes --from X Y Z and --to X Y Z");
-    const std::vector<std::string> words(shape_.begin() + 1, shape_.end());
-    const ShapePart part = make_shape(shape_.front(), parse_numbers(words, Measure::length));
+    const ShapePart part = shape_of_words(shape_, session.io);
     print_warning(session.io, angle_warning("--rpy", rpy_));
     print_warning(session.io, angle_warning("--to-rpy", to_rpy_));
     const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};

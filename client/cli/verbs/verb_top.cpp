@@ -8,6 +8,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/top_page.hpp"
+#include "client/cli/server_command.hpp"
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/terminal_width.hpp"
@@ -29,6 +30,37 @@ std::string_view cut(std::string_view line, std::size_t columns) {
     if (begins_character && seen++ == columns) return line.substr(0, i);
   }
   return line;
+}
+
+/// What takes time in a step: the column's title, and its name in the server's answer.
+constexpr std::pair<const char*, const char*> kStepStages[] = {
+    {"TAKE", "take_ns"},     {"UPDATE", "update_ns"},   {"INDEX", "index_ns"}, {"TEST", "test_ns"},
+    {"EVENTS", "events_ns"}, {"PUBLISH", "publish_ns"}, {"WHOLE", "whole_ns"}};
+
+/// Prints the server's newest steps, stage by stage, one a row.
+Exit print_steps(Session& session, const Globals& globals, std::uint64_t last) {
+  Printer printer = make_printer(session.io, globals);
+  const nlohmann::json answer = server_command(session, globals, wire_contract::command::kSteps, {{"last", last}});
+  const nlohmann::json steps = answer.value("steps", nlohmann::json::array());
+  for (const nlohmann::json& step : steps) {
+    std::vector<std::string> header{"WORLD"};
+    std::vector<std::string> cells{fmt::format("{}", count_of(step, "version"))};
+    Record record{{"world", count_of(step, "version")}, {"time_ns", count_of(step, "world_time_ns")}};
+    for (const auto& [title, key] : kStepStages) {
+      const std::uint64_t ns = count_of(step, key);
+      header.emplace_back(title);
+      cells.push_back(format_duration(std::chrono::nanoseconds(ns)));
+      record.push_back({key, ns});
+    }
+    for (const char* what : {"moved", "candidates", "exact_tests", "contacts", "events"})
+      record.push_back({what, count_of(step, what)});
+    header.insert(header.end(), {"MOVED", "EVENTS"});
+    cells.insert(cells.end(), {std::to_string(count_of(step, "moved")), std::to_string(count_of(step, "events"))});
+    if (printer.human()) printer.row(header, cells);
+    else printer.record(record);
+  }
+  printer.finish();
+  return steps.empty() ? Exit::no : Exit::yes;
 }
 
 /// Switches the terminal to its alternate screen. The destructor restores what was shown before.
@@ -58,6 +90,7 @@ class TopCommand : public Command {
     app.add_option("--every", period_, "Between two looks (1s)");
     app.add_option("-n", most_looks_, "End after so many");
     app.add_option("--for", most_time_, "End after this time");
+    app.add_option("--steps", steps_, "Instead: the newest steps of the world by stage, at most 256");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -65,6 +98,7 @@ class TopCommand : public Command {
     constexpr std::chrono::milliseconds kShortest{10};
     if (period < kShortest) throw bad_use(fmt::format("--every {}; allowed: 10ms and more", period_));
     const std::uint64_t most = most_looks_.empty() ? 0 : parse_count(most_looks_, 1);
+    if (!steps_.empty()) return print_steps(session, globals, parse_count(steps_, 1));
     Printer printer = make_printer(session.io, globals);
     const bool is_live = printer.human() && session.io.out_is_terminal && !once_;
     const bool ends_by_itself = once_ || (!is_live && most == 0 && most_time_.empty());
@@ -173,6 +207,7 @@ class TopCommand : public Command {
   std::string period_ = "1s";
   std::string most_looks_;
   std::string most_time_;
+  std::string steps_;
   std::optional<view::Figures> before_;
   std::uint64_t epoch_ = 0;
   std::string restart_;

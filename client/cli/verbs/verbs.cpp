@@ -29,6 +29,13 @@ class VersionCommand : public Command {
   bool ask_server_ = false;
 };
 
+/// For its help: the lines are run where the command line is (run.cpp).
+class ShellCommand : public Command {
+ public:
+  void declare(CLI::App&) override {}
+  Exit run(Session&, const Globals&) override { throw bad_use("'shell' has no meaning here"); }
+};
+
 /// All verbs by topic, in the order of the help.
 constexpr Verb kVerbs[] = {
     {"ray", "Ask", "what a ray meets", "ray X Y Z  DX DY DZ\nray X Y Z --to X Y Z\nray FILE|-",
@@ -56,7 +63,7 @@ constexpr Verb kVerbs[] = {
      "probe front_left --on car  1.2 0.7 0  0 0 -1\nprobe --watch --only 'front_*' -n 10\nprobe --rm 'front_*'",
      make_probe},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
-     "top\ntop --once --json\ntop --every 200ms -n 10", make_top},
+     "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
     {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
     {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},
@@ -104,6 +111,10 @@ constexpr Verb kVerbs[] = {
      "events run.mcap --only 'drone_*' --from 2026-11-22T12:03:10Z --to 2026-11-22T12:03:12.5Z\nevents crash.mcap "
      "--from -2s --json",
      make_events},
+    {"demo", "More", "a server of its own with a small warehouse, some questions to it, and then yours", "demo",
+     "demo\ndemo --for 10min", make_demo},
+    {"shell", "More", "many verbs over one connection: at a prompt, or a line each from a pipe (then also -)",
+     "shell\nshell < FILE", "shell\n- < questions.txt", make_shell},
     {"help", "More", "what a verb does, or a guide", "help [VERB|GUIDE|options]", "help ray\nhelp asking\nhelp options",
      make_help},
     {"man", "", "manual pages in roff: of collide, of a guide, of the server", "man [GUIDE]\nman --server",
@@ -116,6 +127,8 @@ constexpr Verb kVerbs[] = {
 };
 
 }  // namespace
+
+std::unique_ptr<Command> make_shell() { return std::make_unique<ShellCommand>(); }
 
 std::span<const Verb> verbs() { return kVerbs; }
 

@@ -72,7 +72,7 @@ class AddCommand : public Command {
     if (words_.size() < 2) throw bad_use("a name and a shape are needed", kShapeForms);
     const std::string& name = words_[0];
     print_warning(session.io, angle_warning("--rpy", rpy_));
-    const ShapePart shape = this->shape(session);
+    const ShapePart shape = shape_of_words({words_.begin() + 1, words_.end()}, session.io);
     // A plane is unbounded, so it is static without --static.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
     const nlohmann::json arguments{{"name", name},
@@ -90,11 +90,6 @@ class AddCommand : public Command {
   }
 
  private:
-  ShapePart shape(Session& session) const {
-    const std::vector<std::string> words(words_.begin() + 1, words_.end());
-    if (is_file_kind(words[0])) return read_shape(words, session.io.in);
-    return make_shape(words[0], parse_numbers({words.begin() + 1, words.end()}, Measure::length));
-  }
   nlohmann::json scale() const {
     const std::vector<double> factors = parse_numbers({scale_});
     if (factors.size() == 1) return {factors[0], factors[0], factors[0]};
@@ -206,7 +201,9 @@ class RemoveCommand : public Command {
 class LoadCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", path_, "File that the server can read; with --upload, that this side can read");
+    app.add_option(
+        "file", path_,
+        "File that the server can read; with --upload, that this side can read; embedded: for the small one inside");
     app.add_flag("--upload", upload_,
                  "Send the file's bytes; the server reads them in a process that may do nothing else");
     app.add_option("--name", name_, "Name of the scene (the file's stem)");
@@ -238,7 +235,9 @@ class LoadCommand : public Command {
         {"replace", replace_}};
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
-    if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
+    const bool is_embedded = path_ == "embedded:";
+    if (!upload_)
+      arguments["path"] = is_embedded ? path_ : std::filesystem::absolute(path_).lexically_normal().string();
     const nlohmann::json answer = upload_ ? upload(session, globals, arguments) : load(session, globals, arguments);
     print(session, globals, answer);
     return texts_of(answer, "refused").empty() ? Exit::yes : Exit::partly_refused;
@@ -356,7 +355,7 @@ class ClearCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     const bool objects_too = scene_.empty() || moving_;
     const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
-    const std::vector<std::string> scenes = take(session.client(globals).status()).scenes;
+    const Undo scenes = scene_.empty() && moving_ ? Undo{} : undo_of_scenes(session, globals, scene_);
     const nlohmann::json answer =
         server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
     const std::uint64_t removed = count_of(answer, "removed");
@@ -368,11 +367,7 @@ class ClearCommand : public Command {
     print_done(session, globals,
                {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
     print_undo(session, globals, undo);
-    for (const std::string& scene : scenes) {
-      const bool went = scene == scene_ || (scene_.empty() && !moving_);
-      if (went)
-        print_hint(session.io, globals, fmt::format("     undo: collide load FILE --name {}", shell_word(scene)));
-    }
+    print_undo(session, globals, scenes);
     return removed > 0 ? Exit::yes : Exit::no;
   }
 

@@ -6,11 +6,12 @@
 #include "server/programs/files/convert.hpp"
 #include "server/programs/files/implicit.hpp"
 #include "server/programs/files/interrupt.hpp"
+#include "server/programs/files/triangles.hpp"
 
-// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ...
+// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ... | triangles FILE
 //
-// The program behind `collide check`, `collide convert` and `collide implicit`: the readers and the exact tests belong
-// to the server, and the client does not contain the server's code.
+// The program behind `collide check`, `collide convert`, `collide implicit` and the shapes mesh FILE and hull FILE: the
+// readers and the exact tests belong to the server, and the client does not contain the server's code.
 
 namespace {
 
@@ -61,6 +62,31 @@ void declare_implicit(CLI::App& verb, collided::engine::files::ImplicitOptions& 
   verb.add_flag("--json", options.as_json, "One JSON object an answer");
 }
 
+void declare_check(CLI::App& verb, collided::engine::files::CheckOptions& options) {
+  verb.add_flag("--json", options.as_json, "One JSON object");
+  verb.add_flag("-v,--verbose", options.full, "Every finding's places, with full names and digits");
+  verb.add_option("--crease", options.crease_deg,
+                  "Angle between two triangles above which their edge is a crease, degrees (30)")
+      ->check(CLI::Range(0.0, 180.0));
+  verb.add_option("--eye", options.eye, "Count the silhouette edges seen from this point X,Y,Z");
+  verb.add_flag("--volumes", options.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
+  verb.add_flag("--encodings", options.encodings, "Bytes as lists, fans, strips and as a mesh too")->excludes("--json");
+}
+
+void declare_convert(CLI::App& verb, collided::engine::files::ConvertOptions& options) {
+  verb.add_option("output", options.output, "File to write: .cscene")->required();
+  verb.add_flag("--center", options.center, "The middle, in whole metres, becomes 0 0 0");
+  verb.add_option("--origin", options.origin, "This point X,Y,Z becomes 0 0 0");
+  verb.add_option("--index", options.index, "How the saved index is built: fast, or best for faster questions (fast)")
+      ->check(CLI::IsMember({"fast", "best"}));
+  verb.add_option("--to", options.to, "Simplify to so many triangles, or to so many per cent: 5000 or 10%");
+  verb.add_flag("--levels", options.levels,
+                "Save how to simplify it, so that distances asked --within an error are cheaper");
+  verb.add_option("--cost", options.cost, "What simplification goes by: quadric or length (quadric)")
+      ->check(CLI::IsMember({"quadric", "length"}));
+  verb.add_flag("--no-index", options.no_index, "Save no index; loading builds it");
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -70,32 +96,14 @@ int main(int argument_count, char** arguments) {
   collided::engine::files::CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
-  check->add_flag("--json", check_options.as_json, "One JSON object");
-  check->add_flag("-v,--verbose", check_options.full, "Every finding's places, with full names and digits");
-  check
-      ->add_option("--crease", check_options.crease_deg,
-                   "Angle between two triangles above which their edge is a crease, degrees (30)")
-      ->check(CLI::Range(0.0, 180.0));
-  check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
-  check->add_flag("--volumes", check_options.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
-  check->add_flag("--encodings", check_options.encodings, "Bytes as lists, fans, strips and as a mesh too")
-      ->excludes("--json");
+  declare_check(*check, check_options);
   collided::engine::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
-  convert->add_option("output", converted.output, "File to write: .cscene")->required();
-  convert->add_flag("--center", converted.center, "The middle, in whole metres, becomes 0 0 0");
-  convert->add_option("--origin", converted.origin, "This point X,Y,Z becomes 0 0 0");
-  convert
-      ->add_option("--index", converted.index,
-                   "How the saved index is built: fast, or best for faster questions (fast)")
-      ->check(CLI::IsMember({"fast", "best"}));
-  convert->add_option("--to", converted.to, "Simplify to so many triangles, or to so many per cent: 5000 or 10%");
-  convert->add_flag("--levels", converted.levels,
-                    "Save how to simplify it, so that distances asked --within an error are cheaper");
-  convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
-      ->check(CLI::IsMember({"quadric", "length"}));
-  convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
+  declare_convert(*convert, converted);
+  collided::engine::files::FileOptions printed;
+  CLI::App* triangles = app.add_subcommand("triangles", "Print a file's triangles, for programs");
+  declare_reading(*triangles, printed);
   collided::engine::files::ImplicitOptions asked;
   CLI::App* implicit =
       app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
@@ -109,6 +117,7 @@ int main(int argument_count, char** arguments) {
   }
   collided::engine::files::listen_for_interrupt();
   try {
+    if (triangles->parsed()) return collided::engine::files::triangles(printed);
     if (implicit->parsed()) return collided::engine::files::implicit(asked);
     return check->parsed() ? collided::engine::files::check(checked, check_options)
                            : collided::engine::files::convert(converted);

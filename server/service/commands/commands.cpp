@@ -191,6 +191,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
+  if (command == names::kSteps) return answer(ask, [&] { return steps(*arguments); });
   if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
     return uploads_.take(std::move(ask));
   }
@@ -208,10 +209,10 @@ void Commands::run(CommandAsk ask) {
     return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{
-        names::kLoad,      names::kClear,   names::kAdd,    names::kMove,    names::kRemove, names::kList,
-        names::kGet,       names::kPlan,    names::kAudit,  names::kMenu,    names::kPair,   names::kProbe,
-        names::kProbes,    names::kFigures, names::kShapes, names::kSurface, names::kMore,   names::kPoses,
-        names::kRecording, names::kCovers,  names::kUpload, names::kPiece};
+        names::kLoad,   names::kClear,     names::kAdd,    names::kMove,   names::kRemove,  names::kList,
+        names::kGet,    names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
+        names::kProbes, names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
+        names::kPoses,  names::kRecording, names::kCovers, names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -261,8 +262,15 @@ json Commands::plan(const Arguments& arguments) const {
   json pairs = json::array();
   for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
   std::uint64_t bytes = 0;
-  for (const auto& scene : state->scenes) bytes += scene->bytes();
-  return {{"structures", structures}, {"pairs", pairs}, {"bytes", bytes}};
+  json scenes = json::array();
+  for (const auto& scene : state->scenes) {
+    bytes += scene->bytes();
+    scenes.push_back({{"scene", scene->name}, {"load", json::parse(scene->source, nullptr, false)}});
+    // An uploaded file is the server's own copy, which goes with the scene.
+    if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
+      scenes.back()["load"] = nullptr;
+  }
+  return {{"structures", structures}, {"pairs", pairs}, {"scenes", scenes}, {"bytes", bytes}};
 }
 
 json Commands::covers_json(const std::vector<Aabb>& boxes) {

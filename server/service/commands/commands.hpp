@@ -87,6 +87,7 @@ class Commands {
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
+  nlohmann::json steps(const Arguments& arguments) const;
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);

@@ -20,6 +20,7 @@ json stages(const StepSums& sums) {
   row("update", sums.update_ns);
   row("index", sums.index_ns);
   row("test", sums.test_ns);
+  row("events", sums.events_ns);
   row("publish", sums.publish_ns);
   return rows;
 }
@@ -90,6 +91,30 @@ json Commands::figures(const Arguments& arguments) const {
           {"refused", with_.counts.refused.load()},
           {"undecided", with_.counts.undecided.load()},
           {"not_built", not_built}};
+}
+
+/// The newest steps, stage by stage, as idl/commands.hpp lists them under `steps`.
+json Commands::steps(const Arguments& arguments) const {
+  arguments.allow_only({"last"});
+  const std::uint64_t last = arguments.whole("last", StepTraces::kMost, StepTraces::kMost);
+  json rows = json::array();
+  for (const StepTrace& trace : with_.loop.traces().newest(last)) {
+    rows.push_back({{"version", trace.version},
+                    {"world_time_ns", trace.world_time_ns},
+                    {"whole_ns", trace.whole_ns},
+                    {"take_ns", trace.take_ns},
+                    {"update_ns", trace.update_ns},
+                    {"index_ns", trace.index_ns},
+                    {"test_ns", trace.test_ns},
+                    {"events_ns", trace.events_ns},
+                    {"publish_ns", trace.publish_ns},
+                    {"moved", trace.moved},
+                    {"candidates", trace.candidates},
+                    {"exact_tests", trace.exact_tests},
+                    {"contacts", trace.contacts},
+                    {"events", trace.events}});
+  }
+  return {{"steps", rows}};
 }
 
 }  // namespace collided::engine::service

@@ -138,6 +138,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
     world.remove_scene(loaded.scene.name);
     with_.loop.note_change();
   }
+  loaded.indexed->source = load.ask.text;
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (!load.covers.empty()) world.state_covers(loaded.scene.name, load.covers);

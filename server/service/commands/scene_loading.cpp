@@ -38,11 +38,11 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
   if (options.progress) {
     reading.progress = [&](double fraction) { options.progress(kReadingShare * fraction); };
   }
-  Scene scene = load_scene(path, reading, report);
+  Scene scene = path == kEmbeddedPath ? embedded_scene() : load_scene(path, reading, report);
   return index(std::move(scene), std::move(report), options, started_ns);
 }
 
-LoadedScene embedded_and_indexed() { return index(embedded_scene(), {}, {}, steady_ns()); }
+LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
   std::string text =

@@ -23,6 +23,9 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options);
 /// The scene that a server without an argument serves.
 LoadedScene embedded_and_indexed();
 
+/// In place of a path: the embedded scene.
+inline constexpr const char* kEmbeddedPath = "embedded:";
+
 /// A report: "warehouse: 1204118 triangles in 312 parts, 40 objects, 412 ms", then a line for each thing placed,
 /// mended, refused or worth a note.
 std::string describe(const LoadedScene& loaded);

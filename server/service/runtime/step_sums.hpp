@@ -26,6 +26,7 @@ struct StepSums {
   Tally update_ns;      // filling the next state
   Tally index_ns;       // indexing its movers
   Tally test_ns;        // finding and testing candidates
+  Tally events_ns;      // what began and ended
   Tally publish_ns;     // writing events, contacts, probes
   Tally moved;          // objects, each counted once a step
   Tally candidates;     // pairs of movers

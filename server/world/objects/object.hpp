@@ -63,6 +63,7 @@ inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.prim
 /// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
 struct StaticScene {
   std::string name;
+  std::string source;  // for whoever loaded it: how to do so again; the world does not read it
   TriangleMesh mesh;
   Bvh tree;
   std::vector<Part> parts;                                        // ordered by first_triangle, without gap

@@ -75,6 +75,9 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   if (has_open) {
     s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all},
              *next->grid);
+  }
+  const std::int64_t decided = now_ns();
+  if (has_open) {
     if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {
@@ -92,7 +95,8 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   s.last_step_ns = world_time_ns;
   s.cost.update_ns = updated - started;
   s.cost.broad_ns = indexed - updated;
-  s.cost.exact_ns = now_ns() - indexed;
+  s.cost.exact_ns = decided - indexed;
+  s.cost.events_ns = now_ns() - decided;
   return true;
 }
 

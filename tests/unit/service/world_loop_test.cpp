@@ -331,6 +331,47 @@ TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
   EXPECT_LE(taken_ns + stepped_ns, static_cast<std::uint64_t>(elapsed.count()));
 }
 
+// Of each step its stages, each with a clock of its own, and the whole, measured apart: nearly all of it is in a stage (A56).
+TEST_F(WorldLoopTest, AStepsStagesSumToTheWhole) {
+  constexpr std::uint32_t kBalls = 300;
+  constexpr std::uint64_t kRounds = 40;
+  for (std::uint32_t number = 0; number < kBalls; ++number) define(number, {0, 0, 0});
+  for (std::uint64_t round = 0; round < kRounds; ++round) {
+    auto sample = inbox.spare();
+    sample->publisher = 7;
+    sample->incarnation = 1;
+    sample->sequence = ++sequence;
+    sample->definitions_through = 0;
+    sample->received_ns = clock.now_ns();
+    for (std::uint32_t number = 0; number < kBalls; ++number) {
+      sample->object_numbers.push_back(number);
+      sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
+    }
+    inbox.push(std::move(sample));
+  }
+  start({.step_ns = 0, .recovery_ns = 0, .limits = {}});
+  EXPECT_TRUE(books.wait([&] { return books.status.applied_sequences == std::vector<std::uint64_t>{sequence}; }));
+  const std::vector<StepTrace> traces = loop->traces().newest(StepTraces::kMost);
+  ASSERT_GE(traces.size(), kRounds);
+  std::int64_t whole_ns = 0;
+  std::int64_t in_stages_ns = 0;
+  std::uint64_t moved = 0;
+  for (const StepTrace& step : traces) {
+    const std::int64_t sum_ns =
+        step.take_ns + step.update_ns + step.index_ns + step.test_ns + step.events_ns + step.publish_ns;
+    for (const std::int64_t ns : {step.take_ns, step.update_ns, step.index_ns, step.test_ns, step.events_ns})
+      EXPECT_GE(ns, 0) << "step " << step.version;
+    EXPECT_LE(sum_ns, step.whole_ns) << "step " << step.version << ": no time is in two stages";
+    whole_ns += step.whole_ns;
+    in_stages_ns += sum_ns;
+    moved += step.moved;
+  }
+  EXPECT_GE(in_stages_ns, whole_ns - whole_ns / 10) << "time that no stage accounts for";
+  EXPECT_EQ(moved, loop->sums().moved.get());
+  for (std::size_t i = 1; i < traces.size(); ++i) EXPECT_GT(traces[i].version, traces[i - 1].version);
+  EXPECT_EQ(loop->traces().newest(3).front().version, traces[traces.size() - 3].version);
+}
+
 // What commands had added is waited for however long it takes; the wait for publishers ends.
 TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
   std::atomic<bool> adding{true};
