@@ -69,53 +69,121 @@ Edges edges_of(const Core& core) {
   return edges;
 }
 
-/// {x : normal . x <= offset}; a few of them bound a core.
-struct CoreHalfSpace {
+/// {x : -back_offset <= normal . x <= offset}; a few of them bound a core.
+struct CoreSlab {
   Vec3 normal;
   double offset;
+  double back_offset = std::numeric_limits<double>::infinity();
 };
 
-using HalfSpaces = Few<CoreHalfSpace, 6>;
+using Slabs = Few<CoreSlab, 4>;
 
-/// The half-spaces that bound a core, grown by the slack of clipping; none for points and segments.
-HalfSpaces half_spaces_of(const Core& core, double size_m) {
-  HalfSpaces spaces;
+/// The slabs that bound a core, grown by the slack of clipping; none for points and segments.
+Slabs slabs_of(const Core& core, double size_m) {
+  Slabs slabs;
   const double slack = kClipSlack * size_m;
   if (core.is_box) {
+    const Vec3 along[3] = {unit(Vec3(core.axes.col(0))), unit(Vec3(core.axes.col(1))), unit(Vec3(core.axes.col(2)))};
     for (int i = 0; i < 3; ++i) {
-      const Vec3 normal =
-          unit(Vec3(unit(Vec3(core.axes.col((i + 1) % 3))).cross(unit(Vec3(core.axes.col((i + 2) % 3))))));
+      const Vec3 normal = unit(Vec3(along[(i + 1) % 3].cross(along[(i + 2) % 3])));
       const double reach = core.half_m[i] * std::abs(normal.dot(core.axes.col(i))) + slack;
       const double middle = normal.dot(core.point[0]);
-      spaces.push_back({normal, middle + reach});
-      spaces.push_back({-normal, -middle + reach});
+      slabs.push_back({normal, middle + reach, -middle + reach});
     }
   } else if (core.point_count == 3) {
     const Vec3 normal = any_normal(Triangle{core.point[0], core.point[1], core.point[2]});
     const double middle = normal.dot(core.point[0]);
-    spaces.push_back({normal, middle + slack});
-    spaces.push_back({-normal, -middle + slack});
+    slabs.push_back({normal, middle + slack, -middle + slack});
     for (int i = 0; i < 3; ++i) {
       const Vec3 outward = unit(Vec3(unit(Vec3(core.point[(i + 1) % 3] - core.point[i])).cross(normal)));
-      spaces.push_back({outward, outward.dot(core.point[i]) + slack});
+      slabs.push_back({outward, outward.dot(core.point[i]) + slack});
     }
   }
-  return spaces;
+  return slabs;
 }
 
-/// The middle of the part of an edge that lies in all half-spaces; false: there is none.
-bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
+/// The part of an edge, from 0 at one end to 1 at the other.
+struct EdgePart {
   double low = 0;
   double high = 1;
-  for (const CoreHalfSpace& space : spaces) {
-    const double at_a = space.normal.dot(edge.a) - space.offset;
-    const double at_b = space.normal.dot(edge.b) - space.offset;
+
+  /// Clips it by a plane that the ends are beyond by this much; false: nothing is left.
+  bool clip(double at_a, double at_b) {
     if (at_a > 0 && at_b > 0) return false;
     if (at_a > 0) low = std::max(low, at_a / (at_a - at_b));
     if (at_b > 0) high = std::min(high, at_a / (at_a - at_b));
+    return true;
   }
-  if (low > high) return false;
-  middle = edge.a + (low + high) / 2 * (edge.b - edge.a);
+  Vec3 middle_of(const Edge& edge) const { return edge.a + (low + high) / 2 * (edge.b - edge.a); }
+};
+
+/// The four edges of a box that lie the same way: the same numbers as edges_of() has, side by side for vector
+/// instructions.
+struct ParallelEdges {
+  double a[3][4];  // by coordinate
+  double b[3][4];
+
+  ParallelEdges(const Core& box, const Mat3& reach, int k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double u = reach(axis, (k + 1) % 3);
+      const double v = reach(axis, (k + 2) % 3);
+      const double own = reach(axis, k);
+      for (int which = 0; which < 4; ++which) {
+        const double middle = (box.point[0][axis] + (which & 1 ? u : -u)) + (which & 2 ? v : -v);
+        a[axis][which] = middle - own;
+        b[axis][which] = middle + own;
+      }
+    }
+  }
+  Edge edge(int which) const {
+    return {{a[0][which], a[1][which], a[2][which]}, {b[0][which], b[1][which], b[2][which]}};
+  }
+};
+
+/// The sum over four edges of the middles of their parts that lie in all slabs; returns how many have one.
+int add_clipped_middles(const ParallelEdges& edges, const Slabs& slabs, Vec3& sum) {
+  EdgePart part[4];
+  bool is_left[4] = {true, true, true, true};
+  for (const CoreSlab& slab : slabs) {
+    double a[4];
+    double b[4];
+    for (int i = 0; i < 4; ++i) {
+      a[i] = (slab.normal[0] * edges.a[0][i] + slab.normal[1] * edges.a[1][i]) + slab.normal[2] * edges.a[2][i];
+      b[i] = (slab.normal[0] * edges.b[0][i] + slab.normal[1] * edges.b[1][i]) + slab.normal[2] * edges.b[2][i];
+    }
+    double highest = a[0];
+    double lowest = a[0];
+    for (int i = 0; i < 4; ++i) {
+      highest = std::max({highest, a[i], b[i]});
+      lowest = std::min({lowest, a[i], b[i]});
+    }
+    if (lowest - slab.offset > 0 || -highest - slab.back_offset > 0) return 0;
+    if (highest - slab.offset <= 0 && -lowest - slab.back_offset <= 0) continue;
+    for (int i = 0; i < 4; ++i) {
+      is_left[i] = is_left[i] && part[i].clip(a[i] - slab.offset, b[i] - slab.offset) &&
+                   part[i].clip(-a[i] - slab.back_offset, -b[i] - slab.back_offset);
+    }
+  }
+  int count = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (!is_left[i] || part[i].low > part[i].high) continue;
+    sum += part[i].middle_of(edges.edge(i));
+    ++count;
+  }
+  return count;
+}
+
+/// The middle of the part of an edge that lies in all slabs; false: there is none.
+bool clipped_middle(const Edge& edge, const Slabs& slabs, Vec3& middle) {
+  EdgePart part;
+  for (const CoreSlab& slab : slabs) {
+    const double a = slab.normal.dot(edge.a);
+    const double b = slab.normal.dot(edge.b);
+    if (!part.clip(a - slab.offset, b - slab.offset)) return false;
+    if (!part.clip(-a - slab.back_offset, -b - slab.back_offset)) return false;
+  }
+  if (part.low > part.high) return false;
+  middle = part.middle_of(edge);
   return true;
 }
 
@@ -196,11 +264,16 @@ Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal) {
   Vec3 sum = Vec3::Zero();
   int count = 0;
   for (int side = 0; side < 2; ++side) {
-    const HalfSpaces spaces = half_spaces_of(*cores[1 - side], size_m);
-    if (spaces.empty()) continue;
+    const Slabs slabs = slabs_of(*cores[1 - side], size_m);
+    if (slabs.empty()) continue;
+    if (cores[side]->is_box) {
+      const Mat3 reach = cores[side]->axes * cores[side]->half_m.asDiagonal();
+      for (int k = 0; k < 3; ++k) count += add_clipped_middles(ParallelEdges(*cores[side], reach, k), slabs, sum);
+      continue;
+    }
     for (const Edge& edge : edges_of(*cores[side])) {
       Vec3 middle;
-      if (!clipped_middle(edge, spaces, middle)) continue;
+      if (!clipped_middle(edge, slabs, middle)) continue;
       sum += middle;
       ++count;
     }

@@ -116,6 +116,7 @@ class Decisions {
   SweptTouch& part_sweep(std::uint32_t part);
 
   // pair_decisions.cpp
+  bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
   std::optional<SweptTouch> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
   std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
   SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);
