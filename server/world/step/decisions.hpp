@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/world/events/contact_ledger.hpp"
@@ -39,6 +40,8 @@ struct DecisionLists {
   PartTouches part_touches{true};
   std::vector<PartSweep> part_sweeps;
   std::vector<std::int64_t> cuts;
+  std::vector<std::uint32_t> unfound;  // numbers of open contacts
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
 };
 
 /// The time in which a pair is decided: (from_ns, to_ns], and from_ns itself where is_closed. World time.
