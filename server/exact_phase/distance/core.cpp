@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -102,88 +103,47 @@ Slabs slabs_of(const Core& core, double size_m) {
   return slabs;
 }
 
-/// The part of an edge, from 0 at one end to 1 at the other.
-struct EdgePart {
-  double low = 0;
-  double high = 1;
+/// How far an edge's ends are beyond each plane of some slabs, and which are (Cohen and Sutherland's outcodes): most
+/// edges are known to be outside or inside by these alone, without a branch for each plane.
+struct EdgeSides {
+  double at_a[8];
+  double at_b[8];
+  unsigned a_beyond = 0;  // a bit for each plane
+  unsigned b_beyond = 0;
 
-  /// Clips it by a plane that the ends are beyond by this much; false: nothing is left.
-  bool clip(double at_a, double at_b) {
-    if (at_a > 0 && at_b > 0) return false;
-    if (at_a > 0) low = std::max(low, at_a / (at_a - at_b));
-    if (at_b > 0) high = std::min(high, at_a / (at_a - at_b));
-    return true;
-  }
-  Vec3 middle_of(const Edge& edge) const { return edge.a + (low + high) / 2 * (edge.b - edge.a); }
-};
-
-/// The four edges of a box that lie the same way: the same numbers as edges_of() has, side by side for vector
-/// instructions.
-struct ParallelEdges {
-  double a[3][4];  // by coordinate
-  double b[3][4];
-
-  ParallelEdges(const Core& box, const Mat3& reach, int k) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double u = reach(axis, (k + 1) % 3);
-      const double v = reach(axis, (k + 2) % 3);
-      const double own = reach(axis, k);
-      for (int which = 0; which < 4; ++which) {
-        const double middle = (box.point[0][axis] + (which & 1 ? u : -u)) + (which & 2 ? v : -v);
-        a[axis][which] = middle - own;
-        b[axis][which] = middle + own;
-      }
+  EdgeSides(const Edge& edge, const Slabs& slabs) {
+    int plane = 0;
+    for (const CoreSlab& slab : slabs) {
+      const double a = slab.normal.dot(edge.a);
+      const double b = slab.normal.dot(edge.b);
+      add(plane++, a - slab.offset, b - slab.offset);
+      add(plane++, -a - slab.back_offset, -b - slab.back_offset);
     }
   }
-  Edge edge(int which) const {
-    return {{a[0][which], a[1][which], a[2][which]}, {b[0][which], b[1][which], b[2][which]}};
+
+ private:
+  void add(int plane, double a, double b) {
+    at_a[plane] = a;
+    at_b[plane] = b;
+    a_beyond |= (a > 0 ? 1u : 0u) << plane;
+    b_beyond |= (b > 0 ? 1u : 0u) << plane;
   }
 };
-
-/// The sum over four edges of the middles of their parts that lie in all slabs; returns how many have one.
-int add_clipped_middles(const ParallelEdges& edges, const Slabs& slabs, Vec3& sum) {
-  EdgePart part[4];
-  bool is_left[4] = {true, true, true, true};
-  for (const CoreSlab& slab : slabs) {
-    double a[4];
-    double b[4];
-    for (int i = 0; i < 4; ++i) {
-      a[i] = (slab.normal[0] * edges.a[0][i] + slab.normal[1] * edges.a[1][i]) + slab.normal[2] * edges.a[2][i];
-      b[i] = (slab.normal[0] * edges.b[0][i] + slab.normal[1] * edges.b[1][i]) + slab.normal[2] * edges.b[2][i];
-    }
-    double highest = a[0];
-    double lowest = a[0];
-    for (int i = 0; i < 4; ++i) {
-      highest = std::max({highest, a[i], b[i]});
-      lowest = std::min({lowest, a[i], b[i]});
-    }
-    if (lowest - slab.offset > 0 || -highest - slab.back_offset > 0) return 0;
-    if (highest - slab.offset <= 0 && -lowest - slab.back_offset <= 0) continue;
-    for (int i = 0; i < 4; ++i) {
-      is_left[i] = is_left[i] && part[i].clip(a[i] - slab.offset, b[i] - slab.offset) &&
-                   part[i].clip(-a[i] - slab.back_offset, -b[i] - slab.back_offset);
-    }
-  }
-  int count = 0;
-  for (int i = 0; i < 4; ++i) {
-    if (!is_left[i] || part[i].low > part[i].high) continue;
-    sum += part[i].middle_of(edges.edge(i));
-    ++count;
-  }
-  return count;
-}
 
 /// The middle of the part of an edge that lies in all slabs; false: there is none.
 bool clipped_middle(const Edge& edge, const Slabs& slabs, Vec3& middle) {
-  EdgePart part;
-  for (const CoreSlab& slab : slabs) {
-    const double a = slab.normal.dot(edge.a);
-    const double b = slab.normal.dot(edge.b);
-    if (!part.clip(a - slab.offset, b - slab.offset)) return false;
-    if (!part.clip(-a - slab.back_offset, -b - slab.back_offset)) return false;
+  const EdgeSides sides(edge, slabs);
+  if ((sides.a_beyond & sides.b_beyond) != 0) return false;
+  double low = 0;
+  double high = 1;
+  for (unsigned beyond = sides.a_beyond | sides.b_beyond; beyond != 0; beyond &= beyond - 1) {
+    const int plane = std::countr_zero(beyond);
+    const double at = sides.at_a[plane] / (sides.at_a[plane] - sides.at_b[plane]);
+    if (sides.at_a[plane] > 0) low = std::max(low, at);
+    else high = std::min(high, at);
   }
-  if (part.low > part.high) return false;
-  middle = part.middle_of(edge);
+  if (low > high) return false;
+  middle = edge.a + (low + high) / 2 * (edge.b - edge.a);
   return true;
 }
 
@@ -266,11 +226,6 @@ Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal) {
   for (int side = 0; side < 2; ++side) {
     const Slabs slabs = slabs_of(*cores[1 - side], size_m);
     if (slabs.empty()) continue;
-    if (cores[side]->is_box) {
-      const Mat3 reach = cores[side]->axes * cores[side]->half_m.asDiagonal();
-      for (int k = 0; k < 3; ++k) count += add_clipped_middles(ParallelEdges(*cores[side], reach, k), slabs, sum);
-      continue;
-    }
     for (const Edge& edge : edges_of(*cores[side])) {
       Vec3 middle;
       if (!clipped_middle(edge, slabs, middle)) continue;
