@@ -5,12 +5,14 @@
 
 namespace collided::engine::kernel {
 
-/// A box on its motion between two frames: at the motion's end, how far the frame's origin travelled, and how far off
-/// the box may be elsewhere on the motion if it is moved back without turning.
+/// A box on its motion between two frames.
 struct MovingBox {
   Box at_end;
-  Vec3 travel = Vec3::Zero();
-  double off_m = 0;
+  Box at_start;
+  Vec3 travel = Vec3::Zero();  // of the frame's origin
+  double turn_m = 0;   // no point is farther than this, anywhere on the motion, from where it is without turning
+  double bend_m = 0;   // nor from the line between its places at both ends
+  double error_m = 0;  // of both, of placing, and of the motion as BodyMotion has it
 
   /// reach_m: no point of the box is farther from the frame's origin.
   MovingBox(const Box& own, const Frame& before, const Frame& now, double reach_m);

@@ -99,8 +99,6 @@ class ContactLedger {
   bool is_in_doubt(ObjectId a, ObjectId b) const;
   /// The pair holds or is in doubt.
   bool is_open(ObjectId a, ObjectId b) const { return number_of(a, b) != PairIndex::kNone; }
-  /// Only a hint, for a holds() to come.
-  void prefetch(ObjectId a, ObjectId b) const { index_.prefetch(a, b); }
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }

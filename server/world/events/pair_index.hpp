@@ -26,10 +26,6 @@ class PairIndex {
     }
     return kNone;
   }
-  /// Only a hint, for a find() to come.
-  void prefetch(ObjectId a, ObjectId b) const {
-    if (!entries_.empty()) __builtin_prefetch(&entries_[tag_of(a, b) & mask_]);
-  }
   /// The pair must not be there.
   void add(ObjectId a, ObjectId b, std::uint32_t number) {
     if (2 * (count_ + 1) > entries_.size()) grow();
@@ -53,7 +49,6 @@ class PairIndex {
   void renumber(ObjectId a, ObjectId b, std::uint32_t from, std::uint32_t to) {
     entries_[place_of(a, b, from)].number = to;
   }
-  std::size_t bytes() const { return entries_.capacity() * sizeof(Entry); }
 
  private:
   struct Entry {

@@ -24,19 +24,21 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
     ++cost_.kept_apart;
     return;
   }
-  if (boxes_stay_apart(first, second)) {
+  const Placed a = placed(first);
+  const Placed b = placed(second);
+  const bool is_held = ledger_.holds(a.info->id, b.info->id);
+  // What touched in the last step mostly does so in this one.
+  if (!is_held && boxes_stay_apart(first, second)) {
     ++cost_.exact_tests;
     return;
   }
-  const Placed a = placed(first);
-  const Placed b = placed(second);
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
   if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   std::optional<SweptTouch> sweep;
   std::uint32_t mover = first;
-  if (!ledger_.holds(a.info->id, b.info->id)) sweep = sweep_between(first, second, mover);
+  if (!is_held) sweep = sweep_between(first, second, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
          rows_.has_moved(mover) ? mover : first + second - mover);
   if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
