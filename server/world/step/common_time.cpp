@@ -291,7 +291,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
     const bool is_given = frame.position == row.frame.position && frame.rotation == row.frame.rotation;
     return Placed{.info = rows_.info(slot),
                   .frame = &frame,
-                  .bounds = bounds_of(*rows_.info(slot), frame),
+                  .bounds = is_given ? row.bounds : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
   const Placed a = placed_at(piece.a, piece.a_motion.to);

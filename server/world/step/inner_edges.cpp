@@ -44,7 +44,6 @@ struct MoverContact {
   Vec3 normal = Vec3::Zero();  // from the mover to the body
   // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
-  std::optional<Box> box;  // the whole body, placed, where it is one
 };
 
 struct Corrected {
@@ -62,7 +61,7 @@ class Correction {
   void run() {
     corrected_.clear();
     for (const std::uint32_t slot : ledger_.found_slots()) {
-      if (rows_.info(slot) == nullptr || !rows_.info(slot)->moving) continue;
+      if (rows_.source(slot) == Sources::kResting) continue;
       collect(slot);
       if (sides_.size() >= 2 && sides_.size() <= kMostContacts) look_at();
     }
@@ -94,16 +93,12 @@ class Correction {
                         .body = body,
                         .triangle = is_first ? open.b_triangle : open.a_triangle,
                         .normal = is_first ? open.contact.normal : Vec3(-open.contact.normal),
-                        .is_covered = false,
-                        .box = {}});
+                        .is_covered = false});
       return sides_.size() <= kMostContacts;
     });
     if (sides_.size() < 2 || sides_.size() > kMostContacts) return;
     std::sort(sides_.begin(), sides_.end(),
               [](const MoverContact& x, const MoverContact& y) { return x.body < y.body; });
-    for (MoverContact& side : sides_) {
-      if (const Box* own = lone_box(info(side.body))) side.box = place(rows_[slot_of(side.body)].frame, *own);
-    }
   }
 
   void look_at() {
@@ -149,18 +144,21 @@ class Correction {
   }
 
   /// The comparison of covers() for two boxes in plain double, where it is clear.
-  static Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
-                                             const Vec3& origin) {
-    if (!one.box || !other.box) return Decision::undecided;
+  Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
+                                      const Vec3& origin) const {
+    const Box* own_of_one = lone_box(info(one.body));
+    const Box* own_of_other = lone_box(info(other.body));
+    if (own_of_one == nullptr || own_of_other == nullptr) return Decision::undecided;
     double scale_m = 0;
-    const auto reach_m = [&](const Box& box) {
+    const auto reach_m = [&](const MoverContact& side, const Box& own) {
+      const Box box = place(rows_[slot_of(side.body)].frame, own);
       const Vec3 to_center = box.center - origin;
       double reach = along.dot(to_center);
       for (int i = 0; i < 3; ++i) reach += box.half_m[i] * std::abs(along.dot(box.axes.col(i)));
       scale_m += box.center.cwiseAbs().sum() + to_center.cwiseAbs().sum() + 2 * box.half_m.sum();
       return reach;
     };
-    const double farther_m = reach_m(*other.box) - reach_m(*one.box);
+    const double farther_m = reach_m(other, *own_of_other) - reach_m(one, *own_of_one);
     const double error_m = kQuickReach * scale_m;
     if (farther_m > error_m) return Decision::no;
     return farther_m < -error_m ? Decision::yes : Decision::undecided;
