@@ -105,28 +105,31 @@ void Grid::walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const {
   if (goes_on) grid::walk_box(s.over, asked, tell_over, cost);
 }
 
-void Grid::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const {
+/// Walks what was rebuilt last and then what changed since, within the limit that the first walk leaves.
+/// walk(levels, limit, found): in one of the two.
+template <class Found, class Walk>
+void Grid::walk_both(double limit, const Found& found, const Walk& walk) const {
   const Storage& s = *storage_;
-  if (s.newer.empty()) return grid::walk_ray(*s.base, ray, limit, found, cost);
+  if (s.newer.empty()) return walk(*s.base, limit, found);
   double reached = limit;
   const auto tell = [&](std::uint32_t number, double current) {
     return s.hides(number) ? current : reached = found(number, current);
   };
-  grid::walk_ray(*s.base, ray, limit, tell, cost);
+  walk(*s.base, limit, Found(tell));
   const auto tell_over = [&](std::uint32_t place, double current) { return found(s.newer[place], current); };
-  grid::walk_ray(s.over, ray, reached, tell_over, cost);
+  walk(s.over, reached, Found(tell_over));
+}
+
+void Grid::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const {
+  walk_both(limit, found, [&](const grid::Levels& levels, double from, RayFound tell) {
+    grid::walk_ray(levels, ray, from, tell, cost);
+  });
 }
 
 void Grid::walk_near(const Vec3& point, double limit_m2, NearFound found, WalkCost& cost) const {
-  const Storage& s = *storage_;
-  if (s.newer.empty()) return grid::walk_near(*s.base, point, limit_m2, found, cost);
-  double reached_m2 = limit_m2;
-  const auto tell = [&](std::uint32_t number, double current_m2) {
-    return s.hides(number) ? current_m2 : reached_m2 = found(number, current_m2);
-  };
-  grid::walk_near(*s.base, point, limit_m2, tell, cost);
-  const auto tell_over = [&](std::uint32_t place, double current_m2) { return found(s.newer[place], current_m2); };
-  grid::walk_near(s.over, point, reached_m2, tell_over, cost);
+  walk_both(limit_m2, found, [&](const grid::Levels& levels, double from_m2, NearFound tell) {
+    grid::walk_near(levels, point, from_m2, tell, cost);
+  });
 }
 
 }  // namespace collided::engine

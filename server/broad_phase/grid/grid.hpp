@@ -53,6 +53,9 @@ class Grid {
 
  private:
   struct Storage;
+  template <class Found, class Walk>
+  void walk_both(double limit, const Found& found, const Walk& walk) const;
+
   std::unique_ptr<Storage> storage_;
 };
 
