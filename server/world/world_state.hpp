@@ -35,7 +35,6 @@ struct World::State {
   std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step
   std::vector<std::pair<ObjectId, bool>> lost;          // true: stale, false: found again; since the last step
   std::uint64_t version = 0;
-  std::uint64_t step_count = 0;
   std::int64_t last_step_ns = 0;
   bool looks_at_all = false;  // the last search was cut short: objects at rest may touch without a contact
 

@@ -252,6 +252,7 @@ bool Levels::are_few(std::span<const Aabb> boxes) {
 }
 
 void Levels::rebuild_few(std::span<const Aabb> boxes) {
+  exponent_of_box_.clear();
   few_boxes_.clear();
   for (const std::uint32_t number : few_numbers) few_boxes_.push_back(boxes[number]);
   few.update(few_boxes_);
@@ -269,6 +270,11 @@ void Levels::rebuild_few(std::span<const Aabb> boxes) {
     store(few_boxes_[number], few_numbers[number], kNoKey, place);
   }
   pad(loose_end, place_count);
+}
+
+bool Levels::holds(std::uint32_t number) const {
+  if (few.size() > 0) return std::binary_search(few_numbers.begin(), few_numbers.end(), number);
+  return number < exponent_of_box_.size() && exponent_of_box_[number] != kEmpty;
 }
 
 void Levels::rebuild(std::span<const Aabb> boxes) {

@@ -108,6 +108,8 @@ struct Levels {
   }
 
   void rebuild(std::span<const Aabb> boxes);
+  /// Whether the last rebuild had a box of this number that was not empty.
+  bool holds(std::uint32_t number) const;
   std::size_t bytes() const;
 
  private:

@@ -65,9 +65,20 @@ inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
           shifted(v.z.value, v.z.power - power)};
 }
 
+/// Whether scaling v by a power of two would change no digit of its unit vector: no square leaves the range of double.
+inline bool has_plain_squares(const Vec3& v) {
+  constexpr double kFarFromOne = 0x1p200;
+  const Eigen::Array3d size = v.array().abs();
+  return ((size >= 1 / kFarFromOne && size <= kFarFromOne) || size == 0).all() && size.maxCoeff() > 0;
+}
+
 /// The unit vector along v, or zero if v is zero.
 template <class N>
 Vec3 unit(const Vector<N>& v) {
+  if constexpr (std::same_as<N, Bounded>) {
+    const Vec3 plain(v.x.value, v.y.value, v.z.value);
+    if (has_plain_squares(plain)) return plain / std::sqrt(plain.squaredNorm());
+  }
   const Vector<Bounded> near_one = in_range({scaled(v.x), scaled(v.y), scaled(v.z)});
   const Vec3 result(near_one.x.value, near_one.y.value, near_one.z.value);
   return result.isZero(0) ? Vec3(Vec3::Zero()) : Vec3(result / std::sqrt(result.squaredNorm()));

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "server/exact_phase/distance/core.hpp"
+#include "server/exact_phase/distance/facet_filter.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_value.hpp"
@@ -79,7 +80,7 @@ Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
   return traced.exists && sharp(traced.depth, kRefineRay) ? traced : push_out<Dyadic>(axis, a, b);
 }
 
-/// The pushes along all facet axes of a pair.
+/// The pushes along the facet axes of a pair that may be the least.
 struct PushList {
   std::array<Push, 15> push;
   int count = 0;
@@ -113,7 +114,10 @@ Push least_push(const Core& a, const Core& b) {
   const FacetAxes axes = facet_axes(a, b);
   PushList list;
   list.count = axes.count;
-  for (int i = 0; i < axes.count; ++i) list.push[i] = push_out<Bounded>(axes.axis[i], a, b);
+  const std::uint32_t may_win = axes_of_least_push(axes, a, b);
+  for (int i = 0; i < axes.count; ++i) {
+    if ((may_win >> i & 1) != 0) list.push[i] = push_out<Bounded>(axes.axis[i], a, b);
+  }
   const double blunt = kRefineDistance * size_of(a, b);
   const double wide = list.least_high();
   for (int i = 0; i < axes.count; ++i) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -69,50 +70,77 @@ Edges edges_of(const Core& core) {
   return edges;
 }
 
-/// {x : normal . x <= offset}; a few of them bound a core.
-struct CoreHalfSpace {
+/// {x : -back_offset <= normal . x <= offset}; a few of them bound a core.
+struct CoreSlab {
   Vec3 normal;
   double offset;
+  double back_offset = std::numeric_limits<double>::infinity();
 };
 
-using HalfSpaces = Few<CoreHalfSpace, 6>;
+using Slabs = Few<CoreSlab, 4>;
 
-/// The half-spaces that bound a core, grown by the slack of clipping; none for points and segments.
-HalfSpaces half_spaces_of(const Core& core, double size_m) {
-  HalfSpaces spaces;
+/// The slabs that bound a core, grown by the slack of clipping; none for points and segments.
+Slabs slabs_of(const Core& core, double size_m) {
+  Slabs slabs;
   const double slack = kClipSlack * size_m;
   if (core.is_box) {
+    const Vec3 along[3] = {unit(Vec3(core.axes.col(0))), unit(Vec3(core.axes.col(1))), unit(Vec3(core.axes.col(2)))};
     for (int i = 0; i < 3; ++i) {
-      const Vec3 normal =
-          unit(Vec3(unit(Vec3(core.axes.col((i + 1) % 3))).cross(unit(Vec3(core.axes.col((i + 2) % 3))))));
+      const Vec3 normal = unit(Vec3(along[(i + 1) % 3].cross(along[(i + 2) % 3])));
       const double reach = core.half_m[i] * std::abs(normal.dot(core.axes.col(i))) + slack;
       const double middle = normal.dot(core.point[0]);
-      spaces.push_back({normal, middle + reach});
-      spaces.push_back({-normal, -middle + reach});
+      slabs.push_back({normal, middle + reach, -middle + reach});
     }
   } else if (core.point_count == 3) {
     const Vec3 normal = any_normal(Triangle{core.point[0], core.point[1], core.point[2]});
     const double middle = normal.dot(core.point[0]);
-    spaces.push_back({normal, middle + slack});
-    spaces.push_back({-normal, -middle + slack});
+    slabs.push_back({normal, middle + slack, -middle + slack});
     for (int i = 0; i < 3; ++i) {
       const Vec3 outward = unit(Vec3(unit(Vec3(core.point[(i + 1) % 3] - core.point[i])).cross(normal)));
-      spaces.push_back({outward, outward.dot(core.point[i]) + slack});
+      slabs.push_back({outward, outward.dot(core.point[i]) + slack});
     }
   }
-  return spaces;
+  return slabs;
 }
 
-/// The middle of the part of an edge that lies in all half-spaces; false: there is none.
-bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
+/// How far an edge's ends are beyond each plane of some slabs, and which are (Cohen and Sutherland's outcodes): most
+/// edges are known to be outside or inside by these alone, without a branch for each plane.
+struct EdgeSides {
+  double at_a[8];
+  double at_b[8];
+  unsigned a_beyond = 0;  // a bit for each plane
+  unsigned b_beyond = 0;
+
+  EdgeSides(const Edge& edge, const Slabs& slabs) {
+    int plane = 0;
+    for (const CoreSlab& slab : slabs) {
+      const double a = slab.normal.dot(edge.a);
+      const double b = slab.normal.dot(edge.b);
+      add(plane++, a - slab.offset, b - slab.offset);
+      add(plane++, -a - slab.back_offset, -b - slab.back_offset);
+    }
+  }
+
+ private:
+  void add(int plane, double a, double b) {
+    at_a[plane] = a;
+    at_b[plane] = b;
+    a_beyond |= (a > 0 ? 1u : 0u) << plane;
+    b_beyond |= (b > 0 ? 1u : 0u) << plane;
+  }
+};
+
+/// The middle of the part of an edge that lies in all slabs; false: there is none.
+bool clipped_middle(const Edge& edge, const Slabs& slabs, Vec3& middle) {
+  const EdgeSides sides(edge, slabs);
+  if ((sides.a_beyond & sides.b_beyond) != 0) return false;
   double low = 0;
   double high = 1;
-  for (const CoreHalfSpace& space : spaces) {
-    const double at_a = space.normal.dot(edge.a) - space.offset;
-    const double at_b = space.normal.dot(edge.b) - space.offset;
-    if (at_a > 0 && at_b > 0) return false;
-    if (at_a > 0) low = std::max(low, at_a / (at_a - at_b));
-    if (at_b > 0) high = std::min(high, at_a / (at_a - at_b));
+  for (unsigned beyond = sides.a_beyond | sides.b_beyond; beyond != 0; beyond &= beyond - 1) {
+    const int plane = std::countr_zero(beyond);
+    const double at = sides.at_a[plane] / (sides.at_a[plane] - sides.at_b[plane]);
+    if (sides.at_a[plane] > 0) low = std::max(low, at);
+    else high = std::min(high, at);
   }
   if (low > high) return false;
   middle = edge.a + (low + high) / 2 * (edge.b - edge.a);
@@ -196,11 +224,11 @@ Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal) {
   Vec3 sum = Vec3::Zero();
   int count = 0;
   for (int side = 0; side < 2; ++side) {
-    const HalfSpaces spaces = half_spaces_of(*cores[1 - side], size_m);
-    if (spaces.empty()) continue;
+    const Slabs slabs = slabs_of(*cores[1 - side], size_m);
+    if (slabs.empty()) continue;
     for (const Edge& edge : edges_of(*cores[side])) {
       Vec3 middle;
-      if (!clipped_middle(edge, spaces, middle)) continue;
+      if (!clipped_middle(edge, slabs, middle)) continue;
       sum += middle;
       ++count;
     }

@@ -7,6 +7,7 @@
 
 #include "server/exact_phase/arithmetic/plain_range.hpp"
 #include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/exact_phase/overlap/box_pair.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
@@ -17,24 +18,6 @@ bool same_line(const Triple& a, const Triple& b) {
 }
 
 using Triples = std::array<Triple, 3>;
-
-/// A box's axes with what the test derives from them.
-struct BoxAxes {
-  Triples axis;
-  Triples normal;  // cross products of the other two axes
-  double volume;
-  double largest = 0;
-  double half_sum;
-
-  explicit BoxAxes(const Box& box) : half_sum(box.half_m.sum()) {
-    for (int i = 0; i < 3; ++i) {
-      axis[i] = {box.axes(0, i), box.axes(1, i), box.axes(2, i)};
-      largest = std::max(largest, axis[i].largest());
-    }
-    for (int i = 0; i < 3; ++i) normal[i] = cross(axis[(i + 1) % 3], axis[(i + 2) % 3]);
-    volume = std::abs(dot(axis[0], normal[0]));
-  }
-};
 
 /// Collects gaps (distance between projections minus the extents of the bodies), each with the error of its axis.
 class AxisGaps {
@@ -58,50 +41,23 @@ bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLon
 
 }  // namespace
 
-Decision quickly_overlaps(const Box& a, const Box& b) {
-  const BoxAxes frame_a(a);
-  const BoxAxes frame_b(b);
-  const Triple between = triple(b.center) - triple(a.center);
-  const double axis = std::max(frame_a.largest, frame_b.largest);
-  const double reach = between.largest() + axis * (frame_a.half_sum + frame_b.half_sum);
+Decision quickly_overlaps(const Box& a, const Box& b, double off_m) {
+  const BoxPair pair(a, b);
+  const double axis = pair.axis();
+  const double reach = pair.reach();
   if (!in_range(axis) || !in_range(reach)) return Decision::undecided;
-  const double error = kSeparationError * axis * axis * reach;
+  // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
+  const double error = (kSeparationError * reach + 4 * off_m) * axis * axis;
   const double singular = kSeparationError * axis * axis * axis;
-  if (!(std::min(frame_a.volume, frame_b.volume) > singular)) return Decision::undecided;
+  if (!(std::min(pair.a.volume, pair.b.volume) > singular)) return Decision::undecided;
 
-  double a_over_b[3][3];  // |axis i of a . normal j of b|
-  double b_over_a[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      a_over_b[i][j] = std::abs(dot(frame_a.axis[i], frame_b.normal[j]));
-      b_over_a[i][j] = std::abs(dot(frame_b.axis[i], frame_a.normal[j]));
-    }
-  }
-  const auto reach_over = [](const Vec3& half, const double(&over)[3][3], int j) {
-    return half[0] * over[0][j] + half[1] * over[1][j] + half[2] * over[2][j];
-  };
   AxisGaps gaps;
-  for (int i = 0; i < 3; ++i) {
-    const double gap_a = std::abs(dot(between, frame_a.normal[i])) - a.half_m[i] * frame_a.volume;
-    if (gaps.add(gap_a - reach_over(b.half_m, b_over_a, i), error)) return Decision::no;
-    const double gap_b = std::abs(dot(between, frame_b.normal[i])) - b.half_m[i] * frame_b.volume;
-    if (gaps.add(gap_b - reach_over(a.half_m, a_over_b, i), error)) return Decision::no;
-  }
-  for (int j = 0; j < 3; ++j) {
-    const Triple moment = cross(frame_b.axis[j], between);
-    const int j1 = (j + 1) % 3;
-    const int j2 = (j + 2) % 3;
-    for (int i = 0; i < 3; ++i) {
-      // Parallel axes have no common perpendicular of their own.
-      if (same_line(frame_a.axis[i], frame_b.axis[j])) continue;
-      const int i1 = (i + 1) % 3;
-      const int i2 = (i + 2) % 3;
-      const double reach_a = a.half_m[i1] * b_over_a[j][i2] + a.half_m[i2] * b_over_a[j][i1];
-      const double reach_b = b.half_m[j1] * a_over_b[i][j2] + b.half_m[j2] * a_over_b[i][j1];
-      if (gaps.add(std::abs(dot(frame_a.axis[i], moment)) - (reach_a + reach_b), error)) return Decision::no;
-    }
-  }
-  return gaps.together();
+  const bool none_separates = pair.for_each_axis([&](int number, const Triple& n, double extent) {
+    // Parallel edges have no common perpendicular of their own.
+    if (number >= 6 && same_line(pair.a.axis[(number - 6) / 3], pair.b.axis[(number - 6) % 3])) return true;
+    return !gaps.add(std::abs(dot(pair.between, n)) - extent, error);
+  });
+  return none_separates ? gaps.together() : Decision::no;
 }
 
 Decision quickly_overlaps(const Box& a, const Triangle& b) {

@@ -8,10 +8,11 @@ namespace collided::engine::kernel {
 /// The separating-axis test in plain double with one error bound for the whole pair: the first filter for the two most
 /// frequent pairs in simulations. Undecided where an axis comes closer to touching than the bound.
 ///
+/// off_m   the answer also holds where the points of the two are moved by off_m in all
 /// cost    about 60 ns against 700 for the same test with a running bound; no allocation
 /// source  axes: Gottschalk, Lin, Manocha, "OBBTree", 1996. Products over cross axes reuse those over the face
 ///         normals, since a x b . c = b x c . a
-Decision quickly_overlaps(const Box& a, const Box& b);
+Decision quickly_overlaps(const Box& a, const Box& b, double off_m = 0);
 Decision quickly_overlaps(const Box& a, const Triangle& b);
 
 /// An upper bound on the shortest push that separates the two along the box's face normals or the triangle's; infinity

@@ -9,7 +9,8 @@ Broadcast::Broadcast(World& world, EventWriter& event_writer, std::function<void
     : world_(world),
       event_writer_(event_writer),
       notice_(std::move(notice)),
-      dirty_shards_(wire_contract::kContactShards, 0) {}
+      dirty_shards_(wire_contract::kContactShards, 0),
+      of_shard_(wire_contract::kContactShards) {}
 
 void Broadcast::mark_all() { dirty_shards_.assign(wire_contract::kContactShards, 1); }
 
@@ -58,17 +59,18 @@ void Broadcast::publish_events(const Stamp& stamp) {
 void Broadcast::publish_contacts(const Stamp& stamp) {
   if (std::find(dirty_shards_.begin(), dirty_shards_.end(), 1) == dirty_shards_.end()) return;
   const std::vector<OpenContact>& open = world_.contacts();
-  shard_of_.clear();
-  for (const OpenContact& contact : open) shard_of_.push_back(wire_contract::contact_shard(contact.a, contact.b));
+  for (std::vector<std::uint32_t>& numbers : of_shard_) numbers.clear();
+  for (std::uint32_t i = 0; i < open.size(); ++i) {
+    const std::uint32_t shard = wire_contract::contact_shard(open[i].a, open[i].b);
+    if (dirty_shards_[shard] != 0) of_shard_[shard].push_back(i);
+  }
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
   for (std::uint32_t shard = 0; shard < dirty_shards_.size(); ++shard) {
     if (dirty_shards_[shard] == 0) continue;
     dirty_shards_[shard] = 0;
     contacts_.clear();
     contacts_.shard = static_cast<std::uint8_t>(shard);
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (shard_of_[i] == shard) contacts_.add(open[i], names_);
-    }
+    for (const std::uint32_t i : of_shard_[shard]) contacts_.add(open[i], names_);
     contacts_.named.fill(name_of);
     // DDS delivers no larger message. Names can be done without, contacts cannot.
     constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;

@@ -38,8 +38,8 @@ class Broadcast {
   NameBook names_;
   EventColumns events_;
   EventColumns persisted_;
-  std::vector<std::uint8_t> dirty_shards_;  // by shard; 1: to be written
-  std::vector<std::uint8_t> shard_of_;      // by index among the contacts that hold
+  std::vector<std::uint8_t> dirty_shards_;            // by shard; 1: to be written
+  std::vector<std::vector<std::uint32_t>> of_shard_;  // indexes of the contacts that hold, of the shards to be written
   ContactColumns contacts_;
   std::uint64_t contact_hash_ = 0;
 };

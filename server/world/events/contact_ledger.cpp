@@ -34,36 +34,53 @@ OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_tim
 
 }  // namespace
 
-std::size_t ContactLedger::PairHash::operator()(const Pair& pair) const {
-  // Multiplicative hashing (Knuth, TAOCP 3, 6.4) of both slots; generations differ only between uses of a slot.
-  const std::uint64_t mixed = (pair.a * 0x9e3779b97f4a7c15u) ^ ((pair.b + 0x7f4a7c15u) * 0xc2b2ae3d27d4eb4fu);
-  return static_cast<std::size_t>(mixed ^ (mixed >> 29));
-}
-
 void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted) {
   events_.clear();
+  found_slots_.clear();
   ++step_;
   world_time_ns_ = world_time_ns;
   persisted_wanted_ = persisted_wanted;
 }
 
+void ContactLedger::mark_found(std::uint32_t number) {
+  if (found_in_step_[number] == step_) return;
+  found_in_step_[number] = step_;
+  note_found_slot(slot_of(open_[number].a));
+  note_found_slot(slot_of(open_[number].b));
+}
+
+void ContactLedger::note_found_slot(std::uint32_t slot) {
+  if (slot >= slot_found_in_step_.size()) slot_found_in_step_.resize(slot + 1);
+  if (slot_found_in_step_[slot] == step_) return;
+  slot_found_in_step_[slot] = step_;
+  found_slots_.push_back(slot);
+}
+
 void ContactLedger::touches(const FoundContact& found) {
   assert(found.a < found.b && "a pair is named by its lower id first");
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
-  end_doubt(found);
-  if (!is_open(found.a, found.b)) return open(opened(found, world_time_ns_), found);
-  goes_on(found);
+  std::uint32_t number = number_of(found.a, found.b);
+  if (number != PairIndex::kNone && is_doubt(number)) {
+    // A contact is found where there was a doubt: the doubt ends as decided.
+    end(number, {EndReason::decided, found.bracket_low_s, found.bracket_high_s});
+    number = PairIndex::kNone;
+  }
+  if (number == PairIndex::kNone) return open(opened(found, world_time_ns_), found);
+  goes_on(number, found);
   if (!persisted_wanted_) return;
   events_.push_back({.kind = EventKind::persisted,
-                     .of = open_[index_.at({found.a, found.b})],
+                     .of = open_[number],
                      .relative_velocity = found.relative_velocity,
                      .velocity_error = found.velocity_error});
 }
 
 void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
-  index_.emplace(Pair{opened.a, opened.b}, open_.size());
+  const auto number = static_cast<std::uint32_t>(open_.size());
+  index_.add(opened.a, opened.b, number);
+  links_.add(slot_of(opened.a), slot_of(opened.b));
   open_.push_back(opened);
-  found_in_step_.push_back(step_);
+  found_in_step_.push_back(0);
+  mark_found(number);
   doubt_count_ += opened.doubt != Doubt::none ? 1 : 0;
   events_.push_back({.kind = EventKind::began,
                      .of = opened,
@@ -74,34 +91,38 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
 }
 
 bool ContactLedger::holds(ObjectId a, ObjectId b) const {
-  const auto found = index_.find({a, b});
-  return found != index_.end() && open_[found->second].doubt == Doubt::none;
+  const std::uint32_t number = number_of(a, b);
+  return number != PairIndex::kNone && !is_doubt(number);
 }
 
-bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const { return is_open(a, b) && !holds(a, b); }
+bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const {
+  const std::uint32_t number = number_of(a, b);
+  return number != PairIndex::kNone && is_doubt(number);
+}
 
 void ContactLedger::doubts(const FoundContact& found, Doubt why) {
-  const auto place = index_.find({found.a, found.b});
-  if (place == index_.end()) return open(doubted(found, why, world_time_ns_), found);
-  found_in_step_[place->second] = step_;
+  const std::uint32_t number = number_of(found.a, found.b);
+  if (number == PairIndex::kNone) return open(doubted(found, why, world_time_ns_), found);
+  mark_found(number);
 }
 
 void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
-  for (const OpenContact& open : open_) {
-    if ((open.a == object || open.b == object) && open.doubt == Doubt::none)
-      held.push_back({.a = open.a, .b = open.b, .contact = {}});
-  }
+  links_.for_each(slot_of(object), [&](std::uint32_t number) {
+    const OpenContact& open = open_[number];
+    if (open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
+    return true;
+  });
   for (const FoundContact& found : held) {
-    end(index_.at({found.a, found.b}), {.reason = EndReason::publisher_lost});
+    end(number_of(found.a, found.b), {.reason = EndReason::publisher_lost});
     doubts(found, Doubt::publisher_lost);
   }
 }
 
 bool ContactLedger::is_found_again(ObjectId a, ObjectId b) const {
-  const auto found = index_.find(a < b ? Pair{a, b} : Pair{b, a});
-  return found != index_.end() && open_[found->second].doubt == Doubt::publisher_lost && !has_lost(a, b);
+  const std::uint32_t number = number_of(std::min(a, b), std::max(a, b));
+  return number != PairIndex::kNone && open_[number].doubt == Doubt::publisher_lost && !has_lost(a, b);
 }
 
 void ContactLedger::doubted_and_parted(const FoundContact& found, Doubt why) {
@@ -111,30 +132,27 @@ void ContactLedger::doubted_and_parted(const FoundContact& found, Doubt why) {
 }
 
 void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s) {
-  if (is_in_doubt(a, b) && !has_lost(a, b)) end(index_.at({a, b}), {EndReason::decided, bracket_low_s, bracket_high_s});
+  const std::uint32_t number = number_of(a, b);
+  if (number != PairIndex::kNone && is_doubt(number) && !has_lost(a, b))
+    end(number, {EndReason::decided, bracket_low_s, bracket_high_s});
 }
 
-/// A contact is found where there was a doubt: the doubt ends as decided.
-void ContactLedger::end_doubt(const FoundContact& found) {
-  decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
-}
-
-void ContactLedger::goes_on(const FoundContact& found) {
-  const std::size_t index = index_.at({found.a, found.b});
-  OpenContact& open = open_[index];
-  found_in_step_[index] = step_;
+/// The contact is computed again: where and how deep, without an event.
+void ContactLedger::goes_on(std::uint32_t number, const FoundContact& found) {
+  OpenContact& open = open_[number];
+  mark_found(number);
   open.contact = open.surface = found.contact;
   open.a_triangle = found.a_triangle;
   open.b_triangle = found.b_triangle;
 }
 
 void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s) {
-  end(index_.at({a, b}), {reason, bracket_low_s, bracket_high_s});
+  end(number_of(a, b), {reason, bracket_low_s, bracket_high_s});
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
-  end_doubt(found);
+  decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
   passed(opened(found, world_time_ns_), found, EndReason::separated);
 }
 
@@ -157,29 +175,30 @@ void ContactLedger::passed(const OpenContact& opened, const FoundContact& found,
 
 void ContactLedger::end_object(ObjectId object, EndReason reason) {
   lost_.erase(object);
-  for (std::size_t i = 0; i < open_.size();) {
-    if (open_[i].a == object || open_[i].b == object) {
-      end(i, {.reason = reason});
-    } else {
-      ++i;
-    }
-  }
+  endings_.clear();
+  links_.for_each(slot_of(object), [&](std::uint32_t number) {
+    endings_.push_back({{open_[number].a, open_[number].b}, {.reason = reason}});
+    return true;
+  });
+  for (const Ending& ending : endings_) end(number_of(ending.pair.a, ending.pair.b), ending.end);
 }
 
-void ContactLedger::end(std::size_t index, const ContactEnd& of) {
-  const bool is_doubt = open_[index].doubt != Doubt::none;
+void ContactLedger::end(std::uint32_t number, const ContactEnd& of) {
+  const bool was_doubt = is_doubt(number);
   const bool is_parted = of.reason == EndReason::separated || of.reason == EndReason::teleported;
-  doubt_count_ -= is_doubt ? 1 : 0;
+  doubt_count_ -= was_doubt ? 1 : 0;
   events_.push_back({.kind = EventKind::ended,
-                     .reason = is_doubt && is_parted ? EndReason::decided : of.reason,
-                     .of = open_[index],
+                     .reason = was_doubt && is_parted ? EndReason::decided : of.reason,
+                     .of = open_[number],
                      .bracket_low_s = of.bracket_low_s,
                      .bracket_high_s = of.bracket_high_s});
-  index_.erase({open_[index].a, open_[index].b});
-  if (index + 1 != open_.size()) {
-    open_[index] = open_.back();
-    found_in_step_[index] = found_in_step_.back();
-    index_[{open_[index].a, open_[index].b}] = index;
+  index_.remove(open_[number].a, open_[number].b, number);
+  links_.remove(number);
+  const auto last = static_cast<std::uint32_t>(open_.size() - 1);
+  if (number != last) {
+    index_.renumber(open_[last].a, open_[last].b, last, number);
+    open_[number] = open_[last];
+    found_in_step_[number] = found_in_step_[last];
   }
   open_.pop_back();
   found_in_step_.pop_back();
@@ -187,9 +206,9 @@ void ContactLedger::end(std::size_t index, const ContactEnd& of) {
 
 void ContactLedger::retell_corrected() {
   for (Event& event : events_) {
-    const auto open = index_.find({event.of.a, event.of.b});
-    const bool is_of_open = event.kind != EventKind::ended && open != index_.end() && found(open->second);
-    if (is_of_open) event.of.surface = open_[open->second].surface;
+    if (event.kind == EventKind::ended) continue;
+    const std::uint32_t number = number_of(event.of.a, event.of.b);
+    if (number != PairIndex::kNone && found(number)) event.of.surface = open_[number].surface;
   }
 }
 
@@ -213,10 +232,10 @@ void ContactLedger::finish_step() {
       continue;
     }
     event.of.episode = passing_episode = event.sequence;
-    const auto open = index_.find({event.of.a, event.of.b});
+    const std::uint32_t number = number_of(event.of.a, event.of.b);
     const bool opened_now =
-        open != index_.end() && (open_[open->second].episode == 0 || open_[open->second].episode > last_before);
-    if (opened_now) open_[open->second].episode = event.sequence;
+        number != PairIndex::kNone && (open_[number].episode == 0 || open_[number].episode > last_before);
+    if (opened_now) open_[number].episode = event.sequence;
   }
 }
 

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
+#include <span>
 #include <unordered_set>
 #include <vector>
 
 #include "server/exact_phase/motion/body_motion.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/events/contact_links.hpp"
 #include "server/world/events/events.hpp"
+#include "server/world/events/pair_index.hpp"
 
 namespace collided::engine {
 
@@ -51,8 +53,6 @@ class ContactLedger {
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
   void touches(const FoundContact& found);
-  /// A contact that holds is computed again: where and how deep, without an event.
-  void goes_on(const FoundContact& found);
   /// A contact that holds ends.
   void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
   /// It is not known whether the pair touches; an open contact or doubt of it stays as reported. found.contact is none.
@@ -71,17 +71,22 @@ class ContactLedger {
   void touched_and_parted(const FoundContact& found);
   /// Ends every contact of the object.
   void end_object(ObjectId object, EndReason reason);
-  /// Ends every contact that was not found again in this step and for which end_of(contact).reason is not `none`.
+  /// Ends every contact of these objects that was not found again in this step and for which end_of(contact).reason is
+  /// not `none`. Costs what these objects' contacts cost, however many others there are.
   template <class EndOf>
-  void end_unfound(EndOf&& end_of) {
-    for (std::size_t i = 0; i < open_.size();) {
-      const bool goes_on = found_in_step_[i] == step_ || has_lost(open_[i].a, open_[i].b);
-      const ContactEnd of = goes_on ? ContactEnd{} : end_of(open_[i]);
-      if (of.reason == EndReason::none) {
-        ++i;
-      } else {
-        end(i, of);
-      }
+  void end_unfound(std::span<const std::uint32_t> slots, EndOf&& end_of) {
+    endings_.clear();
+    const auto look_at = [&](std::uint32_t number) {
+      if (found_in_step_[number] == step_ || has_lost(open_[number].a, open_[number].b)) return true;
+      const ContactEnd of = end_of(open_[number]);
+      if (of.reason != EndReason::none) endings_.push_back({{open_[number].a, open_[number].b}, of});
+      return true;
+    };
+    for (const std::uint32_t slot : slots) links_.for_each(slot, look_at);
+    for (const Ending& ending : endings_) {
+      // Where both objects are named, the contact stands here twice.
+      const std::uint32_t number = number_of(ending.pair.a, ending.pair.b);
+      if (number != PairIndex::kNone) end(number, ending.end);
     }
   }
   /// Replaces the surface of a contact found in this step; retell_corrected() writes it into the events.
@@ -93,10 +98,17 @@ class ContactLedger {
   bool holds(ObjectId a, ObjectId b) const;
   bool is_in_doubt(ObjectId a, ObjectId b) const;
   /// The pair holds or is in doubt.
-  bool is_open(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
+  bool is_open(ObjectId a, ObjectId b) const { return number_of(a, b) != PairIndex::kNone; }
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
+  /// Calls visit(index into open()) for the contacts and doubts of the object in that slot, until one returns false.
+  template <class Visit>
+  void for_each_of(std::uint32_t slot, Visit&& visit) const {
+    links_.for_each(slot, visit);
+  }
+  /// Slots of the objects with a contact or doubt found in this step; each once.
+  const std::vector<std::uint32_t>& found_slots() const { return found_slots_; }
   const std::vector<Event>& events() const { return events_; }
   const std::vector<OpenContact>& open() const { return open_; }
   std::uint64_t last_sequence() const { return last_sequence_; }
@@ -105,21 +117,31 @@ class ContactLedger {
   struct Pair {
     ObjectId a;
     ObjectId b;
-    bool operator==(const Pair&) const = default;
   };
-  struct PairHash {
-    std::size_t operator()(const Pair& pair) const;
+  struct Ending {
+    Pair pair;
+    ContactEnd end;
   };
 
   bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
-  void end(std::size_t index, const ContactEnd& of);
+  std::uint32_t number_of(ObjectId a, ObjectId b) const {
+    return index_.find(a, b, [&](std::uint32_t number) { return open_[number].a == a && open_[number].b == b; });
+  }
+  bool is_doubt(std::uint32_t number) const { return open_[number].doubt != Doubt::none; }
+  void mark_found(std::uint32_t number);
+  void note_found_slot(std::uint32_t slot);
+  void end(std::uint32_t number, const ContactEnd& of);
   void open(const OpenContact& opened, const FoundContact& found);
-  void end_doubt(const FoundContact& found);
+  void goes_on(std::uint32_t number, const FoundContact& found);
   void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
   std::vector<OpenContact> open_;
-  std::vector<std::uint64_t> found_in_step_;               // step that last found open_[i]; parallel to open_
-  std::unordered_map<Pair, std::size_t, PairHash> index_;  // into open_
+  std::vector<std::uint64_t> found_in_step_;  // step that last found open_[i]; parallel to open_
+  PairIndex index_;                           // of open_
+  ContactLinks links_;                        // of open_
+  std::vector<std::uint32_t> found_slots_;
+  std::vector<std::uint64_t> slot_found_in_step_;  // step in which the slot was last put into found_slots_
+  std::vector<Ending> endings_;                    // reused from step to step
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/exact_phase/overlap/separation_filter.hpp"
 #include "server/exact_phase/part.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -116,6 +117,13 @@ double placing_error_within(const ConvexPart& part, const GivenPart& given, cons
 
 double placing_error_m(const ConvexPart& a, const ConvexPart& b, const GivenPair& given) {
   return (placing_error_within(a, given.a, b) + placing_error_within(b, given.b, a)) * (1 + kBoundSlack);
+}
+
+Decision quickly_decided(const Primitive& a, const Primitive& b, double off_m) {
+  const Box* box_a = std::get_if<Box>(&a);
+  const Box* box_b = std::get_if<Box>(&b);
+  if (box_a == nullptr || box_b == nullptr) return Decision::undecided;
+  return kernel::quickly_overlaps(*box_a, *box_b, off_m);
 }
 
 ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const GivenPair& given, double off_m,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 
@@ -126,6 +127,9 @@ inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32
 /// How far two placed parts may be from those given, metres, in all.
 double placing_error_m(const ConvexPart& a, const ConvexPart& b, const GivenPair& given);
 
+/// Whether two parts touch, for the numbers given and as placed, where one filter in double decides both: two boxes.
+Decision quickly_decided(const Primitive& a, const Primitive& b, double off_m);
+
 /// Whether two parts touch, for the numbers given. verdict: what was decided for them as placed, off by off_m at most.
 ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const GivenPair& given, double off_m,
                              ExactResult verdict);
@@ -138,20 +142,26 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
                   const GivenPair& given) {
   // Where another contact is known, one that hangs on a rounding adds nothing: it would be of no depth.
   const double off_m = touch.yes || given.is_exact() ? 0 : placing_error_m(a, b, given);
-  if (off_m > 0 && surely_apart(a, b, off_m)) {
+  Decision quick = Decision::undecided;
+  if constexpr (std::same_as<A, Primitive> && std::same_as<B, Primitive>) {
+    if (off_m > 0) quick = quickly_decided(a, b, off_m);
+  }
+  if (off_m > 0 && (quick == Decision::no || (quick == Decision::undecided && surely_apart(a, b, off_m)))) {
     ++touch.exact_tests;
     return;
   }
   double depth_at_most_m = std::numeric_limits<double>::infinity();
-  ExactResult verdict;
-  if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
+  ExactResult verdict{quick, Level::filter};
+  if (quick == Decision::yes) {
+    // Nothing closer to the boundary than the placing may be off.
+  } else if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
     verdict = touch.wanted && touch.yes ? overlaps(a, b, depth_at_most_m) : overlaps(a, b);
   } else {
     verdict = overlaps(a, b);
   }
   ++touch.exact_tests;
   const bool meet_as_placed = verdict.yes();
-  if (off_m > 0) verdict = decided_as_given(a, b, given, off_m, verdict);
+  if (off_m > 0 && quick != Decision::yes) verdict = decided_as_given(a, b, given, off_m, verdict);
   touch.level = std::max(touch.level, verdict.level);
   if (verdict.decision == Decision::undecided) touch.undecided = true;
   if (!verdict.yes()) return;

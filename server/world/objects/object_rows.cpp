@@ -31,7 +31,6 @@ ObjectId ObjectRows::take_slot() {
     rows_.emplace_back();
     motion_.push_back(Motion::none);
     news_.push_back(0);
-    changed_.push_back(0);
     generations_.push_back(1);
     source_.push_back(Sources::kResting);
   }
@@ -120,13 +119,20 @@ void ObjectRows::look_again(std::uint32_t slot) {
 
 void ObjectRows::set_stale(std::uint32_t slot, bool is_stale) {
   rows_[slot].is_stale = is_stale;
-  changed_[slot] = step_ + 1;
+  note_change(slot);
 }
 
-void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources) {
-  step_ = step;
+void ObjectRows::note_change(std::uint32_t slot) {
+  if (changes_.size() > 2 * size()) {
+    forgotten_changes_ += changes_.size();
+    changes_.clear();
+  }
+  changes_.push_back(slot);
+}
+
+void ObjectRows::stamp_changes(std::int64_t world_time_ns, const Sources& sources) {
   for (const std::uint32_t slot : moved_) {
-    changed_[slot] = step;
+    note_change(slot);
     ObjectRow& row = rows_[slot];
     if (row.born_ns != kPosedAtStep) continue;
     row.born_ns = source_[slot] != Sources::kResting ? sources[source_[slot]].known_ns : world_time_ns;
@@ -134,25 +140,30 @@ void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns, c
   }
 }
 
+void ObjectRows::copy_row(std::uint32_t slot, Snapshot& to) const {
+  const ObjectRow& row = rows_[slot];
+  to.poses[slot] = row.pose;
+  to.frames[slot] = row.frame;
+  to.bounds[slot] = row.bounds;
+  to.posed_ns[slot] = row.posed_ns;
+  to.stale[slot] = row.is_stale ? 1 : 0;
+}
+
 void ObjectRows::copy_changes(Snapshot& to) {
-  const std::size_t known = to.changed.size();
   const std::size_t count = size();
   to.poses.resize(count);
   to.frames.resize(count);
   to.bounds.resize(count);
   to.posed_ns.resize(count);
   to.stale.resize(count);
-  to.changed.resize(count);
-  for (std::uint32_t slot = 0; slot < count; ++slot) {
-    if (slot < known && to.changed[slot] == changed_[slot]) continue;
-    const ObjectRow& row = rows_[slot];
-    to.poses[slot] = row.pose;
-    to.frames[slot] = row.frame;
-    to.bounds[slot] = row.bounds;
-    to.posed_ns[slot] = row.posed_ns;
-    to.stale[slot] = row.is_stale ? 1 : 0;
-    to.changed[slot] = changed_[slot];
+  const std::uint64_t change_count = forgotten_changes_ + changes_.size();
+  // Most rows in a row cost less than as many here and there.
+  if (to.changes_seen < forgotten_changes_ || change_count - to.changes_seen > count / 2) {
+    for (std::uint32_t slot = 0; slot < count; ++slot) copy_row(slot, to);
+  } else {
+    for (std::size_t i = to.changes_seen - forgotten_changes_; i < changes_.size(); ++i) copy_row(changes_[i], to);
   }
+  to.changes_seen = change_count;
   to.objects = table_;
   to.table_version = table_version_;
   table_is_shared_ = true;

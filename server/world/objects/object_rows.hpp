@@ -79,7 +79,7 @@ class ObjectRows {
 
   // A step: changes are stamped, then copied, then no longer changes.
   /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.
-  void stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources);
+  void stamp_changes(std::int64_t world_time_ns, const Sources& sources);
   /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
   void copy_changes(Snapshot& to);
   /// Forgets the changes; slots freed in this step may be used again.
@@ -110,13 +110,14 @@ class ObjectRows {
  private:
   ObjectTable& table_to_change();
   void mark(std::uint32_t slot, Motion how);
+  void note_change(std::uint32_t slot);
+  void copy_row(std::uint32_t slot, Snapshot& to) const;
 
   std::vector<ObjectRow> rows_;
   // Outside of the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };
-  std::vector<std::uint8_t> news_;      // since the last step
-  std::vector<std::uint64_t> changed_;  // step of the last change
+  std::vector<std::uint8_t> news_;  // since the last step
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint32_t> source_;
 
@@ -127,7 +128,9 @@ class ObjectRows {
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::uint32_t> freed_;  // in this step
   std::vector<std::uint32_t> moved_;  // in this step
-  std::uint64_t step_ = 0;
+  // Slots in the order of their changes, up to twice as many as there are slots; and how many were forgotten before.
+  std::vector<std::uint32_t> changes_;
+  std::uint64_t forgotten_changes_ = 0;
 };
 
 }  // namespace collided::engine

@@ -42,8 +42,8 @@ struct Snapshot {
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
   bool contacts_truncated = false;                  // there are more contacts than the step could report
-  std::shared_ptr<Grid> grid;          // over bounds, or larger ones; shared between snapshots while no object moves
-  std::vector<std::uint64_t> changed;  // by slot: step of the last change, so that refilling copies only what differs
+  std::shared_ptr<Grid> grid;      // over bounds, or larger ones; shared between snapshots while no object moves
+  std::uint64_t changes_seen = 0;  // how many of ObjectRows' changes it has, so that refilling copies only later ones
 };
 
 /// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count of

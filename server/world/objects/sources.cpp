@@ -76,6 +76,11 @@ bool Sources::is_over_floor_again(const Source& source) const {
   return source.settled_of(0) < floor_ns_ && source.known_ns >= floor_ns_;
 }
 
+bool Sources::is_any_behind_floor() const {
+  return std::any_of(sources_.begin(), sources_.end(),
+                     [&](const Source& source) { return source.object_count > 0 && source.settled_of(0) < floor_ns_; });
+}
+
 void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
   bool is_any_timed = false;
   std::int64_t oldest_ns = kForEver;

@@ -99,6 +99,8 @@ class Sources {
   /// The floor passed the source while it was silent, and it now continues beyond: its pairs begin anew at the floor.
   bool is_over_floor_again(const Source& source) const;
   bool is_any_over_floor_again() const { return is_any_over_floor_again_; }
+  /// The floor passed a source that is silent: its pairs may begin anew without a pose.
+  bool is_any_behind_floor() const;
   /// The newest instant at which all objects are known.
   std::int64_t settled_ns(std::int64_t world_time_ns) const;
   /// Pairs of another publisher may wait for this one's next instant.

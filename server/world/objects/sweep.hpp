@@ -12,6 +12,8 @@ namespace collided::engine {
 /// The sphere that is the whole object, if it is one and nothing else: such objects are always swept between their
 /// poses.
 std::optional<Sphere> lone_sphere(const ObjectInfo& info);
+/// The box that is the whole object, in its own frame; null where it is something else.
+const Box* lone_box(const ObjectInfo& info);
 
 /// A moving sphere, and the earliest contact found so far.
 struct SphereSweep {

@@ -33,14 +33,16 @@ void note_lost(World::State& s) {
 }
 
 /// The grid holds each mover's whole motion since its last pose, so that pairs that met on the way are candidates.
-/// While nothing moves, the last snapshot's grid is shared.
-void index_motion(const StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
+/// While nothing moves, the last snapshot's grid is shared; while little does, most of it.
+void index_motion(StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
   if (!has_open && current.grid) {
     grid = current.grid;
     return;
   }
   if (!grid || grid.use_count() > 1) grid = std::make_shared<Grid>();
-  grid->rebuild(motion.bounds());
+  if (current.grid) grid->update(*current.grid, motion.bounds(), motion.changed());
+  else grid->rebuild(motion.bounds());
+  motion.note_indexed();
 }
 
 }  // namespace
@@ -52,7 +54,6 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   if (next == nullptr) return false;
   const std::int64_t started = now_ns();
   s.version += batches;
-  ++s.step_count;
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
   // Ingest: what came since the last step ends contacts and goes into the snapshot.
@@ -60,7 +61,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   end_removed(s.removed, s.ledger);
   note_lost(s);
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
-  s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
+  s.rows.stamp_changes(world_time_ns, s.sources);
   s.fill(*next, world_time_ns);
   s.memory.note({s.rows, s.sources, s.scenes, s.stale_objects, *next});
   const std::int64_t updated = now_ns();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/exact_phase/motion/ball_motion_filter.hpp"
+#include "server/exact_phase/motion/box_motion_filter.hpp"
 #include "server/world/objects/object_placing.hpp"
 #include "server/world/step/decisions.hpp"
 
@@ -290,7 +291,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
     const bool is_given = frame.position == row.frame.position && frame.rotation == row.frame.rotation;
     return Placed{.info = rows_.info(slot),
                   .frame = &frame,
-                  .bounds = bounds_of(*rows_.info(slot), frame),
+                  .bounds = is_given ? row.bounds : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
   const Placed a = placed_at(piece.a, piece.a_motion.to);
@@ -349,8 +350,14 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
       {.center = others.to, .radius_m = other.radius_m});
 }
 
-/// The bounds of the two motions do not overlap.
+/// The two motions are separated by a plane, or their bounds do not overlap.
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
+  const Box* a = lone_box(*rows_.info(piece.a));
+  const Box* b = lone_box(*rows_.info(piece.b));
+  if (a != nullptr && b != nullptr) {
+    return kernel::surely_apart(kernel::MovingBox(*a, piece.a_motion.from, piece.a_motion.to, rows_[piece.a].reach_m),
+                                kernel::MovingBox(*b, piece.b_motion.from, piece.b_motion.to, rows_[piece.b].reach_m));
+  }
   return !overlaps(bounds(*rows_.info(piece.a), piece.a_motion, rows_[piece.a].reach_m),
                    bounds(*rows_.info(piece.b), piece.b_motion, rows_[piece.b].reach_m));
 }

@@ -57,19 +57,35 @@ void Decisions::end_parted(std::int64_t last_step_ns) {
     }
     return end;
   };
-  ledger_.end_unfound(end_of);
+  ledger_.end_unfound(rows_.moved(), end_of);
 }
 
-/// Decides the contacts on common time whose objects' bounds no longer meet.
+/// Decides the contacts on common time whose objects' bounds no longer meet. Nothing new is known of two objects that
+/// did not move and whose motions are all decided, unless the floor passed one of them.
 void Decisions::decide_unfound() {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound;
-  for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
-    const OpenContact& open = ledger_.open()[i];
-    if (!ledger_.found(i) && are_on_common_time(slot_of(open.a), slot_of(open.b))) {
-      unfound.emplace_back(slot_of(open.a), slot_of(open.b));
+  std::vector<std::uint32_t>& unfound = lists_.unfound;
+  unfound.clear();
+  const auto look_at = [&](std::uint32_t number) {
+    const OpenContact& open = ledger_.open()[number];
+    if (!ledger_.found(number) && are_on_common_time(slot_of(open.a), slot_of(open.b))) unfound.push_back(number);
+    return true;
+  };
+  if (step_.looks_at_all || step_.sources.is_any_behind_floor()) {
+    for (std::uint32_t number = 0; number < ledger_.open().size(); ++number) look_at(number);
+  } else {
+    for (const std::vector<std::uint32_t>* slots :
+         {&rows_.moved(), &motion_.young(), &motion_.history().travelling()}) {
+      for (const std::uint32_t slot : *slots) ledger_.for_each_of(slot, look_at);
     }
   }
-  for (const auto& [a, b] : unfound) {
+  std::sort(unfound.begin(), unfound.end());
+  unfound.erase(std::unique(unfound.begin(), unfound.end()), unfound.end());
+  lists_.unfound_pairs.clear();
+  for (const std::uint32_t number : unfound) {
+    const OpenContact& open = ledger_.open()[number];
+    lists_.unfound_pairs.emplace_back(slot_of(open.a), slot_of(open.b));
+  }
+  for (const auto& [a, b] : lists_.unfound_pairs) {
     decide_on_common_time(a, b);
     if (ledger_.is_found_again(rows_.info(a)->id, rows_.info(b)->id)) decide_where_known(a, b);
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/world/events/contact_ledger.hpp"
@@ -39,6 +40,8 @@ struct DecisionLists {
   PartTouches part_touches{true};
   std::vector<PartSweep> part_sweeps;
   std::vector<std::int64_t> cuts;
+  std::vector<std::uint32_t> unfound;  // numbers of open contacts
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
 };
 
 /// The time in which a pair is decided: (from_ns, to_ns], and from_ns itself where is_closed. World time.
@@ -116,6 +119,7 @@ class Decisions {
   SweptTouch& part_sweep(std::uint32_t part);
 
   // pair_decisions.cpp
+  bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
   std::optional<SweptTouch> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
   std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
   SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);

@@ -8,6 +8,7 @@
 
 #include "server/exact_phase/arithmetic/value.hpp"
 #include "server/exact_phase/distance/convex.hpp"
+#include "server/world/objects/sweep.hpp"
 
 namespace collided::engine {
 namespace {
@@ -18,6 +19,10 @@ constexpr std::size_t kMostPrimitives = 16;
 constexpr std::size_t kMostContacts = 64;
 /// For unit normals: closer than this they are the same; up to this beyond a right angle they do not oppose each other.
 constexpr double kSameNormal = 1e-12;
+/// Covers the roundings of two reaches in double and in Bounded, and of placing both boxes (at most 52 of their
+/// coordinates, kPlacementRoundoffs), relative to their coordinates and sizes: 2^13 of them. No unit.
+/// At zero, ExtremeInnerEdge.SoTheyDoOnATurnedFloorFarOut fails.
+constexpr double kQuickReach = 0x1p-40;
 
 bool has_faces(const Primitive& primitive) {
   return std::holds_alternative<Box>(primitive) || std::holds_alternative<Hull>(primitive) ||
@@ -41,6 +46,12 @@ struct MoverContact {
   bool is_covered = false;
 };
 
+struct Corrected {
+  ObjectId mover = 0;
+  std::size_t number = 0;  // of the open contact
+  Contact surface;
+};
+
 class Correction {
  public:
   Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
@@ -48,57 +59,65 @@ class Correction {
       : rows_(rows), scenes_(scenes), ledger_(ledger) {}
 
   void run() {
-    collect();
     corrected_.clear();
-    for (std::size_t first = 0; first < sides_.size();) {
-      std::size_t end = first + 1;
-      while (end < sides_.size() && sides_[end].mover == sides_[first].mover) ++end;
-      if (end - first >= 2 && end - first <= kMostContacts) look_at(first, end);
-      first = end;
+    for (const std::uint32_t slot : ledger_.found_slots()) {
+      if (rows_.source(slot) == Sources::kResting) continue;
+      collect(slot);
+      if (sides_.size() >= 2 && sides_.size() <= kMostContacts) look_at();
     }
-    for (const auto& [number, contact] : corrected_) ledger_.correct(number, contact);
+    // Where both objects of a contact are movers, the one with the higher id has the last word.
+    std::sort(corrected_.begin(), corrected_.end(), [](const Corrected& x, const Corrected& y) {
+      return x.mover != y.mover ? x.mover < y.mover : x.number < y.number;
+    });
+    for (const Corrected& corrected : corrected_) ledger_.correct(corrected.number, corrected.surface);
     if (!corrected_.empty()) ledger_.retell_corrected();
   }
 
  private:
   const ObjectInfo& info(ObjectId id) const { return *rows_.info(slot_of(id)); }
 
-  void collect() {
+  /// The mover's contacts with bodies that have faces, found in this step or before, by body.
+  void collect(std::uint32_t slot) {
     sides_.clear();
-    for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
-      const OpenContact& open = ledger_.open()[i];
-      if (open.doubt != Doubt::none) continue;  // it has no normal
+    const bool is_sphere = rows_[slot].lone_sphere.has_value();
+    ledger_.for_each_of(slot, [&](std::uint32_t number) {
+      const OpenContact& open = ledger_.open()[number];
+      if (open.doubt != Doubt::none) return true;  // it has no normal
+      const bool is_first = slot_of(open.a) == slot;
+      const ObjectId body = is_first ? open.b : open.a;
       // Most contacts of a large world are between two balls, which is visible in rows that the step has just read.
-      if (rows_[slot_of(open.a)].lone_sphere && rows_[slot_of(open.b)].lone_sphere) continue;
-      const ObjectInfo& a = info(open.a);
-      const ObjectInfo& b = info(open.b);
-      if (a.moving && has_faces(b)) sides_.push_back({open.a, i, open.b, open.b_triangle, open.contact.normal, false});
-      if (b.moving && has_faces(a)) sides_.push_back({open.b, i, open.a, open.a_triangle, -open.contact.normal, false});
-    }
-    std::sort(sides_.begin(), sides_.end(), [](const MoverContact& x, const MoverContact& y) {
-      return x.mover != y.mover ? x.mover < y.mover : x.body < y.body;
+      if (is_sphere && rows_[slot_of(body)].lone_sphere) return true;
+      if (!has_faces(info(body))) return true;
+      sides_.push_back({.mover = is_first ? open.a : open.b,
+                        .number = number,
+                        .body = body,
+                        .triangle = is_first ? open.b_triangle : open.a_triangle,
+                        .normal = is_first ? open.contact.normal : Vec3(-open.contact.normal),
+                        .is_covered = false});
+      return sides_.size() <= kMostContacts;
     });
+    if (sides_.size() < 2 || sides_.size() > kMostContacts) return;
+    std::sort(sides_.begin(), sides_.end(),
+              [](const MoverContact& x, const MoverContact& y) { return x.body < y.body; });
   }
 
-  void look_at(std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      sides_[i].is_covered = false;
-      for (std::size_t k = first; k < end && !sides_[i].is_covered; ++k) {
+  void look_at() {
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      for (std::size_t k = 0; k < sides_.size() && !sides_[i].is_covered; ++k) {
         sides_[i].is_covered = k != i && !is_same(sides_[k], sides_[i]) && covers(sides_[k], sides_[i]);
       }
     }
-    for (std::size_t i = first; i < end; ++i) {
-      if (!sides_[i].is_covered || !ledger_.found(sides_[i].number)) continue;
-      if (const MoverContact* face = face_for(sides_[i], first, end)) take_normal(sides_[i], *face);
+    for (const MoverContact& side : sides_) {
+      if (!side.is_covered || !ledger_.found(side.number)) continue;
+      if (const MoverContact* face = face_for(side)) take_normal(side, *face);
     }
   }
 
   /// The uncovered contact whose normal is closest and covers this one; null where an uncovered one has the same
   /// normal.
-  const MoverContact* face_for(const MoverContact& side, std::size_t first, std::size_t end) const {
+  const MoverContact* face_for(const MoverContact& side) const {
     const MoverContact* best = nullptr;
-    for (std::size_t k = first; k < end; ++k) {
-      const MoverContact& other = sides_[k];
+    for (const MoverContact& other : sides_) {
       if (other.is_covered) continue;
       if (is_same(other, side)) return nullptr;
       const bool nearer = best == nullptr || other.normal.dot(side.normal) > best->normal.dot(side.normal);
@@ -116,10 +135,33 @@ class Correction {
     if (one.normal.dot(other.normal) < -kSameNormal) return false;
     const Vec3 towards = -one.normal;
     const Vec3& origin = ledger_.open()[one.number].contact.point;
+    const Decision quick = quickly_reaches_no_farther(one, other, towards, origin);
+    if (quick != Decision::undecided) return quick == Decision::yes;
     const Bounded reach = reach_of(one, towards, origin);
     const Bounded others = reach_of(other, towards, origin);
     return std::isfinite(reach.high()) &&
            others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) && std::isfinite(others.low());
+  }
+
+  /// The comparison of covers() for two boxes in plain double, where it is clear.
+  Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
+                                      const Vec3& origin) const {
+    const Box* own_of_one = lone_box(info(one.body));
+    const Box* own_of_other = lone_box(info(other.body));
+    if (own_of_one == nullptr || own_of_other == nullptr) return Decision::undecided;
+    double scale_m = 0;
+    const auto reach_m = [&](const MoverContact& side, const Box& own) {
+      const Box box = place(rows_[slot_of(side.body)].frame, own);
+      const Vec3 to_center = box.center - origin;
+      double reach = along.dot(to_center);
+      for (int i = 0; i < 3; ++i) reach += box.half_m[i] * std::abs(along.dot(box.axes.col(i)));
+      scale_m += box.center.cwiseAbs().sum() + to_center.cwiseAbs().sum() + 2 * box.half_m.sum();
+      return reach;
+    };
+    const double farther_m = reach_m(other, *own_of_other) - reach_m(one, *own_of_one);
+    const double error_m = kQuickReach * scale_m;
+    if (farther_m > error_m) return Decision::no;
+    return farther_m < -error_m ? Decision::yes : Decision::undecided;
   }
 
   double rounding_m(ObjectId id) const {
@@ -176,7 +218,7 @@ class Correction {
     surface.normal = side.mover == open.a ? from.normal : Vec3(-from.normal);
     surface.depth_m = std::max(depth.value, 0.0);
     surface.depth_error_m = depth.bound() + (surface.depth_m - depth.value);
-    corrected_.emplace_back(side.number, surface);
+    corrected_.push_back({side.mover, side.number, surface});
   }
 
   const ObjectRows& rows_;
@@ -184,11 +226,11 @@ class Correction {
   ContactLedger& ledger_;
   // Reused from step to step.
   static thread_local std::vector<MoverContact> sides_;
-  static thread_local std::vector<std::pair<std::size_t, Contact>> corrected_;
+  static thread_local std::vector<Corrected> corrected_;
 };
 
 thread_local std::vector<MoverContact> Correction::sides_;
-thread_local std::vector<std::pair<std::size_t, Contact>> Correction::corrected_;
+thread_local std::vector<Corrected> Correction::corrected_;
 
 }  // namespace
 

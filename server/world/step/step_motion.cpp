@@ -29,6 +29,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   balls_.resize(rows_.size());
   swept_.resize(rows_.size());
   open_.resize(rows_.size());
+  changed_.insert(changed_.end(), widened_.begin(), widened_.end());
   for (const std::uint32_t slot : widened_) {
     if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
   }
@@ -39,7 +40,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     swept_[slot] = needs_sweep(slot) ? 1 : 0;
     bounds_[slot] = row.bounds;
     if (path) {
-      bounds_[slot].extend(engine::bounds(*path));
+      bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
     } else if (is_swept(slot)) {
       bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
     }
@@ -57,6 +58,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     if (!rows_.has_moved(slot)) widened_.push_back(slot);
     bounds_[slot].extend(history_.bounds(slot));
   }
+  changed_.insert(changed_.end(), widened_.begin(), widened_.end());
 }
 
 /// Objects whose source fell behind the floor are tested against all sources again.

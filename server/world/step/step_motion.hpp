@@ -45,6 +45,10 @@ class StepMotion {
   void end_step(std::int64_t floor_ns);
 
   std::span<const Aabb> bounds() const { return bounds_; }
+  /// Slots whose bounds changed since the last note_indexed(); may contain one twice.
+  const std::vector<std::uint32_t>& changed() const { return changed_; }
+  /// The bounds are in the index.
+  void note_indexed() { changed_.clear(); }
   /// Motions on common time; empty where every pair is decided at the step's end.
   const MotionHistory& history() const { return history_; }
   /// Its motion or its beginning is not yet decided against every source.
@@ -77,6 +81,7 @@ class StepMotion {
   std::vector<BallMotion> balls_;
   std::vector<std::uint8_t> swept_;
   std::vector<std::uint8_t> open_;
+  std::vector<std::uint32_t> changed_;
   std::vector<std::uint32_t> widened_;  // slots whose bounds hold more than their present pose
   std::vector<std::uint32_t> young_;    // objects that began after the floor; may contain one twice
   MotionHistory history_;

@@ -1,5 +1,5 @@
-// Whole steps of the world, one thread: every mover of a crowd moves once, contacts, ways and events included, and the next
-// snapshot. By one publisher in one flush and by four, a quarter each, at phases of their own.
+// Whole steps of the world, one thread: contacts, motions, events and the next snapshot. First beside peers
+// (whole_steps.cpp); then crowds posed by one publisher in one flush and by four, a quarter each, at phases of their own.
 // usage: step_bench [--quick] [--csv FILE] [--only NAME] [--no-header]
 
 #include <array>
@@ -17,6 +17,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/studies/bench/clock.hpp"
 #include "tests/studies/bench/rows.hpp"
+#include "tests/studies/bench/whole_steps.hpp"
 
 namespace collided::bench {
 using namespace engine;
@@ -167,7 +168,8 @@ void run(const Options& options, const Kind& kind, std::size_t count, const std:
 int main(int argc, char** argv) {
   using namespace collided;
   const bench::Options options = bench::read_options(argc, argv);
-  const std::mt19937_64 random = oracle::seeded(20261123);
+  std::mt19937_64 random = oracle::seeded(20261123);
+  bench::run_whole_steps(options, random);
   for (const bench::Kind& kind : bench::kKinds) {
     for (const std::size_t count : {1'000, 10'000, 100'000}) {
       if (options.quick && count > 1'000) continue;

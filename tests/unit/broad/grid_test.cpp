@@ -112,9 +112,7 @@ Numbers near_by_force(const std::vector<Aabb>& boxes, const Vec3& point, double 
 bool each_once(const Numbers& sorted) { return std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end(); }
 
 /// Every question against its brute-force twin.
-void expect_right(const std::vector<Aabb>& boxes, double extent, std::mt19937_64& random) {
-  Grid grid;
-  grid.rebuild(boxes);
+void expect_right(const Grid& grid, const std::vector<Aabb>& boxes, double extent, std::mt19937_64& random) {
   EXPECT_EQ(pairs_of(grid), pairs_by_force(boxes));
   for (int i = 0; i < 100; ++i) {
     const Vec3 from = extent * in_cube(random);
@@ -139,6 +137,12 @@ void expect_right(const std::vector<Aabb>& boxes, double extent, std::mt19937_64
     EXPECT_LE(close.size(), expected_close.size() + 2);
     EXPECT_TRUE(each_once(close));
   }
+}
+
+void expect_right(const std::vector<Aabb>& boxes, double extent, std::mt19937_64& random) {
+  Grid grid;
+  grid.rebuild(boxes);
+  expect_right(grid, boxes, extent, random);
 }
 
 // A53: pairs as brute force has them, each once. A giant over all cells: AGiantAmongDustCostsAlmostNothing.
@@ -297,6 +301,75 @@ std::uint64_t count_pairs(const Grid& grid, WalkCost& cost) {
   };
   grid.pairs(add, cost);
   return count;
+}
+
+// What an update leaves out of its own index must still be hidden in, or found by, the one that it shares.
+TEST(BroadGrid, UpdatedBoxesAreFoundAsAfterARebuild) {
+  std::mt19937_64 random = oracle::seeded(20261124);
+  for (const std::size_t count : {std::size_t{40}, std::size_t{400}, std::size_t{1500}}) {
+    std::vector<Aabb> boxes;
+    const auto any_box = [&] { return make_box(in_cube(random), 0.15 * in_cube(random).cwiseAbs()); };
+    while (boxes.size() < count) boxes.push_back(any_box());
+    Grid grids[2];
+    grids[0].rebuild(boxes);
+    for (int step = 0; step < 25; ++step) {
+      std::vector<std::uint32_t> changed;
+      for (std::size_t i = 0; i < 1 + count / 100; ++i) {
+        const auto number = static_cast<std::uint32_t>(random() % boxes.size());
+        changed.push_back(number);
+        // Some leave, some come back, and some are of a size that has no level so far.
+        boxes[number] = random() % 4 == 0 ? Aabb{} : any_box();
+        if (random() % 8 == 0) boxes[number] = make_box(in_cube(random), Vec3::Constant(1.5));
+      }
+      changed.push_back(static_cast<std::uint32_t>(boxes.size()));
+      boxes.push_back(any_box());
+      Grid& grid = grids[(step + 1) % 2];
+      grid.update(grids[step % 2], boxes, changed);
+      const auto held = std::count_if(boxes.begin(), boxes.end(), [](const Aabb& box) { return !box.empty(); });
+      EXPECT_EQ(grid.size(), static_cast<std::size_t>(held)) << count << " boxes, step " << step;
+      if (step % 4 == 0) expect_right(grid, boxes, 1, random);
+    }
+  }
+}
+
+TEST(BroadGrid, AnUpdateOfFewAmongManyLooksAtFew) {
+  std::mt19937_64 random = oracle::seeded(20261125);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 100'000; ++i) boxes.push_back(make_box(50 * in_cube(random), Vec3::Constant(0.5)));
+  Grid before;
+  before.rebuild(boxes);
+  const std::vector<std::uint32_t> changed{7, 77, 777};
+  for (const std::uint32_t number : changed) boxes[number] = make_box(50 * in_cube(random), Vec3::Constant(0.5));
+  Grid after;
+  after.update(before, boxes, changed);
+  EXPECT_LT(after.bytes(), before.bytes() + 64 * boxes.size() / 8) << "the rest is shared, not copied";
+  expect_right(after, boxes, 50, random);
+}
+
+TEST(BroadGrid, AWalkThatEndsInTheSharedPartEndsAtAll) {
+  std::mt19937_64 random = oracle::seeded(20261126);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 2000; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.5)));
+  Grid before;
+  before.rebuild(boxes);
+  Grid grid;
+  grid.update(before, boxes, std::vector<std::uint32_t>{1, 2, 3});
+  WalkCost cost;
+  int told = 0;
+  const auto tell = [&](std::uint32_t) { return ++told < 2; };
+  grid.walk_box({Vec3::Constant(-2), Vec3::Constant(2)}, tell, cost);
+  EXPECT_EQ(told, 2);
+  told = 0;
+  const auto tell_pair = [&](std::uint32_t, std::uint32_t) { return ++told < 2; };
+  grid.pairs(tell_pair, cost);
+  EXPECT_EQ(told, 2);
+  told = 0;
+  const auto stop = [&](std::uint32_t, double) { return ++told, -1.0; };
+  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, cost);
+  EXPECT_EQ(told, 1);
+  told = 0;
+  grid.walk_near(Vec3::Zero(), kInfinity, stop, cost);
+  EXPECT_EQ(told, 1);
 }
 
 TEST(BroadGrid, BoxesInOnePointAreEnumeratedWithoutMemory) {

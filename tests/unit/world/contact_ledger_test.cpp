@@ -1,14 +1,21 @@
 #include <gtest/gtest.h>
 
+#include <map>
+#include <random>
+#include <set>
+
 #include "server/world/events/contact_ledger.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided::engine {
 namespace {
 
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
+constexpr std::uint32_t kSlots[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+
 void end_everything_unfound(ContactLedger& ledger) {
-  ledger.end_unfound([](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
+  ledger.end_unfound(kSlots, [](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
 }
 
 TEST(ContactLedger, BeganAndEndedAlternateAndShareTheEpisode) {
@@ -172,7 +179,7 @@ TEST(ContactLedger, EveryFieldOfAContactIsToldWhenItBeginsAndTheNewestOnceItIsOv
   EXPECT_EQ(ledger.events()[0].of.episode, 1u);
 
   ledger.begin_step(12'000'000'000, true);
-  ledger.end_unfound([](const OpenContact&) { return ContactEnd{EndReason::teleported, 0.25, 0.125}; });
+  ledger.end_unfound(kSlots, [](const OpenContact&) { return ContactEnd{EndReason::teleported, 0.25, 0.125}; });
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 1u);
   expect_told(ledger.events()[0], second);
@@ -302,6 +309,55 @@ TEST(ContactLedger, WhatPassedIsNotRetoldAsWhatWasOpenBefore) {
   ASSERT_EQ(ledger.events().size(), 2u);
   expect_told(ledger.events()[0], told_in_full(1, 2));
   expect_told(ledger.events()[1], told_in_full(1, 2));
+}
+
+// Random contacts that begin and end, beside a plain map: the table of pairs and each object's list lose and confuse none.
+TEST(ContactLedger, EqualsAPlainMapWhateverBeginsAndEnds) {
+  std::mt19937_64 random = oracle::seeded(20261124);
+  constexpr std::uint32_t kObjects = 60;
+  ContactLedger ledger;
+  std::map<std::pair<ObjectId, ObjectId>, std::uint64_t> twin;  // the step that last found the pair
+  for (std::uint64_t step = 1; step <= 400; ++step) {
+    ledger.begin_step(static_cast<std::int64_t>(step), false);
+    std::set<std::uint32_t> found_slots;
+    const std::uint64_t finds = random() % (step < 200 ? 80 : 20);
+    for (std::uint64_t i = 0; i < finds; ++i) {
+      const ObjectId a = random() % kObjects;
+      const ObjectId b = random() % kObjects;
+      if (a == b) continue;
+      ledger.touches(pair_of(std::min(a, b), std::max(a, b)));
+      twin[{std::min(a, b), std::max(a, b)}] = step;
+      found_slots.insert({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
+    }
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t slot = 0; slot < kObjects; ++slot) {
+      if (random() % 4 == 0) moved.push_back(slot);
+    }
+    EXPECT_EQ(std::set(ledger.found_slots().begin(), ledger.found_slots().end()), found_slots);
+    EXPECT_EQ(ledger.found_slots().size(), found_slots.size());
+    ledger.end_unfound(moved, [](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
+    const auto has_moved = [&](ObjectId id) { return std::find(moved.begin(), moved.end(), id) != moved.end(); };
+    std::erase_if(twin, [&](const auto& entry) {
+      return entry.second != step && (has_moved(entry.first.first) || has_moved(entry.first.second));
+    });
+    if (step % 50 == 0) {
+      ledger.end_object(7, EndReason::removed);
+      std::erase_if(twin, [](const auto& entry) { return entry.first.first == 7 || entry.first.second == 7; });
+    }
+    ledger.finish_step();
+    ASSERT_EQ(ledger.open().size(), twin.size()) << "step " << step;
+    for (const auto& [pair, when] : twin) ASSERT_TRUE(ledger.holds(pair.first, pair.second)) << "step " << step;
+    for (std::uint32_t slot = 0; slot < kObjects; ++slot) {
+      std::set<std::pair<ObjectId, ObjectId>> listed;
+      ledger.for_each_of(slot, [&](std::uint32_t number) {
+        return listed.insert({ledger.open()[number].a, ledger.open()[number].b}).second;
+      });
+      const auto expected = std::count_if(twin.begin(), twin.end(), [&](const auto& entry) {
+        return entry.first.first == slot || entry.first.second == slot;
+      });
+      ASSERT_EQ(listed.size(), static_cast<std::size_t>(expected)) << "slot " << slot << ", step " << step;
+    }
+  }
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace {
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_unfound(ContactLedger& ledger) {
-  ledger.end_unfound([](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
+  constexpr std::uint32_t kSlots[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  ledger.end_unfound(kSlots, [](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
 }
 
 TEST(Doubt, IsToldFromItsBeginningToItsEnd) {

@@ -1,0 +1,121 @@
+#include "server/exact_phase/distance/facet_filter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/arithmetic/plain_range.hpp"
+#include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/exact_phase/overlap/box_pair.hpp"
+
+namespace collided::engine::kernel {
+namespace {
+
+/// Bound on a depth's error along a normal n = u x v of edges u and v, in units of S |u| |v| / |n|, with largest
+/// coordinates in place of lengths, and S what two points of the cores may differ by on any axis. No unit.
+/// The difference of two products and both differences before leave at most 8 roundings of |u| |v| in a component of n;
+/// three products with differences of points and six extents along it 64 more of S |u| |v|; the root and the quotient
+/// some 32 of the depth, which is at most 2 S; the products over cross axes of two boxes, which reuse those over faces,
+/// 96 (kSeparationError). In Bounded the same operations are made, with a bound of at most twice
+/// what they may err. 2^9 roundings cover both; 2^12 are taken.
+/// At zero, ExactContact.AFilterKeepsEveryAxisOfATie fails.
+constexpr double kDepthError = 0x1p-41;
+
+/// A core's differences from another, and its extents, in plain double.
+struct Spread {
+  std::array<Triple, 9> between;  // points of a from points of b
+  int between_count = 0;
+  std::array<Triple, 6> axis;  // of the boxes, with half lengths
+  std::array<double, 6> half_m;
+  int axis_count = 0;
+  double size = 0;
+
+  Spread(const Core& a, const Core& b) {
+    for (int i = 0; i < a.point_count; ++i) {
+      for (int j = 0; j < b.point_count; ++j) {
+        between[between_count] = triple(a.point[i]) - triple(b.point[j]);
+        size = std::max(size, between[between_count++].largest());
+      }
+    }
+    for (const Core* core : {&a, &b}) {
+      for (int i = 0; core->is_box && i < 3; ++i) {
+        axis[axis_count] = {core->axes(0, i), core->axes(1, i), core->axes(2, i)};
+        half_m[axis_count] = core->half_m[i];
+        size += half_m[axis_count] * axis[axis_count].largest();
+        ++axis_count;
+      }
+    }
+  }
+
+  /// Times |n|, as pushes_along() has it: the lesser of both ways.
+  double push_along(const Triple& n) const {
+    double largest = dot(n, between[0]);
+    double smallest = largest;
+    for (int i = 1; i < between_count; ++i) {
+      const double along = dot(n, between[i]);
+      largest = std::max(largest, along);
+      smallest = std::min(smallest, along);
+    }
+    double reach = 0;
+    for (int i = 0; i < axis_count; ++i) reach += half_m[i] * std::abs(dot(n, axis[i]));
+    return reach + std::min(largest, -smallest);
+  }
+};
+
+Triple difference(const EdgeDirection& edge) { return triple(edge.to) - triple(edge.from); }
+
+}  // namespace
+
+namespace {
+
+/// Collects depths with their errors.
+class Depths {
+ public:
+  /// push: times |n|; error: of the depth, times |n|.
+  void add(int number, double push, double square, double error) {
+    const double inverse = 1 / std::sqrt(square);
+    const double depth = push * inverse;
+    const double off = error * inverse;
+    // Parallel edges have no normal to speak of, and out of range no bound holds: such an axis stays.
+    const bool is_known = in_plain_range(square) && std::isfinite(depth) && std::isfinite(off);
+    low_[number] = is_known ? depth - off : -std::numeric_limits<double>::infinity();
+    if (is_known) least_high_ = std::min(least_high_, depth + off);
+  }
+  std::uint32_t may_be_least(int count) const {
+    std::uint32_t may_be = 0;
+    for (int i = 0; i < count; ++i) may_be |= (low_[i] <= least_high_ ? 1u : 0u) << i;
+    return may_be;
+  }
+
+ private:
+  double low_[15];
+  double least_high_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+std::uint32_t axes_of_least_push(const FacetAxes& axes, const Core& a, const Core& b) {
+  Depths depths;
+  if (a.is_box && b.is_box) {
+    const Box box_a{a.point[0], a.axes, a.half_m};
+    const Box box_b{b.point[0], b.axes, b.half_m};
+    const BoxPair pair(box_a, box_b);
+    const double error = kDepthError * pair.reach() * pair.axis() * pair.axis();
+    pair.for_each_axis([&](int number, const Triple& n, double extent) {
+      depths.add(number, extent - std::abs(dot(pair.between, n)), dot(n, n), error);
+      return true;
+    });
+    return depths.may_be_least(axes.count);
+  }
+  const Spread spread(a, b);
+  for (int i = 0; i < axes.count; ++i) {
+    const Triple u = difference(axes.axis[i].u);
+    const Triple v = difference(axes.axis[i].v);
+    const Triple n = cross(u, v);
+    depths.add(i, spread.push_along(n), dot(n, n), kDepthError * spread.size * (u.largest() * v.largest()));
+  }
+  return depths.may_be_least(axes.count);
+}
+
+}  // namespace collided::engine::kernel
