@@ -18,6 +18,7 @@
 #include "server/service/events/dds_event_writer.hpp"
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/service/questions/validation.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/random_number.hpp"
 #include "server/service/self_test.hpp"
@@ -237,6 +238,11 @@ void Server::Parts::tick() {
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
   overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
+  listeners->drop_unmatched_writers();
+  for (const std::uint64_t publisher : listeners->owners().take_forged()) {
+    log->warn("publisher {}: another process has sent under its number and was refused. Samples refused so far: {}",
+              printable(loop.publisher_name(publisher)), listeners->owners().refused());
+  }
 }
 
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.

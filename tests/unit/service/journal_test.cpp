@@ -408,7 +408,8 @@ class DurableStateTest : public ::testing::Test {
       if (!state.is_due(ask.request)) continue;
       if (ask.text == "load hall") state.scene_loaded("hall", ask);
       if (ask.text == "add crate") state.object_added("crate", ask);
-      if (ask.text.starts_with("move ")) state.object_moved("", "crate", {0, 0, ask.text, {}});
+      if (ask.text == "move hall/shelf") state.object_moved("hall", "hall/shelf", {0, 0, ask.text, {}});
+      if (ask.text.starts_with("move crate")) state.object_moved("", "crate", {0, 0, ask.text, {}});
     }
     state.note_restored();
   }
