@@ -224,6 +224,15 @@ class HostilePublisher : public ServerWire {
     test::put_poses(*batch, poses);
     by().pose(*batch);
   }
+  /// By a ray from above.
+  void expect_ball_at(double z) {
+    dds::Sample<wire::Query> query;
+    const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
+    set(*query, QueryKind::ray, ray);
+    const auto reply = asker->ask(*query);
+    ASSERT_TRUE(reply);
+    EXPECT_NEAR(reply->numbers[0], 5 - z - 0.1, 1e-12);
+  }
   WireAsker& by() { return other_ ? *other_ : *asker; }
   bool dropped(std::uint64_t count) {
     return asker->status_becomes([&](const wire::Status& status) { return status.poses_dropped == count; });
@@ -243,12 +252,7 @@ TEST_F(HostilePublisher, BadPosesAreCountedAndTheRestOfTheBatchApplied) {
   EXPECT_TRUE(dropped(4));
   pose(5, {1}, {6, 0, 1, 1, 0, 0, 0});  // the same sequence again
   EXPECT_TRUE(dropped(5));
-  dds::Sample<wire::Query> query;
-  const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
-  set(*query, QueryKind::ray, ray);
-  const auto reply = asker->ask(*query);
-  ASSERT_TRUE(reply);
-  EXPECT_NEAR(reply->numbers[0], 5 - 1.5 - 0.1, 1e-12);
+  expect_ball_at(1.5);
 }
 
 TEST_F(HostilePublisher, MalformedBatchesAndShapesDoNotStopTheServer) {
@@ -290,12 +294,7 @@ TEST_F(HostilePublisher, NobodyElseMovesRetiresOrRemovesWhatItHasWhileItLives) {
   pose(3, {1}, {6, 0, 1.5, 1, 0, 0, 0});
   EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.poses_applied == 2; }));
   EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.moving_count == 1; }));
-  dds::Sample<wire::Query> query;
-  const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
-  set(*query, QueryKind::ray, ray);
-  const auto reply = asker->ask(*query);
-  ASSERT_TRUE(reply);
-  EXPECT_NEAR(reply->numbers[0], 5 - 1.5 - 0.1, 1e-12);
+  expect_ball_at(1.5);
 }
 
 // The answer to another's question under one's own number would be taken for the answer to one's own.

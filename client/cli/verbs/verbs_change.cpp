@@ -41,6 +41,11 @@ void print_done(Session& session, const Globals& globals, const nlohmann::json& 
   printer.finish();
 }
 
+nlohmann::json with_durable(nlohmann::json arguments, bool durable) {
+  if (durable) arguments["durable"] = true;
+  return arguments;
+}
+
 void declare_durable(CLI::App& app, bool& durable) {
   app.add_flag("--durable", durable, "Refuse it where it would not outlive a crash of the server");
 }
@@ -96,9 +101,9 @@ class AddCommand : public Command {
                                    {"mask", parse_bits(mask_)},
                                    {"group", parse_bits(group_)},
                                    {"scale", scale()},
-                                   {"moving", moving},
-                                   {"durable", durable_}};
-    const nlohmann::json answer = server_command(session, globals, wire::kAdd, arguments, {shape});
+                                   {"moving", moving}};
+    const nlohmann::json answer =
+        server_command(session, globals, wire::kAdd, with_durable(arguments, durable_), {shape});
     const std::uint64_t version = count_of(answer, "version");
     print_done(session, globals, answer,
                {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
@@ -154,7 +159,7 @@ class MoveCommand : public Command {
     if (by_ || (rpy_.empty() && quat_.empty())) start_from_present(session, globals, name, pose);
     const nlohmann::json answer =
         object_command(session, globals, wire::kMove, name,
-                       {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}, {"durable", durable_}});
+                       with_durable({{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}}, durable_));
     print(session, globals, name, answer);
     return Exit::yes;
   }
@@ -209,7 +214,7 @@ class RemoveCommand : public Command {
  private:
   std::size_t remove(Session& session, const Globals& globals, const std::string& name) const {
     const bool is_glob = name.find_first_of("*?[") != std::string::npos;
-    const nlohmann::json arguments{{"name", name}, {"durable", durable_}};
+    const nlohmann::json arguments = with_durable({{"name", name}}, durable_);
     const Undo undo = undo_of(session, globals, name, false);
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
@@ -262,8 +267,8 @@ class LoadCommand : public Command {
         {"mend", mend_},
         {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
         {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
-        {"replace", replace_},
-        {"durable", durable_}};
+        {"replace", replace_}};
+    arguments = with_durable(std::move(arguments), durable_);
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
@@ -386,8 +391,8 @@ class ClearCommand : public Command {
     const bool objects_too = scene_.empty() || moving_;
     const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
     const std::vector<std::string> scenes = take(session.client(globals).status()).scenes;
-    const nlohmann::json answer =
-        server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}, {"durable", durable_}});
+    const nlohmann::json answer = server_command(session, globals, wire::kClear,
+                                                 with_durable({{"scene", scene_}, {"moving", moving_}}, durable_));
     const std::uint64_t removed = count_of(answer, "removed");
     const std::uint64_t ended = count_of(answer, "ended");
     const std::uint64_t kept = count_of(answer, "kept");
