@@ -82,6 +82,7 @@ class Commands {
   void once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on);
   void on_world_thread(CommandAsk ask, Change change, bool is_durable);
   void drop_uploads();
+  void forget_upload(const std::string& path);
   void replay_on_world_thread(const std::vector<CommandAsk>& asks);
 
   // On the thread that asks.

@@ -64,9 +64,17 @@ void Commands::drop_uploads() {
   for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
     const auto here = upload++;
     if (has_scene(here->first)) continue;
-    uploads_.forget(here->second);
+    forget_upload(here->second);
     upload_of_scene_.erase(here);
   }
+}
+
+/// Removes an uploaded file once the journal names it no longer: after a crash before that it is loaded again.
+void Commands::forget_upload(const std::string& path) {
+  if (with_.durable == nullptr) return uploads_.forget(path);
+  with_.durable->then([this, path](const std::string& not_kept) {
+    if (not_kept.empty()) uploads_.forget(path);
+  });
 }
 
 /// Records a command that is carried out again: it did not come over the wire, so nothing else records it.

@@ -192,7 +192,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
 /// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.
 void Commands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
-    uploads_.forget(before->second);
+    forget_upload(before->second);
     upload_of_scene_.erase(before);
   }
   if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;
