@@ -5,7 +5,8 @@
 /// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}. The reply's text is the
 /// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
 /// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
-/// that is said. Before each command below stand its arguments, an arrow, and the members of its answer.
+/// that is said. A command that changes the world takes durable (true: it is refused where it would not outlive a crash
+/// of the server), and its answer has not_kept (why it does not) where that is so. Before each command below stand its arguments, an arrow, and the members of its answer.
 namespace collided::wire_contract::command {
 
 /// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, foreign,
@@ -95,6 +96,10 @@ inline constexpr const char* kProbes = "probes";
 ///                      distance are FCL's answer, absent where it gives none
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
+
+/// show (true: nothing is accepted) -> losses [text] (what had been acknowledged before a crash and is missing),
+/// accepted (the world counts as whole without it from now on)
+inline constexpr const char* kAcceptLoss = "accept_loss";
 
 /// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)
 /// -> number, bytes, messages, dropped, path (on the server's machine), from_ns, to_ns; the file is an MCAP recording.

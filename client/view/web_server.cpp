@@ -259,6 +259,8 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   void answer() {
     const http::request<http::empty_body>& request = parser_->get();
     keeps_ = request.keep_alive();
+    // Of two names a proxy may have looked at the other one (RFC 9112, 3.2).
+    if (request.count(http::field::host) > 1) return refuse(http::error::bad_field);
     const std::string_view host = view_of(request[http::field::host]);
     if (!may_be_called(host, own_address_, is_loopback_, owner_.rules_)) {
       return forbid("this viewer is not asked under that name; collide view --host NAME allows one\n");
@@ -287,6 +289,13 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     if (!protocol) {
       keeps_ = false;
       return respond(http::status::not_found, "text/plain", make_bytes("none of these protocols is spoken here\n"));
+    }
+    // A place is kept for pages, whatever one program holds open.
+    const std::size_t most = owner_.limits_.connections - owner_.limits_.connections / 4;
+    if (owner_.sockets_.size() >= most) {
+      ++owner_.counts_.full;
+      keeps_ = false;
+      return respond(http::status::service_unavailable, "text/plain", make_bytes("too many watch already\n"));
     }
     const Connection number = ++owner_.newest_;
     const auto socket = std::make_shared<Socket>(owner_, std::move(place_), std::move(stream_), number);

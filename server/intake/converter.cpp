@@ -1,6 +1,8 @@
 #include "server/intake/converter.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,6 +24,30 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kDefaultSeconds = 900;
+constexpr std::string_view kStem = "collided-import-";
+
+/// An open file that holds the lock on the directory, or -1: another process has it.
+int lock_directory(const std::string& path) {
+  const int directory = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (directory >= 0 && ::flock(directory, LOCK_EX | LOCK_NB) == 0) return directory;
+  if (directory >= 0) ::close(directory);
+  return -1;
+}
+
+/// Removes the directories that killed processes left. A young one may be about to be locked.
+void remove_left_ones(const fs::path& parent) {
+  constexpr std::chrono::minutes kYoung{1};
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(parent, error)) {
+    const std::string path = entry.path().string();
+    if (!entry.path().filename().string().starts_with(kStem) || !entry.is_directory(error)) continue;
+    if (entry.last_write_time(error) > fs::file_time_type::clock::now() - kYoung) continue;
+    const int lock = lock_directory(path);
+    if (lock < 0) continue;
+    fs::remove_all(path, error);
+    ::close(lock);
+  }
+}
 
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
   throw LoadError(fmt::format("{}: {}. Nothing was loaded.", file_name(path), what));
@@ -72,15 +98,19 @@ void report_lines(std::string_view text, LoadReport& report) {
 
 TemporaryDirectory::TemporaryDirectory(const std::string& file) {
   std::error_code error;
-  path_ = (fs::temp_directory_path(error) / "collided-import-XXXXXX").string();
+  const fs::path parent = fs::temp_directory_path(error);
+  remove_left_ones(parent);
+  path_ = (parent / (std::string(kStem) + "XXXXXX")).string();
   if (error || ::mkdtemp(path_.data()) == nullptr) {
     refuse_file(file, fmt::format("no temporary directory '{}': {}", path_, std::strerror(errno)));
   }
+  lock_ = lock_directory(path_);
 }
 
 TemporaryDirectory::~TemporaryDirectory() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options,

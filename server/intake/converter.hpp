@@ -6,7 +6,8 @@
 
 namespace collided::engine {
 
-/// A new directory under the system's temporary one. The destructor removes it with everything in it.
+/// A new directory under the system's temporary one. The destructor removes it with everything in it; those of killed
+/// processes are removed by the next constructor, once a minute has passed since they were made.
 class TemporaryDirectory {
  public:
   /// throws    LoadError naming `file` when none can be made
@@ -19,6 +20,7 @@ class TemporaryDirectory {
 
  private:
   std::string path_;
+  int lock_ = -1;  // on the directory: it is in use
 };
 
 /// Converts a file of any format to a .cscene file in a separate process, the converter. The destructor removes the

@@ -18,6 +18,7 @@
 #include "server/service/events/dds_event_writer.hpp"
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/service/questions/validation.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/random_number.hpp"
 #include "server/service/self_test.hpp"
@@ -81,8 +82,10 @@ struct Server::Parts {
   /// What is due ten times a second; called on the world's thread.
   void tick();
   void let_jobs_end();
-  /// Opens the journal beside the epoch's file; null where there is none.
+  /// Opens the journal beside the epoch's file, and writes down that this epoch has begun; null where there is no folder.
   std::unique_ptr<DurableState> keep();
+  void say_unwritten() const;
+  bool has_crashed() const;
   /// Starts the flight recorder; null where it is off.
   std::unique_ptr<FlightRecorder> record();
   /// Whether every publisher from before the crash lives and has sent all its definitions.
@@ -93,10 +96,11 @@ struct Server::Parts {
   const Options options;
   const std::shared_ptr<spdlog::logger> log;
   dds::Participant participant;
-  const Epoch epoch;
+  Epoch epoch;
   const Identity identity;
   WorldClock clock;
   World world;
+  std::unique_ptr<DurableState> durable;  // null where there is no folder for it
   WriteBarriers write_barriers;
   SnapshotLeases leases;
   QuestionCounts questions;
@@ -107,7 +111,6 @@ struct Server::Parts {
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
   WorldLoop loop;
-  std::unique_ptr<DurableState> durable;  // null where nothing can be written
   Commands commands;
   dds::Topic<wire::Reply> reply_topic;
   std::unique_ptr<Answering> answering;
@@ -120,12 +123,7 @@ Epoch Server::Parts::make_epoch() {
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
   if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
-  if (kept.kept_in.empty()) {
-    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value,
-              kept.problem);
-  }
-  if (kept.crashed)
-    log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
+  if (!kept.damage.empty()) log->warn("{}", kept.damage);
   return kept;
 }
 
@@ -141,6 +139,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
              .max_contacts = options.max_contacts,
              .clock_error_ns = options.clock_error_ns,
              .memory = {.reach_ns = options.memory_ns}}),
+      durable(keep()),
       leases(world),
       audit(
           options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }, options.asks_fcl),
@@ -164,13 +163,12 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   // of a contact should meet a server that does not wait for the publisher.
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
-            .is_adding_again = [this] { return !commands.replayed(); },
+            .is_adding_again = [this] { return !commands.replayed() || (durable && durable->has_losses()); },
             .has_all_back = [this] { return has_all_back(); },
             .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
-            .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
+            .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      durable(keep()),
       commands({loop, inbox, clock, questions, audit, durable.get(), flight.get()},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
@@ -179,18 +177,35 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
 }
 
+bool Server::Parts::has_crashed() const { return epoch.past == PastEnd::running || (durable && durable->crashed()); }
+
+/// The journal first, then the epoch: a crash between the two leaves a journal that says nothing is missing.
 std::unique_ptr<DurableState> Server::Parts::keep() {
-  if (epoch.kept_in.empty()) return nullptr;
+  if (epoch.kept_in.empty()) {
+    say_unwritten();
+    return nullptr;
+  }
   const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
   auto kept =
-      std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(),
-                                     epoch.crashed, [this](const std::string& sentence) { log->warn("{}", sentence); });
+      std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(), epoch.past,
+                                     [this](const std::string& sentence) { log->warn("{}", sentence); });
+  open_epoch(epoch);
+  if (!epoch.problem.empty()) say_unwritten();
+  if (epoch.past == PastEnd::running || kept->crashed())
+    log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
+  for (const std::string& loss : kept->losses())
+    log->error("lost: {}; recovering until somebody says: collide accept-loss", loss);
   if (kept->had_covers()) world.state_covers("", {});
   if (!kept->publishers_left().empty())
     log->warn("waiting for {} publishers from before", kept->publishers_left().size());
   if (!kept->commands_left().empty())
     log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
   return kept;
+}
+
+void Server::Parts::say_unwritten() const {
+  log->warn("the epoch {} is not written down: {}; --state-dir names a folder that can be written", epoch.value,
+            epoch.problem);
 }
 
 std::unique_ptr<FlightRecorder> Server::Parts::record() {
@@ -223,6 +238,11 @@ void Server::Parts::tick() {
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
   overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
+  listeners->drop_unmatched_writers();
+  for (const std::uint64_t publisher : listeners->owners().take_forged()) {
+    log->warn("publisher {}: another process has sent under its number and was refused. Samples refused so far: {}",
+              printable(loop.publisher_name(publisher)), listeners->owners().refused());
+  }
 }
 
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
@@ -235,6 +255,10 @@ void Server::Parts::let_jobs_end() {
 Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log)
     : parts_(std::make_unique<Parts>(options, std::move(log))) {
   load_start_scenes(options, parts_->world, parts_->clock.now_ns());
+  if (!parts_->durable) return;
+  std::set<std::string> names;
+  for (const auto& scene : parts_->world.newest()->scenes) names.insert(scene->name);
+  parts_->durable->set_start_scenes(std::move(names));
 }
 
 Server::~Server() { stop(); }
@@ -286,6 +310,7 @@ void Server::stop() {
   p.world_thread.join();
   p.listeners.reset();
   p.event_writer.leave();
+  if (p.durable) p.durable->close();
   close_epoch(p.epoch);
 }
 

@@ -129,6 +129,7 @@ TEST_F(Options, OfAnObjectReachTheServerEachForItself) {
   expect_changed("--scale 2", "scale", {2, 2, 2});
   expect_changed("--scale 2,3,5", "scale", {2, 3, 5});
   expect_changed("--static", "moving", false);
+  expect_changed("--durable", "durable", true);
   expect_changed("--at 1 2cm 3", "pose", {1, 0.02, 3, 1, 0, 0, 0});
   expect_changed("--quat 0 0 1 0", "pose", {0, 0, 0, 0, 0, 1, 0});
   EXPECT_EQ(collide("add x box 1 1 1 --scale 2,3").code, 2);

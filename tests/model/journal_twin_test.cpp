@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <cstdlib>
 
 #include "server/service/durability/journal.hpp"
@@ -35,6 +36,7 @@ class FlakyDisk final : public Disk {
   bool append(const std::string& name, std::span<const std::byte> bytes) override {
     const std::span<const std::byte> taken = bytes.first(fails_ ? bytes.size() / 2 : bytes.size());
     files_[name].insert(files_[name].end(), taken.begin(), taken.end());
+    if (fails_) errno = files_[name].size() % 2 == 0 ? ENOSPC : EIO;
     return !fails_;
   }
   bool overwrite(const std::string& name, std::uint64_t at, std::span<const std::byte> bytes) override {
@@ -45,6 +47,12 @@ class FlakyDisk final : public Disk {
     files_[name].resize(bytes);
     return true;
   }
+  bool remove(const std::string& name) override {
+    files_.erase(name);
+    return true;
+  }
+  bool link(const std::string&, const std::string&) override { return !fails_; }
+  bool reserve(const std::string&, std::uint64_t) override { return !fails_; }
   bool sync(const std::string&) override { return !fails_; }
   bool rename(const std::string& from, const std::string& to) override {
     if (fails_) return false;

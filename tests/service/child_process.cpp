@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -105,11 +107,14 @@ int own_domain() {
   static const int domain = [] {
     for (int i = 0; i < kCount; ++i) {
       const int candidate = kFirst + static_cast<int>((getpid() + i) % kCount);
-      const std::string path =
-          (std::filesystem::temp_directory_path() / ("collided_test_domain_" + std::to_string(candidate))).string();
-      const int lock = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
-      // Held until this process ends.
-      if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0) return candidate;
+      // A socket without a file: held until this process ends, and nothing stays of it.
+      const std::string name = "collided_test_domain_" + std::to_string(candidate);
+      sockaddr_un address{};
+      address.sun_family = AF_UNIX;
+      name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+      const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+      const int lock = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+      if (lock >= 0 && bind(lock, reinterpret_cast<const sockaddr*>(&address), length) == 0) return candidate;
       if (lock >= 0) close(lock);
     }
     return kFirst;

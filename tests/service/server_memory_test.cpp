@@ -26,11 +26,17 @@ class ServerMemory : public testing_support::ServerTest {
     ASSERT_NE(static_cast<void*>(name_), MAP_FAILED);
   }
   void TearDown() override { munmap(name_, 16); }
-  std::unique_ptr<testing_support::ChildProcess> start_starvable() {
-    auto server = std::make_unique<testing_support::ChildProcess>(
-        std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" COLLIDED_NO_MEMORY, "COLLIDED_NO_MEMORY=" + path_,
-                                 COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", folder_.path()},
-        folder_.path(), "starvable");
+  std::unique_ptr<testing_support::ChildProcess> start_starvable(const std::vector<std::string>& options = {}) {
+    std::vector<std::string> words{"/usr/bin/env",
+                                   "LD_PRELOAD=" COLLIDED_NO_MEMORY,
+                                   "COLLIDED_NO_MEMORY=" + path_,
+                                   COLLIDED_SERVER,
+                                   "--domain",
+                                   std::to_string(domain_),
+                                   "--state-dir",
+                                   folder_.path()};
+    words.insert(words.end(), options.begin(), options.end());
+    auto server = std::make_unique<testing_support::ChildProcess>(words, folder_.path(), "starvable");
     EXPECT_TRUE(server->says("ready:", 20s)) << server->errors();
     return server;
   }
@@ -70,6 +76,25 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   EXPECT_EQ(other.ask(RayQuestion{.origin = {3, 3, 12}, .direction = {0, 0, -1}})->hits.at(0).object, "crate");
   EXPECT_EQ(other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}})->hits.at(0).object, "ball");
   EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
+}
+
+// The flight recorder lets go of what it would have recorded, and records again once it can.
+TEST_F(ServerMemory, WithoutItInTheRecordersThreadTheServerServesOn) {
+  const std::unique_ptr<testing_support::ChildProcess> server = start_starvable({"--flight-recorder", "1s"});
+  Client client = connect();
+  const auto ask_for = [&](std::chrono::milliseconds time) {
+    const auto until = std::chrono::steady_clock::now() + time;
+    while (std::chrono::steady_clock::now() < until)
+      ASSERT_TRUE(client.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}));
+  };
+  starve("recorder");
+  ask_for(1s);
+  EXPECT_EQ(server->wait(0s), -1) << server->errors();
+  starve("");
+  ask_for(300ms);
+  const Result<std::string> recording = client.command("recording", R"({"last_s": 1})");
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_GT(json::parse(*recording)["messages"].get<int>(), 100);
 }
 
 // Threads that answer hold nothing but the question at hand: it is refused, and the next one is answered.

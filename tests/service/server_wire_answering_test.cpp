@@ -83,17 +83,28 @@ TEST_F(WireClients, ClientsWhoseNumbersLookAlikeAreNotTakenForEachOther) {
   EXPECT_EQ(clients.find_ready(kClient, kAsker), one.get());
 }
 
-// A program that makes its query writer anew goes on under its number: the newest writer is the one that counts.
-TEST_F(WireClients, AClientLivesAsLongAsItsNewestWriter) {
+// Who asks under another's number would have its answers sent to that one. A program that makes its query writer anew
+// goes on once the old one is gone.
+TEST_F(WireClients, ANumberIsItsFirstWritersForAsLongAsThatLives) {
   Ears ears(near_side, kClient);
   const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
-  ASSERT_TRUE(test::eventually([&] { return clients.find_ready(kClient, kAsker + 1) == met.get(); }));
+  ASSERT_TRUE(test::eventually([&] { return clients.find_ready(kClient, kAsker) == met.get(); }));
+  EXPECT_EQ(clients.find_ready(kClient, kAsker + 1), nullptr);
+  EXPECT_EQ(clients.meet(kClient, kAsker + 1), nullptr);
+  EXPECT_EQ(clients.find_ready(kClient, kAsker), met.get());
   const std::uint64_t newer[] = {kAsker + 1};
   clients.sweep(newer, steady_ns());
-  EXPECT_EQ(clients.size(), 1U);
-  EXPECT_EQ(clients.meet(kClient, kAsker + 2), met);
-  clients.sweep(newer, steady_ns());
   EXPECT_EQ(clients.size(), 0U);
+  EXPECT_NE(clients.meet(kClient, kAsker + 1), nullptr);
+}
+
+TEST_F(WireClients, OneWriterTakesNotAllNumbers) {
+  std::size_t met = 0;
+  for (std::uint64_t number = 0; number < 3'000; ++number) met += clients.meet(number + 1, kAsker) ? 1 : 0;
+  EXPECT_EQ(met, Clients::kMostOfOne);
+  EXPECT_NE(clients.meet(5'000, kAsker + 1), nullptr) << "others are met as before";
+  clients.sweep({}, steady_ns());
+  EXPECT_EQ(clients.size(), 0U) << "what a writer held goes with it";
 }
 
 // Until somebody listens asks wait: the oldest goes where too many do, and none waits longer than its patience.

@@ -8,6 +8,7 @@
 #include "server/world/world.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/service/eventually.hpp"
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
 #include "tests/service/wire/rows.hpp"
@@ -190,7 +191,7 @@ TEST_F(ServerWire, LargeAnswersAreSplitAndNothingIsLost) {
 
 class HostilePublisher : public ServerWire {
  protected:
-  void define(std::uint32_t number, std::uint64_t sequence, const std::string& name) {
+  void define(std::uint32_t number, std::uint64_t sequence, const std::string& name, bool removed = false) {
     Shape ball;
     ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.1});
     const std::vector<std::byte> encoded = encode_shape(ball);
@@ -199,6 +200,7 @@ class HostilePublisher : public ServerWire {
     dds::Sample<wire::Definition> definition;
     definition->publisher = 9;
     definition->incarnation = 1;
+    definition->removed = removed;
     definition->object_number = number;
     definition->sequence_number = sequence;
     definition->moving = true;
@@ -209,21 +211,33 @@ class HostilePublisher : public ServerWire {
     std::copy_n(pose + 3, 4, definition->orientation);
     ASSERT_TRUE(dds::set_text(definition->name, name));
     dds::borrow(definition->shape, bytes);
-    asker->define(*definition);
+    by().define(*definition);
   }
-  void pose(std::uint64_t sequence, const std::vector<std::uint32_t>& numbers, const std::vector<double>& poses) {
+  void pose(std::uint64_t sequence, const std::vector<std::uint32_t>& numbers, const std::vector<double>& poses,
+            std::uint64_t incarnation = 1) {
     dds::Sample<wire::PoseBatch> batch;
     batch->publisher = 9;
-    batch->incarnation = 1;
+    batch->incarnation = incarnation;
     batch->sequence_number = sequence;
     batch->definitions_through = 1;
     dds::borrow(batch->object_numbers, numbers);
     test::put_poses(*batch, poses);
-    asker->pose(*batch);
+    by().pose(*batch);
   }
+  /// By a ray from above.
+  void expect_ball_at(double z) {
+    dds::Sample<wire::Query> query;
+    const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
+    set(*query, QueryKind::ray, ray);
+    const auto reply = asker->ask(*query);
+    ASSERT_TRUE(reply);
+    EXPECT_NEAR(reply->numbers[0], 5 - z - 0.1, 1e-12);
+  }
+  WireAsker& by() { return other_ ? *other_ : *asker; }
   bool dropped(std::uint64_t count) {
     return asker->status_becomes([&](const wire::Status& status) { return status.poses_dropped == count; });
   }
+  std::optional<WireAsker> other_;  // sends in the asker's place where there is one
 };
 
 TEST_F(HostilePublisher, BadPosesAreCountedAndTheRestOfTheBatchApplied) {
@@ -238,12 +252,7 @@ TEST_F(HostilePublisher, BadPosesAreCountedAndTheRestOfTheBatchApplied) {
   EXPECT_TRUE(dropped(4));
   pose(5, {1}, {6, 0, 1, 1, 0, 0, 0});  // the same sequence again
   EXPECT_TRUE(dropped(5));
-  dds::Sample<wire::Query> query;
-  const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
-  set(*query, QueryKind::ray, ray);
-  const auto reply = asker->ask(*query);
-  ASSERT_TRUE(reply);
-  EXPECT_NEAR(reply->numbers[0], 5 - 1.5 - 0.1, 1e-12);
+  expect_ball_at(1.5);
 }
 
 TEST_F(HostilePublisher, MalformedBatchesAndShapesDoNotStopTheServer) {
@@ -265,6 +274,43 @@ TEST_F(HostilePublisher, MalformedBatchesAndShapesDoNotStopTheServer) {
            status.applied_sequences._buffer[0] == 5;
   }));
   EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.moving_count == 1; }));
+}
+
+// Each of these samples alone froze, moved, retired or removed the ball for good. The outsider's going was its loss, too.
+TEST_F(HostilePublisher, NobodyElseMovesRetiresOrRemovesWhatItHasWhileItLives) {
+  define(1, 1, "ball");
+  pose(2, {1}, {6, 0, 2, 1, 0, 0, 0});
+  ASSERT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.poses_applied == 1; }));
+  other_.emplace(domain_, 0x9999, domain_ + 300'000);
+  ASSERT_TRUE(other_->greet());
+  pose(std::numeric_limits<std::uint64_t>::max(), {1}, {6, 0, 1, 1, 0, 0, 0});
+  pose(3, {}, {}, 2);
+  define(1, 1'000, "ball", true);
+  define(2, 1'001, "ghost");
+  EXPECT_TRUE(test::eventually([&] {
+    return servers_.back()->errors().find("another process has sent under its number") != std::string::npos;
+  })) << servers_.back()->errors();
+  other_.reset();
+  pose(3, {1}, {6, 0, 1.5, 1, 0, 0, 0});
+  EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.poses_applied == 2; }));
+  EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.moving_count == 1; }));
+  expect_ball_at(1.5);
+}
+
+// The answer to another's question under one's own number would be taken for the answer to one's own.
+TEST_F(ServerWire, NobodyElseAsksUnderAClientsNumber) {
+  WireAsker outsider(domain_, 0x1234, domain_ + 300'000);
+  ASSERT_TRUE(outsider.status_becomes([](const wire::Status&) { return true; }));
+  dds::Sample<wire::Query> query;
+  const std::vector<double> ray{1e6, 0, 5, 0, 0, -1, 1};
+  set(*query, QueryKind::ray, ray);
+  query->request = 77;
+  EXPECT_FALSE(outsider.ask(*query, 300ms));
+  EXPECT_FALSE(asker->reply_to(77, 300ms));
+  const std::vector<double> own{0, 0, 5, 0, 0, -1, kInfinity};
+  dds::Sample<wire::Query> next;
+  set(*next, QueryKind::ray, own);
+  EXPECT_TRUE(asker->ask(*next)) << "the number's owner is answered";
 }
 
 // Poses that come before their definition wait for it.

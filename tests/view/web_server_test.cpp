@@ -115,7 +115,8 @@ TEST_F(WebServerTest, WhatIsNoRequestIsRefusedAndCounted) {
   EXPECT_EQ(asked("\x16\x03\x01 this is TLS\r\n\r\n"), "HTTP/1.1 400");
   EXPECT_EQ(asked(LoudClient::get("/", host, "X: " + std::string(100'000, 'y') + "\r\n")), "HTTP/1.1 400");
   EXPECT_EQ(asked("POST / HTTP/1.1\r\nHost: " + host + "\r\nContent-Length: 1000000000000\r\n\r\n"), "HTTP/1.1 400");
-  EXPECT_EQ(server->counts().malformed, 3U);
+  EXPECT_EQ(asked(LoudClient::get("/", host, "Host: evil.example\r\n")), "HTTP/1.1 400") << "two names";
+  EXPECT_EQ(server->counts().malformed, 4U);
 }
 
 TEST_F(WebServerTest, AMessageGoesBothWaysInOrder) {
@@ -188,6 +189,18 @@ TEST_F(WebServerTest, AThousandConnectionsFindTheDoorAndTheNextOneIsServed) {
     EXPECT_TRUE(eventually([&] { return server->counts().open == 0; }));
     EXPECT_EQ(asked(LoudClient::get("/", host)), "HTTP/1.1 200");
   }
+}
+
+TEST_F(WebServerTest, HoweverManyWatchAPageFindsAPlace) {
+  start({.connections = 16});
+  std::vector<LoudClient> watchers;
+  for (int i = 0; i < 12; ++i) watchers.push_back(socket());
+  ASSERT_TRUE(eventually([&] { return open.size() == 12; }));
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host)), "HTTP/1.1 503");
+  EXPECT_EQ(asked(LoudClient::get("/", host)), "HTTP/1.1 200");
+  watchers.pop_back();
+  ASSERT_TRUE(eventually([&] { return open.size() == 11; }));
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host)), "HTTP/1.1 101");
 }
 
 // Bytes of any kind on a WebSocket and before it: none of them ends the server.

@@ -46,6 +46,8 @@ class ViewCommand : public Command {
     const std::string& address = options_.address.address;
     const bool is_long = address.find(':') != std::string::npos;
     const std::string host = fmt::format("{}{}{}:{}", is_long ? "[" : "", address, is_long ? "]" : "", viewer->port());
+    if (!address.starts_with("127.") && address != "::1")
+      print_warning(session.io, "anybody on the network who reaches " + address + " may watch");
     Printer printer = make_printer(session.io, globals);
     if (printer.human())
       printer.line(fmt::format("http://{}  (Foxglove or Lichtblick: ws://{})        Ctrl-C ends", host, host));

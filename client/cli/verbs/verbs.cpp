@@ -89,6 +89,8 @@ constexpr Verb kVerbs[] = {
     {"load", "Change", "load a file as a scene", "load FILE",
      "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
     {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
+    {"accept-loss", "Change", "go on without what a crash or a damaged disk took", "accept-loss",
+     "accept-loss --show\naccept-loss", make_accept_loss},
     {"menu", "Measure", "this scene's price list: error against time", "menu\nmenu --from FILE|- --of KIND",
      "menu\nmenu --questions 10000 --seed 7 --json\nmenu --from rays.csv --of ray\nmenu --opinion fcl", make_menu},
     {"audit", "Measure", "answers that the server worked out again, exactly", "audit", "audit", make_audit},

@@ -23,12 +23,31 @@ namespace {
 
 namespace wire = wire_contract::command;
 
+/// Warns where what the server did is lost with a crash, and adds that to the record.
+void tell_not_kept(Session& session, const nlohmann::json& answer, Record& record) {
+  const std::string why = text_of(answer, "not_kept");
+  if (why.empty()) return;
+  record.push_back({"not_kept", why});
+  print_warning(session.io, "done, not kept: " + printable(why) + ". A crash of the server undoes it");
+}
+
 /// Prints a command's answer: as a record for machines, or as one line for people.
-void print_done(Session& session, const Globals& globals, const Record& record, const std::string& line) {
+void print_done(Session& session, const Globals& globals, const nlohmann::json& answer, Record record,
+                const std::string& line) {
+  tell_not_kept(session, answer, record);
   Printer printer = make_printer(session.io, globals);
   if (printer.human()) printer.line(line);
   else printer.record(record);
   printer.finish();
+}
+
+nlohmann::json with_durable(nlohmann::json arguments, bool durable) {
+  if (durable) arguments["durable"] = true;
+  return arguments;
+}
+
+void declare_durable(CLI::App& app, bool& durable) {
+  app.add_flag("--durable", durable, "Refuse it where it would not outlive a crash of the server");
 }
 
 std::vector<std::byte> bytes_of_file(const std::string& path) {
@@ -66,6 +85,7 @@ class AddCommand : public Command {
     app.add_option("--group", group_, "Members of one group other than 0 never meet");
     app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
     app.add_flag("--static", static_, "It will not move (a plane never does)");
+    declare_durable(app, durable_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -82,9 +102,11 @@ class AddCommand : public Command {
                                    {"group", parse_bits(group_)},
                                    {"scale", scale()},
                                    {"moving", moving}};
-    const nlohmann::json answer = server_command(session, globals, wire::kAdd, arguments, {shape});
+    const nlohmann::json answer =
+        server_command(session, globals, wire::kAdd, with_durable(arguments, durable_), {shape});
     const std::uint64_t version = count_of(answer, "version");
-    print_done(session, globals, {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
+    print_done(session, globals, answer,
+               {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
                fmt::format("added {} (world {})", printable(name), version));
     return Exit::yes;
   }
@@ -106,6 +128,7 @@ class AddCommand : public Command {
   std::string mask_ = "0xffffffff";
   std::string group_ = "0";
   bool static_ = false;
+  bool durable_ = false;
 };
 
 class MoveCommand : public Command {
@@ -116,6 +139,7 @@ class MoveCommand : public Command {
     app.add_option("--quat", quat_, "Rotation w x y z");
     app.add_flag("--by", by_, "X Y Z is added to where it is");
     app.add_flag("--teleport", teleport_, "Nothing lies on the way");
+    declare_durable(app, durable_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -128,8 +152,9 @@ class MoveCommand : public Command {
     pose.position = Vec3(numbers[0], numbers[1], numbers[2]);
     if (!pose.position.allFinite()) throw bad_use("a position must be finite");
     if (by_ || (rpy_.empty() && quat_.empty())) start_from_present(session, globals, name, pose);
-    const nlohmann::json answer = object_command(session, globals, wire::kMove, name,
-                                                 {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}});
+    const nlohmann::json answer =
+        object_command(session, globals, wire::kMove, name,
+                       with_durable({{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}}, durable_));
     print(session, globals, name, answer);
     return Exit::yes;
   }
@@ -150,7 +175,7 @@ class MoveCommand : public Command {
         fmt::format("moved {} {}", printable(name), readable_length(number_of(answer, "moved_m"), 0, Digits::rounded));
     if (!began.empty()) line += "; began x " + joined(began);
     if (!ended.empty()) line += "; ended x " + joined(ended);
-    print_done(session, globals,
+    print_done(session, globals, answer,
                {{"moved", std::string(name)},
                 {"distance", number_of(answer, "moved_m")},
                 {"began", names_json(began)},
@@ -164,11 +189,15 @@ class MoveCommand : public Command {
   std::string quat_;
   bool by_ = false;
   bool teleport_ = false;
+  bool durable_ = false;
 };
 
 class RemoveCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("names", names_, "Names or globs"); }
+  void declare(CLI::App& app) override {
+    app.add_option("names", names_, "Names or globs");
+    declare_durable(app, durable_);
+  }
 
   Exit run(Session& session, const Globals& globals) override {
     if (names_.empty()) throw bad_use("which object?");
@@ -178,9 +207,9 @@ class RemoveCommand : public Command {
   }
 
  private:
-  static std::size_t remove(Session& session, const Globals& globals, const std::string& name) {
+  std::size_t remove(Session& session, const Globals& globals, const std::string& name) const {
     const bool is_glob = name.find_first_of("*?[") != std::string::npos;
-    const nlohmann::json arguments{{"name", name}};
+    const nlohmann::json arguments = with_durable({{"name", name}}, durable_);
     const Undo undo = undo_of(session, globals, name, false);
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
@@ -190,12 +219,14 @@ class RemoveCommand : public Command {
     std::string line = removed.empty() ? fmt::format("nothing is named '{}'", printable(name))
                                        : fmt::format("removed {} (world {})", joined(removed), version);
     if (ended > 0) line += fmt::format("; it had {} open contact{}, ended (removed)", ended, ended == 1 ? "" : "s");
-    print_done(session, globals, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}}, line);
+    print_done(session, globals, answer, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}},
+               line);
     if (!removed.empty()) print_undo(session, globals, undo);
     return removed.size();
   }
 
   std::vector<std::string> names_;
+  bool durable_ = false;
 };
 
 class LoadCommand : public Command {
@@ -219,6 +250,7 @@ class LoadCommand : public Command {
     app.add_option("--covers", covers_,
                    "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
         ->allow_extra_args(false);
+    declare_durable(app, durable_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -233,6 +265,7 @@ class LoadCommand : public Command {
         {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
         {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
         {"replace", replace_}};
+    arguments = with_durable(std::move(arguments), durable_);
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     const bool is_embedded = path_ == "embedded:";
@@ -297,22 +330,21 @@ class LoadCommand : public Command {
 
   static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
     Printer printer = make_printer(session.io, globals);
-    if (!printer.human()) {
-      printer.record({{"scene", text_of(answer, "scene")},
-                      {"triangles", count_of(answer, "triangles")},
-                      {"parts", count_of(answer, "parts")},
-                      {"objects", count_of(answer, "objects")},
-                      {"seconds", number_of(answer, "seconds")},
-                      {"notes", names_json(texts_of(answer, "notes"))},
-                      {"mended", names_json(texts_of(answer, "mended"))},
-                      {"refused", names_json(texts_of(answer, "refused"))},
-                      {"warnings", names_json(texts_of(answer, "warnings"))},
-                      {"left_out", names_json(texts_of(answer, "left_out"))},
-                      {"world", count_of(answer, "version")},
-                      {"placed", names_json(texts_of(answer, "placed"))},
-                      {"covers", covers_of(answer)}});
-      return;
-    }
+    Record record{{"scene", text_of(answer, "scene")},
+                  {"triangles", count_of(answer, "triangles")},
+                  {"parts", count_of(answer, "parts")},
+                  {"objects", count_of(answer, "objects")},
+                  {"seconds", number_of(answer, "seconds")},
+                  {"notes", names_json(texts_of(answer, "notes"))},
+                  {"mended", names_json(texts_of(answer, "mended"))},
+                  {"refused", names_json(texts_of(answer, "refused"))},
+                  {"warnings", names_json(texts_of(answer, "warnings"))},
+                  {"left_out", names_json(texts_of(answer, "left_out"))},
+                  {"world", count_of(answer, "version")},
+                  {"placed", names_json(texts_of(answer, "placed"))},
+                  {"covers", covers_of(answer)}};
+    tell_not_kept(session, answer, record);
+    if (!printer.human()) return printer.record(record);
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
     printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
                              format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)),
@@ -343,6 +375,7 @@ class LoadCommand : public Command {
   bool mend_ = false;
   bool upload_ = false;
   bool replace_ = false;
+  bool durable_ = false;
 };
 
 class ClearCommand : public Command {
@@ -350,21 +383,22 @@ class ClearCommand : public Command {
   void declare(CLI::App& app) override {
     app.add_option("scene", scene_, "Only this scene (all)");
     app.add_flag("--moving", moving_, "Only moving objects; with a scene: those too");
+    declare_durable(app, durable_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
     const bool objects_too = scene_.empty() || moving_;
     const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
     const Undo scenes = scene_.empty() && moving_ ? Undo{} : undo_of_scenes(session, globals, scene_);
-    const nlohmann::json answer =
-        server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
+    const nlohmann::json answer = server_command(session, globals, wire::kClear,
+                                                 with_durable({{"scene", scene_}, {"moving", moving_}}, durable_));
     const std::uint64_t removed = count_of(answer, "removed");
     const std::uint64_t ended = count_of(answer, "ended");
     const std::uint64_t kept = count_of(answer, "kept");
     std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed),
                                    format_count(ended), count_of(answer, "version"));
     if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
-    print_done(session, globals,
+    print_done(session, globals, answer,
                {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
     print_undo(session, globals, undo);
     print_undo(session, globals, scenes);
@@ -374,6 +408,28 @@ class ClearCommand : public Command {
  private:
   std::string scene_;
   bool moving_ = false;
+  bool durable_ = false;
+};
+
+class AcceptLossCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_flag("--show", show_, "Only say what is missing"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const nlohmann::json answer = server_command(session, globals, wire::kAcceptLoss, {{"show", show_}});
+    const std::vector<std::string> losses = texts_of(answer, "losses");
+    std::string lines;
+    for (const std::string& loss : losses) lines += "missing: " + printable(loss) + "\n";
+    lines += losses.empty() ? "nothing is missing"
+             : show_        ? "until that is accepted nothing is called free: collide accept-loss"
+                            : "accepted: the world counts as whole without it";
+    print_done(session, globals, answer, {{"losses", names_json(losses)}, {"accepted", flag_of(answer, "accepted")}},
+               lines);
+    return losses.empty() ? Exit::no : Exit::yes;
+  }
+
+ private:
+  bool show_ = false;
 };
 
 }  // namespace
@@ -383,5 +439,6 @@ std::unique_ptr<Command> make_move() { return std::make_unique<MoveCommand>(); }
 std::unique_ptr<Command> make_rm() { return std::make_unique<RemoveCommand>(); }
 std::unique_ptr<Command> make_load() { return std::make_unique<LoadCommand>(); }
 std::unique_ptr<Command> make_clear() { return std::make_unique<ClearCommand>(); }
+std::unique_ptr<Command> make_accept_loss() { return std::make_unique<AcceptLossCommand>(); }
 
 }  // namespace collided::cli

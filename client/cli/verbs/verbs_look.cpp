@@ -39,6 +39,7 @@ class StatusCommand : public Command {
                                                      " pairs in doubt: neither known to touch nor to be apart"));
       }
       print_covers(printer, covers);
+      if (status.state == "recovering") print_losses(printer, session.client(globals));
     } else {
       Record all = record(status, options.domain);
       all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
@@ -57,6 +58,15 @@ class StatusCommand : public Command {
     const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
     const bool is_stated = parsed.is_object() && parsed.contains("covers") && parsed["covers"].is_array();
     return is_stated ? parsed["covers"] : nlohmann::json();
+  }
+
+  /// What of the time before a crash is missing and must be accepted.
+  static void print_losses(Printer& printer, Client& client) {
+    const Result<std::string> answer =
+        client.command(wire::kAcceptLoss, R"({"show": true})", {}, std::chrono::milliseconds(500));
+    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    for (const std::string& loss : texts_of(parsed, "losses"))
+      printer.line(printer.paint(Paint::doubt, "missing: " + printable(loss) + " (collide accept-loss)"));
   }
 
   static nlohmann::json in_doubt_of(Client& client) {

@@ -20,6 +20,7 @@ namespace collided {
 struct Added {
   std::uint64_t id = 0;  // the server's number for the object
   std::uint64_t version = 0;
+  std::string not_kept = {};  // why a crash of the server undoes it; empty: it is on the disk
 };
 
 /// The answer of Client::move.
@@ -28,6 +29,7 @@ struct Moved {
   std::vector<std::string> began;  // names of what the object touches now and did not before
   std::vector<std::string> ended;  // names of what it no longer touches
   std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
 };
 
 /// The answer of Client::remove.
@@ -35,6 +37,7 @@ struct Removed {
   std::vector<std::string> names;  // of the objects removed
   std::uint64_t contacts_ended = 0;
   std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
 };
 
 /// What Client::clear removes.
@@ -48,6 +51,7 @@ struct Cleared {
   std::uint64_t kept = 0;     // number of objects that stay since they belong to living publishers
   std::uint64_t contacts_ended = 0;
   std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
 };
 
 /// A box along the world's axes in which a scene's geometry is complete. low <= high in every coordinate; infinity is
@@ -84,6 +88,7 @@ struct Loaded {
   std::vector<std::string> placed, notes, mended, refused, warnings, left_out;
   std::vector<CoveredBox> covers;  // as in LoadOptions
   std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
 };
 
 /// Which objects Client::list returns.

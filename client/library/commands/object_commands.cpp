@@ -78,7 +78,8 @@ Loaded loaded_of(const json& answer) {
                 .warnings = answer.at("warnings"),
                 .left_out = answer.at("left_out"),
                 .covers = {},
-                .version = answer.at("version")};
+                .version = answer.at("version"),
+                .not_kept = answer.value("not_kept", "")};
   for (const json& box : answer.at("covers")) loaded.covers.push_back(box_of(box));
   return loaded;
 }
@@ -115,8 +116,9 @@ Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
                        {"moving", object.moving}};
   const std::optional<std::string> text = text_of(arguments);
   if (!text) return not_utf8("add");
-  return read_answer(command(names::kAdd, *text, object.shape, timeout), "add",
-                     [](const json& answer) { return Added{.id = answer.at("id"), .version = answer.at("version")}; });
+  return read_answer(command(names::kAdd, *text, object.shape, timeout), "add", [](const json& answer) {
+    return Added{.id = answer.at("id"), .version = answer.at("version"), .not_kept = answer.value("not_kept", "")};
+  });
 }
 
 Result<Moved> Client::move(const std::string& name, const Pose& pose, bool teleport, nanoseconds timeout) {
@@ -126,7 +128,8 @@ Result<Moved> Client::move(const std::string& name, const Pose& pose, bool telep
     return Moved{.distance_m = answer.at("moved_m"),
                  .began = answer.at("began"),
                  .ended = answer.at("ended"),
-                 .version = answer.at("version")};
+                 .version = answer.at("version"),
+                 .not_kept = answer.value("not_kept", "")};
   });
 }
 
@@ -134,8 +137,10 @@ Result<Removed> Client::remove(const std::string& name, nanoseconds timeout) {
   const std::optional<std::string> text = text_of({{"name", name}});
   if (!text) return not_utf8("remove");
   return read_answer(command(names::kRemove, *text, {}, timeout), "remove", [](const json& answer) {
-    return Removed{
-        .names = answer.at("removed"), .contacts_ended = answer.at("ended"), .version = answer.at("version")};
+    return Removed{.names = answer.at("removed"),
+                   .contacts_ended = answer.at("ended"),
+                   .version = answer.at("version"),
+                   .not_kept = answer.value("not_kept", "")};
   });
 }
 
@@ -161,7 +166,8 @@ Result<Cleared> Client::clear(const ClearOptions& options, nanoseconds timeout) 
     return Cleared{.removed = answer.at("removed"),
                    .kept = answer.at("kept"),
                    .contacts_ended = answer.at("ended"),
-                   .version = answer.at("version")};
+                   .version = answer.at("version"),
+                   .not_kept = answer.value("not_kept", "")};
   });
 }
 

@@ -33,7 +33,10 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
     : options_(options),
       participant_(std::move(participant)),
       client_(random_number()),
-      requests_(client_),
+      requests_(client_,
+                [this](const dds_sample_info_t& info) {
+                  return !known_server_.is_known() || is_from_server(reply_reader_, info);
+                }),
       query_topic_(*participant_, options.name_space),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),
@@ -42,7 +45,10 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       status_reader_(status_topic_, {.data =
                                          [this](dds::Taker<wire::Status> taker) {
                                            while (taker.take(incoming_status_)) {
-                                             if (incoming_status_.info().valid_data) { pulse_.hear(incoming_status_); }
+                                             const dds_sample_info_t& info = incoming_status_.info();
+                                             if (!info.valid_data) continue;
+                                             if (!known_server_.is_known() || is_from_server_or_its_heir(info))
+                                               pulse_.hear(incoming_status_);
                                            }
                                          }}),
       query_writer_(query_topic_, {.max_blocking_ns = 1'000'000'000}) {}
@@ -77,6 +83,7 @@ bool Connection::greet(Clock::time_point deadline) {
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
+      known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);
       pulse_.greeted(server);
       greeted_server_.store(server, std::memory_order_release);
       return true;
@@ -99,6 +106,12 @@ Error Connection::disconnected() const {
       ErrorCode::disconnected,
       "the server on " + server_words(options_) + " has been silent for " + words(Clock::now() - pulse_.last_heard()),
       "it has stopped, hangs or is cut off; the connection resumes by itself when it is back"};
+}
+
+/// A server that speaks while the known one is silent has taken its place.
+bool Connection::is_from_server_or_its_heir(const dds_sample_info_t& info) {
+  if (pulse_.silent()) known_server_.greeted(status_reader_.get(), info.publication_handle);
+  return is_from_server(status_reader_, info);
 }
 
 std::optional<Error> Connection::ready(Clock::time_point deadline) {

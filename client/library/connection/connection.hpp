@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "client/library/connection/known_server.hpp"
 #include "client/library/connection/names.hpp"
 #include "client/library/connection/requests.hpp"
 #include "client/library/connection/server_pulse.hpp"
@@ -36,6 +37,10 @@ class Connection {
   Names& names() { return names_; }
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
+  /// Whether a sample that this reader took was written by the server. Any thread, DDS's too.
+  bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info) {
+    return known_server_.admits(reader.get(), info.publication_handle, pulse_.silent());
+  }
 
   /// Makes sure that questions can be asked: greets a server that is new to this client. The error where none answers.
   std::optional<Error> ready(Clock::time_point deadline);
@@ -59,6 +64,7 @@ class Connection {
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
   bool greet(Clock::time_point deadline);
+  bool is_from_server_or_its_heir(const dds_sample_info_t& info);
   Error no_server() const;
 
   ConnectOptions options_;
@@ -67,6 +73,7 @@ class Connection {
   Requests requests_;
   Names names_;
   ServerPulse pulse_;
+  KnownServer known_server_;  // before the first greeting its readers may not be made yet, and all is taken
   dds::Sample<wire::Status> incoming_status_;
   std::mutex greeting_mutex_;
   std::atomic<std::uint64_t> greeted_server_{0};

@@ -2,7 +2,8 @@
 
 namespace collided::client {
 
-Requests::Requests(std::uint64_t client) : client_(client), uses_(kMost, 0) {
+Requests::Requests(std::uint64_t client, IsFromServer is_from_server)
+    : client_(client), is_from_server_(std::move(is_from_server)), uses_(kMost, 0) {
   for (std::size_t slot = kMost; slot > 0; --slot) { free_.push_back(slot - 1); }
   for (auto& sample : next_) { sample = pool_.get(); }
 }
@@ -58,7 +59,8 @@ void Requests::take_replies(const dds::Taker<wire::Reply>& taker) {
     for (std::size_t i = 0; i < room.size(); ++i) { room[i] = next_[i].get(); }
     count = taker.take(room);
     for (std::size_t i = 0; i < count; ++i) {
-      if (next_[i]->info().valid_data && (*next_[i])->client == client_) {
+      const dds_sample_info_t& info = next_[i]->info();
+      if (info.valid_data && (*next_[i])->client == client_ && is_from_server_(info)) {
         hand_over(std::exchange(next_[i], pool_.get()));
       }
     }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -61,8 +62,10 @@ class Requests {
     std::vector<SamplePool<wire::Reply>::Pointer> taken_;
   };
 
-  /// client  the client whose replies are taken; those of others in its partition are ignored
-  explicit Requests(std::uint64_t client);
+  using IsFromServer = std::function<bool(const dds_sample_info_t&)>;
+  /// client          the client whose replies are taken; those of others in its partition are ignored
+  /// is_from_server  whether the server wrote the reply of that info; others' are ignored
+  Requests(std::uint64_t client, IsFromServer is_from_server);
   /// Begins a request; null where kMost are waiting already.
   std::unique_ptr<Running> begin();
   /// For the reply reader's callback: takes all samples and wakes the threads that wait for them.
@@ -78,6 +81,7 @@ class Requests {
   std::vector<std::unique_ptr<Slot>> owned_;
   std::vector<std::size_t> free_;
   const std::uint64_t client_;
+  const IsFromServer is_from_server_;
   std::vector<std::uint64_t> uses_;
   SamplePool<wire::Reply> pool_;
   ShortSpin spin_;

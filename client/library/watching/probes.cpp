@@ -120,7 +120,9 @@ ProbeWatch::State::State(std::shared_ptr<client::Connection> connection, const W
       options_(options),
       topic_(connection_->participant(), connection_->options().name_space) {
   using Frames = dds::Taker<wire::ProbeFrame>;
-  reader_.emplace(topic_, dds::ReaderOptions<wire::ProbeFrame>{.data = [this](Frames taker) { take(taker); }});
+  reader_.emplace(topic_, dds::ReaderOptions<wire::ProbeFrame>{.data = [this](Frames) { take(); }});
+  has_reader_.store(true);
+  take();
 }
 
 Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_ptr<client::Connection> connection,
@@ -137,11 +139,14 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
   } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
 }
 
-/// DDS runs one callback of a reader at a time, so incoming_ and decoded_ need no lock.
-void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
-  while (taker.take(incoming_)) {
+/// A callback that comes before its reader is there leaves the samples with it.
+void ProbeWatch::State::take() {
+  if (!has_reader_.load()) return;
+  const std::lock_guard one(taking_mutex_);
+  while (reader_->take(incoming_)) {
     decoded_.clear();
-    if (!incoming_.info().valid_data || !client::decode(*incoming_, connection_->names(), decoded_)) { continue; }
+    if (!incoming_.info().valid_data || !connection_->is_from_server(*reader_, incoming_.info())) continue;
+    if (!client::decode(*incoming_, connection_->names(), decoded_)) { continue; }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {
       const bool asked = options_.only.empty() || wire_contract::glob_matches(options_.only, reading.probe);

@@ -33,7 +33,7 @@ struct [[gnu::visibility("hidden")]] ProbeWatch::State {
 
  private:
   State(std::shared_ptr<client::Connection> connection, const WatchOptions& options);
-  void take(const dds::Taker<wire::ProbeFrame>& taker);
+  void take();
 
   std::shared_ptr<client::Connection> connection_;
   WatchOptions options_;
@@ -41,6 +41,8 @@ struct [[gnu::visibility("hidden")]] ProbeWatch::State {
   std::condition_variable came_;
   std::deque<ProbeReading> readings_;
   std::atomic<std::uint64_t> lost_{0};
+  std::atomic<bool> has_reader_{false};
+  std::mutex taking_mutex_;  // the reader's callback and the constructor; also for these two
   dds::Sample<wire::ProbeFrame> incoming_;
   std::vector<ProbeReading> decoded_;
   // Last, so that they are destroyed first: their callbacks use the members above.

@@ -48,17 +48,22 @@ Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchO
   using Frames = dds::Taker<wire::EventFrame>;
   using FrameReader = dds::ReaderOptions<wire::EventFrame>;
   using Shards = dds::Taker<wire::ContactShard>;
+  // A callback that comes before its reader is there leaves the samples with it.
   if (options_.persisted) {
     persisted_topic_.emplace(connection_->participant(), connection_->options().name_space,
                              wire_contract::kPersistedTopic);
-    persisted_reader_.emplace(*persisted_topic_,
-                              FrameReader{.data = [this](Frames taker) { take<PersistedFrame>(taker, frames_); }});
+    persisted_reader_.emplace(
+        *persisted_topic_, FrameReader{.data = [this](Frames) { take<PersistedFrame>(persisted_reader_, frames_); }});
   }
   event_reader_.emplace(event_topic_,
-                        FrameReader{.data = [this](Frames taker) { take<FramePool::Pointer>(taker, frames_); }});
-  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{.data = [this](Shards taker) {
-                            take<ShardPool::Pointer>(taker, shards_);
+                        FrameReader{.data = [this](Frames) { take<FramePool::Pointer>(event_reader_, frames_); }});
+  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{.data = [this](Shards) {
+                            take<ShardPool::Pointer>(contact_reader_, shards_);
                           }});
+  has_readers_.store(true);
+  if (options_.persisted) take<PersistedFrame>(persisted_reader_, frames_);
+  take<FramePool::Pointer>(event_reader_, frames_);
+  take<ShardPool::Pointer>(contact_reader_, shards_);
 }
 
 Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
@@ -125,10 +130,13 @@ Watch::State::~State() {
 }
 
 template <class As, class T>
-void Watch::State::take(const dds::Taker<T>& taker, client::SamplePool<T>& pool) {
+void Watch::State::take(std::optional<dds::Reader<T>>& reader, client::SamplePool<T>& pool) {
+  if (!has_readers_.load()) return;
+  const std::lock_guard lock(taking_mutex_);
   auto sample = pool.get();
-  while (taker.take(*sample)) {
-    if (sample->info().valid_data) { queue(As{std::exchange(sample, pool.get())}); }
+  while (reader->take(*sample)) {
+    const dds_sample_info_t& info = sample->info();
+    if (info.valid_data && connection_->is_from_server(*reader, info)) queue(As{std::exchange(sample, pool.get())});
   }
   pool.put(std::move(sample));
 }

@@ -44,7 +44,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   // Fetches the flight recorder and takes its events since that time into recorded_.
   std::optional<Error> hear_recorded(std::chrono::nanoseconds since);
   template <class As, class T>
-  void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
+  void take(std::optional<dds::Reader<T>> & reader, client::SamplePool<T> & pool);
   // Queues a message for the thread, which runs work().
   void queue(Message message);
   void work();
@@ -64,6 +64,8 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::size_t> open_contacts_{0};
 
+  std::atomic<bool> has_readers_{false};
+  std::mutex taking_mutex_;  // the readers' callbacks and the constructor
   FramePool frames_;
   ShardPool shards_;
   std::mutex messages_mutex_;

@@ -16,6 +16,7 @@ Arguments::Arguments(const std::string& text) : arguments_(nlohmann::json::parse
   const auto command = arguments_.find("command");
   if (command == arguments_.end() || !command->is_string()) throw BadCommand("a command without its name");
   command_ = command->get<std::string>();
+  is_durable_ = truth("durable", false);
 }
 
 const nlohmann::json* Arguments::find(const char* name) const {

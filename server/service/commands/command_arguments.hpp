@@ -28,6 +28,8 @@ class Arguments {
   explicit Arguments(const std::string& text);
 
   const std::string& command() const { return command_; }
+  /// Whether the client wants it refused where it would not outlive a crash.
+  bool is_durable() const { return is_durable_; }
   /// Refuses every argument that is not among these: a misspelt one must not be ignored.
   void allow_only(std::initializer_list<const char*> names) const;
 
@@ -54,6 +56,7 @@ class Arguments {
 
   nlohmann::json arguments_;
   std::string command_;
+  bool is_durable_ = false;
 };
 
 }  // namespace collided::engine::service

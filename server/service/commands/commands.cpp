@@ -12,6 +12,7 @@
 #include "server/service/commands/nearest_word.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/service/runtime/named_thread.hpp"
 #include "server/world/query/plan.hpp"
 #include "server/world/query/query.hpp"
 
@@ -38,14 +39,16 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
       uploads_(
           uploads, with.durable != nullptr ? with.durable->commands_left() : std::vector<CommandAsk>(),
           [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
-          [this](CommandAsk ask, const std::string& path) { load_upload(std::move(ask), path); }) {
-  const auto work = [](WorkQueue<SlowJob>& jobs) {
-    return std::thread([&jobs] {
+          [this](CommandAsk ask, const std::string& path, std::uint32_t checksum) {
+            load_upload(std::move(ask), path, checksum);
+          }) {
+  const auto work = [](const char* name, WorkQueue<SlowJob>& jobs) {
+    return named_thread(name, [&jobs] {
       while (std::optional<SlowJob> job = jobs.pop()) (*job)();
     });
   };
-  slow_thread_ = work(slow_jobs_);
-  pair_thread_ = work(pair_jobs_);
+  slow_thread_ = work("loads", slow_jobs_);
+  pair_thread_ = work("pairs", pair_jobs_);
 }
 
 Commands::~Commands() { stop(); }
@@ -81,95 +84,23 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
   } catch (const std::exception& failed) { refuse(failed.what(), ""); }
 }
 
-/// As answer(), but the answer waits until what was done is on the disk, or says why it is not.
-void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work) {
-  if (with_.durable == nullptr) return answer(ask, work);
-  json result;
-  try {
-    result = work();
-    forget_what_is_gone();
-  } catch (...) {
-    return answer(ask, []() -> json { throw; });
-  }
-  const CommandAsk whose{ask.client, ask.request, {}, {}};
-  with_.durable->then([this, whose, result](const std::string& not_kept) mutable {
-    if (!not_kept.empty()) result["not_kept"] = not_kept;
-    send(whose, ReplyStatus::ok, dump(result));
-  });
-}
-
-void Commands::forget_what_is_gone() {
-  const World& world = with_.loop.world();
-  const auto has_scene = [&](std::string_view name) {
-    const SnapshotRing::Lease state = world.newest();
-    return std::any_of(state->scenes.begin(), state->scenes.end(),
-                       [&](const auto& scene) { return scene->name == name; });
-  };
-  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
-    const auto here = upload++;
-    if (has_scene(here->first)) continue;
-    uploads_.forget(here->second);
-    upload_of_scene_.erase(here);
-  }
-  with_.durable->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
-}
-
-/// Records a command that is carried out again: it did not come over the wire, so nothing else records it.
-void Commands::tell_flight_recorder(const CommandAsk& ask) {
-  if (with_.flight == nullptr) return;
-  dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
-  query->chunk_count = 1;
-  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field, so it fits
-  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
-                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
-  dds::borrow(query->blob, blob);
-  with_.flight->note(recording::Recorded::query, *query);
-}
-
-/// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
-void Commands::replay(const std::vector<CommandAsk>& asks) {
-  if (asks.empty()) return;
-  replaying_.store(true);
-  slow_jobs_.push([this, asks] {
-    std::vector<CommandAsk> objects;
-    for (const CommandAsk& ask : asks) {
-      tell_flight_recorder(ask);
-      try {
-        const Arguments arguments(ask.text);
-        if (arguments.command() == names::kLoad) {
-          load_one(parse_load(ask, arguments));
-        } else {
-          objects.push_back(ask);
-        }
-      } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
-    }
-    const bool taken = with_.inbox.push_job([this, objects] {
-      for (const CommandAsk& ask : objects) {
-        answer_once_kept(ask, [&] {
-          const Arguments arguments(ask.text);
-          if (arguments.command() == names::kProbe) return probe(ask, arguments);
-          return arguments.command() == names::kMove ? move(ask, arguments) : add(ask, arguments);
-        });
-      }
-      replaying_.store(false);
-    });
-    if (!taken) replaying_.store(false);
-  });
-}
-
-/// Sends an answer to the client. A command that is carried out again has none: only its refusal is reported, in the
-/// log.
+/// Sends an answer to the client. A command that is carried out again has none: its refusal is a loss, and reported in
+/// the log.
 void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
   if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
-  if (status == ReplyStatus::refused) with_.loop.say("what was added before the crash cannot be added again: " + text);
+  if (status != ReplyStatus::refused) return;
+  const json refusal = json::parse(text, nullptr, false);
+  if (with_.durable != nullptr && refusal.is_object())
+    with_.durable->not_restored(ask.request, refusal.value("error", text));
+  with_.loop.say("what was added before the crash cannot be added again: " + text);
 }
 
 void Commands::run(CommandAsk ask) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
-      {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},     {names::kMove, &Commands::move},
-      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
-      {names::kProbes, &Commands::probes},
+      {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},
+      {names::kMove, &Commands::move},     {names::kRemove, &Commands::remove},
+      {names::kClear, &Commands::clear},   {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes}, {names::kAcceptLoss, &Commands::accept_loss},
   };
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
@@ -184,7 +115,7 @@ void Commands::run(CommandAsk ask) {
   }
   const std::string& command = arguments->command();
   for (const auto& [name, change] : kChanges) {
-    if (command == name) return on_world_thread(std::move(ask), change);
+    if (command == name) return on_world_thread(std::move(ask), change, arguments->is_durable());
   }
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
@@ -212,21 +143,23 @@ void Commands::run(CommandAsk ask) {
         names::kLoad,   names::kClear,     names::kAdd,    names::kMove,   names::kRemove,  names::kList,
         names::kGet,    names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
         names::kProbes, names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
-        names::kPoses,  names::kRecording, names::kCovers, names::kUpload, names::kPiece};
+        names::kPoses,  names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
 
 /// Has the world's thread carry out a command. A change is answered once it is on the disk; one that looks is answered
 /// at once.
-void Commands::on_world_thread(CommandAsk ask, Change change) {
+void Commands::on_world_thread(CommandAsk ask, Change change, bool is_durable) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = change != &Commands::get && change != &Commands::probes;
-  const bool taken = with_.inbox.push_job([this, shared, change, is_change] {
-    const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
-    is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
+  once_there_is_room(*shared, is_durable && is_change, [this, shared, change, is_change, is_durable] {
+    const bool taken = with_.inbox.push_job([this, shared, change, is_change, is_durable] {
+      const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
+      is_change ? answer_once_kept(*shared, work, is_durable) : answer(*shared, work);
+    });
+    if (!taken) { send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again")); }
   });
-  if (!taken) { send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again")); }
 }
 
 // ---- commands that look
@@ -356,7 +289,7 @@ std::uint32_t Commands::ended_count() const {
 }
 
 json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale"});
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale", "durable"});
   constexpr std::uint64_t kBits = 0xffffffff;
   const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
                       .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
@@ -384,7 +317,7 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "pose", "teleport"});
+  arguments.allow_only({"name", "pose", "teleport", "durable"});
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   const std::optional<Pose> pose = arguments.pose("pose");
@@ -399,11 +332,12 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
     throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
                                  printable(world.info(id)->scene)));
   }
-  if (with_.durable != nullptr) {
+  const ObjectInfo& info = *world.info(id);
+  if (with_.durable != nullptr && info.publisher == 0) {
     // When it is carried out again the object is placed, not moved: its motion was over before the crash.
     json again = json::parse(ask.text);
     again["teleport"] = true;
-    with_.durable->object_moved(name, {0, 0, again.dump(), {}});
+    with_.durable->object_moved(info.scene, name, {0, 0, again.dump(), {}});
   }
   const std::uint64_t version = step();
   json began = json::array();
@@ -422,7 +356,7 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 json Commands::remove(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"name"});
+  arguments.allow_only({"name", "durable"});
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   std::vector<ObjectId> chosen;
@@ -438,10 +372,14 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
   if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
     with_.loop.step_now();
   json removed = json::array();
+  std::vector<DurableState::Removed> gone;
   for (const ObjectId id : chosen) {
-    removed.push_back(world.info(id)->name);
+    const ObjectInfo& info = *world.info(id);
+    removed.push_back(info.name);
+    if (info.publisher == 0) gone.push_back({.scene = info.scene, .name = info.name});
     world.remove(id, EndReason::removed);
   }
+  if (with_.durable != nullptr) with_.durable->removed(gone);
   if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
   const std::uint64_t version = step();
   return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
@@ -449,7 +387,7 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
 
 /// Removes scenes and objects; what live publishers have stays and is counted as kept.
 json Commands::clear(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"scene", "moving"});
+  arguments.allow_only({"scene", "moving", "durable"});
   World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
   const bool moving = arguments.truth("moving", false);
@@ -463,9 +401,12 @@ json Commands::clear(const CommandAsk&, const Arguments& arguments) {
   std::uint32_t removed = 0;
   std::uint32_t kept = 0;
   for (const std::string& name : scenes) {
-    if (name == scene || (scene.empty() && !moving)) removed += world.remove_scene(name);
+    if (name != scene && !(scene.empty() && !moving)) continue;
+    removed += world.remove_scene(name);
+    if (with_.durable != nullptr) with_.durable->scene_removed(name);
   }
   const bool others = scene.empty() || moving;
+  std::vector<DurableState::Removed> gone;
   const ObjectTable objects = world.objects();  // a copy: removing changes the world's
   for (const auto& info : objects) {
     if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
@@ -473,8 +414,10 @@ json Commands::clear(const CommandAsk&, const Arguments& arguments) {
       ++kept;
     } else if (world.remove(info->id, EndReason::removed)) {
       ++removed;
+      if (info->publisher == 0) gone.push_back({.scene = info->scene, .name = info->name});
     }
   }
+  if (with_.durable != nullptr) with_.durable->removed(gone);
   const std::uint64_t version = step();
   return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
 }

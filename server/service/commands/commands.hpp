@@ -71,14 +71,19 @@ class Commands {
     LoadOptions options;
     std::vector<Aabb> covers;
     bool replace = false;
+    bool is_durable = false;                // refused where it cannot be kept
+    std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
   };
 
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
-  void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
-  void on_world_thread(CommandAsk ask, Change change);
-  void forget_what_is_gone();
+  void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work, bool is_durable = false);
+  void once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on);
+  void on_world_thread(CommandAsk ask, Change change, bool is_durable);
+  void drop_uploads();
+  void forget_upload(const std::string& path);
+  void replay_on_world_thread(const std::vector<CommandAsk>& asks);
 
   // On the thread that asks.
   nlohmann::json list(const Arguments& arguments) const;
@@ -96,6 +101,7 @@ class Commands {
   nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json accept_loss(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
   void keep_upload(const std::string& scene, const std::string& path);
 
@@ -110,7 +116,7 @@ class Commands {
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
-  void load_upload(CommandAsk ask, const std::string& path);
+  void load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(const MenuOptions& options) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "idl/commands.hpp"
+#include "server/service/runtime/named_thread.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
@@ -12,7 +13,7 @@ using wire_contract::ReplyStatus;
 
 GeometryService::GeometryService(const World& world, Send send)
     : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
-  thread_ = std::thread([this] {
+  thread_ = named_thread("geometry", [this] {
     while (std::optional<CommandAsk> ask = jobs_.pop()) answer(*ask);
   });
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <zlib.h>
 
 #include "server/service/commands/commands.hpp"
 #include "server/service/questions/validation.hpp"
@@ -16,13 +18,24 @@ namespace {
 
 constexpr std::int64_t kProgressPeriodNs = 100'000'000;
 
+/// CRC-32 of a file; nothing where it cannot be read.
+std::optional<std::uint32_t> checksum_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> bytes(std::size_t{1} << 20);
+  uLong sum = crc32_z(0, nullptr, 0);
+  while (file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || file.gcount() > 0)
+    sum = crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<std::size_t>(file.gcount()));
+  if (!file.eof()) return std::nullopt;
+  return static_cast<std::uint32_t>(sum);
+}
+
 }  // namespace
 
 /// The command with its arguments checked. Throws BadCommand.
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign", "covers"});
+                        "foreign", "covers", "crc32", "durable"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -42,6 +55,8 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   load.options.srdf = arguments.text("srdf");
   load.options.is_foreign = arguments.truth("foreign", false);
   load.covers = arguments.boxes("covers");
+  load.is_durable = arguments.is_durable();
+  if (arguments.has("crc32")) load.checksum = static_cast<std::uint32_t>(arguments.whole("crc32", 0, 0xffffffff));
   if (!(load.options.unit_m > 0))
     throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
   load.options.up = up.empty() ? '\0' : up[0];
@@ -55,7 +70,8 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
   try {
     make_room("load", slow_jobs_);
     const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
-    slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+    once_there_is_room(shared->ask, shared->is_durable,
+                       [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
   } catch (const BadCommand& bad) {
     answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   }
@@ -63,15 +79,17 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
 
 /// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
 /// again after a crash.
-void Commands::load_upload(CommandAsk ask, const std::string& path) {
+void Commands::load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum) {
   json words = json::parse(ask.text);
   words.erase("upload");
   words["path"] = path;
   words["foreign"] = true;
+  words["crc32"] = checksum;
   ask.text = words.dump();
   make_room("load", slow_jobs_);
   const auto shared = std::make_shared<Load>(parse_load(ask, Arguments(ask.text)));
-  slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+  once_there_is_room(shared->ask, shared->is_durable,
+                     [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
 }
 
 /// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.
@@ -89,6 +107,8 @@ void Commands::load_one(Load load) {
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
+    if (load.checksum && checksum_of(path) != load.checksum)
+      throw LoadError(path + ": the file is not what was uploaded. Nothing was loaded.");
     *loaded = load_and_index(load.path, load.options);
   } catch (const LoadError& failed) {
     uploads_.forget(path);
@@ -107,11 +127,14 @@ void Commands::load_one(Load load) {
   const auto shared = std::make_shared<Load>(std::move(load));
   const bool taken = with_.inbox.push_job([this, shared, loaded] {
     bool is_added = false;
-    answer_once_kept(shared->ask, [&] {
-      json answer = add_scene(*shared, *loaded);
-      is_added = true;
-      return answer;
-    });
+    answer_once_kept(
+        shared->ask,
+        [&] {
+          json answer = add_scene(*shared, *loaded);
+          is_added = true;
+          return answer;
+        },
+        shared->is_durable);
     if (!is_added) uploads_.forget(shared->path);
   });
   if (!taken) {
@@ -170,7 +193,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
 /// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.
 void Commands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
-    uploads_.forget(before->second);
+    forget_upload(before->second);
     upload_of_scene_.erase(before);
   }
   if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;

@@ -35,7 +35,7 @@ ProbeDefinition definition_of(const Arguments& arguments) {
 }  // namespace
 
 json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove"});
+  arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove", "durable"});
   Probes& probes = with_.loop.probes();
   json changed = json::array();
   if (arguments.truth("remove", false)) {

@@ -12,6 +12,7 @@
 
 #include "idl/commands.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/service/runtime/named_thread.hpp"
 #include "server/service/runtime/random_number.hpp"
 
 namespace collided::engine::service {
@@ -68,7 +69,7 @@ UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>
         bytes_[file.path().string()] = file.file_size(ignored);
     }
   }
-  thread_ = std::thread([this] {
+  thread_ = named_thread("uploads", [this] {
     while (std::optional<Job> job = jobs_.pop()) {
       if (const auto* forget = std::get_if<Forget>(&*job)) remove_file(forget->path);
       else work(std::get<CommandAsk>(*job));
@@ -199,10 +200,11 @@ void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
     throw BadCommand("upload: " + why + ". Nothing was loaded");
   }
   const std::string path = upload.path;
+  const std::uint32_t checksum = upload.checksum;
   ::close(upload.file);
   uploads_.erase(place);
   try {
-    load_(ask, path);
+    load_(ask, path, checksum);
   } catch (const BadCommand&) {
     remove_file(path);
     throw;

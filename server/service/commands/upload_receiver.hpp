@@ -22,8 +22,8 @@ namespace collided::engine::service {
 class UploadReceiver {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
-  /// Loads the file at `path`, which the client's `load` refers to; throws BadCommand.
-  using Load = std::function<void(CommandAsk ask, const std::string& path)>;
+  /// Loads the file at `path` of that CRC-32, which the client's `load` refers to; throws BadCommand.
+  using Load = std::function<void(CommandAsk ask, const std::string& path, std::uint32_t checksum)>;
 
   /// folder  empty: every upload is refused; made when it is needed
   /// keep    commands to be carried out again: files of an earlier server that none of these texts names are removed

@@ -17,6 +17,8 @@ namespace layout = journal_layout;
 /// The file is rewritten once it is longer than kMostStale times its live bytes plus kSmall.
 constexpr std::uint64_t kMostStale = 2;
 constexpr std::uint64_t kSmall = 1 << 20;
+/// Room that is asked for beyond what is to be written: removals, too, are records.
+constexpr std::uint64_t kSpare = 4'096;
 
 bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
   return bytes.size() >= word.size() && std::memcmp(bytes.data(), word.data(), word.size()) == 0;
@@ -26,25 +28,34 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
 
 Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move(disk)), name_(std::move(name)) {
   read();
+  is_worth_keeping_ = may_have_lost_;
 }
 
 void Journal::read() {
   const std::optional<std::vector<std::byte>> bytes = disk_->read(name_);
   if (!bytes) return;
+  left_ = Left::unknown;
   const std::span<const std::byte> file = *bytes;
   // Files without slots are read, and rewritten with slots at the next change.
   if (starts_with(file, layout::kMagicWithoutSlots)) {
-    static_cast<void>(read_records(file, layout::kMagicWithoutSlots.size()));
+    may_have_lost_ = !read_records(file, layout::kMagicWithoutSlots.size());
     return;
   }
-  if (!starts_with(file, layout::kMagic)) {
+  const bool says_closed = starts_with(file, layout::kMagic);
+  if (!says_closed && !starts_with(file, layout::kMagicWithoutClosing)) {
     damage_ = fmt::format("{} is not a journal; nothing of it was taken", name_);
+    may_have_lost_ = true;
     return;
   }
   if (file.size() < layout::kHeadBytes) {
     damage_ = fmt::format("{} ends within its head, at byte {}; all that it held is lost", name_, file.size());
+    may_have_lost_ = true;
     return;
   }
+  read_slots(file, says_closed);
+}
+
+void Journal::read_slots(std::span<const std::byte> file, bool says_closed) {
   const layout::Head head = layout::head_of(file);
   const bool are_records_whole = read_records(file, layout::kHeadBytes);
   const std::uint64_t reported_bytes = head.newest ? head.newest->bytes : 0;
@@ -52,15 +63,18 @@ void Journal::read() {
     damage_ += fmt::format(
         "{}{}: {} records and {} bytes were acknowledged, {} and {} are left; what came after is lost",
         damage_.empty() ? "" : ". ", name_, head.newest->records, reported_bytes, file_records_, file_bytes_);
+    may_have_lost_ = true;
   } else if (!are_records_whole && head.newest) {
     damage_ += "; none of it had been acknowledged";
   } else if (!head.newest) {
     damage_ += fmt::format("{}{}: its head is damaged; whether records are missing at its end is not known",
                            damage_.empty() ? "" : ". ", name_);
+    may_have_lost_ = true;
   } else if (!head.is_whole) {
     damage_ = fmt::format("{}: one of the two counts in its head is damaged; by the other one nothing is lost", name_);
   }
-  if (!damage_.empty()) return;
+  if (head.newest && says_closed) left_ = head.newest->is_closed != 0 ? Left::closed : Left::open;
+  if (!damage_.empty() || !says_closed) return;
   slot_number_ = head.newest->number;
   has_file_ = true;
 }
@@ -84,8 +98,12 @@ bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
   return true;
 }
 
+std::vector<Journal::Entry>::iterator Journal::find(const std::string& key) {
+  return std::ranges::find(entries_, key, &Entry::key);
+}
+
 void Journal::apply(Entry entry, bool is_erased) {
-  const auto known = std::ranges::find(entries_, entry.key, &Entry::key);
+  const auto known = find(entry.key);
   if (is_erased) {
     if (known != entries_.end()) entries_.erase(known);
   } else if (known != entries_.end()) {
@@ -95,24 +113,24 @@ void Journal::apply(Entry entry, bool is_erased) {
   }
 }
 
-void Journal::put(Entry entry, Sync sync) {
-  try {
-    const std::vector<std::byte> record = layout::encode(entry, false);
-    apply(std::move(entry), false);
-    write(record, 1, sync);
-  } catch (const std::bad_alloc&) { fail_for_memory(); }
-}
-
-void Journal::erase(std::span<const std::string> keys, Sync sync) {
+void Journal::change(std::span<const std::string> erased, std::span<const Entry> put, Sync sync) {
   try {
     std::vector<std::byte> records;
     std::uint64_t count = 0;
-    for (const std::string& key : keys) {
-      if (std::ranges::find(entries_, key, &Entry::key) == entries_.end()) continue;
-      const std::vector<std::byte> record = layout::encode({.key = key, .text = {}, .blob = {}}, true);
+    const auto add = [&](const Entry& entry, bool is_erased) {
+      const std::vector<std::byte> record = layout::encode(entry, is_erased);
       records.insert(records.end(), record.begin(), record.end());
       ++count;
-      apply({.key = key, .text = {}, .blob = {}}, true);
+      apply(entry, is_erased);
+    };
+    for (const std::string& key : erased) {
+      if (find(key) != entries_.end()) add({.key = key, .text = {}, .blob = {}}, true);
+    }
+    const bool is_all_kept = has_file_ && problem_.empty();
+    for (const Entry& entry : put) {
+      // What is carried out again after a crash is there already.
+      const auto known = find(entry.key);
+      if (known == entries_.end() || *known != entry || !is_all_kept) add(entry, false);
     }
     if (count > 0) write(records, count, sync);
   } catch (const std::bad_alloc&) { fail_for_memory(); }
@@ -124,10 +142,29 @@ void Journal::fail_for_memory() {
   problem_ = "no memory left";
 }
 
+bool Journal::has_room(std::uint64_t bytes) {
+  if ((!has_file_ || !problem_.empty()) && !rewrite()) return false;
+  if (disk_->reserve(name_, bytes + waiting_.size() + kSpare)) return true;
+  problem_ = fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
+  return false;
+}
+
 void Journal::clear() {
   entries_.clear();
   damage_.clear();
-  rewrite();
+  may_have_lost_ = is_worth_keeping_ = false;
+  static_cast<void>(rewrite());
+}
+
+void Journal::close() {
+  if (!has_file_) return;
+  // Both slots say so, so that damage to one of them does not bring back what was over.
+  for (int i = 0; i < 2; ++i) {
+    const layout::Slot slot{.is_closed = 1, .number = slot_number_ + 1, .records = file_records_, .bytes = file_bytes_};
+    if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot))) return;
+    if (!disk_->sync(name_)) return;
+    slot_number_ = slot.number;
+  }
 }
 
 std::uint64_t Journal::live_bytes() const {
@@ -136,13 +173,23 @@ std::uint64_t Journal::live_bytes() const {
   return bytes;
 }
 
-/// Appends the records and, once they are on the disk, writes the slot that counts them.
-bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
-  const auto settle = [&] { return sync == Sync::later || disk_->sync(name_); };
-  if (!disk_->append(name_, records) || !settle()) return false;
-  const layout::Slot slot{
-      .number = slot_number_ + 1, .records = file_records_ + count, .bytes = file_bytes_ + records.size()};
-  if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot)) || !settle()) return false;
+/// Appends the records and, once they are on the disk, writes the slot that counts them. `nothing` leaves the file as
+/// it was: there was no room.
+Journal::Appended Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
+  if (!disk_->append(name_, records)) {
+    const int why = errno;
+    const bool is_as_before = (why == ENOSPC || why == EDQUOT) && disk_->cut(name_, file_bytes_);
+    errno = why;
+    return is_as_before ? Appended::nothing : Appended::unknown;
+  }
+  if (sync == Sync::now && !disk_->sync(name_)) return Appended::unknown;
+  return count_records(file_records_ + count, file_bytes_ + records.size(), sync) ? Appended::all : Appended::unknown;
+}
+
+bool Journal::count_records(std::uint64_t records, std::uint64_t bytes, Sync sync) {
+  const layout::Slot slot{.number = slot_number_ + 1, .records = records, .bytes = bytes};
+  if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot))) return false;
+  if (sync == Sync::now && !disk_->sync(name_)) return false;
   slot_number_ = slot.number;
   file_records_ = slot.records;
   file_bytes_ = slot.bytes;
@@ -150,19 +197,35 @@ bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sy
 }
 
 void Journal::write(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
-  if (!has_file_ || file_bytes_ > kMostStale * live_bytes() + kSmall) return rewrite();
-  if (append(records, count, sync)) return;
-  // It is unknown now whether the records are in the file, and what comes after a cut one would be lost with it. On a
-  // full disk the space they took is given back, or nothing smaller could be written either.
+  if (!has_file_) return static_cast<void>(rewrite());
+  // What found no room before goes first: the order counts, and a removal must not overtake what it removes.
+  waiting_.insert(waiting_.end(), records.begin(), records.end());
+  waiting_records_ += count;
+  if (file_bytes_ > kMostStale * live_bytes() + kSmall && rewrite()) return;
+  switch (append(waiting_, waiting_records_, sync)) {
+    case Appended::all:
+      waiting_.clear();
+      waiting_records_ = 0;
+      problem_.clear();
+      return;
+    case Appended::nothing:
+      problem_ = fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
+      // A new file may still be the smaller one, and what waits must not grow without limit.
+      if (waiting_.size() > live_bytes() || file_bytes_ > live_bytes()) static_cast<void>(rewrite());
+      return;
+    case Appended::unknown: break;
+  }
+  // It is unknown now whether the records are in the file, and what comes after a cut one would be lost with it.
   const int why = errno;
   static_cast<void>(disk_->cut(name_, file_bytes_));
   errno = why;
   has_file_ = false;
-  rewrite();
+  static_cast<void>(rewrite());
 }
 
-/// Writes all live entries to a new file, then renames it over the old one, which stays until then.
-void Journal::rewrite() {
+/// Writes all live entries to a new file, then renames it over the old one, which stays until then, and is appended to
+/// further where the new one found no room. False: problem() says why.
+bool Journal::rewrite() {
   const std::string summand = name_ + ".new";
   const std::uint64_t bytes = live_bytes();
   bool done = disk_->create(summand) && disk_->append(summand, std::as_bytes(std::span(layout::kMagic)));
@@ -171,13 +234,26 @@ void Journal::rewrite() {
                                               .number = number, .records = entries_.size(), .bytes = bytes}));
   }
   for (const Entry& entry : entries_) done = done && disk_->append(summand, layout::encode(entry, false));
-  done = done && disk_->sync(summand) && disk_->rename(summand, name_);
+  done = done && disk_->sync(summand);
+  // A look at the damaged file may bring back more than this program can.
+  if (done && is_worth_keeping_) static_cast<void>(disk_->link(name_, name_ + ".damaged"));
+  if (done) {
+    done = disk_->rename(summand, name_);
+    has_file_ = done;  // a rename that failed may have been done by half
+  }
   problem_ = done ? std::string() : fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
-  has_file_ = done;
-  if (!done) return;
+  if (!done) {
+    // Half a file is of no use and takes room that the old one may need.
+    static_cast<void>(disk_->remove(summand));
+    return false;
+  }
+  is_worth_keeping_ = false;
+  waiting_.clear();
+  waiting_records_ = 0;
   slot_number_ = 1;
   file_records_ = entries_.size();
   file_bytes_ = bytes;
+  return true;
 }
 
 }  // namespace collided::engine::service

@@ -77,6 +77,18 @@ class PosixDisk final : public Disk {
     const File folder(folder_, O_RDONLY | O_DIRECTORY);
     return folder.is_open() && fsync(folder.number()) == 0;
   }
+  bool remove(const std::string& name) override { return unlink(path(name).c_str()) == 0 || errno == ENOENT; }
+  bool link(const std::string& name, const std::string& second) override {
+    return remove(second) && ::link(path(name).c_str(), path(second).c_str()) == 0;
+  }
+  bool reserve(const std::string& name, std::uint64_t bytes) override {
+    const File file(path(name), O_WRONLY);
+    struct stat about {};
+    return file.is_open() && fstat(file.number(), &about) == 0 &&
+           // Where the file system cannot say, the write will.
+           (fallocate(file.number(), FALLOC_FL_KEEP_SIZE, about.st_size, static_cast<off_t>(bytes)) == 0 ||
+            errno == EOPNOTSUPP);
+  }
 
  private:
   std::string path(const std::string& name) const { return (std::filesystem::path(folder_) / name).string(); }

@@ -16,15 +16,17 @@
 /// order.
 namespace collided::engine::service::journal_layout {
 
-inline constexpr std::string_view kMagic = "collided journal 2\n";
-/// Older files have no slots: records follow at once.
+inline constexpr std::string_view kMagic = "collided journal 3\n";
+/// Older files do not say whether they were closed.
+inline constexpr std::string_view kMagicWithoutClosing = "collided journal 2\n";
+/// Still older files have no slots: records follow at once.
 inline constexpr std::string_view kMagicWithoutSlots = "collided journal 1\n";
 
 /// How much of the file was acknowledged when this was written.
 struct Slot {
-  std::uint32_t checksum = 0;  // of all that follows this number
-  std::uint32_t reserved = 0;  // 0
-  std::uint64_t number = 0;    // counts the writings; the slot with the greater one is the newest
+  std::uint32_t checksum = 0;   // of all that follows this number
+  std::uint32_t is_closed = 0;  // 1: the process that wrote it has ended in order
+  std::uint64_t number = 0;     // counts the writings; the slot with the greater one is the newest
   std::uint64_t records = 0;
   std::uint64_t bytes = 0;  // of the file, this head included
 };

@@ -1,7 +1,11 @@
 #include "server/service/ingest/listeners.hpp"
 
+#include <algorithm>
 #include <new>
+#include <set>
+#include <utility>
 
+#include "idl/peers.hpp"
 #include "server/service/ingest/decoding.hpp"
 #include "server/service/runtime/out_of_memory.hpp"
 
@@ -19,9 +23,29 @@ void take_or_end(Take&& take) {
 
 }  // namespace
 
-void PublisherLiveliness::heard(std::uint64_t writer, std::uint64_t publisher) {
+bool PublisherLiveliness::admits(std::uint64_t handle, std::uint64_t publisher,
+                                 FunctionRef<std::uint64_t()> participant_of) {
   const std::lock_guard lock(mutex_);
-  publishers_[writer] = publisher;
+  auto found = writers_.find(handle);
+  if (found == writers_.end()) {
+    const std::uint64_t participant = participant_of();
+    // A writer that is gone holds nothing: what it said under a number would stay for ever.
+    if (participant == 0) return false;
+    found = writers_.emplace(handle, Writer{.participant = participant, .publishers = {}}).first;
+  }
+  Writer& writer = found->second;
+  const bool is_known = std::ranges::find(writer.publishers, publisher) != writer.publishers.end();
+  if (is_known && writer.is_alive) return true;
+  if (!owners_.claim(publisher, writer.participant, handle)) return false;
+  if (!is_known) writer.publishers.push_back(publisher);
+  return true;
+}
+
+void PublisherLiveliness::let_go(std::uint64_t handle, const Writer& writer) {
+  for (const std::uint64_t publisher : writer.publishers) {
+    owners_.release(publisher, handle);
+    inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = false});
+  }
 }
 
 void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
@@ -32,13 +56,36 @@ void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   const bool is_gone = !alive && change.not_alive <= not_alive_;
   alive_ = change.alive;
   not_alive_ = change.not_alive;
-  const auto found = publishers_.find(change.last_writer);
-  if (found == publishers_.end()) return;
-  inbox_.push(WriterNews{.publisher = found->second, .kind = kind_, .alive = alive});
-  // DDS names only the last of several changes at once, so some writers that are gone stay in the map; its size is
-  // bounded by dropping silent ones too.
-  constexpr std::size_t kMost = 10'000;
-  if (is_gone || (!alive && publishers_.size() > kMost)) publishers_.erase(found);
+  const auto found = writers_.find(change.last_writer);
+  if (found == writers_.end()) return;
+  Writer& writer = found->second;
+  if (alive) {
+    writer.is_alive = true;
+    // Meanwhile another participant may have taken a number over.
+    std::erase_if(writer.publishers, [&](std::uint64_t publisher) {
+      return !owners_.claim(publisher, writer.participant, change.last_writer);
+    });
+    for (const std::uint64_t publisher : writer.publishers)
+      inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = true});
+    return;
+  }
+  writer.is_alive = false;
+  let_go(change.last_writer, writer);
+  if (is_gone) writers_.erase(found);
+}
+
+void PublisherLiveliness::keep_only(std::span<const std::uint64_t> matched) {
+  const std::lock_guard lock(mutex_);
+  const std::set<std::uint64_t> there(matched.begin(), matched.end());
+  for (auto at = writers_.begin(); at != writers_.end();) {
+    const auto here = at++;
+    auto& [handle, writer] = *here;
+    const bool is_missing = !there.contains(handle);
+    // One that was heard while the handles were listed is missing once, and is there the next time.
+    if (!std::exchange(writer.is_missed, is_missing) || !is_missing) continue;
+    let_go(handle, writer);
+    writers_.erase(here);
+  }
 }
 
 void PublisherLiveliness::lost(std::uint64_t publisher) {
@@ -50,8 +97,8 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
-      object_writers_(inbox, WriterKind::object),
-      pose_writers_(inbox, WriterKind::pose),
+      object_writers_(inbox, owners_, WriterKind::object),
+      pose_writers_(inbox, owners_, WriterKind::pose),
       object_topic_(participant, name_space),
       pose_topic_(participant, name_space),
       query_topic_(participant, name_space),
@@ -67,7 +114,17 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
       query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) {
                       take_or_end([&] { answering.listen(taker); });
-                    }}) {}
+                    }}) {
+  // A callback that came before its reader was there has left the samples with it.
+  has_readers_.store(true);
+  take_definitions(object_reader_.taker());
+  take_poses(pose_reader_.taker());
+}
+
+void Listeners::drop_unmatched_writers() {
+  object_writers_.keep_only(object_reader_.matched_writer_handles());
+  pose_writers_.keep_only(pose_reader_.matched_writer_handles());
+}
 
 void Listeners::take_left_definitions() {
   if (definitions_left_.exchange(false)) take_definitions(object_reader_.taker());
@@ -75,7 +132,7 @@ void Listeners::take_left_definitions() {
 
 void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
   const std::lock_guard lock(taking_definitions_);
-  while (true) {
+  while (has_readers_.load()) {
     // What is left with DDS is taken by take_left_definitions() later.
     if (!inbox_.has_room_for_definitions()) {
       definitions_left_.store(true);
@@ -85,26 +142,32 @@ void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
     if (loans.size() == 0) return;
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (!loans.info(i).valid_data) continue;
+      const std::uint64_t writer = loans.info(i).publication_handle;
+      const auto participant_of = [&] { return dds::participant_of(object_reader_.get(), writer); };
+      if (!object_writers_.admits(writer, loans[i].publisher, participant_of)) continue;
       if (flight_) flight_->note(recording::Recorded::object, loans[i], loans.info(i).source_timestamp);
-      object_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
       inbox_.push(decoded(loans[i]));
     }
   }
 }
 
 void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
-  while (true) {
+  const std::lock_guard lock(taking_poses_);
+  while (has_readers_.load()) {
     const auto loans = taker.take_loans();
     if (loans.size() == 0) return;
     const std::int64_t now_ns = clock_.now_ns();
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (loans.info(i).valid_data) {
-        if (flight_) flight_->note(recording::Recorded::pose, loans[i], loans.info(i).source_timestamp);
-        pose_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
-        std::unique_ptr<PoseSample> sample = inbox_.spare();
-        decode(loans[i], *sample);
-        sample->received_ns = now_ns;
-        inbox_.push(std::move(sample));
+        const std::uint64_t writer = loans.info(i).publication_handle;
+        const auto participant_of = [&] { return dds::participant_of(pose_reader_.get(), writer); };
+        if (pose_writers_.admits(writer, loans[i].publisher, participant_of)) {
+          if (flight_) flight_->note(recording::Recorded::pose, loans[i], loans.info(i).source_timestamp);
+          std::unique_ptr<PoseSample> sample = inbox_.spare();
+          decode(loans[i], *sample);
+          sample->received_ns = now_ns;
+          inbox_.push(std::move(sample));
+        }
       }
       // The topic's key is the publisher, so an instance without writers is a publisher that has gone.
       if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE)

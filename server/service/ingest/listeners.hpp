@@ -4,26 +4,36 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "server/geometry/function_ref.hpp"
 #include "server/service/ingest/inbox.hpp"
+#include "server/service/ingest/publisher_owners.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
 
-/// Learns from samples which publisher is behind which DDS writer, and tells the inbox which publisher's writer has
-/// come alive or is gone.
+/// Learns from samples which publishers are behind which DDS writer, has each number used by its owner alone, and tells
+/// the inbox which publisher's writer has come alive or is gone.
 ///
 /// threads  any; DDS calls it from its own
 class PublisherLiveliness {
  public:
-  PublisherLiveliness(Inbox& inbox, WriterKind kind) : inbox_(inbox), kind_(kind) {}
-  /// writer  publication handle of the sample that named `publisher`
-  void heard(std::uint64_t writer, std::uint64_t publisher);
+  PublisherLiveliness(Inbox& inbox, PublisherOwners& owners, WriterKind kind)
+      : inbox_(inbox), owners_(owners), kind_(kind) {}
+  /// Whether a sample under this number may be taken.
+  ///
+  /// writer          its publication handle
+  /// participant_of  called where the writer is new: its participant, or 0 where it is gone already
+  bool admits(std::uint64_t writer, std::uint64_t publisher, FunctionRef<std::uint64_t()> participant_of);
+  /// Drops the writers that are not among the matched ones and were not at the last call either: DDS names only the
+  /// last of several that go at once.
+  void keep_only(std::span<const std::uint64_t> matched);
   /// A change in DDS's counts of live and silent writers. One that has sent no sample yet is not known and not
   /// reported.
   void liveliness(const dds::Liveliness& change);
@@ -31,11 +41,20 @@ class PublisherLiveliness {
   void lost(std::uint64_t publisher);
 
  private:
+  struct Writer {
+    std::uint64_t participant = 0;
+    bool is_alive = true;
+    bool is_missed = false;  // by the last keep_only()
+    std::vector<std::uint64_t> publishers;
+  };
+  void let_go(std::uint64_t handle, const Writer& writer);
+
   Inbox& inbox_;
+  PublisherOwners& owners_;
   const WriterKind kind_;
   std::mutex mutex_;
-  std::map<std::uint64_t, std::uint64_t> publishers_;  // by writer
-  std::uint32_t alive_ = 0;                            // DDS's counts as of the last change
+  std::map<std::uint64_t, Writer> writers_;  // by handle
+  std::uint32_t alive_ = 0;                  // DDS's counts as of the last change
   std::uint32_t not_alive_ = 0;
 };
 
@@ -53,6 +72,9 @@ class Listeners {
   /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
   /// thread.
   void take_left_definitions();
+  /// Drops publishers whose writers went unnoticed. Called with the former.
+  void drop_unmatched_writers();
+  PublisherOwners& owners() { return owners_; }
 
  private:
   void take_definitions(const dds::Taker<wire::Definition>& taker);
@@ -61,9 +83,12 @@ class Listeners {
   const WorldClock& clock_;
   Inbox& inbox_;
   FlightRecorder* const flight_;
+  PublisherOwners owners_;
   PublisherLiveliness object_writers_;
   PublisherLiveliness pose_writers_;
   std::mutex taking_definitions_;  // DDS's callback and take_left_definitions() may run at once
+  std::mutex taking_poses_;        // DDS's callback and the constructor
+  std::atomic<bool> has_readers_{false};
   std::atomic<bool> definitions_left_{false};
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;

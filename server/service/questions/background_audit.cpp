@@ -5,13 +5,14 @@
 
 #include "idl/topics.hpp"
 #include "server/service/questions/time_slice.hpp"
+#include "server/service/runtime/named_thread.hpp"
 #include "server/world/audit/audit.hpp"
 
 namespace collided::engine::service {
 
 BackgroundAudit::BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice, bool asks_fcl)
     : every_(every), notice_(std::move(notice)), asks_fcl_(asks_fcl) {
-  if (every_ > 0) thread_ = std::thread([this] { run(); });
+  if (every_ > 0) thread_ = named_thread("audit", [this] { run(); });
 }
 
 BackgroundAudit::~BackgroundAudit() { stop(); }

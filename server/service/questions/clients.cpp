@@ -24,14 +24,13 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
     const std::lock_guard lock(mutex_);
     const auto found = clients_.find(id);
     if (found != clients_.end()) {
-      client = found->second;
-    } else if (clients_.size() < kMost) {
-      client = std::make_shared<Client>(id, places_[place], steady_ns());
+      if (found->second->asker_ == asker) client = found->second;
+    } else if (clients_.size() < kMost && count_of(asker) < kMostOfOne) {
+      client = std::make_shared<Client>(id, asker, places_[place], steady_ns());
       clients_.emplace(id, client);
     }
   }
   if (!client) return nullptr;
-  client->asker_.store(asker);
   if (!places_[place].opening_.exchange(true)) {
     try {
       open(place);
@@ -41,6 +40,12 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
     }
   }
   return client;
+}
+
+/// With mutex_ held.
+std::size_t Clients::count_of(std::uint64_t asker) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(clients_, [&](const auto& entry) { return entry.second->asker_ == asker; }));
 }
 
 void Clients::open(std::uint32_t number) {
@@ -70,8 +75,7 @@ Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
   if (departures != std::exchange(recent_departures_, departures)) recent_.fill(nullptr);
   std::shared_ptr<Client>& place = recent_[id % kRecent];
   if (!place || place->id() != id) place = find(id);
-  if (!place || !place->ready()) return nullptr;
-  place->asker_.store(asker);
+  if (!place || place->asker_ != asker || !place->ready()) return nullptr;
   return place.get();
 }
 
@@ -109,7 +113,7 @@ std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, st
     });
     std::move(late, client.waiting_.end(), std::back_inserter(overdue));
     client.waiting_.erase(late, client.waiting_.end());
-    const bool lives = std::find(askers.begin(), askers.end(), client.asker_.load()) != askers.end();
+    const bool lives = std::find(askers.begin(), askers.end(), client.asker_) != askers.end();
     const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);
     const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;

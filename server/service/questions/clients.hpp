@@ -37,7 +37,8 @@ class ReplyPlace {
 /// One client, and its asks that wait until a reader is matched where its replies go.
 class Client {
  public:
-  Client(std::uint64_t id, ReplyPlace& place, std::int64_t met_ns) : id_(id), met_ns_(met_ns), place_(place) {}
+  Client(std::uint64_t id, std::uint64_t asker, ReplyPlace& place, std::int64_t met_ns)
+      : id_(id), met_ns_(met_ns), asker_(asker), place_(place) {}
   std::uint64_t id() const { return id_; }
   /// False: the reply was not written, since no reader is matched or a reader's queue stayed full.
   [[nodiscard]] bool write(const wire::Reply& reply);
@@ -52,10 +53,10 @@ class Client {
 
   const std::uint64_t id_;
   const std::int64_t met_ns_;
+  const std::uint64_t asker_;  // publication handle of its query writer: others may not ask in its name
   ReplyPlace& place_;
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
-  std::atomic<std::uint64_t> asker_{0};  // publication handle of its query writer
   std::atomic<std::uint64_t> reported_version_{0};
 };
 
@@ -67,6 +68,7 @@ class Client {
 class Clients {
  public:
   static constexpr std::size_t kMost = 1'000;                      // clients
+  static constexpr std::size_t kMostOfOne = 64;                    // of one query writer
   static constexpr std::size_t kMostWaiting = 256;                 // asks of one client
   static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;  // an ask that waits longer for a match is given up
   static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader for so long is forgotten
@@ -75,7 +77,8 @@ class Clients {
   Clients(const dds::Topic<wire::Reply>& topic, std::function<void(std::uint32_t)> listening)
       : topic_(topic), listening_(std::move(listening)) {}
 
-  /// The client of an ask, made when it is first seen, with the writer of its place; null where kMost are there.
+  /// The client of an ask, made when it is first seen, with the writer of its place; null where kMost are there, or
+  /// kMostOfOne of this asker, or the number belongs to another one, which used it first and lives.
   std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
   /// Null where the client is not known.
   std::shared_ptr<Client> find(std::uint64_t id) const;
@@ -99,6 +102,7 @@ class Clients {
   static constexpr std::size_t kRecent = 16;
 
   void open(std::uint32_t place);
+  std::size_t count_of(std::uint64_t asker) const;
 
   const dds::Topic<wire::Reply>& topic_;
   std::function<void(std::uint32_t)> listening_;

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <csignal>
+#include <new>
 #include <stdexcept>
 
 #include "idl/mcap/output.hpp"
 #include "idl/mcap/writer.hpp"
+#include "server/service/runtime/named_thread.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -61,7 +63,7 @@ FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t windo
       ring_(kRingBytes),
       window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
   mcap::put_opening(prologue_, recording::library_name(), recording::channels_of(name_space_));
-  thread_ = std::thread([this] { run(); });
+  thread_ = named_thread("recorder", [this] { run(); });
 }
 
 FlightRecorder::~FlightRecorder() {
@@ -75,9 +77,11 @@ FlightRecorder::~FlightRecorder() {
 
 void FlightRecorder::run() {
   while (!stopping_.load()) {
-    {
+    try {
       const std::lock_guard lock(mutex_);
       take_over();
+    } catch (const std::bad_alloc&) {
+      // What could not be taken over stays in the ring for the next time; what finds no room there is counted.
     }
     std::this_thread::sleep_for(kPeriod);
   }

@@ -286,6 +286,32 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   EXPECT_FALSE(watch.next(50ms));
 }
 
+// Forged frames and statuses were believed: of ten events that were none was seen.
+TEST_F(ClientWatch, WhatAnotherSaysInTheServersPlaceIsNotHeardWhileTheServerIs) {
+  Watch watch = this->watch();
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
+  world_.began({1, 2});
+  EXPECT_EQ(next(watch).kind, EventKind::began);
+  const std::uint64_t epoch = client_->status()->epoch;
+  FakeServer stranger(
+      test::own_namespace(), 1,
+      {.domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000});
+  {
+    const std::lock_guard lock(stranger.mutex);
+    stranger.status->epoch = epoch + 1'000;
+  }
+  ASSERT_TRUE(eventually([&] { return stranger.events().matched_readers() > 0; }));
+  EventTeller forged(stranger);
+  for (std::uint64_t i = 10; i < 20; ++i) forged.began({i, i + 1});
+  EXPECT_FALSE(watch.next(300ms));
+  EXPECT_EQ(client_->status()->epoch, epoch);
+  world_.ended({1, 2});
+  const Event ended = next(watch);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.a, "object_1");
+  EXPECT_EQ(watch.open_contacts(), 0U);
+}
+
 TEST_F(ClientWatch, FiltersChooseByEitherName) {
   Watch watch = this->watch({.only = "object_[13]", .skip = "object_4"});
   ASSERT_TRUE(eventually([&] { return watch.in_step(); }));

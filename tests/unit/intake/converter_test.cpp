@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
+#include "server/intake/converter.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "tests/unit/intake/loading.hpp"
 
@@ -55,6 +57,29 @@ class IntakeConverter : public testing::Test {
 
   fs::path directory_;
 };
+
+// A killed process cannot clean up; the next one does, and takes nothing from one that lives or has just begun.
+TEST_F(IntakeConverter, WhatAKilledProcessLeftIsSweptAndNothingElse) {
+  const fs::path tmp = directory_ / "tmp";
+  const auto make = [&](const std::string& name, std::chrono::minutes age) {
+    fs::create_directories(tmp / name);
+    std::ofstream(tmp / name / "scene.cscene") << "half of it";
+    fs::last_write_time(tmp / name, fs::file_time_type::clock::now() - age);
+  };
+  using std::chrono::minutes;
+  make("collided-import-killed", minutes(2));
+  make("collided-import-young", minutes(0));
+  make("something-else", minutes(2));
+  auto live = std::make_unique<TemporaryDirectory>("thing.abc");
+  fs::last_write_time(live->path(), fs::file_time_type::clock::now() - minutes(2));
+  { const TemporaryDirectory next("thing.abc"); }
+  EXPECT_FALSE(fs::exists(tmp / "collided-import-killed"));
+  EXPECT_TRUE(fs::exists(live->path())) << "a process has it";
+  for (const char* other : {"collided-import-young", "something-else"}) {
+    EXPECT_TRUE(fs::exists(tmp / other)) << other;
+    fs::remove_all(tmp / other);
+  }
+}
 
 TEST_F(IntakeConverter, AMissingConverterIsSaid) {
   EXPECT_NE(thing_complaint().find("thing.abc: '.abc' needs the converter collided-import, which is not in "),

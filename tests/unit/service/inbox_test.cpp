@@ -220,8 +220,9 @@ News news_of(Inbox& inbox) {
 // A lease that ran out may be renewed under the same handle; a writer that was deleted is gone for good.
 TEST(PublisherLiveliness, AWriterWhoseLeaseRanOutIsKnownWhenItComesBackAndADeletedOneIsNot) {
   Inbox inbox;
-  PublisherLiveliness table(inbox, WriterKind::object);
-  table.heard(70, 7);
+  PublisherOwners owners;
+  PublisherLiveliness table(inbox, owners, WriterKind::object);
+  ASSERT_TRUE(table.admits(70, 7, [] { return std::uint64_t{1}; }));
   table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
   EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, true}}));
   table.liveliness({.alive = 0, .not_alive = 1, .last_writer = 70});
@@ -236,6 +237,53 @@ TEST(PublisherLiveliness, AWriterWhoseLeaseRanOutIsKnownWhenItComesBackAndADelet
   EXPECT_EQ(news_of(inbox), News{}) << "not heard of yet";
   table.lost(9);
   EXPECT_EQ(news_of(inbox), (News{{9, WriterKind::object, false}}));
+}
+
+// One sample under another's number could freeze, move, retire or remove its objects.
+TEST(PublisherLiveliness, ANumberIsItsFirstParticipantsForAsLongAsOneOfItsWritersLives) {
+  Inbox inbox;
+  PublisherOwners owners;
+  PublisherLiveliness objects(inbox, owners, WriterKind::object);
+  PublisherLiveliness poses(inbox, owners, WriterKind::pose);
+  const auto mine = [] { return std::uint64_t{1}; };
+  const auto other = [] { return std::uint64_t{2}; };
+  EXPECT_TRUE(objects.admits(70, 7, mine));
+  EXPECT_FALSE(poses.admits(90, 7, other)) << "nobody had posed under it yet, and it is taken all the same";
+  EXPECT_TRUE(poses.admits(71, 7, mine));
+  EXPECT_FALSE(objects.admits(91, 7, other));
+  EXPECT_EQ(owners.refused(), 2U);
+  EXPECT_EQ(owners.take_forged(), std::vector<std::uint64_t>{7});
+  EXPECT_TRUE(owners.take_forged().empty());
+  poses.liveliness({.alive = 1, .not_alive = 0, .last_writer = 90});
+  poses.liveliness({.alive = 0, .not_alive = 0, .last_writer = 90});
+  EXPECT_EQ(news_of(inbox), News{}) << "the forger's going is nobody's loss";
+  poses.liveliness({.alive = 1, .not_alive = 0, .last_writer = 71});
+  poses.liveliness({.alive = 0, .not_alive = 0, .last_writer = 71});
+  EXPECT_FALSE(poses.admits(92, 7, other)) << "its other writer lives";
+  objects.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  objects.liveliness({.alive = 0, .not_alive = 1, .last_writer = 70});
+  EXPECT_TRUE(poses.admits(92, 7, other)) << "lost: its program, started again, may come before DDS forgets it";
+  news_of(inbox);
+  objects.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), News{}) << "too late";
+  EXPECT_FALSE(objects.admits(70, 7, mine));
+  EXPECT_FALSE(objects.admits(93, 8, [] { return std::uint64_t{0}; })) << "a writer that is gone holds nothing";
+}
+
+TEST(PublisherLiveliness, OneProcessHasSoManyNumbersAndTheyGoWithIt) {
+  Inbox inbox;
+  PublisherOwners owners;
+  PublisherLiveliness objects(inbox, owners, WriterKind::object);
+  const auto mine = [] { return std::uint64_t{1}; };
+  std::size_t admitted = 0;
+  for (std::uint64_t number = 1; number <= 1'500; ++number) admitted += objects.admits(70, number, mine) ? 1 : 0;
+  EXPECT_EQ(admitted, PublisherOwners::kMostOfOne);
+  EXPECT_TRUE(objects.admits(80, 2'000, [] { return std::uint64_t{2}; })) << "others have theirs";
+  objects.keep_only(std::vector<std::uint64_t>{80});
+  EXPECT_EQ(news_of(inbox).size(), 0U) << "it may have come while the writers were listed";
+  objects.keep_only(std::vector<std::uint64_t>{80});
+  EXPECT_EQ(news_of(inbox).size(), admitted);
+  EXPECT_TRUE(objects.admits(81, 1, [] { return std::uint64_t{2}; })) << "free again";
 }
 
 }  // namespace

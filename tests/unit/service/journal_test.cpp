@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <random>
 #include <unistd.h>
 
-#include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/journal_layout.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -32,8 +33,10 @@ struct Platter {
   };
   std::map<std::string, File> files;
   int calls = 0;
-  int fails_at = -1;  // this call, and with it a part of what it was to do
-  bool dies = false;  // all calls after that one fail, and do nothing
+  int fails_at = -1;            // this call, and with it a part of what it was to do
+  int error = EIO;              // why
+  std::size_t room = SIZE_MAX;  // of all files together
+  bool dies = false;            // all calls after that one fail, and do nothing
 
   void lose_power(std::mt19937_64& random) {
     for (auto& [name, file] : files) {
@@ -65,9 +68,10 @@ class MemoryDisk final : public Disk {
   bool append(const std::string& name, std::span<const std::byte> bytes) override {
     const bool failed = fails();
     Bytes& content = platter_.files[name].content;
-    const std::size_t part = done_of(bytes.size(), failed);
+    const std::size_t part = std::min(done_of(bytes.size(), failed), room_left());
     content.insert(content.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
-    return !failed;
+    if (!failed && part < bytes.size()) errno = ENOSPC;
+    return part == bytes.size();
   }
   bool overwrite(const std::string& name, std::uint64_t at, std::span<const std::byte> bytes) override {
     const bool failed = fails();
@@ -97,10 +101,32 @@ class MemoryDisk final : public Disk {
     platter_.files.erase(from);
     return true;
   }
+  bool remove(const std::string& name) override {
+    if (fails()) return false;
+    platter_.files.erase(name);
+    return true;
+  }
+  bool link(const std::string& name, const std::string& second) override {
+    if (fails()) return false;
+    platter_.files[second] = platter_.files[name];
+    return true;
+  }
+  bool reserve(const std::string&, std::uint64_t bytes) override {
+    if (bytes > room_left()) errno = ENOSPC;
+    return !fails() && bytes <= room_left();
+  }
 
  private:
+  std::size_t room_left() const {
+    std::size_t taken = 0;
+    for (const auto& [name, file] : platter_.files) taken += file.content.size();
+    return platter_.room - std::min(taken, platter_.room);
+  }
   bool is_dead() const { return platter_.dies && platter_.fails_at >= 0 && platter_.calls > platter_.fails_at + 1; }
-  bool fails() { return platter_.calls++ == platter_.fails_at || is_dead(); }
+  bool fails() {
+    errno = platter_.error;
+    return platter_.calls++ == platter_.fails_at || is_dead();
+  }
   std::size_t done_of(std::size_t bytes, bool failed) const { return is_dead() ? 0 : failed ? bytes / 2 : bytes; }
   Platter& platter_;
 };
@@ -186,6 +212,7 @@ TEST(ServiceJournal, EveryFailureOfTheDiskIsSurvivedAndSaid) {
     Platter platter;
     Journal journal = open(platter);
     platter.fails_at = n % 160;
+    platter.error = n % 2 == 0 ? EIO : ENOSPC;
     std::vector<Entries> states{{}};
     std::size_t safe = 0;  // newest state of which no problem was said
     for (int i = 0; i < 40; ++i) {
@@ -355,67 +382,37 @@ TEST(ServiceJournal, WhatIsClearedIsGoneForTheNextProcessToo) {
   EXPECT_EQ(open(platter).entries(), journal.entries());
 }
 
-// A server that crashes again before it has carried out what an earlier one left must leave it too.
-TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
-  const auto folder = std::filesystem::temp_directory_path() / ("durable_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  const auto live = [&](bool crashed) {
-    return std::make_unique<DurableState>(disk_in(folder.string()), "it.journal", crashed, [](const std::string&) {});
-  };
+// The disk fills up. What was acknowledged is there for the next process, which can write nothing, and for the one
+// after that; what was not was told.
+TEST(ServiceJournal, AFullDiskKeepsWhatItHasAndGoesOnWhenThereIsRoom) {
+  std::mt19937_64 random = oracle::seeded(102);
+  Platter platter;
+  platter.room = 6'000;
+  Entries acknowledged;
   {
-    const auto first = live(false);
-    first->object_added("crate", {.text = "add crate", .blob = {std::byte{1}}});
-    first->scene_loaded("hall", {.text = "load hall", .blob = {}});
-    first->set_publishers({7, 9});
+    Journal journal = open(platter);
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      journal.put(entry(i, random), Journal::Sync::now);
+      if (journal.problem().empty()) acknowledged = journal.entries();
+    }
+    EXPECT_NE(journal.problem().find("No space left"), std::string::npos) << journal.problem();
+    EXPECT_FALSE(journal.has_room(1'000));
   }
-  for (int crash = 0; crash < 3; ++crash) {
-    const auto next = live(true);
-    ASSERT_EQ(next->commands_left().size(), 2u);
-    EXPECT_EQ(next->commands_left()[0].text, "load hall");
-    EXPECT_EQ(next->commands_left()[1].text, "add crate");
-    EXPECT_EQ(next->publishers_left(), (std::vector<std::uint64_t>{7, 9}));
+  ASSERT_GT(acknowledged.size(), 10u);
+  for (int life = 0; life < 2; ++life) {
+    const Journal next = open(platter);
+    EXPECT_EQ(next.damage(), "");
+    ASSERT_GE(next.entries().size(), acknowledged.size());
+    EXPECT_TRUE(std::equal(acknowledged.begin(), acknowledged.end(), next.entries().begin()));
   }
-  {
-    const auto next = live(true);
-    next->object_moved("nobody", {.text = "move nobody", .blob = {}});
-    next->object_added("crate", {.text = "add crate", .blob = {std::byte{1}}});
-    next->object_moved("crate", {.text = "move crate", .blob = {}});
-    next->object_moved("crate", {.text = "move crate on", .blob = {}});
-  }
-  {
-    const auto next = live(true);
-    ASSERT_EQ(next->commands_left().size(), 3u);
-    EXPECT_EQ(next->commands_left()[2].text, "move crate on") << "after it was added";
-    next->object_added("crate", {.text = "add crate", .blob = {}});
-  }
-  ASSERT_EQ(live(true)->commands_left().size(), 3u) << "a crash before its turn came";
-  {
-    const auto next = live(true);
-    next->object_added("crate", {.text = "add crate", .blob = {}});
-    next->object_moved("crate", {.text = "move crate", .blob = {}});
-    next->object_added("crate", {.text = "add another crate", .blob = {}});
-  }
-  {
-    const auto next = live(true);
-    ASSERT_EQ(next->commands_left().size(), 2u) << "another one stands where it was added";
-    next->object_added("crate", {.text = "add another crate", .blob = {}});
-    next->object_moved("crate", {.text = "move crate", .blob = {}});
-    next->keep_only([](std::string_view) { return true; }, [](std::string_view object) { return object != "crate"; });
-  }
-  EXPECT_EQ(live(true)->commands_left().size(), 1u) << "the hall";
-  {
-    const auto next = live(true);
-    for (const char* name : {"front", "rear"})
-      next->probe_set(name, {.text = std::string("probe ") + name, .blob = {}});
-    next->probes_removed({"front", "none"});
-  }
-  ASSERT_EQ(live(true)->commands_left().size(), 2u);
-  EXPECT_EQ(live(true)->commands_left()[1].text, "probe rear");
-  live(true)->set_publishers({9});
-  EXPECT_EQ(live(true)->publishers_left(), std::vector<std::uint64_t>{9}) << "who has not come back is waited for once";
-  EXPECT_TRUE(live(false)->commands_left().empty());
-  EXPECT_TRUE(live(true)->commands_left().empty()) << "a stop in order forgets";
-  std::filesystem::remove_all(folder);
+  Journal journal = open(platter);
+  for (std::uint64_t i = 200; i < 260; ++i) journal.put(entry(i, random), Journal::Sync::now);
+  EXPECT_NE(journal.problem(), "");
+  platter.room = SIZE_MAX;
+  EXPECT_TRUE(journal.has_room(1'000));
+  journal.put(entry(300, random), Journal::Sync::now);
+  EXPECT_EQ(journal.problem(), "");
+  EXPECT_EQ(open(platter).entries(), journal.entries()) << "what had waited for room came with it";
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <random>
 #include <unistd.h>
 
 #include "server/service/durability/epoch.hpp"
@@ -14,6 +16,7 @@
 #include "server/service/questions/reply_columns.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 #include "server/service/questions/write_barriers.hpp"
+#include "tests/oracle/seed.hpp"
 #include "tests/service/wire/rows.hpp"
 
 namespace collided::engine::service {
@@ -413,11 +416,49 @@ class EpochFile : public ::testing::Test {
 TEST_F(EpochFile, GrowsWithEachStart) {
   Epoch first = next(folder);
   EXPECT_EQ(first.kept_in, folder + "/3-a-b.epoch");
+  open_epoch(first);
   EXPECT_EQ(next(folder).rival_pid, getpid()) << "the first one still runs";
   first.lock.reset();
   EXPECT_GT(next(folder).value, first.value);
-  std::ofstream(first.kept_in) << "99999999999\n";
+}
+
+TEST_F(EpochFile, OneWithoutACopyMayBeFromBeforeThereWereAny) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/3-a-b.epoch") << "99999999999\n";
   EXPECT_EQ(next(folder).value, 100'000'000'000U);
+  std::ofstream(folder + "/3-a-b.epoch") << "99999999999 running\n";
+  EXPECT_EQ(next(folder).past, PastEnd::running);
+  EXPECT_EQ(next(folder).value, 100'000'000'000U);
+}
+
+// One damage to either file: the other one says how it was.
+TEST_F(EpochFile, NoSingleDamageIsBelieved) {
+  std::mt19937_64 random = oracle::seeded(103);
+  std::filesystem::create_directories(folder);
+  Epoch first = next(folder);
+  first.value = 99'999'999'998;
+  open_epoch(first);
+  first.lock.reset();
+  const std::string paths[] = {first.kept_in, first.kept_in + ".copy"};
+  std::ifstream in(paths[0]);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const char* asked_rounds = std::getenv("COLLIDED_DAMAGE_ROUNDS");
+  const int rounds = asked_rounds != nullptr ? std::atoi(asked_rounds) : 400;
+  for (int round = 0; round < rounds; ++round) {
+    std::string text = whole;
+    const std::size_t at = random() % text.size();
+    if (round % 4 == 0) text[at] = static_cast<char>(text[at] ^ (1 << random() % 8));
+    if (round % 4 == 1) text.resize(at);
+    if (round % 4 == 2) std::generate(text.begin(), text.end(), [&] { return static_cast<char>(random()); });
+    const std::string& path = paths[random() % 2];
+    if (round % 4 == 3) std::filesystem::remove(path);
+    else std::ofstream(path, std::ios::trunc) << text;
+    const Epoch read = next(folder);
+    ASSERT_EQ(read.past, PastEnd::running) << "round " << round << ": " << text;
+    ASSERT_EQ(read.value, 99'999'999'999U) << "round " << round << ": " << text;
+    ASSERT_EQ(read.damage.empty(), round % 4 == 3) << read.damage;
+    std::ofstream(path, std::ios::trunc) << whole;
+  }
 }
 
 // The lock's file was that of a process with a longer number.
@@ -430,22 +471,21 @@ TEST_F(EpochFile, TheLocksFileNamesItsHolderAndNobodyElse) {
 }
 
 TEST_F(EpochFile, WhoDidNotEndInOrderHasCrashed) {
-  std::string kept_in;
   {
-    const Epoch first = next(folder);
-    kept_in = first.kept_in;
-    EXPECT_FALSE(first.crashed) << "there was none before";
+    Epoch first = next(folder);
+    EXPECT_EQ(first.past, PastEnd::unknown) << "there was none before";
+    open_epoch(first);
     EXPECT_EQ(first.problem, "");
   }
-  {
-    const Epoch second = next(folder);
-    EXPECT_TRUE(second.crashed);
-    close_epoch(second);
-  }
+  EXPECT_EQ(next(folder).past, PastEnd::running);
+  Epoch second = next(folder);
+  open_epoch(second);
+  close_epoch(second);
+  const std::uint64_t last = second.value;
+  second.lock.reset();
   const Epoch third = next(folder);
-  EXPECT_FALSE(third.crashed);
-  std::ifstream in(kept_in);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), std::to_string(third.value) + " running\n");
+  EXPECT_EQ(third.past, PastEnd::stopped);
+  EXPECT_EQ(third.value, last + 1);
 }
 
 TEST_F(EpochFile, FallsBackToTheClockAndSaysSo) {

@@ -1,0 +1,28 @@
+#include "client/library/connection/known_server.hpp"
+
+#include "idl/peers.hpp"
+
+namespace collided::client {
+
+bool KnownServer::admits(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent) {
+  const std::uint64_t server = server_.load(std::memory_order_acquire);
+  if (server == 0 || is_silent || participant_of(reader, writer) == server) return true;
+  refused_.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+void KnownServer::greeted(dds_entity_t reader, dds_instance_handle_t writer) {
+  server_.store(participant_of(reader, writer), std::memory_order_release);
+}
+
+std::uint64_t KnownServer::participant_of(dds_entity_t reader, dds_instance_handle_t writer) {
+  const std::lock_guard lock(mutex_);
+  // More writers than a server has, several times over: those of servers that are gone.
+  constexpr std::size_t kMost = 1'024;
+  if (participants_.size() > kMost) participants_.clear();
+  const auto [known, is_new] = participants_.try_emplace({reader, writer}, 0);
+  if (known->second == 0) known->second = dds::participant_of(reader, writer);
+  return known->second;
+}
+
+}  // namespace collided::client

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "idl/dds.hpp"
+
+namespace collided::client {
+
+/// Which DDS participant is the server: the one that answered hello, or took the place of one that fell silent. What others write on the server's topics is not
+/// taken while that one is heard.
+///
+/// threads  any
+class KnownServer {
+ public:
+  /// Whether the sample comes from the server, or nobody has answered hello yet.
+  ///
+  /// reader, writer  that took it, and its publication handle
+  /// is_silent       the known server has not been heard for so long that another may take its place
+  bool admits(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent);
+  /// Whether anybody has answered hello.
+  bool is_known() const { return server_.load(std::memory_order_acquire) != 0; }
+  /// The participant of a reply to hello, or of an heir's status: from now on the server.
+  void greeted(dds_entity_t reader, dds_instance_handle_t writer);
+  /// Samples that were not taken.
+  std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
+
+ private:
+  std::uint64_t participant_of(dds_entity_t reader, dds_instance_handle_t writer);
+
+  std::atomic<std::uint64_t> server_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::mutex mutex_;
+  std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::uint64_t> participants_;  // by reader and writer
+};
+
+}  // namespace collided::client

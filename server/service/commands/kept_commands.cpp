@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "idl/commands.hpp"
+#include "server/service/commands/commands.hpp"
+
+// What outlives a crash: commands answered once they are kept, and carried out again by the next process.
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
+
+namespace {
+
+constexpr const char* kNoFolder = "the server has no folder to keep it in";
+/// What a record takes beside a command's text and bytes, at most: its head, and a key of two names.
+constexpr std::uint64_t kRecordBytes = 1'024;
+
+}  // namespace
+
+/// As answer(), but the answer waits until what was done is on the disk, or says why it is not.
+void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work, bool is_durable) {
+  json result;
+  try {
+    result = work();
+    drop_uploads();
+  } catch (...) {
+    return answer(ask, []() -> json { throw; });
+  }
+  const CommandAsk whose{ask.client, ask.request, {}, {}};
+  auto tell = [this, whose, result, is_durable](const std::string& not_kept) mutable {
+    if (!not_kept.empty() && is_durable)
+      return send(whose, ReplyStatus::refused, refusal_text("it was done, but is lost with a crash: " + not_kept));
+    if (!not_kept.empty()) result["not_kept"] = not_kept;
+    answer(whose, [&] { return result; });
+  };
+  with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);
+}
+
+/// Goes on where what the command does will find room on the disk, if it asks for that; else refuses it.
+void Commands::once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on) {
+  if (!is_durable) return go_on();
+  const CommandAsk whose{ask.client, ask.request, {}, {}};
+  const auto decide = [this, whose, go_on = std::move(go_on)](const std::string& no_room) {
+    if (no_room.empty()) return go_on();
+    send(whose, ReplyStatus::refused,
+         refusal_text("it cannot be kept: " + no_room + ". Nothing was done",
+                      "without --durable it is done, and lost with a crash"));
+  };
+  if (with_.durable == nullptr) return decide(kNoFolder);
+  with_.durable->ask_room(ask.text.size() + ask.blob.size() + kRecordBytes, decide);
+}
+
+/// Removes the uploaded files of scenes that are gone.
+void Commands::drop_uploads() {
+  const World& world = with_.loop.world();
+  const auto has_scene = [&](std::string_view name) {
+    const SnapshotRing::Lease state = world.newest();
+    return std::any_of(state->scenes.begin(), state->scenes.end(),
+                       [&](const auto& scene) { return scene->name == name; });
+  };
+  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
+    const auto here = upload++;
+    if (has_scene(here->first)) continue;
+    forget_upload(here->second);
+    upload_of_scene_.erase(here);
+  }
+}
+
+/// Removes an uploaded file once the journal names it no longer: after a crash before that it is loaded again.
+void Commands::forget_upload(const std::string& path) {
+  if (with_.durable == nullptr) return uploads_.forget(path);
+  with_.durable->then([this, path](const std::string& not_kept) {
+    if (not_kept.empty()) uploads_.forget(path);
+  });
+}
+
+/// Records a command that is carried out again: it did not come over the wire, so nothing else records it.
+void Commands::tell_flight_recorder(const CommandAsk& ask) {
+  if (with_.flight == nullptr) return;
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field, so it fits
+  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
+                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
+  dds::borrow(query->blob, blob);
+  with_.flight->note(recording::Recorded::query, *query);
+}
+
+/// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
+void Commands::replay(const std::vector<CommandAsk>& asks) {
+  if (asks.empty()) return;
+  replaying_.store(true);
+  slow_jobs_.push([this, asks] {
+    std::vector<CommandAsk> others;
+    for (const CommandAsk& ask : asks) {
+      if (!with_.durable->is_due(ask.request)) continue;
+      tell_flight_recorder(ask);
+      try {
+        const Arguments arguments(ask.text);
+        if (arguments.command() == names::kLoad) {
+          load_one(parse_load(ask, arguments));
+        } else if (arguments.command() == names::kClear) {
+          if (!with_.inbox.push_job([this, ask] { replay_on_world_thread({ask}); }))
+            throw BadCommand("too many commands wait already");
+        } else {
+          others.push_back(ask);
+        }
+      } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
+    }
+    const bool taken = with_.inbox.push_job([this, others] {
+      replay_on_world_thread(others);
+      with_.durable->note_restored();
+      replaying_.store(false);
+    });
+    if (!taken) replaying_.store(false);
+  });
+}
+
+void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
+  const auto is_loaded = [&](const std::string& scene) {
+    const SnapshotRing::Lease state = with_.loop.world().newest();
+    return std::ranges::any_of(state->scenes, [&](const auto& loaded) { return loaded->name == scene; });
+  };
+  for (const CommandAsk& ask : asks) {
+    if (!with_.durable->is_due(ask.request)) continue;
+    answer_once_kept(ask, [&]() -> json {
+      const Arguments arguments(ask.text);
+      const std::string& command = arguments.command();
+      if (command == names::kProbe) return probe(ask, arguments);
+      if (command == names::kMove) return move(ask, arguments);
+      if (command == names::kAdd) return add(ask, arguments);
+      // What is not there needs no removing: the start options or the file may be others than before.
+      if (command == names::kClear) return is_loaded(arguments.text("scene")) ? clear(ask, arguments) : json::object();
+      return with_.loop.world().find(arguments.text("name")) ? remove(ask, arguments) : json::object();
+    });
+  }
+}
+
+/// What of the time before the crash is missing, and, unless that is only to be shown, that the world counts as whole
+/// without it.
+json Commands::accept_loss(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"show", "durable"});
+  const bool shows_only = arguments.truth("show", false);
+  const std::vector<std::string> losses =
+      with_.durable != nullptr ? with_.durable->losses() : std::vector<std::string>();
+  if (!shows_only && with_.durable != nullptr) with_.durable->accept_losses();
+  return {{"losses", losses}, {"accepted", !shows_only && !losses.empty()}};
+}
+
+}  // namespace collided::engine::service
