@@ -73,7 +73,8 @@ bool meets_any(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCo
     RayHit hit;
     return cast_ray(ray, corners, hit).yes() ? -1 : limit;
   };
-  return tree.meet_ray(ray, kInfinity, mesh, decide, cost) != Bvh::kNoTriangle;
+  Triangle corners;
+  return tree.meet_ray(ray, kInfinity, mesh, decide, cost, corners) != Bvh::kNoTriangle;
 }
 
 /// A whole stretch at once, its walks in turn.
