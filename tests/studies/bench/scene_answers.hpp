@@ -17,7 +17,7 @@ class SceneAnswers {
   explicit SceneAnswers(const TriangleMesh& mesh) : world_({}) {
     Scene scene{.name = "scene", .mesh = mesh, .parts = {}, .objects = {}};
     scene.parts.push_back({.name = "scene", .triangle_count = static_cast<std::uint32_t>(mesh.triangles.size())});
-    indexed_ = World::index_scene(scene, {});
+    indexed_ = World::index_scene(scene, {.progress = {}, .cancelled = {}, .form = BvhForm::best});
     world_.add_scene(scene, indexed_);
     world_.step(0, 1, {});
     snapshot_ = world_.newest();
