@@ -24,7 +24,11 @@ bool restore_float_environment() {
   return true;
 }
 
-OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} { _mm_setcsr(kDefault); }
+// Reading the word waits for all arithmetic under way; writing what is there already costs nothing. The host's flags are
+// not cleared, so that the way out mostly writes what is there.
+OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
+  if ((host_[0] & ~kFlags) != kDefault) _mm_setcsr(kDefault);
+}
 
 OwnFloatEnvironment::~OwnFloatEnvironment() { _mm_setcsr(static_cast<unsigned>(host_[0])); }
 

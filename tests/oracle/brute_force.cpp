@@ -232,7 +232,7 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
 }
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
-  answers.clear();
+  answers = {};
   const std::vector<Part> parts = all_parts(snapshot);
   const std::size_t stride = questions.kind == QuestionKind::ray      ? kRayNumbers
                              : questions.kind == QuestionKind::sphere ? kSphereNumbers

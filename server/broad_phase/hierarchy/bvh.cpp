@@ -92,10 +92,10 @@ void Bvh::walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mes
 }
 
 std::uint32_t Bvh::meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                            WalkCost& cost) const {
+                            WalkCost& cost, Triangle& corners) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit >= 0)) return kNoTriangle;
-  return bvh::meet_ray(layout, ray, limit, mesh, candidate, cost);
+  return bvh::meet_ray(layout, ray, limit, mesh, candidate, cost, corners);
 }
 
 void Bvh::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal) const {

@@ -103,8 +103,10 @@ class Bvh {
   /// A triangle that the ray meets with s in [0, limit], or kNoTriangle. Offers candidates only where floats leave
   /// doubt; a negative returned limit confirms that the ray meets it. The limit must be that of the ray to within
   /// 2^-40, and infinite only for an endless ray.
-  std::uint32_t meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                         WalkCost& cost) const;
+  ///
+  /// corners  of the triangle returned, equal to the mesh's
+  std::uint32_t meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate, WalkCost& cost,
+                         Triangle& corners) const;
 
   /// What a batch of rays is for: every candidate as walk_ray offers them, or the nearest as walk_ray_nearest, or any
   /// as meet_ray.
@@ -119,7 +121,8 @@ class Bvh {
     double limit = 0;
     RayTriangle candidate = tell_nobody;
     WalkCost* cost = nullptr;
-    std::uint32_t met = kNoTriangle;  // written for RayGoal::any
+    std::uint32_t met = kNoTriangle;  // these two are written for RayGoal::any
+    Triangle corners = {};            // of that triangle
   };
   /// Walks many rays, some of them in turn, so that one works while others wait for memory: for unrelated rays through
   /// large scenes. Each ray gets the same candidates in the same order as alone.

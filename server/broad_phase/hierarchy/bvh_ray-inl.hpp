@@ -21,6 +21,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Axes = hn::CappedTag<double, 4>;
 using AxesFloat = hn::Rebind<float, Axes>;
 
+/// A vector in the first three lanes, zero in the spare one. By single numbers: they were mostly written just before, one
+/// by one, and a load of several waits until those stores have reached the cache.
+HWY_INLINE hn::Vec<Axes> axes_of([[maybe_unused]] const Vec3& v) {
+  constexpr Axes axes;
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(axes) == 4) {
+    constexpr hn::Half<Axes> pair;
+    const auto low = hn::InterleaveLower(pair, hn::Set(pair, v[0]), hn::Set(pair, v[1]));
+    return hn::Combine(axes, hn::InterleaveLower(pair, hn::Set(pair, v[2]), hn::Zero(pair)), low);
+  }
+#endif
+  return hn::Zero(axes);
+}
+
 /// Which of a node's planes the ray meets first and last on each axis, as byte offsets, and the octant it goes to.
 HWY_INLINE void set_plane_offsets(hn::Vec<AxesFloat> inverse, RayFrame& out) {
   constexpr AxesFloat floats;
@@ -44,15 +58,12 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   constexpr Axes axes;
   constexpr AxesFloat floats;
   if constexpr (hn::MaxLanes(axes) < 4) return false;
-  static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && offsetof(Ray, length_m) == 6 * sizeof(double));
   static_assert(offsetof(LocalFrame, origin) == 0 && offsetof(LocalFrame, scale) == 3 * sizeof(double));
   const LocalFrame& frame = layout.frame;
-  const auto three = hn::FirstN(axes, 3);
-  // Each load also takes the following member into the spare lane.
-  const auto start = hn::LoadU(axes, &ray.origin[0]);
-  const auto local =
-      hn::IfThenElseZero(three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
-  const auto direction = hn::IfThenElseZero(three, hn::LoadU(axes, &ray.direction[0]));
+  // The load also takes the scale into the spare lane.
+  const auto away = hn::Sub(axes_of(ray.origin), hn::LoadU(axes, &frame.origin[0]));
+  const auto local = hn::IfThenElseZero(hn::FirstN(axes, 3), hn::Mul(away, hn::Set(axes, frame.scale)));
+  const auto direction = axes_of(ray.direction);
   const auto largest = hn::MaxOfLanes(axes, hn::Abs(direction));
   const int exponent = exponent_of(hn::GetLane(largest));
   const double slack = kSlack ? slack_m * frame.scale * (1 + kFewSlack) : 0;

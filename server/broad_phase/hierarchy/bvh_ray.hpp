@@ -190,9 +190,10 @@ inline float RayFrame::local_limit(double limit) const {
   return ray_detail::above(parameter);
 }
 
-/// If the start was moved, the limit is a difference, which may have lost all its digits.
+/// If the start was moved, the limit is a difference, which may have lost all its digits. An endless ray's is beyond
+/// every parameter but finite, since its product with an edge-on triangle's determinant would be no number.
 inline float RayFrame::sure_limit(double limit) const {
-  if (limit == std::numeric_limits<double>::infinity()) return std::numeric_limits<float>::infinity();
+  if (limit == std::numeric_limits<double>::infinity()) return 2 * parameter_cap;
   return is_moved ? -1 : local_limit(limit) * (1 - 0x1p-20f) - static_cast<float>(4 * ray_detail::kTiny);
 }
 

@@ -265,10 +265,13 @@ struct TriangleCall {
   const LocalFrame& frame;
 
   template <bool kCorners>
+  HWY_INLINE Triangle corners(const Leaf& leaf, int lane) const {
+    if constexpr (!kCorners) return mesh.triangle(leaf.triangle[lane]);
+    return corners_of(leaf, lane, frame);
+  }
+  template <bool kCorners>
   HWY_INLINE double tell(const Leaf& leaf, int lane, double limit) const {
-    const std::uint32_t number = leaf.triangle[lane];
-    if constexpr (!kCorners) return candidate(number, mesh.triangle(number), limit);
-    return candidate(number, corners_of(leaf, lane, frame), limit);
+    return candidate(leaf.triangle[lane], corners<kCorners>(leaf, lane), limit);
   }
 };
 
@@ -393,10 +396,12 @@ class SureHits {
 /// lane, so that every instruction set finds the same one.
 template <bool kCorners, class Call>
 HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, unsigned sure,
-                                   WalkReach& reach, WalkCost& cost) {
+                                   WalkReach& reach, WalkCost& cost, Triangle& corners) {
   for (; met != 0; met &= met - 1) {
     const int lane = __builtin_ctz(met);
-    if ((sure >> lane & 1u) != 0 || !tell<kCorners>(call, ray, leaf, lane, reach, cost)) return leaf.triangle[lane];
+    if ((sure >> lane & 1u) == 0 && tell<kCorners>(call, ray, leaf, lane, reach, cost)) continue;
+    corners = call.template corners<kCorners>(leaf, lane);
+    return leaf.triangle[lane];
   }
   return Bvh::kNoTriangle;
 }

@@ -18,7 +18,7 @@ void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const 
                       Bvh::RayTriangle candidate, WalkCost& cost);
 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                       Bvh::RayTriangle candidate, WalkCost& cost);
+                       Bvh::RayTriangle candidate, WalkCost& cost, Triangle& corners);
 
 /// Uses whichever of the two functions below suits the first rays; only the cost differs.
 void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal);

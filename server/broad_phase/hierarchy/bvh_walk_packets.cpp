@@ -181,7 +181,8 @@ class Packet {
       WalkCost& cost = *tasks_[i].cost;
       if constexpr (kGoal == Goal::any) {
         const unsigned sure = test.sure_within(sure_limit_[i]);
-        const std::uint32_t found = first_met<kCorners>(call_of(i), ray, leaf, met, sure, reach, cost);
+        const std::uint32_t found =
+            first_met<kCorners>(call_of(i), ray, leaf, met, sure, reach, cost, tasks_[i].corners);
         tasks_[i].met = found;
         if (found != Bvh::kNoTriangle) reach.local = -1;
       } else {

@@ -11,10 +11,10 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 
 using Goal = Bvh::RayGoal;
 
-/// One ray's walk through the tree; for Goal::any it returns the triangle met.
+/// One ray's walk through the tree; for Goal::any it returns the triangle met, and its corners.
 template <Goal kGoal, bool kCorners, class Call>
 HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray, double limit, const Call& call,
-                                       WalkCost& cost) {
+                                       WalkCost& cost, [[maybe_unused]] Triangle* corners) {
   constexpr Way kWay = kGoal == Goal::any ? Way::most_occluding_first : Way::near_first;
   const Node* nodes = layout.nodes.data();
   const Leaf* leaves = layout.leaves.data();
@@ -36,7 +36,7 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
       if (met != 0) {
         if constexpr (kGoal == Goal::any) {
           const unsigned sure = test.sure_within(sure_limit);
-          const std::uint32_t found = first_met<kCorners>(call, ray, leaf, met, sure, reach, cost);
+          const std::uint32_t found = first_met<kCorners>(call, ray, leaf, met, sure, reach, cost, *corners);
           if (found != Bvh::kNoTriangle) return found;
         } else if constexpr (kGoal == Goal::nearest) {
           if (!sure_hits.visit<kCorners>(call, ray, leaf, test, met, reach, cost)) return Bvh::kNoTriangle;
@@ -67,11 +67,11 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
 
 template <Goal kGoal, class Call>
 HWY_INLINE std::uint32_t walk_any(const Layout& layout, const Ray& world_ray, double limit, double slack_m,
-                                  const Call& call, WalkCost& cost) {
+                                  const Call& call, WalkCost& cost, Triangle* corners = nullptr) {
   RayFrame ray;
   if (!prepare_ray(layout, world_ray, slack_m, ray)) return Bvh::kNoTriangle;
-  return layout.has_corners ? walk_prepared<kGoal, true>(layout, ray, limit, call, cost)
-                            : walk_prepared<kGoal, false>(layout, ray, limit, call, cost);
+  return layout.has_corners ? walk_prepared<kGoal, true>(layout, ray, limit, call, cost, corners)
+                            : walk_prepared<kGoal, false>(layout, ray, limit, call, cost, corners);
 }
 
 void WalkRay(const Layout& layout, const Ray& ray, double limit, double slack_m, Bvh::RayCandidate candidate,
@@ -90,8 +90,8 @@ void WalkRayNearest(const Layout& layout, const Ray& ray, double limit, const Tr
 }
 
 std::uint32_t MeetRay(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                      Bvh::RayTriangle candidate, WalkCost& cost) {
-  return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost);
+                      Bvh::RayTriangle candidate, WalkCost& cost, Triangle& corners) {
+  return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost, &corners);
 }
 
 }  // namespace collided::engine::bvh::HWY_NAMESPACE
@@ -121,8 +121,8 @@ void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const 
 }
 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                       Bvh::RayTriangle candidate, WalkCost& cost) {
-  return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, cost);
+                       Bvh::RayTriangle candidate, WalkCost& cost, Triangle& corners) {
+  return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, cost, corners);
 }
 
 }  // namespace collided::engine::bvh

@@ -88,7 +88,7 @@ class Journey {
     WalkCost& cost = *t.task->cost;
     if constexpr (kGoal == Goal::any) {
       const unsigned sure = test.sure_within(t.sure_limit);
-      t.task->met = first_met<kCorners>(call_of(t), t.ray, leaf, met, sure, t.reach, cost);
+      t.task->met = first_met<kCorners>(call_of(t), t.ray, leaf, met, sure, t.reach, cost, t.task->corners);
       return t.task->met == Bvh::kNoTriangle && next(t);
     } else if constexpr (kGoal == Goal::nearest) {
       return t.sure_hits.template visit<kCorners>(call_of(t), t.ray, leaf, test, met, t.reach, cost) && next(t);

@@ -88,18 +88,18 @@ void ask(Question& question, const double* numbers) {
   }
 }
 
-void push_plain(Answers& answers, Verdict answer, UndecidedReason reason) {
-  answers.answers.push_back(answer);
-  answers.reasons.push_back(reason);
-  answers.levels.push_back(0);
-  answers.hit_counts.push_back(0);
-  answers.nodes.push_back(0);
-  answers.exact_tests.push_back(0);
+void write_plain(Answers& answers, std::size_t place, Verdict answer, UndecidedReason reason) {
+  answers.answers[place] = answer;
+  answers.reasons[place] = reason;
+  answers.levels[place] = 0;
+  answers.hit_counts[place] = 0;
+  answers.nodes[place] = 0;
+  answers.exact_tests[place] = 0;
 }
 
 /// A miss needs every test to have said no. In mode `any` one certain hit is enough; in other modes a single undecided
 /// test leaves the whole answer undecided.
-void push_answer(Answers& answers, const Question& question) {
+void write_answer(Answers& answers, std::size_t place, const Question& question) {
   UndecidedReason reason = UndecidedReason::none;
   Verdict answer = question.found.empty() ? Verdict::miss : Verdict::hit;
   const bool one_is_enough = question.asked.mode == HitMode::any;
@@ -109,26 +109,28 @@ void push_answer(Answers& answers, const Question& question) {
     reason = UndecidedReason::truncated;
   }
   if (reason != UndecidedReason::none) answer = Verdict::undecided;
-  push_plain(answers, answer, reason);
-  answers.levels.back() = static_cast<std::uint8_t>(question.level);
-  answers.hit_counts.back() = static_cast<std::uint32_t>(question.found.size());
-  answers.nodes.back() = question.walk.nodes;
-  answers.exact_tests.back() = question.exact_tests;
-  answers.hits.insert(answers.hits.end(), question.found.begin(), question.found.end());
+  answers.answers[place] = answer;
+  answers.reasons[place] = reason;
+  answers.levels[place] = static_cast<std::uint8_t>(question.level);
+  answers.hit_counts[place] = static_cast<std::uint32_t>(question.found.size());
+  answers.nodes[place] = question.walk.nodes;
+  answers.exact_tests[place] = question.exact_tests;
+  if (&question.found == &answers.hits) return;
+  for (const AnswerHit& hit : question.found) answers.hits.push_back(hit);
 }
 
 /// Turns a miss or a hit into undecided where it claims something about space that is not covered. The hits found stay
 /// in the answer; one more, with the flag kUncovered, marks where the covered space ends.
-void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
-  const bool is_claim = answers.answers.back() == Verdict::miss || answers.answers.back() == Verdict::hit;
+void doubt_where_not_covered(Answers& answers, std::size_t place, const Question& question, const double* numbers) {
+  const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
   if (!is_claim) return;
   const std::optional<Leaving> leaving =
       leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
   if (!leaving) return;
-  answers.answers.back() = Verdict::undecided;
-  answers.reasons.back() = UndecidedReason::not_covered;
+  answers.answers[place] = Verdict::undecided;
+  answers.reasons[place] = UndecidedReason::not_covered;
   answers.hits.push_back({.flags = kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
-  ++answers.hit_counts.back();
+  ++answers.hit_counts[place];
 }
 
 /// Keeps the oldest pose among the hits.
@@ -148,8 +150,8 @@ std::optional<Verdict> answer_at_once(const Questions& asked, const double* numb
   return std::nullopt;
 }
 
-void push_at_once(Answers& answers, Verdict answer) {
-  push_plain(answers, answer, answer == Verdict::invalid ? UndecidedReason::none : UndecidedReason::deadline);
+void write_at_once(Answers& answers, std::size_t place, Verdict answer) {
+  write_plain(answers, place, answer, answer == Verdict::invalid ? UndecidedReason::none : UndecidedReason::deadline);
 }
 
 /// Answers questions one after the other, or rays in groups.
@@ -158,47 +160,49 @@ struct QuestionBatch {
   const Questions& asked;
   QueryScratch& scratch;
   Answers& answers;
+  std::uint32_t stride;
 
-  void finish(const Question& question, const double* numbers) const {
-    push_answer(answers, question);
-    if (snapshot.covers) doubt_where_not_covered(answers, question, numbers);
+  const double* numbers_of(std::size_t place) const { return asked.numbers.data() + place * stride; }
+  void finish(const Question& question, std::size_t place) const {
+    write_answer(answers, place, question);
     note_age(answers, question);
+    if (snapshot.covers) doubt_where_not_covered(answers, place, question, numbers_of(place));
   }
-  void answer_one(const double* numbers) const {
-    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
+  /// A question alone finds its hits where they are wanted.
+  void answer_one(std::size_t place) const {
+    const double* numbers = numbers_of(place);
+    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) {
+      return write_at_once(answers, place, *at_once);
+    }
     Question question{.snapshot = snapshot,
                       .asked = asked,
                       .allowed = scratch.allowed,
                       .open_scenes = scratch.open_scenes,
-                      .found = scratch.found};
+                      .found = asked.numbers.size() == stride ? answers.hits : scratch.found};
     ask(question, numbers);
-    finish(question, numbers);
+    finish(question, place);
   }
-  void answer_rays(const double* numbers, std::size_t count) const;
+  void answer_rays(std::size_t place, std::size_t count) const;
 };
 
-void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const {
+void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
   std::array<std::optional<Question>, kRaysAtOnce> group;
-  std::array<const double*, kRaysAtOnce> of_group;
+  std::array<std::size_t, kRaysAtOnce> places;
+  std::array<const double*, kRaysAtOnce> numbers;
   scratch.found_by_ray.resize(kRaysAtOnce);
   std::size_t size = 0;
-  // A ray that needs no search ends its group, so that answers keep the order of the questions.
-  const auto ask_group = [&] {
-    if (size > 0) ask_rays(std::span(group).first(size), std::span<const double* const>(of_group).first(size));
-    for (std::size_t i = 0; i < size; ++i) finish(*group[i], of_group[i]);
-    size = 0;
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    const double* ray = numbers + i * kRayNumbers;
-    if (const std::optional<Verdict> at_once = answer_at_once(asked, ray)) {
-      ask_group();
-      push_at_once(answers, *at_once);
+  for (std::size_t place = first; place < first + count; ++place) {
+    numbers[size] = numbers_of(place);
+    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers[size])) {
+      write_at_once(answers, place, *at_once);
       continue;
     }
     group[size].emplace(Question{snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]});
-    of_group[size++] = ray;
+    places[size++] = place;
   }
-  ask_group();
+  if (size == 0) return;
+  ask_rays(std::span(group).first(size), std::span<const double* const>(numbers).first(size));
+  for (std::size_t i = 0; i < size; ++i) finish(*group[i], places[i]);
 }
 
 /// Rays in unrelated directions through a tree larger than the caches mostly wait for memory: walked in turn, one uses
@@ -233,8 +237,11 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
 }  // namespace
 
 bool is_question(QuestionKind kind, const double* n) {
+  // A finite number less itself is 0, any other is no number.
   const auto finite = [&](int from, int to) {
-    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
+    double nothing = 0;
+    for (int i = from; i < to; ++i) nothing += n[i] - n[i];
+    return nothing == 0;
   };
   switch (kind) {
     case QuestionKind::ray: return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
@@ -252,31 +259,31 @@ bool may_answer(const ObjectInfo& info, const Questions& asked) {
   return asked.skip.empty() || !glob_matches(asked.skip, info.name);
 }
 
-void Answers::clear() {
-  answers.clear();
-  reasons.clear();
-  levels.clear();
-  hit_counts.clear();
-  nodes.clear();
-  exact_tests.clear();
+void Answers::reset(std::size_t count) {
   hits.clear();
   oldest_pose_ns = -1;
+  if (exact_tests.size() == count) return;
+  for (auto* column : {&hit_counts, &nodes, &exact_tests}) column->resize(count);
+  answers.resize(count);
+  reasons.resize(count);
+  levels.resize(count);
 }
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
-  answers.clear();
   const std::uint32_t stride = numbers_of(questions.kind);
-  if (stride == 0) return;
+  const std::size_t size = questions.numbers.size();
+  // A division would take as long as a node of the tree.
+  const std::size_t count = size == stride ? 1 : stride == 0 ? 0 : size / stride;
+  answers.reset(stride == 0 ? 0 : count);
+  if (stride == 0 || count == 0) return;
   const OwnFloatEnvironment own_floats;
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
-  const std::size_t count = questions.numbers.size() / stride;
-  const QuestionBatch batch{snapshot, questions, scratch, answers};
+  const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
   const bool together = questions.kind == QuestionKind::ray && rays_gain_together(snapshot, questions, scratch);
   const std::size_t step = together ? kRaysAtOnce : 1;
   for (std::size_t i = 0; i < count; i += step) {
-    const double* numbers = questions.numbers.data() + i * stride;
-    together ? batch.answer_rays(numbers, std::min(step, count - i)) : batch.answer_one(numbers);
+    together ? batch.answer_rays(i, std::min(step, count - i)) : batch.answer_one(i);
   }
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }

@@ -102,7 +102,8 @@ struct Answers {
   std::vector<AnswerHit> hits;
   std::int64_t oldest_pose_ns = -1;  // oldest Snapshot::posed_ns among the hit objects; -1: only static ones
 
-  void clear();
+  /// Without hits, and with room for one answer per question, which the caller writes.
+  void reset(std::size_t count);
 };
 
 /// Memory that answering needs; one per thread.

@@ -15,19 +15,25 @@
 namespace collided::engine {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLargest = std::numeric_limits<double>::max();
+
 /// A ray's walk through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
 /// others. Distances along the ray are s * |direction|; the walks use s.
 struct RayWalk {
-  Question& question;  // |direction|, from stable_length
+  Question& question;
   Ray ray;
-  double direction_m = 0;  // |direction|, stable_length's
-  double limit = 0;        // in s; never below the best hit less half the allowed error; negative: the search is over
-  Triangle best_triangle = {};
+  double direction_m;       // |direction|, stable_length's
+  double limit;             // in s; never below the best hit less half the allowed error; negative: the search is over
   double best_error_m = 0;  // of the best hit before placing: placed parts are compared with each other
   bool best_is_triangle = false;
   bool is_length_known = true;  // else the limit does not bound the ray's length
+  Triangle best_triangle;       // where best_is_triangle
+
+  RayWalk(Question& of, const double* numbers);
 
   double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + kFewSlack); }
+  double limit_of(double length_m) const { return length_m == kInfinity ? kInfinity : rounded_up(length_m); }
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
@@ -37,31 +43,94 @@ struct RayWalk {
   void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
   /// Takes a hit. False: a nearer one is known.
   bool keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  AnswerHit answer_of(const RayHit& hit, ObjectId object, std::uint32_t triangle) const;
+  // A clipped split tells a triangle twice, and then it would tie with itself.
+  bool is_best(ObjectId object, std::uint32_t triangle) const {
+    const std::vector<AnswerHit>& found = question.found;
+    return best_is_triangle && found.front().triangle == triangle && found.front().object == object;
+  }
   // Adds the error of placing to the hit just kept.
   void widen(const RayHit& hit, double placing_m, const Triangle* corners);
-  bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
+  bool is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const;
   // How a scene's tree may be walked: see Bvh::RayGoal.
   Bvh::RayGoal goal(std::size_t scene) const;
   void walk_scene(std::size_t scene);
   void walk_object(std::uint32_t slot);
   void finish();
+  void walk_movers();
   template <class Test>
   void walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one);
   template <class Test>
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
+/// Number by number, as they were written just before: a copy in larger pieces waits until those stores have reached the
+/// cache.
+Vec3 copied(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+inline AnswerHit RayWalk::answer_of(const RayHit& hit, ObjectId object, std::uint32_t triangle) const {
+  return {.object = object,
+          .triangle = triangle,
+          .flags = static_cast<std::uint8_t>(question.flags_of(object) | (hit.inside ? kInside : 0)),
+          .distance_m = hit.distance_m,
+          .error_m = hit.distance_error_m,
+          .exit_m = hit.exit_m,
+          .point = copied(hit.point),
+          .point_error_m = point_error_m(hit),
+          .normal = copied(hit.normal),
+          .weights = copied(hit.weights)};
+}
+
+/// Intervals that do not overlap decide; else two triangles are compared exactly; ties go to the lower object, then
+/// triangle.
+bool RayWalk::is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const {
+  const AnswerHit& best = question.found.front();
+  if (hit.distance_m + hit.distance_error_m < best.distance_m - best_error_m) return true;
+  if (best.distance_m + best_error_m < hit.distance_m - hit.distance_error_m) return false;
+  if (corners != nullptr && best_is_triangle) {
+    const int order = compare_hits(ray, *corners, best_triangle);
+    if (order != 0) return order < 0;
+  } else if (hit.distance_m != best.distance_m) {
+    return hit.distance_m < best.distance_m;
+  }
+  return question.precedes(answer_of(hit, object, triangle), best);
+}
+
+inline bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
+  std::vector<AnswerHit>& found = question.found;
+  if (!closest()) {
+    found.push_back(answer_of(hit, object, triangle));
+    if (question.asked.mode == HitMode::any) limit = -1;
+    return true;
+  }
+  if (found.empty()) {
+    found.push_back(answer_of(hit, object, triangle));
+  } else {
+    if (!is_nearer(hit, object, triangle, corners)) return false;
+    found.front() = answer_of(hit, object, triangle);
+  }
+  best_error_m = hit.distance_error_m;
+  best_is_triangle = corners != nullptr;
+  if (best_is_triangle) best_triangle = *corners;
+  const double reach = rounded_up(hit.distance_m + hit.distance_error_m - question.slack_m());
+  if (reach < limit) limit = reach;
+  return true;
+}
+
 /// A scene's triangles are stored in world coordinates, so placing adds no error.
 constexpr auto kNotPlaced = [] { return 0.0; };
 
 template <class Part, class PlacingError>
 void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
+  const Triangle* corners = nullptr;
+  if constexpr (std::is_same_v<Part, Triangle>) {
+    if (is_best(object, triangle)) return;
+    corners = &part;
+  }
   RayHit hit;
   const ExactResult verdict = cast_ray(ray, part, hit);
   question.count(verdict);
   if (!verdict.yes()) return;
-  const Triangle* corners = nullptr;
-  if constexpr (std::is_same_v<Part, Triangle>) corners = &part;
   if (!keep(hit, object, triangle, corners)) return;
   if constexpr (!std::is_same_v<PlacingError, std::remove_const_t<decltype(kNotPlaced)>>) {
     if (hit.distance_m > 0) widen(hit, placing_m(), corners);
@@ -73,47 +142,6 @@ void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners
   const double along_m = placing_error_along(ray, hit, placing_m, corners);
   kept.error_m += along_m;
   kept.point_error_m += along_m;
-}
-
-/// Intervals that do not overlap decide; else two triangles are compared exactly; ties go to the lower object, then
-/// triangle.
-bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
-  const AnswerHit& best = question.found.front();
-  if (hit.distance_m + hit.error_m < best.distance_m - best_error_m) return true;
-  if (best.distance_m + best_error_m < hit.distance_m - hit.error_m) return false;
-  if (corners != nullptr && best_is_triangle) {
-    const int order = compare_hits(ray, *corners, best_triangle);
-    if (order != 0) return order < 0;
-  } else if (hit.distance_m != best.distance_m) {
-    return hit.distance_m < best.distance_m;
-  }
-  return question.precedes(hit, best);
-}
-
-bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
-  const AnswerHit kept{.object = object,
-                       .triangle = triangle,
-                       .flags = static_cast<std::uint8_t>(question.flags_of(object) | (hit.inside ? kInside : 0)),
-                       .distance_m = hit.distance_m,
-                       .error_m = hit.distance_error_m,
-                       .exit_m = hit.exit_m,
-                       .point = hit.point,
-                       .point_error_m = point_error_m(hit),
-                       .normal = hit.normal,
-                       .weights = hit.weights};
-  if (!closest()) {
-    question.found.push_back(kept);
-    if (question.asked.mode == HitMode::any) limit = -1;
-    return true;
-  }
-  if (!question.found.empty() && !is_nearer(kept, corners)) return false;
-  question.found.assign(1, kept);
-  best_error_m = kept.error_m;
-  best_is_triangle = corners != nullptr;
-  if (best_is_triangle) best_triangle = *corners;
-  const double reach = rounded_up(kept.distance_m + kept.error_m - question.slack_m());
-  if (reach < limit) limit = reach;
-  return true;
 }
 
 /// Takes the candidates of one static scene's walk.
@@ -129,9 +157,9 @@ struct SceneWalk {
     return walk->limit;
   }
   /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
-  void meet(std::uint32_t triangle) const {
+  void meet(std::uint32_t triangle, const Triangle& corners) const {
     if (triangle == Bvh::kNoTriangle || walk->over()) return;
-    (*this)(triangle, scene->mesh.triangle(triangle), walk->limit);
+    (*this)(triangle, corners, walk->limit);
   }
 };
 
@@ -150,8 +178,11 @@ void RayWalk::walk_scene(std::size_t index) {
   switch (goal(index)) {
     case Bvh::RayGoal::every: return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
     case Bvh::RayGoal::nearest: return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
-    case Bvh::RayGoal::any:
-      return candidate.meet(scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk));
+    case Bvh::RayGoal::any: {
+      Triangle corners;
+      const std::uint32_t met = scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk, corners);
+      return candidate.meet(met, corners);
+    }
   }
 }
 
@@ -258,27 +289,32 @@ void finish_all(Question& question) {
   }
 }
 
-RayWalk started(Question& question, const double* n) {
-  question.found.clear();
-  RayWalk walk{.question = question, .ray = ray_of(n)};
-  walk.direction_m = stable_length(walk.ray.direction);
-  walk.limit = walk.rounded_up(n[6]);
-  // A length divided by a denormal direction may overflow: then the walk has no limit.
-  if (!std::isfinite(walk.limit)) {
-    walk.limit = std::numeric_limits<double>::infinity();
-    walk.is_length_known = std::isinf(n[6]);
-  }
-  return walk;
+/// stable_length, from numbers that are in memory already.
+double length_of_direction(const double* n) {
+  const double square = n[3] * n[3] + n[4] * n[4] + n[5] * n[5];
+  return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : Vec3(n[3], n[4], n[5]).stableNorm();
 }
 
-void RayWalk::finish() {
-  if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
-    const auto candidate = [&](std::uint32_t slot, double) {
-      walk_object(slot);
-      return limit;
-    };
-    question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
+inline RayWalk::RayWalk(Question& of, const double* numbers)
+    : question(of), ray(ray_of(numbers)), direction_m(length_of_direction(numbers)), limit(limit_of(numbers[6])) {
+  question.found.clear();
+  // A length divided by a denormal direction may overflow: then the walk has no limit.
+  if (!(limit <= kLargest)) {
+    limit = kInfinity;
+    is_length_known = numbers[6] == kInfinity;
   }
+}
+
+void RayWalk::walk_movers() {
+  const auto candidate = [&](std::uint32_t slot, double) {
+    walk_object(slot);
+    return limit;
+  };
+  question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
+}
+
+inline void RayWalk::finish() {
+  if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) walk_movers();
   if (question.asked.mode == HitMode::all) finish_all(question);
   if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
     question.found.front().error_m += question.slack_m();
@@ -289,7 +325,7 @@ void RayWalk::finish() {
 }  // namespace
 
 void ask_ray(Question& question, const double* n) {
-  RayWalk walk = started(question, n);
+  RayWalk walk(question, n);
   for (std::size_t scene = 0; scene < question.snapshot.scenes.size() && !walk.over(); ++scene) walk.walk_scene(scene);
   walk.finish();
 }
@@ -310,12 +346,15 @@ void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t in
       continue;
     }
     candidates[count] = {&*walk, &scene};
-    tasks[count] = {
-        .ray = &walk->ray, .limit = walk->limit, .candidate = candidates[count], .cost = &walk->question.walk};
+    Bvh::RayTask& task = tasks[count];
+    task.ray = &walk->ray;
+    task.limit = walk->limit;
+    task.candidate = candidates[count];
+    task.cost = &walk->question.walk;
     ++count;
   }
   scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal);
-  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met);
+  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
 }
 
 }  // namespace
@@ -323,7 +362,7 @@ void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t in
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
   std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
   const std::span walks = std::span(memory).first(questions.size());
-  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(started(*questions[i], numbers[i]));
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(*questions[i], numbers[i]);
   const std::size_t scene_count = questions.front()->snapshot.scenes.size();
   for (std::size_t scene = 0; scene < scene_count; ++scene) walk_scene_together(walks, scene);
   for (std::optional<RayWalk>& walk : walks) walk->finish();

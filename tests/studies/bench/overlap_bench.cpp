@@ -10,12 +10,12 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/query.hpp"
-#include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 #include "tests/studies/bench/obj.hpp"
 #include "tests/studies/bench/peers/overlap_peers.hpp"
 #include "tests/studies/bench/rows.hpp"
+#include "tests/studies/bench/scene_answers.hpp"
 
 namespace collided::bench {
 using namespace engine;
@@ -46,34 +46,6 @@ struct Places {
   std::vector<Vec3> centers;
   double radius_m = 0;
   Vec3 half_m = Vec3::Zero();
-};
-
-/// The mesh as the server holds it.
-class Product {
- public:
-  explicit Product(const TriangleMesh& mesh) : world_({}) {
-    Scene scene{.name = "scene", .mesh = mesh, .parts = {}, .objects = {}};
-    scene.parts.push_back({.name = "scene", .triangle_count = static_cast<std::uint32_t>(mesh.triangles.size())});
-    indexed_ = World::index_scene(scene, {});
-    world_.add_scene(scene, indexed_);
-    world_.step(0, 1, {});
-    snapshot_ = world_.newest();
-  }
-  const StaticScene& scene() const { return *indexed_; }
-  double bytes_a_triangle() const {
-    return static_cast<double>(indexed_->bytes()) / static_cast<double>(indexed_->mesh.triangles.size());
-  }
-  const Answers& ask(QuestionKind kind, HitMode mode, const std::vector<double>& numbers, std::uint32_t max_hits) {
-    answer(*snapshot_, {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers}, answers_, scratch_);
-    return answers_;
-  }
-
- private:
-  World world_;
-  std::shared_ptr<StaticScene> indexed_;
-  SnapshotRing::Lease snapshot_;
-  Answers answers_;
-  QueryScratch scratch_;
 };
 
 /// Numbers, each once.
@@ -190,7 +162,7 @@ class Bench {
   const Options& options_;
   std::string scene_;
   const TriangleMesh& mesh_;
-  Product product_;
+  SceneAnswers product_;
   std::vector<std::unique_ptr<OverlapPeer>> peers_;
   Marks met_{mesh_.triangles.size()};
 };

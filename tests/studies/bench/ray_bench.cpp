@@ -1,7 +1,8 @@
 // Rays, one thread: closest hits alone and in batches, and any hit, beside Embree default, robust, packets, stream and
-// occluded, CGAL with exact predicates, Bullet and ODE, in turn in one run. Ours walks the index that the server builds
-// ("best"). "plain tests" is our walk with what it tells decided in plain double: what certainty costs. The note says on
-// what rung of the ladder rays were decided.
+// occluded, CGAL with exact predicates, Bullet and ODE, in turn in one run. "collided" is what a user gets: whole answers
+// of the world, every column filled; alone means one call of answer() a ray. "bare walk" is the index alone, with what it
+// tells decided exactly, and "plain tests" the same decided in plain double: what certainty costs. The note says on what
+// rung of the ladder rays were decided.
 
 #include <algorithm>
 #include <array>
@@ -24,6 +25,7 @@
 #include "tests/studies/bench/peers/ray_peers.hpp"
 #include "tests/studies/bench/ray_scenes.hpp"
 #include "tests/studies/bench/rows.hpp"
+#include "tests/studies/bench/scene_answers.hpp"
 
 namespace collided::bench {
 using namespace engine;
@@ -71,7 +73,8 @@ bool meets_any(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCo
     RayHit hit;
     return cast_ray(ray, corners, hit).yes() ? -1 : limit;
   };
-  return tree.meet_ray(ray, kInfinity, mesh, decide, cost) != Bvh::kNoTriangle;
+  Triangle corners;
+  return tree.meet_ray(ray, kInfinity, mesh, decide, cost, corners) != Bvh::kNoTriangle;
 }
 
 /// A whole stretch at once, its walks in turn.
@@ -165,6 +168,16 @@ std::vector<Ray> random_rays(const TriangleMesh& mesh, int count, std::mt19937_6
   return rays;
 }
 
+std::vector<double> numbers_of(const std::vector<Ray>& rays) {
+  std::vector<double> numbers;
+  for (const Ray& ray : rays) {
+    numbers.insert(numbers.end(), ray.origin.begin(), ray.origin.end());
+    numbers.insert(numbers.end(), ray.direction.begin(), ray.direction.end());
+    numbers.push_back(ray.length_m);
+  }
+  return numbers;
+}
+
 // ---- the comparison
 
 Answer by_force(const TriangleMesh& mesh, const Ray& ray) {
@@ -228,6 +241,10 @@ const std::vector<MakePeer> kPeers{
 #endif
 };
 
+constexpr const char* kWorks =
+    "closest, camera; closest, surface; closest, anywhere; batch, camera; batch, surface; "
+    "batch, anywhere; any, camera; any, surface; any, anywhere";
+
 /// One mesh in all of them, and what is asked of it.
 class Bench {
  public:
@@ -235,16 +252,13 @@ class Bench {
       : options_(options),
         scene_(std::move(scene)),
         mesh_(mesh),
-        tree_(Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::best})),
+        world_(mesh),
         embree_(mesh, RTC_SCENE_FLAG_NONE),
         robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
-    const double mesh_bytes =
-        static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
     // Their rows take minutes in a scene of a million.
-    if (options.quick || mesh.triangles.size() < 400'000) {
+    if (options.peers.empty() && (options.quick || mesh.triangles.size() < 400'000)) {
       for (const MakePeer make : kPeers) peers_.push_back(make(mesh));
     }
-    bytes_each_ = (static_cast<double>(tree_.report().bytes) + mesh_bytes) / static_cast<double>(mesh.triangles.size());
   }
   void run(const std::string& kind, const std::vector<Ray>& rays);
 
@@ -252,6 +266,18 @@ class Bench {
   void alone(const std::string& name, const std::vector<Ray>& rays);
   void together(const std::string& name, const std::vector<Ray>& rays);
   void any(const std::string& name, const std::vector<Ray>& rays);
+  std::span<const double> question(std::size_t first, std::size_t count) const {
+    return std::span(numbers_).subspan(first * kRayNumbers, count * kRayNumbers);
+  }
+  /// One call, as a user makes it, and a look at what came.
+  void answer_whole(std::size_t first, std::size_t count, Answer* to) {
+    const Answers& answers = world_.ask(QuestionKind::ray, HitMode::closest, question(first, count), 1);
+    const AnswerHit* hit = answers.hits.data();
+    for (std::size_t i = 0; i < count; ++i) {
+      to[i] = answers.hit_counts[i] > 0 ? Answer{hit->triangle, hit->distance_m / lengths_[first + i]} : Answer{};
+      hit += answers.hit_counts[i];
+    }
+  }
   Work work(const std::string& name, const std::vector<Ray>& rays, const std::string& note) const {
     return {scene_, mesh_.triangles.size(), name, rays.size(), note};
   }
@@ -259,18 +285,23 @@ class Bench {
   const Options& options_;
   std::string scene_;
   const TriangleMesh& mesh_;
-  Bvh tree_;
+  SceneAnswers world_;
+  const Bvh& tree_ = world_.scene().tree;
   Embree embree_;
   Embree robust_;
-  double bytes_each_ = 0;
   std::vector<std::unique_ptr<RayPeer>> peers_;
   std::vector<Answer> ours_;
+  std::vector<double> numbers_;  // of the rays, as questions
+  std::vector<double> lengths_;  // of their directions
   std::string rungs_;
 };
 
 void Bench::run(const std::string& kind, const std::vector<Ray>& rays) {
   WalkCost cost;
   const RungCounts before = kernel::rungs;
+  numbers_ = numbers_of(rays);
+  lengths_.clear();
+  for (const Ray& ray : rays) lengths_.push_back(ray.direction.norm());
   ours_.clear();
   for (const Ray& ray : rays) ours_.push_back(shoot<ClosestExactly>(tree_, mesh_, ray, cost));
   rungs_ = rungs_of(rays.size(), cost, before);
@@ -292,7 +323,13 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
       return shoot_one(tree_, mesh_, ray, unread);
     };
   };
-  std::vector<Method> methods{{.name = "collided", .run = by(ours(shoot<ClosestExactly>)), .bytes_each = bytes_each_}};
+  std::vector<Method> methods{{.name = "collided",
+                               .run =
+                                   [&] {
+                                     for (std::size_t i = 0; i < rays.size(); ++i) answer_whole(i, 1, &found[i]);
+                                   },
+                               .bytes_each = world_.bytes_a_triangle()}};
+  methods.push_back({.name = "collided, bare walk", .run = by(ours(shoot<ClosestExactly>))});
   methods.push_back({.name = "Embree default", .run = by([this](const Ray& ray) { return embree_.shoot(ray); })});
   methods.push_back({.name = "Embree robust", .run = by([this](const Ray& ray) { return robust_.shoot(ray); })});
   methods.push_back({.name = "collided, plain tests", .run = by(ours(shoot<ClosestPlainly>))});
@@ -306,6 +343,7 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
   }
   std::string note = rungs_;
   for (Method& method : methods) {
+    if (!options_.takes(method.name)) continue;
     method.run();
     const Agreement agreement = compare(mesh_, rays, ours_, found);
     method.equal = agreement.equal;
@@ -328,10 +366,14 @@ void Bench::together(const std::string& name, const std::vector<Ray>& rays) {
       }
     };
   };
-  std::vector<Method> methods{
-      {.name = "collided",
-       .run = in_batches([&](std::span<const Ray> some, Answer* to) { batch.shoot(tree_, mesh_, some, to); }),
-       .bytes_each = bytes_each_}};
+  std::vector<Method> methods{{.name = "collided",
+                               .run = in_batches([&](std::span<const Ray> some, Answer* to) {
+                                 answer_whole(static_cast<std::size_t>(some.data() - rays.data()), some.size(), to);
+                               }),
+                               .bytes_each = world_.bytes_a_triangle()}};
+  methods.push_back({.name = "collided, bare walk", .run = in_batches([&](std::span<const Ray> some, Answer* to) {
+                                                      batch.shoot(tree_, mesh_, some, to);
+                                                    })});
   methods.push_back({.name = "Embree packets", .run = in_batches([&](std::span<const Ray> some, Answer* to) {
                                                  embree_.shoot_packets(some, to);
                                                })});
@@ -348,18 +390,22 @@ void Bench::together(const std::string& name, const std::vector<Ray>& rays) {
 
 void Bench::any(const std::string& name, const std::vector<Ray>& rays) {
   std::vector<char> found(rays.size());
+  const auto by = [&](auto ask) {
+    return [&rays, &found, ask] {
+      for (std::size_t i = 0; i < rays.size(); ++i) found[i] = ask(i) ? 1 : 0;
+    };
+  };
   std::vector<Method> methods{{.name = "collided",
-                               .run =
-                                   [&] {
-                                     WalkCost unread;
-                                     for (std::size_t i = 0; i < rays.size(); ++i) {
-                                       found[i] = meets_any(tree_, mesh_, rays[i], unread);
-                                     }
-                                   },
-                               .bytes_each = bytes_each_}};
-  methods.push_back({.name = "Embree occluded", .run = [&] {
-                       for (std::size_t i = 0; i < rays.size(); ++i) found[i] = embree_.occluded(rays[i]);
-                     }});
+                               .run = by([&](std::size_t i) {
+                                 return world_.ask(QuestionKind::ray, HitMode::any, question(i, 1), 1).answers[0] ==
+                                        Verdict::hit;
+                               }),
+                               .bytes_each = world_.bytes_a_triangle()}};
+  methods.push_back({.name = "collided, bare walk", .run = by([&](std::size_t i) {
+                                                      WalkCost unread;
+                                                      return meets_any(tree_, mesh_, rays[i], unread);
+                                                    })});
+  methods.push_back({.name = "Embree occluded", .run = by([&](std::size_t i) { return embree_.occluded(rays[i]); })});
   for (Method& method : methods) {
     method.run();
     for (std::size_t i = 0; i < rays.size(); ++i) method.equal += found[i] == (ours_[i].triangle != kNone) ? 1 : 0;
@@ -371,7 +417,12 @@ void Bench::any(const std::string& name, const std::vector<Ray>& rays) {
   measure(options_, work(name, rays, rungs_of(rays.size(), cost, before)), methods);
 }
 
-void run_scene(const Options& options, const std::string& name, TriangleMesh mesh, std::mt19937_64& random) {
+/// make: from its own random numbers, so that scenes left out change no other.
+template <class Make>
+void run_scene(const Options& options, const std::string& name, std::uint64_t seed, Make&& make) {
+  if (!options.wants(name, kWorks)) return;
+  std::mt19937_64 random(seed);
+  TriangleMesh mesh = make(random);
   if (mesh.triangles.empty()) {
     std::printf("%s: not here, left out\n", name.c_str());
     return;
@@ -382,7 +433,23 @@ void run_scene(const Options& options, const std::string& name, TriangleMesh mes
   Bench bench(options, name, mesh);
   bench.run("camera", camera_rays(mesh, side));
   bench.run("surface", surface_rays(mesh, side * side, random));
-  bench.run("random", random_rays(mesh, side * side, random));
+  bench.run("anywhere", random_rays(mesh, side * side, random));
+}
+
+void run_scenes(const Options& options, std::uint64_t seed) {
+  using Random = std::mt19937_64;
+  const bool quick = options.quick;
+  run_scene(options, "bunny", seed, [](Random&) { return read_obj("/usr/share/glmark2/models/bunny.obj"); });
+  run_scene(options, "scan", seed, [&](Random&) { return scanned_ball(quick ? 100'000 : 1'100'000, 7); });
+  run_scene(options, "terrain", seed, [&](Random&) { return scenes::terrain(quick ? 200 : 707, 1000, 7); });
+  run_scene(options, "city", seed, [&](Random& random) { return city(quick ? 50 : 150, random); });
+  run_scene(options, "interior", seed, [&](Random& random) { return interior(quick ? 6 : 14, random); });
+  run_scene(options, "needles", seed, [&](Random& random) { return needles(quick ? 50'000 : 300'000, random); });
+  if (quick || !options.wants("growth", "growth")) return;
+  // Four times the triangles each: 100k, 400k, 1.6 M, 6.4 M.
+  for (const std::uint32_t cells : {224u, 447u, 894u, 1789u}) {
+    run_scene(options, "growth", seed, [&](Random&) { return scenes::terrain(cells, 1000, 7); });
+  }
 }
 
 }  // namespace
@@ -392,16 +459,6 @@ int main(int argc, char** argv) {
   using namespace collided;
   const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20240607);
-  bench::run_scene(options, "bunny", bench::read_obj("/usr/share/glmark2/models/bunny.obj"), random);
-  bench::run_scene(options, "city", bench::city(options.quick ? 50 : 150, random), random);
-  bench::run_scene(options, "interior", bench::interior(options.quick ? 6 : 14, random), random);
-  bench::run_scene(options, "needles", bench::needles(options.quick ? 50'000 : 300'000, random), random);
-  bench::run_scene(options, "terrain", scenes::terrain(options.quick ? 200 : 707, 1000, random()), random);
-  if (!options.quick && options.wants("growth", "growth")) {
-    // Four times the triangles each: 100k, 400k, 1.6 M, 6.4 M.
-    for (const std::uint32_t cells : {224u, 447u, 894u, 1789u}) {
-      bench::run_scene(options, "growth", scenes::terrain(cells, 1000, 7), random);
-    }
-  }
+  bench::run_scenes(options, random());
   return 0;
 }

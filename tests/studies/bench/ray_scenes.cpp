@@ -1,6 +1,7 @@
 #include "tests/studies/bench/ray_scenes.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/scenes/meshes.hpp"
 
@@ -91,6 +92,35 @@ TriangleMesh interior(std::uint32_t rooms, std::mt19937_64& random) {
       if (x < rooms) add_wall(mesh, corner, false);
       if (y < rooms) add_wall(mesh, corner, true);
       if (x < rooms && y < rooms) furnish(mesh, corner, random);
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh scanned_ball(std::uint32_t triangle_count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto cells = static_cast<std::uint32_t>(std::sqrt(triangle_count / 12.0));
+  std::uniform_real_distribution<double> noise(-0.1 / cells, 0.1 / cells);
+  TriangleMesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t i = 0; i <= cells; ++i) {
+      for (std::uint32_t k = 0; k <= cells; ++k) {
+        Vec3 at;
+        at[face % 3] = face < 3 ? 1 : -1;
+        at[(face + 1) % 3] = std::tan((i / static_cast<double>(cells) - 0.5) * std::numbers::pi / 2);
+        at[(face + 2) % 3] = std::tan((k / static_cast<double>(cells) - 0.5) * std::numbers::pi / 2);
+        at.normalize();
+        const double bump = 0.01 * std::sin(9 * at[0]) * std::sin(11 * at[1]) * std::sin(13 * at[2]);
+        mesh.vertices.push_back(at * (1 + bump + noise(random)));
+      }
+    }
+    for (std::uint32_t i = 0; i < cells; ++i) {
+      for (std::uint32_t k = 0; k < cells; ++k) {
+        const std::uint32_t a = first + i * (cells + 1) + k;
+        mesh.triangles.push_back({a, a + 1, a + cells + 2});
+        mesh.triangles.push_back({a, a + cells + 2, a + cells + 1});
+      }
     }
   }
   return mesh;

@@ -19,4 +19,7 @@ TriangleMesh needles(std::uint32_t count, std::mt19937_64& random);
 /// A floor of rooms x rooms rooms with doors between them, furniture of boxes and a lamp of many triangles in each.
 TriangleMesh interior(std::uint32_t rooms, std::mt19937_64& random);
 
+/// A ball of radius 1 with bumps of a hundredth and noise of a tenth of a cell, six grids of squares.
+TriangleMesh scanned_ball(std::uint32_t triangle_count, std::uint64_t seed);
+
 }  // namespace collided::bench

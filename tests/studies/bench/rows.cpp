@@ -51,15 +51,19 @@ void write_row(const Options& options, const Work& work, const Method& method, d
   if (options.csv.empty()) return;
   std::ofstream csv(options.csv, std::ios::app);
   if (csv.tellp() == 0) csv << "scene,size,work,method,ns,ns_low,ns_high,ratio,bytes_each,equal,of,note\n";
-  csv << work.scene << ',' << work.size << ',' << work.name << ',' << method.name << ',' << middle << ',' << *least
-      << ',' << *most << ',' << ratio << ',' << method.bytes_each << ',' << method.equal << ',' << method.of << ",\""
-      << note << "\"\n";
+  csv << work.scene << ',' << work.size << ",\"" << work.name << "\",\"" << method.name << "\"," << middle << ','
+      << *least << ',' << *most << ',' << ratio << ',' << method.bytes_each << ',' << method.equal << ',' << method.of
+      << ",\"" << note << "\"\n";
 }
 
 }  // namespace
 
 bool Options::wants(const std::string& scene, const std::string& work) const {
   return scene.find(only) != std::string::npos || work.find(only) != std::string::npos;
+}
+
+bool Options::takes(const std::string& method) const {
+  return method.starts_with("collided") || method.find(peers) != std::string::npos;
 }
 
 Options read_options(int argc, char** argv) {
@@ -75,9 +79,12 @@ Options read_options(int argc, char** argv) {
       options.csv = argv[++i];
     } else if (argument == "--only" && has_value) {
       options.only = argv[++i];
+    } else if (argument == "--peers" && has_value) {
+      options.peers = argv[++i];
     } else {
-      std::fprintf(stderr, "%s: unknown argument '%s'; known: --quick, --csv FILE, --only NAME, --no-header\n", argv[0],
-                   argv[i]);
+      std::fprintf(stderr,
+                   "%s: unknown argument '%s'; known: --quick, --csv FILE, --only NAME, --peers NAME, --no-header\n",
+                   argv[0], argv[i]);
       std::exit(2);
     }
   }
@@ -86,6 +93,7 @@ Options read_options(int argc, char** argv) {
 }
 
 void measure(const Options& options, const Work& work, std::vector<Method>& methods) {
+  std::erase_if(methods, [&](const Method& method) { return !options.takes(method.name); });
   for (const Method& method : methods) timed_ns(work, method);
   for (int run = 0; run < kRuns; ++run) {
     for (Method& method : methods) method.ns.push_back(timed_ns(work, method));

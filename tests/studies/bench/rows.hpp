@@ -9,14 +9,17 @@ namespace collided::bench {
 
 inline constexpr int kRuns = 5;
 
-/// What the programs of this folder are told: [--quick] [--csv FILE] [--only NAME] [--no-header].
+/// What the programs of this folder are told: [--quick] [--csv FILE] [--only NAME] [--peers NAME] [--no-header].
 struct Options {
   bool quick = false;
   bool header = true;
   std::string csv{};   // rows are appended
   std::string only{};  // works and scenes whose name contains it
 
+  std::string peers{};  // other methods than ours whose name contains it
+
   bool wants(const std::string& scene, const std::string& work) const;
+  bool takes(const std::string& method) const;
 };
 
 /// Leaves with status 2 and a sentence where an argument is unknown.

@@ -118,7 +118,8 @@ TEST(BvhOcclusionOrder, AnyHitInARoomAsksTheWallsBeforeTheFurniture) {
     ray.direction = Vec3(normal(random), normal(random), normal(random));
     ray.length_m = 1e3;
     const auto take = [](std::uint32_t, const Triangle&, double limit) { return limit; };
-    EXPECT_NE(tree.meet_ray(ray, std::numeric_limits<double>::infinity(), mesh, take, any), Bvh::kNoTriangle);
+    Triangle corners;
+    EXPECT_NE(tree.meet_ray(ray, std::numeric_limits<double>::infinity(), mesh, take, any, corners), Bvh::kNoTriangle);
     tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, take, every);
   }
   std::printf("steps a ray: any hit %.2f, every hit %.2f\n", any.nodes / double{kRays}, every.nodes / double{kRays});

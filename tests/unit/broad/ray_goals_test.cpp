@@ -117,6 +117,8 @@ std::vector<Named> meshes(std::mt19937_64& random) {
   return all;
 }
 
+bool same_corners(const Triangle& a, const Triangle& b) { return a.a == b.a && a.b == b.b && a.c == b.c; }
+
 void on_every_instruction_set(const std::function<void(const char*)>& check) {
   for (std::int64_t rest = hwy::SupportedTargets() | HWY_EMU128; rest != 0; rest &= rest - 1) {
     hwy::SetSupportedTargetsForTest(rest & -rest);
@@ -147,9 +149,11 @@ TEST(BroadRayGoals, NearestAndAnyAgreeWithEveryTriangleDecidedExactly) {
         tree.walk_ray_nearest(ray, limit_of(ray), mesh, nearest, cost);
         EXPECT_EQ(nearest.best, expected[i]) << scene.name << " ray " << i << " " << target;
         Doubt doubt{ray};
-        const std::uint32_t met = tree.meet_ray(ray, limit_of(ray), mesh, doubt, cost);
+        Triangle corners;
+        const std::uint32_t met = tree.meet_ray(ray, limit_of(ray), mesh, doubt, cost, corners);
         EXPECT_EQ(met == kNone, expected[i] == kNone) << scene.name << " ray " << i << " " << target;
         if (met == kNone) continue;
+        EXPECT_TRUE(same_corners(corners, mesh.triangle(met))) << scene.name << " ray " << i << " " << target;
         EXPECT_TRUE(meets(ray, mesh.triangle(met))) << scene.name << " ray " << i << " " << target;
         if (is_first) any[i] = met;
         EXPECT_EQ(met, any[i]) << scene.name << " ray " << i << " " << target;
@@ -190,9 +194,11 @@ TEST(BroadRayGoals, ABatchHearsWhatEachRayHearsAlone) {
       Nearest single{rays[i], mesh};
       tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, single, alone[0]);
       Doubt doubt{rays[i]};
-      const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, alone[1]);
+      Triangle corners;
+      const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, alone[1], corners);
       EXPECT_EQ(nearest[i].best, single.best) << scene.name << " ray " << i;
       EXPECT_EQ(to_any[i].met, met) << scene.name << " ray " << i;
+      EXPECT_TRUE(met == kNone || same_corners(to_any[i].corners, mesh.triangle(met))) << scene.name << " ray " << i;
       for (int goal = 0; goal < 2; ++goal) {
         EXPECT_EQ(costs[2 * i + goal].nodes, alone[goal].nodes) << scene.name << " ray " << i;
         EXPECT_EQ(costs[2 * i + goal].candidates, alone[goal].candidates) << scene.name << " ray " << i;
@@ -251,7 +257,8 @@ TEST(BroadRayGoals, CoherentRaysMeetTogetherWhatEachMeetsAlone) {
         Nearest single{rays[i], mesh};
         tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, single, unread);
         Doubt doubt{rays[i]};
-        const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, unread);
+        Triangle corners;
+        const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, unread, corners);
         EXPECT_EQ(nearest[i].best, single.best) << scene.name << " ray " << i << " " << target;
         EXPECT_EQ(to_any[i].met, met) << scene.name << " ray " << i << " " << target;
         EXPECT_EQ(met == kNone, single.best == kNone) << scene.name << " ray " << i << " " << target;

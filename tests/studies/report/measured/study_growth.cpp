@@ -48,7 +48,6 @@ class Hills {
       QueryScratch scratch;
       for (std::size_t first = thread * batch; first < distances.size(); first += threads * batch) {
         const std::size_t count = std::min(batch, distances.size() - first);
-        answers.clear();
         answer(*lease, {.numbers = rays.subspan(kNumbers * first, kNumbers * count)}, answers, scratch);
         std::size_t hit = 0;
         for (std::size_t i = 0; i < count; ++i) {

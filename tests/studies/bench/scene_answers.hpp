@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "server/world/objects/snapshot.hpp"
+#include "server/world/query/query.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::bench {
+using namespace engine;
+
+/// A mesh as the server holds it, and whole answers about it: what a user gets, all columns filled.
+class SceneAnswers {
+ public:
+  explicit SceneAnswers(const TriangleMesh& mesh) : world_({}) {
+    Scene scene{.name = "scene", .mesh = mesh, .parts = {}, .objects = {}};
+    scene.parts.push_back({.name = "scene", .triangle_count = static_cast<std::uint32_t>(mesh.triangles.size())});
+    indexed_ = World::index_scene(scene, {.progress = {}, .cancelled = {}, .form = BvhForm::best});
+    world_.add_scene(scene, indexed_);
+    world_.step(0, 1, {});
+    snapshot_ = world_.newest();
+  }
+  const StaticScene& scene() const { return *indexed_; }
+  double bytes_a_triangle() const {
+    return static_cast<double>(indexed_->bytes()) / static_cast<double>(indexed_->mesh.triangles.size());
+  }
+  /// Valid until the next call.
+  const Answers& ask(QuestionKind kind, HitMode mode, std::span<const double> numbers, std::uint32_t max_hits) {
+    answer(*snapshot_, {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers}, answers_, scratch_);
+    return answers_;
+  }
+
+ private:
+  World world_;
+  std::shared_ptr<StaticScene> indexed_;
+  SnapshotRing::Lease snapshot_;
+  Answers answers_;
+  QueryScratch scratch_;
+};
+
+}  // namespace collided::bench
