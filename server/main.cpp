@@ -32,8 +32,8 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// Waits for the next signal. Meanwhile pages that guests and loads left free between what is in use go back to the
-/// system: live memory of a server that thousands came to stays as it was, that of the allocator's pools grows.
+/// Waits for the next signal. Meanwhile it returns free pages to the system; otherwise the allocator's pools keep what
+/// past clients and loads have used.
 int next_signal(const sigset_t& signals) {
   constexpr timespec kPeriod{.tv_sec = 30, .tv_nsec = 0};
   int signal = -1;
@@ -43,7 +43,7 @@ int next_signal(const sigset_t& signals) {
   return signal;
 }
 
-/// A stop that hangs ends anyway.
+/// Ends the process where stopping takes too long.
 void limit_stopping() {
   std::thread([] {
     std::this_thread::sleep_for(std::chrono::seconds(10));

@@ -201,7 +201,7 @@ bool fill(const ConvexPart& a, const ConvexPart& b, const PointCandidate& c, con
          can_be_read(convex_of(b), proof, proof.mix_b);
 }
 
-/// A box's common point mixes corners, which are not among its points: place it beside the centre instead.
+/// A box is given by its centre, not by its corners, so a mix of corners is written as the centre alone.
 Mix of_points(const Convex& set, Mix mix) {
   return set.plus == Convex::Plus::box ? Mix{{0, Dyadic(1.0)}} : std::move(mix);
 }

@@ -56,5 +56,60 @@ TEST_F(FilesVerbs, SayWhatEndedIt) {
   EXPECT_EQ(ran_.err, "");
 }
 
+/// `add` with a program that prints this in place of reading a file.
+class FilesShapes : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().command = [this](const std::string&, const nlohmann::json&,
+                                    const Shape& shape) -> Result<std::string> {
+      shape_ = shape;
+      return nlohmann::json{{"name", "part"}, {"id", 7}, {"version", 2}}.dump();
+    };
+    std::filesystem::permissions(program_.path(), std::filesystem::perms::owner_all);
+  }
+  Ran add(const std::string& shape, const std::string& printed) {
+    std::ofstream(program_.path()) << "#!/bin/sh\nprintf '%s\\n' \"$@\" >\"$0.words\"\n" << printed << "\n";
+    return collide("add part " + shape, {.environment = {{"COLLIDED_FILES", program_.path()}}});
+  }
+  static constexpr const char* kTetrahedron =
+      "printf 'v 0 0 0\\nv 1 0 0\\nv 0 1e-3 0\\nv 0 0 -2.5\\nt 0 1 2\\nt 0 1 3\\nt 0 2 3\\nt 1 2 3\\n'";
+  ScratchFile program_{"shapes", ""};
+  Shape shape_;
+};
+
+TEST_F(FilesShapes, AMeshIsTheFilesTriangles) {
+  for (const char* shape : {"mesh part.stl", "mesh:part.stl"}) {
+    const Ran ran = add(shape, kTetrahedron);
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    ASSERT_EQ(shape_.size(), 1U);
+    const auto* mesh = std::get_if<MeshShape>(&shape_[0]);
+    ASSERT_NE(mesh, nullptr);
+    ASSERT_EQ(mesh->vertices.size(), 4U);
+    EXPECT_EQ(mesh->vertices[2], Eigen::Vector3d(0, 1e-3, 0));
+    EXPECT_EQ(mesh->vertices[3], Eigen::Vector3d(0, 0, -2.5));
+    ASSERT_EQ(mesh->triangles.size(), 4U);
+    EXPECT_EQ(mesh->triangles[3], (std::array<std::uint32_t, 3>{1, 2, 3}));
+    std::ifstream in(program_.path() + ".words");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "triangles\npart.stl\n");
+  }
+}
+
+TEST_F(FilesShapes, AHullIsOfTheFilesPoints) {
+  ASSERT_EQ(add("hull:part.stl", kTetrahedron).code, 0);
+  ASSERT_EQ(shape_.size(), 1U);
+  const auto* hull = std::get_if<HullShape>(&shape_[0]);
+  ASSERT_NE(hull, nullptr);
+  EXPECT_EQ(hull->points.size(), 4U);
+}
+
+TEST_F(FilesShapes, WhatIsNotReadIsNotAdded) {
+  EXPECT_EQ(add("mesh part.stl", "exit 2").code, 2);
+  EXPECT_EQ(add("mesh part.stl", "kill -TERM $$").code, 5);
+  EXPECT_EQ(add("mesh part.stl", "echo 'v 1 2'").code, 5);
+  EXPECT_EQ(add("mesh part.stl 3", kTetrahedron).code, 2);
+  EXPECT_TRUE(shape_.empty());
+}
+
 }  // namespace
 }  // namespace collided

@@ -171,6 +171,35 @@ TEST_F(Top, AnAnswerFromElsewhereIsRefused) {
   }
 }
 
+// A56: each of the newest steps with its stages and the whole.
+TEST_F(Top, StepsAreShownStageByStage) {
+  const auto step = [](std::uint64_t version) {
+    return json{{"version", version},  {"world_time_ns", 5}, {"whole_ns", 21'000}, {"take_ns", 1'000},
+                {"update_ns", 2'000},  {"index_ns", 3'000},  {"test_ns", 4'000},   {"events_ns", 5'000},
+                {"publish_ns", 6'000}, {"moved", 7},         {"candidates", 8},    {"exact_tests", 9},
+                {"contacts", 10},      {"events", 11}};
+  };
+  json asked;
+  fake::server().command = [&](const std::string& name, const json& arguments, const Shape&) -> Result<std::string> {
+    asked = {name, arguments.at("last")};
+    return json{{"steps", {step(41), step(42)}}}.dump();
+  };
+  const Ran piped = collide("top --steps 2");
+  EXPECT_EQ(piped.code, 0) << piped.err;
+  EXPECT_EQ(asked, json({"steps", 2}));
+  EXPECT_EQ(piped.out,
+            "41\t5\t1000\t2000\t3000\t4000\t5000\t6000\t21000\t7\t8\t9\t10\t11\n"
+            "42\t5\t1000\t2000\t3000\t4000\t5000\t6000\t21000\t7\t8\t9\t10\t11\n");
+  const Ran ran = at_terminal("top --steps 2");
+  EXPECT_NE(ran.out.find("WHOLE"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("21 us"), std::string::npos) << ran.out;
+  fake::server().command = [](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    return json{{"steps", json::array()}}.dump();
+  };
+  EXPECT_EQ(collide("top --steps 2").code, 1) << "nothing has moved yet";
+  EXPECT_EQ(collide("top --steps 0").code, 2);
+}
+
 // The median of 1..1000 us and the like: at most an eighth too long is what the steps allow; here they are given exactly.
 TEST(TopQuantiles, AreTheLeastThatThePartDoesNotExceed) {
   const std::vector<view::DurationStep> durations{{10, 50}, {20, 49}, {30, 1}};

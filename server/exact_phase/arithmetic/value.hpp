@@ -39,7 +39,7 @@ inline Bounded plain(const Scaled& x) {
   if (!std::isfinite(value)) {
     return {std::copysign(std::numeric_limits<double>::max(), value), std::numeric_limits<double>::infinity()};
   }
-  // Among the denormals ldexp rounds once more: the value, or an error far below it.
+  // For denormals ldexp rounds again: the value, or an error that is much smaller than it.
   const bool value_cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
   const bool cut = value_cut || (x.value.error != 0 && std::abs(value) < kSmallestPlain);
   const double denormal = cut ? std::numeric_limits<double>::denorm_min() : 0.0;

@@ -21,7 +21,7 @@ Witnesses::Witnesses(const Convex& a, const Convex& b, const Proposal& proposal,
   point[1] = a.carrier[0] + depth.on_a;
   point[2] = b.carrier[0] + depth.on_b;
   point[0] = point[1] / 2 + point[2] / 2;
-  // The same points moved onto the plane that a reaches: where two faces touch, the search only comes near it.
+  // The same points projected onto the plane that bounds a: for touching faces the search ends slightly off it.
   for (int which = 0; which < 2; ++which) {
     const Vec3& n = normal[which];
     const Vec3 reached = a.carrier[0] + a.support(n) + a.ball_m * n;

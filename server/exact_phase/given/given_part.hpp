@@ -7,8 +7,8 @@
 
 namespace collided::engine {
 
-/// A part in its own frame and the pose that places it: the numbers that a user gave, before anything is rounded. A
-/// default one stands for a part whose world coordinates are the numbers given, or the only ones there are. Refers to what must outlive it.
+/// A part in its own frame and the pose that places it: the numbers that a user gave, before anything is rounded. By
+/// default the part is in world coordinates already. Holds pointers: what they point to must outlive it.
 struct GivenPart {
   std::variant<std::monostate, const Primitive*, Triangle> own;
   const Pose* pose = nullptr;

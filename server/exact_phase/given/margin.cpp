@@ -9,8 +9,8 @@
 namespace collided::engine {
 namespace {
 
-/// The set of all points within by_m, or a little more; with a negative one a set whose every point has at least that
-/// distance from the outside. Nothing where the shape has no such form, or no such point.
+/// The points within by_m of the shape, or slightly more. by_m < 0: points of the shape that are at least -by_m inside.
+/// Nothing where such a set has no form that is known here, or no point.
 std::optional<Primitive> grown(const Primitive& shape, double by_m) {
   // The sum's rounding goes the way of by_m too; a box's axes are orthonormal up to less than kChainSlack.
   const auto resized = [&](double size_m) {

@@ -67,7 +67,7 @@ ZeroCrossing crossing(const Times& cubic, const Bounded& low, const Bounded& hig
   const bool strict_ends =
       (s[0] == Sign::negative && s[last] == Sign::positive) || (s[0] == Sign::positive && s[last] == Sign::negative);
   if (!strict_ends) return ZeroCrossing::unsure;
-  // One change of sign, whatever the unsure signs between are, unless they could change back and forth.
+  // The signs change exactly once, however the unsure ones turn out, unless those could alternate.
   return last < 3 || s[1] == s[0] || s[2] == s[3] ? ZeroCrossing::once : ZeroCrossing::unsure;
 }
 

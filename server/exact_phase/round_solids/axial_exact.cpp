@@ -55,9 +55,9 @@ struct SeenBall {
     const Dyadic reach = solid.radius + ball;
     return at_most(across2, reach * reach * solid.length2);
   }
-  /// In the plane of axis and centre, the side runs from (0, 0) to (l, R), and the centre is at (along / l, s / l^2)
-  /// with s the root of across2 l^2. True where it is outside of the side's line, with its foot on the side, and the ball
-  /// reaches that line: below the base of a flat cone there are points whose foot is on the side from within.
+  /// Whether the ball reaches the side from outside. In the plane of axis and centre the side runs from (0, 0) to (l, R);
+  /// the centre is at (along / l, s / l^2), s being the root of across2 l^2. It must be outside of the side's line and its
+  /// foot on the side: below the base of a flat cone there are points whose foot is on the side, but from within.
   bool reaches_slant() const {
     const Dyadic& R = solid.radius;
     const Dyadic& l2 = solid.length2;

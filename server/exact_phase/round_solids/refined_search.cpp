@@ -107,7 +107,7 @@ class RefinedSearch {
     const LongPoint of_b = near_b_.farthest(-n);
     simplex_.push_back({of_a_.back() - of_b, of_a_.size() - 1, of_a_.size() - 1});
   }
-  /// common  a point that is in both sets but for the last bits, where none is certain to be
+  /// common  where no point is certainly in both sets: one that is, up to rounding
   Decision from_side(const LongPoint& n, std::optional<LongPoint>& common) {
     simplex_.clear();
     add(n);

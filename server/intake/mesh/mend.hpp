@@ -31,7 +31,7 @@ struct MendedMesh {
   MendReport report;
 };
 
-/// Makes triangles along each other's borders share their points: of points beside each other all move to the first,
+/// Makes triangles along each other's borders share their points: nearby points all move to the first of them,
 /// and a triangle is cut where a point of another one is on its edge or beside it. No hole is filled and no triangle
 /// dropped or turned over.
 ///

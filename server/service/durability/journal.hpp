@@ -44,8 +44,8 @@ std::unique_ptr<Disk> disk_in(const std::string& folder);
 /// file, each with its length and checksum. How many there are is written at the file's beginning once they are synced,
 /// so that a lost end is noticed (journal_layout.hpp). Once most of the file is stale it is rewritten beside itself,
 /// synced and renamed over the old one. What finds no room on the disk waits in memory and goes with the next entry;
-/// any other failure makes the file a failed one: nothing is appended to it any more, the next entry goes to a new file
-/// with all that is live. Until that has worked problem() says so. A damaged file keeps a second name, NAME.damaged,
+/// after any other failure the file is given up: the next entry starts a new file with all that is live, and problem()
+/// tells of the failure until that has worked. A damaged file keeps a second name, NAME.damaged,
 /// when it is replaced.
 ///
 /// threads  one at a time

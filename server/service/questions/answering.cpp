@@ -431,8 +431,8 @@ bool Answering::was_pressed() {
   return turned_away || queue_.waiting() > kMostQueued / 2;
 }
 
-/// The oldest state that may answer. A later answer must not go back behind one that the client has had; behind a fence
-/// only the newest state will do.
+/// The oldest state that may answer. A client never gets an older state than before; after a write barrier it gets the
+/// newest.
 std::uint64_t Answering::least_version(const wire::Query& query) const {
   if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
   const std::shared_ptr<Client> client = clients_.find(query.client);

@@ -28,7 +28,7 @@ struct MenuRow {
 struct MenuOptions {
   std::uint32_t questions = 1'000;  // of each kind; fewer of pairs where they are rare in the world or take long
   std::uint64_t seed = 1;
-  /// Where there are any: these instead of random ones, of this kind only, their numbers as in Query.numbers, checked.
+  /// Where there are any: these instead of random ones, of this kind only, their numbers as Questions::numbers, checked.
   QuestionKind own_kind = QuestionKind::ray;
   std::vector<double> own_numbers = {};
   /// The rationals ask every part of the world: so long they may take for each kind, the first question apart.

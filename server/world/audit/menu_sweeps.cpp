@@ -81,7 +81,7 @@ class ExactSweep {
   Decision whole_ = Decision::undecided;
 };
 
-/// One kind of question more: the ways of a ball, decided in every way that there is.
+/// Sweep questions: a ball's motions, answered by each method.
 class SweepQuestions {
  public:
   SweepQuestions(const Snapshot& snapshot, std::int64_t judging_ns)

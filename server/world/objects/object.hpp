@@ -67,7 +67,7 @@ struct StaticScene {
   TriangleMesh mesh;
   Bvh tree;
   std::vector<Part> parts;                                        // ordered by first_triangle, without gap
-  std::vector<ObjectId> part_objects;                             // one a part  // one per part
+  std::vector<ObjectId> part_objects;                             // one a part
   std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one per object of the file; null: without a mesh
   std::vector<std::shared_ptr<const SceneLevel>> levels;          // simpler forms of the mesh, finest first
   std::vector<std::string> warnings;                              // saved indexes that were not fit for use

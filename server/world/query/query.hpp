@@ -23,7 +23,7 @@ inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKi
                                                    QuestionKind::near};
 const char* name_of(QuestionKind kind);
 
-/// A question is a row of this many doubles; which, says the table at question_columns() in idl/columns.hpp.
+/// A question is a row of this many doubles, in the order of question_columns() in idl/columns.hpp.
 inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
@@ -59,7 +59,7 @@ struct Questions {
   // distances and depths may be off by this much, metres; yes and no are exact regardless
   double error_m = 0;
   Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided
-  std::span<const double> numbers;    // as Query.numbers in collided.idl
+  std::span<const double> numbers;    // rows as question_columns() in idl/columns.hpp has them
   const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
 };
 
@@ -74,9 +74,9 @@ bool may_answer(const ObjectInfo& info, const Questions& asked);
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
-  std::uint8_t flags = 0;                // wire_contract::HitFlags
+  std::uint8_t flags = 0;                // HitFlags
   // along the ray; depth for overlaps; distance for near; for sweeps the end of the time bracket
-  double distance_m = 0;  // along the ray; depth for overlaps; distance for near
+  double distance_m = 0;
   double error_m = 0;
   // Of rays: where they leave the solid; of sweeps: the beginning of the time bracket.
   double exit_m = 0;

@@ -60,7 +60,7 @@ struct Question {
   }
 };
 
-/// Each answers one question; numbers as in Query.numbers, already validated.
+/// Each answers one question; numbers as Questions::numbers, already validated.
 void ask_ray(Question& question, const double* numbers);
 /// Answers up to kRaysAtOnce rays, walking them through each static scene together; each answer is that of ask_ray.
 inline constexpr std::size_t kRaysAtOnce = 64;

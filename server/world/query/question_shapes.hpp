@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-// Turns a question's numbers (Query.numbers in collided.idl, already validated) into the shape that they describe.
+// Turns a question's numbers (as Questions::numbers, already validated) into the shape that they describe.
 
 inline Vec3 point_of(const double* n) { return {n[0], n[1], n[2]}; }
 

@@ -286,7 +286,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
-    // Between two poses nothing was given.
+    // A frame between two poses is interpolated: no pose was given for it.
     const ObjectRow& row = rows_[slot];
     const bool is_given = frame.position == row.frame.position && frame.rotation == row.frame.rotation;
     return Placed{.info = rows_.info(slot),
