@@ -183,7 +183,7 @@ async function turnsAndZooms(page) {
 
 async function showsItsPanels(page) {
   await until("events are listed", () => page.evaluate(() => document.querySelectorAll("#events li").length >= 3));
-  await until("stages are shown", () => page.evaluate(() => document.querySelectorAll("#stages .bar").length === 5));
+  await until("stages are shown", () => page.evaluate(() => document.querySelectorAll("#stages .bar").length === 6));
   await until("publishers are shown", async () => /homework/.test(await page.locator("#publishers").textContent()));
   await until("pairs are drawn", () => page.evaluate(() => collidedPage.panels.matrixText?.split("\n").length >= 3));
 }

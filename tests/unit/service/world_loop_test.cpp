@@ -115,6 +115,23 @@ class WorldLoopTest : public ::testing::Test {
     loop->stop();
     thread.join();
   }
+  /// Balls that overlap, and batches that move all of them, in the inbox before the loop starts.
+  void push_rounds(std::uint32_t balls, std::uint64_t rounds) {
+    for (std::uint32_t number = 0; number < balls; ++number) define(number, {0, 0, 0});
+    for (std::uint64_t round = 0; round < rounds; ++round) {
+      auto sample = inbox.spare();
+      sample->publisher = 7;
+      sample->incarnation = 1;
+      sample->sequence = ++sequence;
+      sample->definitions_through = 0;
+      sample->received_ns = clock.now_ns();
+      for (std::uint32_t number = 0; number < balls; ++number) {
+        sample->object_numbers.push_back(number);
+        sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
+      }
+      inbox.push(std::move(sample));
+    }
+  }
   void define(std::uint32_t number, const Vec3& position, bool removed = false,
               const Shape& shape = {{Sphere{.center = Vec3::Zero(), .radius_m = 0.5}}, nullptr}) {
     const std::vector<std::byte> bytes = encode_shape(shape);
@@ -302,20 +319,7 @@ TEST_F(WorldLoopTest, AWorldInWhichNothingChangesStandsStill) {
 TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
   constexpr std::uint32_t kBalls = 100;
   constexpr std::uint64_t kRounds = 30;
-  for (std::uint32_t number = 0; number < kBalls; ++number) define(number, {0, 0, 0});
-  for (std::uint64_t round = 0; round < kRounds; ++round) {
-    auto sample = inbox.spare();
-    sample->publisher = 7;
-    sample->incarnation = 1;
-    sample->sequence = ++sequence;
-    sample->definitions_through = 0;
-    sample->received_ns = clock.now_ns();
-    for (std::uint32_t number = 0; number < kBalls; ++number) {
-      sample->object_numbers.push_back(number);
-      sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
-    }
-    inbox.push(std::move(sample));
-  }
+  push_rounds(kBalls, kRounds);
   const auto before = std::chrono::steady_clock::now();
   start({.step_ns = 0, .recovery_ns = 0, .limits = {}});
   EXPECT_TRUE(books.wait([&] { return books.status.applied_sequences == std::vector<std::uint64_t>{sequence}; }));
@@ -335,20 +339,7 @@ TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
 TEST_F(WorldLoopTest, AStepsStagesSumToTheWhole) {
   constexpr std::uint32_t kBalls = 300;
   constexpr std::uint64_t kRounds = 40;
-  for (std::uint32_t number = 0; number < kBalls; ++number) define(number, {0, 0, 0});
-  for (std::uint64_t round = 0; round < kRounds; ++round) {
-    auto sample = inbox.spare();
-    sample->publisher = 7;
-    sample->incarnation = 1;
-    sample->sequence = ++sequence;
-    sample->definitions_through = 0;
-    sample->received_ns = clock.now_ns();
-    for (std::uint32_t number = 0; number < kBalls; ++number) {
-      sample->object_numbers.push_back(number);
-      sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
-    }
-    inbox.push(std::move(sample));
-  }
+  push_rounds(kBalls, kRounds);
   start({.step_ns = 0, .recovery_ns = 0, .limits = {}});
   EXPECT_TRUE(books.wait([&] { return books.status.applied_sequences == std::vector<std::uint64_t>{sequence}; }));
   const std::vector<StepTrace> traces = loop->traces().newest(StepTraces::kMost);
