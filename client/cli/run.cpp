@@ -128,7 +128,9 @@ LineSource piped_lines(int in) {
 bool run_line(const std::string& line, const LineSource& lines, Session& session, const Globals& globals) {
   Globals line_globals = globals;
   try {
-    const std::vector<std::string> words = split_words(line);
+    std::vector<std::string> words = split_words(line);
+    // Lines that hints and help print begin so.
+    if (!words.empty() && words.front() == "collide") words.erase(words.begin());
     if (words.empty()) return true;
     const std::vector<std::string> tokens = prepare_tokens(words);
     if (is_lines_verb(tokens.front())) throw bad_use(fmt::format("'{}' has no meaning here", tokens.front()));

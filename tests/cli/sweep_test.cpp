@@ -55,6 +55,15 @@ TEST_F(SweepVerb, ATurnIsToldByItsEnds) {
       << "without --to-rpy it does not turn";
 }
 
+TEST_F(SweepVerb, ANameThatNoObjectHasIsSaid) {
+  next = {};
+  fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    return nlohmann::json{{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 1}}.dump();
+  };
+  const Ran ran = at_terminal("sweep sphere 0.1 --from 0 0 1 --to 2 0 1 --only nosuch");
+  EXPECT_NE(ran.err.find("no object's name matches --only 'nosuch'"), std::string::npos) << ran.err;
+}
+
 TEST_F(SweepVerb, FreeAndUndecidedHaveTheirExitCodes) {
   next = {};
   const Ran free = at_terminal("sweep sphere 0.1 --from 0 0 1 --to 2 0 1");

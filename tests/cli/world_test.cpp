@@ -311,7 +311,7 @@ TEST_F(World, ClearSaysHowToLoadTheScenesAgain) {
 TEST_F(World, AShellRunsLinesFromAPipeAndNoneInsideAnother) {
   replies["remove"] = {{"removed", {"crate"}}, {"ended", 0}, {"version", 2}};
   replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
-  const Ran ran = collide("shell", {.in = "shell\n-\nrm crate\n"});
+  const Ran ran = collide("shell", {.in = "shell\n-\ncollide rm crate\n"});
   EXPECT_EQ(ran.code, 6);
   EXPECT_EQ(ran.out, "[\"crate\"]\t0\t2\n");
   EXPECT_NE(ran.err.find("error: line 1: 'shell' has no meaning here"), std::string::npos) << ran.err;

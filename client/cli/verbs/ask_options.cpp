@@ -1,9 +1,12 @@
 #include "client/cli/verbs/ask_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/time_text.hpp"
+#include "client/cli/server_command.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::cli {
 
@@ -60,6 +63,19 @@ AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   options.as_of = parse_instant(texts.as_of);
   options.importance = parse_importance(texts.importance);
   return options;
+}
+
+void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options) {
+  if (options.only.empty() || globals.quiet) return;
+  try {
+    const nlohmann::json listed =
+        server_command(session, globals, wire_contract::command::kList, {{"name", options.only}, {"limit", 0}});
+    if (count_of(listed, "count") > 0) return;
+  } catch (const Failure&) {
+    return;  // the question is answered; only the hint is missing
+  }
+  const std::string hint = fmt::format("no object's name matches --only '{}'", options.only);
+  print_hint(session.io, globals, hint);
 }
 
 }  // namespace collided::cli

@@ -54,6 +54,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
+  std::uint32_t id() const { return static_cast<std::uint32_t>(id_); }
   bool ended() {
     if (!ended_) ended_ = ::waitpid(id_, &status_, WNOHANG) == id_;
     return ended_;
@@ -97,7 +98,10 @@ class DemoCommand : public Command {
                       "it is the program collided; COLLIDED_SERVER may name it");
       }
       try {
-        if (take(session.client(globals).status()).state == "ready") return;
+        // Until ours runs another one may answer, and then ours ends and says so.
+        const ServerStatus status = take(session.client(globals).status());
+        if (status.state == "ready" && status.pid == server.id()) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
       } catch (const Failure& failure) {
         if (failure.code != Exit::no_server) throw;
       }

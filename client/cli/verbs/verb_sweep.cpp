@@ -81,7 +81,9 @@ class SweepCommand : public Command {
     printer.finish();
     if (globals.verbose || printer.human())
       print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
-    return exit_of(answers.answers.front());
+    const Exit code = exit_of(answers.answers.front());
+    if (code == Exit::no) hint_at_unknown_names(session, globals, options);
+    return code;
   }
 
  private:

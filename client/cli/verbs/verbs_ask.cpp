@@ -117,20 +117,6 @@ class AskCommand : public Command {
     return code;
   }
 
-  /// Prints a hint where the name patterns match no object: a miss is then no real answer.
-  static void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options) {
-    if (options.only.empty() || globals.quiet) return;
-    try {
-      const nlohmann::json listed =
-          server_command(session, globals, wire::kList, {{"name", options.only}, {"limit", 0}});
-      if (count_of(listed, "count") > 0) return;
-    } catch (const Failure&) {
-      return;  // the question is answered; only the hint is missing
-    }
-    const std::string hint = fmt::format("no object's name matches --only '{}'", options.only);
-    print_hint(session.io, globals, hint);
-  }
-
   AskTexts texts_;
   bool stop_on_error_ = false;
   bool watch_ = false;
