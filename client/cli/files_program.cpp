@@ -7,31 +7,16 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
+#include "client/cli/sibling_program.hpp"
 
 namespace collided::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kProgram = "collided-files";
-
-/// The path of the program: with the helpers where it is installed, beside this one, or in a build tree; else found by
-/// PATH.
-std::string find_program(const Io& io) {
-  if (std::string chosen = io.env("COLLIDED_FILES"); !chosen.empty()) return chosen;
-  std::error_code error;
-  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const fs::path& place :
-       {here / kProgram, here / "../libexec/collided" / kProgram, here / "../../server" / kProgram}) {
-    if (fs::is_regular_file(place, error)) return place.string();
-  }
-  return kProgram;
-}
 
 /// Starts it; its standard output goes to the descriptor, unless that is -1.
 pid_t start(const Io& io, std::vector<std::string> words, int out) {
@@ -39,7 +24,7 @@ pid_t start(const Io& io, std::vector<std::string> words, int out) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  const std::string program = find_program(io);
+  const std::string program = sibling_program(io, "COLLIDED_FILES", kProgram);
   io.out.flush();
   io.err.flush();
   const pid_t child = ::fork();

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -12,23 +11,11 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/sibling_program.hpp"
 #include "client/cli/verbs/undo.hpp"
 
 namespace collided::cli {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// Beside this program, in a build tree, or by PATH.
-std::string find_server(const Io& io) {
-  if (std::string chosen = io.env("COLLIDED_SERVER"); !chosen.empty()) return chosen;
-  std::error_code error;
-  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const fs::path& place : {here / "collided", here / "../../server/collided"}) {
-    if (fs::is_regular_file(place, error)) return place.lexically_normal().string();
-  }
-  return "collided";
-}
 
 /// A program that runs beside this one and ends with it.
 class Child {
@@ -77,8 +64,8 @@ class DemoCommand : public Command {
         for_.empty() ? std::nullopt : std::optional(parse_duration(for_));
     const auto begun = std::chrono::steady_clock::now();
     const ConnectOptions where = connect_options(session.io, globals);
-    Child server({find_server(session.io), "--log", "error", "--domain", std::to_string(where.domain), "--namespace",
-                  where.name_space});
+    Child server({sibling_program(session.io, "COLLIDED_SERVER", "collided"), "--log", "error", "--domain",
+                  std::to_string(where.domain), "--namespace", where.name_space});
     meet(server, session, globals);
     tell(session, where);
     while (!stop_requested && !server.ended() && !(time && std::chrono::steady_clock::now() - begun > *time))

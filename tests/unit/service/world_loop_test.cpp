@@ -115,16 +115,22 @@ class WorldLoopTest : public ::testing::Test {
     loop->stop();
     thread.join();
   }
+  /// The publisher's next batch, without poses.
+  std::unique_ptr<PoseSample> batch() {
+    auto sample = inbox.spare();
+    sample->publisher = 7;
+    sample->incarnation = 1;
+    sample->sequence = ++sequence;
+    sample->definitions_through = 0;
+    sample->received_ns = clock.now_ns();
+    sample->velocities.clear();
+    return sample;
+  }
   /// Balls that overlap, and batches that move all of them, in the inbox before the loop starts.
   void push_rounds(std::uint32_t balls, std::uint64_t rounds) {
     for (std::uint32_t number = 0; number < balls; ++number) define(number, {0, 0, 0});
     for (std::uint64_t round = 0; round < rounds; ++round) {
-      auto sample = inbox.spare();
-      sample->publisher = 7;
-      sample->incarnation = 1;
-      sample->sequence = ++sequence;
-      sample->definitions_through = 0;
-      sample->received_ns = clock.now_ns();
+      auto sample = batch();
       for (std::uint32_t number = 0; number < balls; ++number) {
         sample->object_numbers.push_back(number);
         sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
@@ -147,15 +153,9 @@ class WorldLoopTest : public ::testing::Test {
     inbox.push(std::move(sample));
   }
   void move(std::uint32_t number, const Vec3& position) {
-    auto sample = inbox.spare();
-    sample->publisher = 7;
-    sample->incarnation = 1;
-    sample->sequence = ++sequence;
-    sample->definitions_through = 0;
-    sample->received_ns = clock.now_ns();
+    auto sample = batch();
     sample->object_numbers = {number};
     sample->poses = {position.x(), position.y(), position.z(), 1, 0, 0, 0};
-    sample->velocities.clear();
     inbox.push(std::move(sample));
   }
   World world;
