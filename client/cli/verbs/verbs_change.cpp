@@ -210,7 +210,7 @@ class RemoveCommand : public Command {
   std::size_t remove(Session& session, const Globals& globals, const std::string& name) const {
     const bool is_glob = name.find_first_of("*?[") != std::string::npos;
     const nlohmann::json arguments = with_durable({{"name", name}}, durable_);
-    const Undo undo = undo_of(session, globals, name, false);
+    const Undo undo = undo_of(session, globals, {.names = name});
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
     const std::vector<std::string> removed = texts_of(answer, "removed");
@@ -388,8 +388,11 @@ class ClearCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     const bool objects_too = scene_.empty() || moving_;
-    const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
-    const Undo scenes = scene_.empty() && moving_ ? Undo{} : undo_of_scenes(session, globals, scene_);
+    const bool scenes_too = !scene_.empty() || !moving_;
+    const Undo undo =
+        objects_too ? undo_of(session, globals, {.moving_only = moving_, .scenes_too = scenes_too, .scene = scene_})
+                    : Undo{};
+    const Undo scenes = scenes_too ? undo_of_scenes(session, globals, scene_) : Undo{};
     const nlohmann::json answer = server_command(session, globals, wire::kClear,
                                                  with_durable({{"scene", scene_}, {"moving", moving_}}, durable_));
     const std::uint64_t removed = count_of(answer, "removed");
