@@ -55,8 +55,8 @@ TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
         R"({"objects":[{"name":"wall"},{"name":"pallet_70"},{"name":"pallet_07"}],"count":3,"version":18204})");
   };
   const Ran ran = collide("get pallet7");
-  EXPECT_EQ(ran.code, 1);
-  EXPECT_EQ(ran.err, "error: object 'pallet7' is not in the world (18 204); nearest names: pallet_07, pallet_70\n");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err, "error: object 'pallet7' is not in the world (3 objects); nearest names: pallet_07, pallet_70\n");
 }
 
 TEST_F(Errors, ARefusalOfTheServerIsPassedOn) {

@@ -28,6 +28,16 @@ TEST(Readable, LengthsAreRoundedToWhatTheEyeNeeds) {
   EXPECT_EQ(readable_length(1e300, 0, Digits::rounded), "1e+300 m");
 }
 
+TEST(Readable, NumbersThatPeopleCopyHaveNoExponentUnlessTheyMust) {
+  EXPECT_EQ(format_number(500000), "500000");
+  EXPECT_EQ(format_number(-4649022.125), "-4649022.125");
+  EXPECT_EQ(format_number(1e-4), "0.0001");
+  EXPECT_EQ(format_number(1e-5), "1e-05");
+  EXPECT_EQ(format_number(1e15), "1e+15");
+  EXPECT_EQ(format_bound(523456), "520000");
+  EXPECT_EQ(format_bound(8.9e-16), "8.9e-16");
+}
+
 TEST(Readable, ABoundIsShownWhereItHidesDigits) {
   EXPECT_EQ(readable_length(1.23456789, 0.01, Digits::rounded), "1.23 m ±0.01");
   EXPECT_EQ(readable_length(1.23456789, 1e-9, Digits::rounded), "1.234568 m");

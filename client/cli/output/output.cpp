@@ -20,7 +20,8 @@ namespace {
 
 void append_number(std::string& out, double value) {
   std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  // Adding 0 turns -0 into 0, which is the same number to every reader but not the same text.
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
   out.append(text.data(), result.ptr);
 }
 

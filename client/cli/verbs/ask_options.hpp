@@ -33,7 +33,7 @@ void declare_ask_options(CLI::App& app, AskTexts& texts);
 /// The options for the library. Throws Failure.
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals);
 
-/// Prints a hint where --only matches no object: a miss is then no real answer.
-void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options);
+/// Prints a hint where a glob, given by the option named first, matches no object: a miss is then no real answer.
+void hint_at_unknown_names(Session& session, const Globals& globals, std::string_view option, const std::string& glob);
 
 }  // namespace collided::cli

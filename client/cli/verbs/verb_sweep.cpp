@@ -82,7 +82,7 @@ class SweepCommand : public Command {
     if (globals.verbose || printer.human())
       print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
     const Exit code = exit_of(answers.answers.front());
-    if (code == Exit::no) hint_at_unknown_names(session, globals, options);
+    if (code == Exit::no) hint_at_unknown_names(session, globals, "--only ", options.only);
     return code;
   }
 
