@@ -66,9 +66,21 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
   const nlohmann::json all =
       server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
   std::vector<std::string> names;
+  std::vector<std::string> below;  // where the name is that of a scene, or of a group in one
   for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
     names.push_back(text_of(entry, "name"));
     if (names.back() == object) return std::nullopt;
+    if (names.back().starts_with(object + "/")) below.push_back(names.back());
+  }
+  if (!below.empty()) {
+    constexpr std::size_t kMostNamed = 3;
+    std::string members;
+    for (std::size_t at = 0; at < std::min(kMostNamed, below.size()); ++at)
+      members += (at == 0 ? ": " : ", ") + below[at];
+    return Failure(Exit::refused,
+                   fmt::format("'{}' is not one object but {}{}{}", object, counted(below.size(), "object"), members,
+                               below.size() > kMostNamed ? ", ..." : ""),
+                   fmt::format("collide ls '{}/*' lists them", object));
   }
   std::string message =
       fmt::format("object '{}' is not in the world ({})", object, counted(count_of(all, "count"), "object"));

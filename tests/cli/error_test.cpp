@@ -48,6 +48,22 @@ TEST_F(Errors, NoServerSaysWhatWasSeen) {
             "       seen on this domain: 3 participants, none of ours\n");
 }
 
+// "--any" and "--only" are both one letter away; what begins the same longer was meant.
+TEST_F(Errors, OfTwoNearOptionsTheOneThatBeginsTheSameIsNamed) {
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --ony ball").err, "error: ray: unknown option '--ony'; did you mean '--only'?\n");
+}
+
+TEST_F(Errors, ANameOfSeveralObjectsSaysWhich) {
+  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "get") return Error{ErrorCode::refused, "no object", ""};
+    return std::string(R"({"objects":[{"name":"arm/base"},{"name":"arm/hand"},{"name":"army"}],"count":3})");
+  };
+  const Ran ran = collide("get arm");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err,
+            "error: 'arm' is not one object but 2 objects: arm/base, arm/hand\n       collide ls 'arm/*' lists them\n");
+}
+
 TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
   fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
     if (name == "get") return Error{ErrorCode::refused, "no object", ""};

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <sstream>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/output/output.hpp"
 #include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
@@ -101,12 +103,49 @@ TEST(Wrapping, NothingIsWiderThanTheTerminalAndNoWordIsLost) {
 }
 
 TEST(Wrapping, ATableFitsByItsWidestColumns) {
-  std::vector<std::size_t> widths{40, 8, 30};
-  fit(widths, 50);
-  EXPECT_LE(widths[0] + widths[1] + widths[2] + 4, 50u);
-  EXPECT_EQ(widths[1], 8u);
+  std::vector<ColumnWidth> widths{{40}, {8}, {30}};
+  EXPECT_TRUE(fit(widths, 50));
+  EXPECT_LE(widths[0].columns + widths[1].columns + widths[2].columns + 4, 50u);
+  EXPECT_EQ(widths[1].columns, 8u);
+  widths = {{40}, {30, false}};
+  EXPECT_TRUE(fit(widths, 50));
+  EXPECT_EQ(widths[0].columns, 18u);
+  EXPECT_EQ(widths[1].columns, 30u);
+  EXPECT_FALSE(fit(widths, 30));
   EXPECT_EQ(cut_to("warehouse/shelf_3/top", 10), "…elf_3/top");
   EXPECT_EQ(cut_to("short", 10), "short");
+}
+
+TEST(Wrapping, WhatHoldsANumberIsKnown) {
+  for (const char* const text : {"1.8 m", "-0.003 m", "+12 m", "at most -3 m", "4649035.5 500006 5", ".5", "±1e-9"})
+    EXPECT_TRUE(holds_number(text)) << text;
+  for (const char* const text : {"", "pallet_07", "warehouse/shelf_3/top", "none", "contact inside", "-", "arm-2"})
+    EXPECT_FALSE(holds_number(text)) << text;
+}
+
+// "1234567.5 m" cut to "…567.5 m" would be another length.
+TEST(Wrapping, NumbersOfATableStayWhole) {
+  std::ostringstream out;
+  const auto print = [&](std::size_t width) {
+    out.str("");
+    Printer printer(out, Format::table, {}, {.width = width});
+    printer.row({"OBJECT", "DEPTH", "CONTACT"}, {"street.city/the_long_church", "1234567.5 m", "4649035.25 500006 5"});
+    printer.finish();
+    return out.str();
+  };
+  EXPECT_EQ(print(50),
+            "OBJECT            DEPTH        CONTACT\n"
+            "…the_long_church  1234567.5 m  4649035.25 500006 5\n");
+  EXPECT_EQ(print(36),
+            "OBJECT  DEPTH  CONTACT\n"
+            "street.city/the_long_church\n"
+            "     1234567.5 m\n"
+            "     4649035.25 500006 5\n");
+}
+
+TEST(Wrapping, ANumberStaysWithItsUnit) {
+  EXPECT_EQ(wrapped("undecided: the answer is known to 13.25 m and to no more", 38),
+            "undecided: the answer is known to\n     13.25 m and to no more");
 }
 
 }  // namespace

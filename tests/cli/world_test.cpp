@@ -48,7 +48,7 @@ TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
                      {"began", {"shelf_3"}},
                      {"ended", nlohmann::json::array()},
                      {"version", 18206}};
-  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began x shelf_3\n");
+  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; now touches shelf_3\n");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1.2, 2, 0.2, 0, 1, 0, 0}));
   collide("move crate 0 0 -1 --by");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1, 2, -0.8, 0, 1, 0, 0}));
@@ -107,8 +107,9 @@ TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
   EXPECT_EQ(ran.out,
             "loaded 'warehouse' in 412 ms  world 18210\n"
             "  312 parts, 1 204 118 triangles, 40 objects\n"
-            "  mended   18 T-vertices\n"
-            "  left out moving index\n");
+            "  mended   18 T-vertices\n");
+  EXPECT_EQ(at_terminal("load warehouse.obj -q").out, "");
+  EXPECT_EQ(collide("load warehouse.obj").out, "warehouse\t312\t1204118\t40\t[]\t[]\t18210\n");
   EXPECT_EQ(asked[0].second["unit_m"], 0.001);
   EXPECT_EQ(asked[0].second["up"], "y");
   EXPECT_EQ(asked[0].second["path"].get<std::string>().front(), '/');

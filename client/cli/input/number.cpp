@@ -101,9 +101,27 @@ double parse_finite(std::string_view text, Measure measure) {
   return value;
 }
 
+namespace {
+
+/// The texts with each unit that stands alone, as in `20 cm`, joined to the number before it.
+std::vector<std::string> with_units_joined(const std::vector<std::string>& texts, Measure measure) {
+  std::vector<std::string> joined;
+  for (const std::string& text : texts) {
+    const Unit* unit = find_unit(text);
+    const bool follows_number =
+        !joined.empty() && split_number(joined.back()).starts_as_number && split_number(joined.back()).rest.empty();
+    if (unit != nullptr && unit->measure == measure && follows_number) joined.back() += text;
+    else joined.push_back(text);
+  }
+  return joined;
+}
+
+}  // namespace
+
 std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure measure) {
   std::vector<double> numbers;
-  for (const std::string_view text : texts) {
+  const std::vector<std::string> joined = with_units_joined(texts, measure);
+  for (const std::string_view text : joined) {
     std::size_t begin = 0;
     while (true) {
       const std::size_t comma = text.find_first_of(",:", begin);

@@ -27,7 +27,7 @@ double parse_number(std::string_view text, Measure measure = Measure::none);
 /// The same, but infinity is refused too.
 double parse_finite(std::string_view text, Measure measure = Measure::none);
 
-/// All numbers of texts such as "0,0,5", or "0" "0" "5", in order.
+/// All numbers of texts such as "0,0,5", or "0" "0" "5", or "20" "cm", in order.
 std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure measure = Measure::none);
 
 /// Exactly three finite numbers separated by commas.

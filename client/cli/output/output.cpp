@@ -231,21 +231,27 @@ void Printer::row(const std::vector<std::string>& header, std::vector<std::strin
 }
 
 void Printer::finish() {
-  std::vector<std::size_t> widths;
-  for (const auto& cells : rows_) {
+  std::vector<ColumnWidth> widths;
+  for (std::size_t at = 0; at < rows_.size(); ++at) {
+    const std::vector<std::string>& cells = rows_[at];
     widths.resize(std::max(widths.size(), cells.size()));
-    for (std::size_t column = 0; column < cells.size(); ++column)
-      widths[column] = std::max(widths[column], columns_of(cells[column]));
+    for (std::size_t column = 0; column < cells.size(); ++column) {
+      widths[column].columns = std::max(widths[column].columns, columns_of(cells[column]));
+      if (at > 0 && holds_number(cells[column])) widths[column].may_shrink = false;
+    }
   }
-  fit(widths, appearance_.width);
+  const bool is_table = fit(widths, appearance_.width);
   for (std::size_t at = 0; at < rows_.size(); ++at) {
     std::string text;
     for (std::size_t column = 0; column < rows_[at].size(); ++column) {
-      const std::string cell = cut_to(rows_[at][column], widths[column]);
+      const std::string& whole = rows_[at][column];
+      const std::string cell = is_table ? cut_to(whole, widths[column].columns) : whole;
       text += cell;
-      if (column + 1 < rows_[at].size()) text.append(widths[column] - columns_of(cell) + 2, ' ');
+      const std::size_t gap = is_table ? widths[column].columns - columns_of(cell) + 2 : 2;
+      if (column + 1 < rows_[at].size()) text.append(gap, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);
+    if (!is_table) text = wrapped(text, appearance_.width);
     out_ << (at == 0 ? paint(Paint::faint, text) : text) << '\n';
   }
   rows_.clear();

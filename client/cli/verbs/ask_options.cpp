@@ -24,6 +24,11 @@ void declare_ask_options(CLI::App& app, AskTexts& texts) {
   app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
 }
 
+void declare_mesh_reading(CLI::App& app, MeshReading& reading) {
+  app.add_option("--unit", reading.unit, "Of the file of a mesh or hull: mm, in, ... or metres a unit");
+  app.add_option("--up", reading.up, "Axis of that file that points up: y or z")->check(CLI::IsMember({"y", "z"}));
+}
+
 namespace {
 
 Importance parse_importance(const std::string& text) {

@@ -4,6 +4,7 @@
 
 #include <collided/client.hpp>
 
+#include "client/cli/input/shape_mesh.hpp"
 #include "client/cli/session.hpp"
 
 namespace CLI {
@@ -30,6 +31,8 @@ Instant parse_instant(const std::string& text);
 
 /// Declares those options on the parser.
 void declare_ask_options(CLI::App& app, AskTexts& texts);
+/// Declares how the file of a shape is read.
+void declare_mesh_reading(CLI::App& app, MeshReading& reading);
 /// The options for the library. Throws Failure.
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals);
 

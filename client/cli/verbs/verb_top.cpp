@@ -148,7 +148,7 @@ class TopCommand : public Command {
   Exit live(Session& session, const Globals& globals, const Until& until, std::chrono::nanoseconds period) {
     constexpr std::chrono::milliseconds kFirst{200};  // shorter than later ones, so that the first figures appear soon
     Keys keys(session.io.in);
-    Screen screen(session.io);
+    std::optional<Screen> screen(session.io);
     std::vector<std::string> lines;
     Clock::time_point heard = Clock::now();
     std::uint64_t count = 0;
@@ -164,9 +164,16 @@ class TopCommand : public Command {
         lines.push_back(
             fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
       }
-      screen.show(lines);
+      screen->show(lines);
       if (until.reached(++count)) break;
     }
+    screen.reset();
+    // A page that ends by its count leaves its last figures; one that is left by a key was read.
+    const std::size_t columns = std::max<std::size_t>(1, terminal_width(session.io));
+    for (const std::string& line : lines) {
+      if (until.reached(count)) session.io.out << cut(line, columns) << '\n';
+    }
+    session.io.out.flush();
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/world/world.hpp"
 
@@ -25,6 +26,9 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
     throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
+  Aabb bounds;
+  for (const Vec3& vertex : loaded.scene.mesh.vertices) bounds.extend(vertex);
+  if (const std::string doubt = unit_suspicion(bounds); !doubt.empty()) warnings.push_back(doubt);
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
 }
