@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "client/cli/command.hpp"
+#include "client/cli/output/wrapping.hpp"
 #include "tests/cli/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
@@ -152,6 +154,15 @@ TEST_F(Errors, EveryVerbExplainsItself) {
   EXPECT_NE(ran.out.find("--length"), std::string::npos);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all -h").out, ran.out);
   EXPECT_EQ(collide("help ray").out, ran.out);
+}
+
+TEST_F(Errors, NoLineOfAHelpIsWiderThanATerminal) {
+  for (const cli::Verb& verb : cli::verbs()) {
+    if (verb.group.empty() || verb.passes_words_on) continue;
+    std::istringstream lines(collide("help " + std::string(verb.name)).out);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(cli::columns_of(line), 80U) << verb.name << ": " << line;
+  }
 }
 
 TEST_F(Errors, ArgumentsComeFromAFileToo) {

@@ -44,6 +44,7 @@ TEST(Readable, ABoundIsShownWhereItHidesDigits) {
   EXPECT_EQ(readable_length(1.23456789, 0.01, Digits::rounded), "1.23 m ±0.01");
   EXPECT_EQ(readable_length(1.23456789, 1e-9, Digits::rounded), "1.234568 m");
   EXPECT_EQ(readable_length(1e-12, 1e-9, Digits::rounded), "0 ±1e-09");
+  EXPECT_EQ(readable_number(0.0036638432793211126, std::numeric_limits<double>::infinity()), "0.003664");
   EXPECT_EQ(readable_length(1.7999999999999998, 2.2e-16, Digits::all), "1.7999999999999998 m ±2.2e-16");
   EXPECT_EQ(readable_length(0.2, 0, Digits::all), "0.2 m exact");
 }
@@ -137,10 +138,16 @@ TEST(Wrapping, NumbersOfATableStayWhole) {
             "OBJECT            DEPTH        CONTACT\n"
             "…the_long_church  1234567.5 m  4649035.25 500006 5\n");
   EXPECT_EQ(print(36),
-            "OBJECT  DEPTH  CONTACT\n"
             "street.city/the_long_church\n"
-            "     1234567.5 m\n"
-            "     4649035.25 500006 5\n");
+            "     depth 1234567.5 m\n"
+            "     contact 4649035.25 500006 5\n");
+}
+
+TEST(Wrapping, ALabelIsNotLeftAlone) {
+  EXPECT_EQ(wrapped("  placed   a unit of the file is 1 m, since CSV does not say", 40),
+            "  placed   a unit of the file is 1 m,\n     since CSV does not say");
+  EXPECT_EQ(wrapped("poses 0 applied, 0 dropped  ·  questions 8 answered", 36),
+            "poses 0 applied, 0 dropped\n     ·  questions 8 answered");
 }
 
 TEST(Wrapping, ANumberStaysWithItsUnit) {

@@ -48,7 +48,7 @@ TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
                      {"began", {"shelf_3"}},
                      {"ended", nlohmann::json::array()},
                      {"version", 18206}};
-  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; now touches shelf_3\n");
+  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began to touch shelf_3\n");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1.2, 2, 0.2, 0, 1, 0, 0}));
   collide("move crate 0 0 -1 --by");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1, 2, -0.8, 0, 1, 0, 0}));

@@ -1,3 +1,5 @@
+#include <sstream>
+
 #include "tests/files/files_program.hpp"
 
 namespace collided::test {
@@ -15,6 +17,15 @@ TEST_F(Files, WhatIsMissingOrUnknownIsSaidInWords) {
   EXPECT_EQ(run("check a.obj --xyzzy").text, "error: check: unknown option '--xyzzy'\n       collide help check\n");
   EXPECT_EQ(run("check a.obj b.obj").text, "error: check: 'b.obj' has no meaning here\n       collide help check\n");
   EXPECT_EQ(run("check").code, 2);
+}
+
+TEST_F(Files, NoLineOfAHelpIsWiderThanATerminal) {
+  for (const char* const verb : {"check", "convert", "implicit"}) {
+    std::istringstream lines(run(std::string(verb) + " --help").text);
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 80u) << verb << ": " << line;
+    EXPECT_GT(count, 5u) << verb;
+  }
 }
 
 TEST_F(Files, QuietLeavesOutTheHint) {

@@ -117,6 +117,21 @@ void append_column_value(std::string& out, const Value& value, char separator) {
   }
 }
 
+/// A row of a table as a line in which each number stands behind the name of its column.
+std::string row_as_line(const std::vector<std::string>& header, const std::vector<std::string>& cells) {
+  std::string line;
+  for (std::size_t column = 0; column < cells.size(); ++column) {
+    if (cells[column].empty()) continue;
+    if (!line.empty()) line += "  ";
+    if (holds_number(cells[column])) {
+      for (const char c : header[column]) line += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+      line += ' ';
+    }
+    line += cells[column];
+  }
+  return line;
+}
+
 }  // namespace
 
 void append_json_string(std::string& out, std::string_view text) {
@@ -240,18 +255,24 @@ void Printer::finish() {
       if (at > 0 && holds_number(cells[column])) widths[column].may_shrink = false;
     }
   }
-  const bool is_table = fit(widths, appearance_.width);
+  const std::vector<ColumnWidth> wide = widths;
+  std::size_t gap = 2;
+  while (gap > 0 && !fit(widths, appearance_.width, gap)) {
+    widths = wide;
+    --gap;
+  }
   for (std::size_t at = 0; at < rows_.size(); ++at) {
+    if (gap == 0) {
+      if (at > 0) line(row_as_line(rows_[0], rows_[at]));
+      continue;
+    }
     std::string text;
     for (std::size_t column = 0; column < rows_[at].size(); ++column) {
-      const std::string& whole = rows_[at][column];
-      const std::string cell = is_table ? cut_to(whole, widths[column].columns) : whole;
+      const std::string cell = cut_to(rows_[at][column], widths[column].columns);
       text += cell;
-      const std::size_t gap = is_table ? widths[column].columns - columns_of(cell) + 2 : 2;
-      if (column + 1 < rows_[at].size()) text.append(gap, ' ');
+      if (column + 1 < rows_[at].size()) text.append(widths[column].columns - columns_of(cell) + gap, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);
-    if (!is_table) text = wrapped(text, appearance_.width);
     out_ << (at == 0 ? paint(Paint::faint, text) : text) << '\n';
   }
   rows_.clear();

@@ -177,8 +177,8 @@ class MoveCommand : public Command {
     const std::vector<std::string> ended = texts_of(answer, "ended");
     std::string line =
         fmt::format("moved {} {}", printable(name), readable_length(number_of(answer, "moved_m"), 0, Digits::rounded));
-    if (!began.empty()) line += "; now touches " + joined(began);
-    if (!ended.empty()) line += "; no longer touches " + joined(ended);
+    if (!began.empty()) line += "; began to touch " + joined(began);
+    if (!ended.empty()) line += "; stopped touching " + joined(ended);
     print_done(session, globals, answer,
                {{"moved", std::string(name)},
                 {"distance", number_of(answer, "moved_m")},

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
+#include <sstream>
 
 #include "server/programs/files/check.hpp"
 #include "server/programs/files/convert.hpp"
@@ -18,6 +19,27 @@
 namespace {
 
 constexpr int kInterrupted = 130;
+
+/// The parser's help with descriptions that end within a terminal.
+class NarrowHelp : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::size_t width = kColumns - get_column_width();
+    std::string text;
+    std::size_t used = 0;
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word; used += word.size()) {
+      const bool fits = used + 1 + word.size() <= width;
+      if (used > 0) text += fits ? ' ' : '\n';
+      used = used > 0 && fits ? used + 1 : 0;
+      text += word;
+    }
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kColumns = 78;
+};
 
 void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file) {
   verb.add_option("file", file.path, "File to read")->required();
@@ -132,6 +154,7 @@ void declare_convert(CLI::App& verb, collided::engine::files::ConvertOptions& op
 int main(int argument_count, char** arguments) {
   CLI::App app("Scene files without a server", "collide");
   app.require_subcommand(1);
+  app.formatter(std::make_shared<NarrowHelp>());
   collided::engine::files::FileOptions checked;
   collided::engine::files::CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
