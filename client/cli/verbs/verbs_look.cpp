@@ -99,9 +99,9 @@ class StatusCommand : public Command {
                              printable(status.name_space), printer.paint(paint, status.state)));
     std::string scenes;
     for (const std::string& scene : status.scenes) scenes += (scenes.empty() ? "" : ", ") + printable(scene);
-    printer.line(fmt::format("scene {}  {} triangles  ·  {} objects, {} moving  ·  {} open contacts  ·  world {}",
-                             scenes.empty() ? "(none)" : scenes, format_count(status.static_triangles),
-                             format_count(status.objects), format_count(status.moving), format_count(status.contacts),
+    printer.line(fmt::format("scene {}  {}  ·  {}, {} moving  ·  {}  ·  world {}", scenes.empty() ? "(none)" : scenes,
+                             counted(status.static_triangles, "triangle"), counted(status.objects, "object"),
+                             format_count(status.moving), counted(status.contacts, "open contact"),
                              format_count(status.version)));
     printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided",
                              format_count(status.poses_applied), format_count(status.poses_dropped),

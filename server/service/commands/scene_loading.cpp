@@ -33,6 +33,10 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   return loaded;
 }
 
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 }  // namespace
 
 LoadedScene load_and_index(const std::string& path, LoadOptions options) {
@@ -49,9 +53,9 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
 LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
-  std::string text =
-      fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
-                  loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
+  std::string text = fmt::format("{}: {} in {}, {}, {:.0f} ms", loaded.scene.name,
+                                 counted(loaded.triangles, "triangle"), counted(loaded.scene.parts.size(), "part"),
+                                 counted(loaded.scene.objects.size(), "object"), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
   for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;
