@@ -18,6 +18,7 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 grep -q 'a ray straight down meets warehouse/' "$folder/out" || fail "said $(cat "$folder/out")"
+[[ $(cat "$folder/out" "$folder/err" | grep -ci 'another terminal') -eq 1 ]] || fail "says twice what to try: $(cat "$folder/err")"
 "$collide" ray 0 0 5  0 0 -1 -q >"$folder/ray" || fail "no answer while it runs"
 HOME=$folder XDG_STATE_HOME='' script -qec "$collide shell" /dev/null >"$folder/shell" \
   < <(echo "ray 0 0 5  0 0 -1"; sleep 1; echo "rya"; sleep 1; echo "exit")

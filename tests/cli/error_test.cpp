@@ -55,6 +55,12 @@ TEST_F(Errors, OfTwoNearOptionsTheOneThatBeginsTheSameIsNamed) {
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --ony ball").err, "error: ray: unknown option '--ony'; did you mean '--only'?\n");
 }
 
+TEST_F(Errors, WhatIsMissingIsAskedFor) {
+  EXPECT_EQ(collide("events").err, "error: events: which file?\n");
+  EXPECT_EQ(collide("record").err, "error: record: which file?\n");
+  EXPECT_EQ(collide("view --save").err, "error: view: --save takes a value\n");
+}
+
 TEST_F(Errors, ANameOfSeveralObjectsSaysWhich) {
   fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
     if (name == "get") return Error{ErrorCode::refused, "no object", ""};

@@ -146,6 +146,12 @@ TEST_F(Top, NoLineIsWiderThanTheTerminal) {
   EXPECT_EQ(columns, 80U) << first;
 }
 
+// "test 60 %" cut to "test 6" would be another figure.
+TEST_F(Top, ALineIsCutBetweenItsWords) {
+  const Ran ran = at_terminal("top -n 1 --every 10ms", 44);
+  EXPECT_NE(ran.out.find("STAGE  take 2 %  update 0 %  index 18 %…\n"), std::string::npos) << ran.out;
+}
+
 TEST_F(Top, AServerThatFallsSilentIsSaidSo) {
   readings[1] = nullptr;
   const Ran live = at_terminal("top -n 1 --every 10ms");

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/input/number.hpp"
 #include "client/cli/output/readable.hpp"
 #include "client/cli/publish/sphere_mesh.hpp"
 #include "client/cli/session.hpp"
@@ -144,8 +145,8 @@ class BounceSource : public Source {
     lines.push_back(fmt::format(
         "  {} spheres of {}, seed {}, sizes{} (half to one and a half of the mean)", objects_.size(),
         options_.round ? "radius" : fmt::format("{} triangles", triangle_count()), options_.bounce.seed, sizes));
-    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {} flips  cube contacts {}",
-                                ledger.contacts, ledger.flips, ledger.sticking, ledger.longest_flips,
+    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {}  cube contacts {}", ledger.contacts,
+                                ledger.flips, ledger.sticking, counted(ledger.longest_flips, "flip"),
                                 ledger.cube_contacts));
     lines.push_back(fmt::format("  walls: {} faces, {} edges, {} corners", ledger.wall_hits[1], ledger.wall_hits[2],
                                 ledger.wall_hits[3]));

@@ -12,6 +12,7 @@
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/terminal_width.hpp"
+#include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
 namespace {
@@ -23,13 +24,20 @@ constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
 
 /// The first `columns` characters of a line, since a line that wraps would displace the others.
-std::string_view cut(std::string_view line, std::size_t columns) {
+std::string cut(std::string_view line, std::size_t columns) {
+  if (columns_of(line) <= columns) return std::string(line);
   std::size_t seen = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const bool begins_character = (static_cast<unsigned char>(line[i]) & 0xc0) != 0x80;
-    if (begins_character && seen++ == columns) return line.substr(0, i);
+  std::size_t end = 0;
+  std::size_t blank = 0;  // the last one that leaves more than half of the line
+  for (; end < line.size(); ++end) {
+    const bool begins_character = (static_cast<unsigned char>(line[end]) & 0xc0) != 0x80;
+    if (line[end] == ' ' && 2 * seen >= columns) blank = end;
+    if (begins_character && seen++ == columns - 1) break;
   }
-  return line;
+  // Part of a number would read as another one.
+  std::string kept(line.substr(0, blank > 0 ? blank : end));
+  kept.erase(kept.find_last_not_of(' ') + 1);
+  return kept + "…";
 }
 
 /// What takes time in a step: the column's title, and its name in the server's answer.

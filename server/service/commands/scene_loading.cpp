@@ -15,6 +15,9 @@ constexpr double kReadingShare = 0.5;
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
   LoadedScene loaded{.scene = std::move(scene), .indexed = nullptr, .report = std::move(report)};
   loaded.triangles = loaded.scene.mesh.triangles.size();
+  Aabb bounds;
+  for (const Vec3& vertex : loaded.scene.mesh.vertices) bounds.extend(vertex);  // before the index takes them
+  const std::string unit_doubt = unit_suspicion(bounds);
   BvhOptions bvh;
   if (options.progress) {
     bvh.progress = [&](double fraction) { options.progress(kReadingShare + (1 - kReadingShare) * fraction); };
@@ -26,9 +29,7 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
     throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
-  Aabb bounds;
-  for (const Vec3& vertex : loaded.scene.mesh.vertices) bounds.extend(vertex);
-  if (const std::string doubt = unit_suspicion(bounds); !doubt.empty()) warnings.push_back(doubt);
+  if (!unit_doubt.empty()) warnings.push_back(unit_doubt);
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
 }
