@@ -6,7 +6,9 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -18,8 +20,8 @@ namespace {
 
 constexpr const char* kProgram = "collided-files";
 
-/// Starts it; its standard output goes to the descriptor, unless that is -1.
-pid_t start(const Io& io, std::vector<std::string> words, int out) {
+/// Starts it; its standard output and its errors go to these descriptors, unless they are -1.
+pid_t start(const Io& io, std::vector<std::string> words, int out, int err) {
   words.insert(words.begin(), kProgram);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -31,6 +33,7 @@ pid_t start(const Io& io, std::vector<std::string> words, int out) {
   if (child < 0) throw Failure(Exit::refused, fmt::format("{} cannot be started: {}", kProgram, std::strerror(errno)));
   if (child == 0) {
     if (out >= 0) ::dup2(out, STDOUT_FILENO);
+    if (err >= 0) ::dup2(err, STDERR_FILENO);
     ::execvp(program.c_str(), pointers.data());
     ::_exit(127);
   }
@@ -50,27 +53,47 @@ int exit_code_of(pid_t child) {
   return WEXITSTATUS(status);
 }
 
+/// Everything that can be read from the descriptor.
+std::string all_of(int descriptor) {
+  std::string text;
+  std::array<char, 65'536> chunk{};
+  for (;;) {
+    const ssize_t count = ::read(descriptor, chunk.data(), chunk.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(chunk.data(), static_cast<std::size_t>(count));
+  }
+}
+
 }  // namespace
 
 int run_files_program(const Io& io, std::vector<std::string> words) {
-  return exit_code_of(start(io, std::move(words), -1));
+  return exit_code_of(start(io, std::move(words), -1, -1));
 }
 
 std::string files_program_output(const Io& io, std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw Failure(Exit::refused, fmt::format("no pipe: {}", std::strerror(errno)));
-  const pid_t child = start(io, std::move(words), ends[1]);
+  // A file takes what it says, however much that is, while its output is read.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> said(std::tmpfile(), std::fclose);
+  const pid_t child = start(io, std::move(words), ends[1], said ? ::fileno(said.get()) : -1);
   ::close(ends[1]);
-  std::string text;
-  std::array<char, 65'536> chunk{};
-  for (;;) {
-    const ssize_t count = ::read(ends[0], chunk.data(), chunk.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) break;
-    text.append(chunk.data(), static_cast<std::size_t>(count));
-  }
+  const std::string text = all_of(ends[0]);
   ::close(ends[0]);
-  if (exit_code_of(child) != 0) throw Failure(Exit::bad_use, "the file was not read");
+  const int code = exit_code_of(child);
+  std::string messages;
+  if (said) {
+    std::rewind(said.get());
+    messages = all_of(::fileno(said.get()));
+  }
+  constexpr std::string_view kError = "error: ";
+  if (code != 0 && messages.starts_with(kError)) {
+    messages.erase(0, kError.size());
+    messages.erase(std::min(messages.find('\n'), messages.size()));
+    throw bad_use(messages);
+  }
+  io.err << messages;
+  if (code != 0) throw bad_use("the file was not read");
   return text;
 }
 

@@ -51,6 +51,16 @@ void refuse_leftovers(CLI::App& app) {
   }
 }
 
+/// The parser's complaint as this program says it.
+std::string in_words(const CLI::ParseError& error) {
+  const std::string said = error.what();
+  if (const std::size_t end = said.find(" is required"); end != std::string::npos)
+    return fmt::format("which {}?", said.substr(0, end));
+  const std::size_t colon = said.find(": ");
+  if (colon != std::string::npos && said.ends_with(" missing")) return said.substr(0, colon) + " takes a value";
+  return said;
+}
+
 /// Parses the tokens into the declared members. Throws CLI::CallForHelp, and Failure for anything wrong.
 void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   app.allow_extras();
@@ -60,7 +70,7 @@ void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   try {
     app.parse(std::move(tokens));
   } catch (const CLI::CallForHelp&) { throw; } catch (const CLI::ParseError& error) {
-    throw bad_use(error.what());
+    throw bad_use(in_words(error));
   }
   refuse_leftovers(app);
 }
@@ -101,7 +111,10 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
   } catch (const Failure& failure) {
     session.io.out.flush();
     if (failure.code != Exit::bad_use) throw;
-    throw Failure(failure.code, fmt::format("{}: {}", verb.name, failure.what()), failure.hint);
+    // A message of the library's may begin with the name of its call, which is that of the verb.
+    const std::string prefix = fmt::format("{}: ", verb.name);
+    const std::string said = failure.what();
+    throw Failure(failure.code, said.starts_with(prefix) ? said : prefix + said, failure.hint);
   }
 }
 

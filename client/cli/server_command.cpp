@@ -21,23 +21,6 @@ nlohmann::json object_from(const std::string& text, std::string_view command) {
   return answer;
 }
 
-/// A Failure with the nearest names, where the world has no object of that name; else nothing.
-std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
-  namespace wire = wire_contract::command;
-  const nlohmann::json all =
-      server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
-  std::vector<std::string> names;
-  for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
-    names.push_back(text_of(entry, "name"));
-    if (names.back() == object) return std::nullopt;
-  }
-  std::string message =
-      fmt::format("object '{}' is not in the world ({})", object, format_count(count_of(all, "version")));
-  const std::vector<std::string> nearest = nearest_names(object, names, 3);
-  for (std::size_t at = 0; at < nearest.size(); ++at) message += (at == 0 ? "; nearest names: " : ", ") + nearest[at];
-  return Failure(Exit::no, message);
-}
-
 /// Arguments as text. Throws Failure for a name that is not UTF-8: with its bytes replaced it could be another name.
 std::string text_of_arguments(const nlohmann::json& arguments) {
   try {
@@ -76,6 +59,34 @@ nlohmann::json upload_command(Session& session, const Globals& globals, std::spa
   return object_from(take(session.client(globals).upload(bytes, file_name, text_of_arguments(arguments), timeout,
                                                          std::move(progress))),
                      "load");
+}
+
+std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
+  namespace wire = wire_contract::command;
+  const nlohmann::json all =
+      server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
+  std::vector<std::string> names;
+  std::vector<std::string> below;  // where the name is that of a scene, or of a group in one
+  for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
+    names.push_back(text_of(entry, "name"));
+    if (names.back() == object) return std::nullopt;
+    if (names.back().starts_with(object + "/")) below.push_back(names.back());
+  }
+  if (!below.empty()) {
+    constexpr std::size_t kMostNamed = 3;
+    std::string members;
+    for (std::size_t at = 0; at < std::min(kMostNamed, below.size()); ++at)
+      members += (at == 0 ? ": " : ", ") + below[at];
+    return Failure(Exit::refused,
+                   fmt::format("'{}' is not one object but {}{}{}", object, counted(below.size(), "object"), members,
+                               below.size() > kMostNamed ? ", ..." : ""),
+                   fmt::format("collide ls '{}/*' lists them", object));
+  }
+  std::string message =
+      fmt::format("object '{}' is not in the world ({})", object, counted(count_of(all, "count"), "object"));
+  const std::vector<std::string> nearest = nearest_names(object, names, 3);
+  for (std::size_t at = 0; at < nearest.size(); ++at) message += (at == 0 ? "; nearest names: " : ", ") + nearest[at];
+  return Failure(Exit::refused, message);
 }
 
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,

@@ -25,6 +25,9 @@ nlohmann::json upload_command(Session& session, const Globals& globals, std::spa
                               const std::string& file_name, const nlohmann::json& arguments,
                               std::function<void(double)> progress);
 
+/// A Failure with the nearest names, where the world has no object of that name; else nothing.
+std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object);
+
 /// The same for a command about one object. For an unknown name the Failure says "not in the world" and names the
 /// nearest ones.
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,

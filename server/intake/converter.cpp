@@ -141,6 +141,8 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   if (result.exit_code != 0) {
     const std::string said = first_line(result.errors);
     if (said.ends_with("Nothing was loaded")) throw LoadError(said + ".");  // it has named the file
+    constexpr int kRefused = 1;                                             // the file, for the reason that it says
+    if (result.exit_code == kRefused && !said.empty()) refuse_file(path, said);
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);
     refuse_file(

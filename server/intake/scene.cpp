@@ -297,6 +297,8 @@ Scene load_scene_from_memory(std::span<const char> bytes, const std::string& fil
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const FileFormat& format = format_of(path);
+  if (!options.srdf.empty() && format.read != &read_urdf)
+    throw LoadError(fmt::format("{}: --srdf is for .urdf robots. Nothing was loaded.", file_name(path)));
   Scene scene;
   if (format.read == nullptr) {
     scene = load_converted(path, options, report);

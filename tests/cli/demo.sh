@@ -18,9 +18,14 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 grep -q 'a ray straight down meets warehouse/' "$folder/out" || fail "said $(cat "$folder/out")"
+[[ $(cat "$folder/out" "$folder/err" | grep -ci 'another terminal') -eq 1 ]] || fail "says twice what to try: $(cat "$folder/err")"
 "$collide" ray 0 0 5  0 0 -1 -q >"$folder/ray" || fail "no answer while it runs"
-HOME=$folder XDG_STATE_HOME='' script -qec "$collide shell" /dev/null >"$folder/shell" \
-  < <(echo "ray 0 0 5  0 0 -1"; sleep 1; echo "rya"; sleep 1; echo "exit")
+: >"$folder/shell"
+await() { for _ in $(seq 200); do grep -q -- "$1" "$folder/shell" && return; sleep 0.1; done; }
+# Each line is typed at its prompt: what is typed before one is there may be lost, and then script would wait for ever.
+HOME=$folder XDG_STATE_HOME='' script -qefc "$collide shell" /dev/null >"$folder/shell" \
+  < <(await 'collide>'; echo "ray 0 0 5  0 0 -1"; await 'hit.*warehouse'; echo "rya"; await 'did you mean'
+    sleep 0.5; echo "exit"; sleep 1)
 grep -q 'hit.*warehouse/' "$folder/shell" || fail "the shell printed $(cat "$folder/shell")"
 grep -q "did you mean 'ray'" "$folder/shell" || fail "the shell let 'rya' pass: $(cat "$folder/shell")"
 grep -q 'ray' "$folder/.local/state/collide/history" || fail "no history"

@@ -39,7 +39,7 @@ class DrawVerb : public testing::Test {
 TEST_F(DrawVerb, SaysWhatItWroteAndWhatItAsked) {
   const Ran ran = at_terminal("draw --style wireframe -o " + path("a.svg"));
   EXPECT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(ran.out.substr(0, ran.out.find(" kB")), path("a.svg") + "  12 edges, 1");
+  EXPECT_EQ(ran.out.substr(0, ran.out.find(" kB")), "wrote " + path("a.svg") + "  12 edges, 1");
   EXPECT_NE(ran.out.find("0 visibility rays"), std::string::npos) << ran.out;
   EXPECT_TRUE(text_of(path("a.svg")).starts_with("<svg "));
   EXPECT_TRUE(asked.edges);

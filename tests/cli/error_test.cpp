@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "client/cli/command.hpp"
+#include "client/cli/output/wrapping.hpp"
 #include "tests/cli/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
@@ -48,6 +50,28 @@ TEST_F(Errors, NoServerSaysWhatWasSeen) {
             "       seen on this domain: 3 participants, none of ours\n");
 }
 
+// "--any" and "--only" are both one letter away; what begins the same longer was meant.
+TEST_F(Errors, OfTwoNearOptionsTheOneThatBeginsTheSameIsNamed) {
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --ony ball").err, "error: ray: unknown option '--ony'; did you mean '--only'?\n");
+}
+
+TEST_F(Errors, WhatIsMissingIsAskedFor) {
+  EXPECT_EQ(collide("events").err, "error: events: which file?\n");
+  EXPECT_EQ(collide("record").err, "error: record: which file?\n");
+  EXPECT_EQ(collide("view --save").err, "error: view: --save takes a value\n");
+}
+
+TEST_F(Errors, ANameOfSeveralObjectsSaysWhich) {
+  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "get") return Error{ErrorCode::refused, "no object", ""};
+    return std::string(R"({"objects":[{"name":"arm/base"},{"name":"arm/hand"},{"name":"army"}],"count":3})");
+  };
+  const Ran ran = collide("get arm");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err,
+            "error: 'arm' is not one object but 2 objects: arm/base, arm/hand\n       collide ls 'arm/*' lists them\n");
+}
+
 TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
   fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
     if (name == "get") return Error{ErrorCode::refused, "no object", ""};
@@ -55,8 +79,8 @@ TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
         R"({"objects":[{"name":"wall"},{"name":"pallet_70"},{"name":"pallet_07"}],"count":3,"version":18204})");
   };
   const Ran ran = collide("get pallet7");
-  EXPECT_EQ(ran.code, 1);
-  EXPECT_EQ(ran.err, "error: object 'pallet7' is not in the world (18 204); nearest names: pallet_07, pallet_70\n");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err, "error: object 'pallet7' is not in the world (3 objects); nearest names: pallet_07, pallet_70\n");
 }
 
 TEST_F(Errors, ARefusalOfTheServerIsPassedOn) {
@@ -136,6 +160,15 @@ TEST_F(Errors, EveryVerbExplainsItself) {
   EXPECT_NE(ran.out.find("--length"), std::string::npos);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all -h").out, ran.out);
   EXPECT_EQ(collide("help ray").out, ran.out);
+}
+
+TEST_F(Errors, NoLineOfAHelpIsWiderThanATerminal) {
+  for (const cli::Verb& verb : cli::verbs()) {
+    if (verb.group.empty() || verb.passes_words_on) continue;
+    std::istringstream lines(collide("help " + std::string(verb.name)).out);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(cli::columns_of(line), 80U) << verb.name << ": " << line;
+  }
 }
 
 TEST_F(Errors, ArgumentsComeFromAFileToo) {

@@ -4,6 +4,7 @@
 
 #include "client/cli/failure.hpp"
 #include "client/cli/input/time_text.hpp"
+#include "client/library/recordings/recorded_events.hpp"
 #include "tests/cli/event_recording.hpp"
 #include "tests/cli/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
@@ -71,10 +72,10 @@ TEST_F(EventsVerb, ALineAnEventInOrderOfTime) {
   EXPECT_EQ(ran.out,
             "open     crate x shelf  since 90.000\n"
             "100.995 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 12\n"
-            "100.998 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n"
-            "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n"
+            "100.998 began  drone x shelf  depth 0.004 m at 1 2 0.5  seq 11\n"
+            "101.999 ended  drone x shelf  after 1 s  (separated)  seq 13\n"
             "103.000 ended  crate x drone  after 2.01 s  (removed)  seq 14\n"
-            "104.000 began  shelf x cart  depth 0.004 m at 1 2 0.5  seq 15\n"
+            "104.000 began  cart x shelf  depth 0.004 m at 1 2 0.5  seq 15\n"
             "105.000 ended  crate x shelf  after 15 s  (separated)  seq 16\n");
   EXPECT_EQ(ran.err, "7 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
   EXPECT_EQ(fake::server().connect_count, 0) << "no server is asked";
@@ -99,31 +100,57 @@ TEST_F(EventsVerb, WhatHeldAtTheBeginOfTheWindowIsOpen) {
   write_run();
   EXPECT_EQ(
       told("--from 101.5 --to 103.5"),
-      "open crate shelf 12\nopen crate drone 12\nopen shelf drone 12\nended shelf drone 13\nended crate drone 14\n");
+      "open crate shelf 12\nopen crate drone 12\nopen drone shelf 12\nended drone shelf 13\nended crate drone 14\n");
   EXPECT_EQ(told("--from 102.5 --to 102.6"), "open crate shelf 13\nopen crate drone 13\n")
       << "what ended before does not hold";
-  EXPECT_EQ(told("--from 103.5 --to 104"), "open crate shelf 14\nbegan shelf cart 15\n");
+  EXPECT_EQ(told("--from 103.5 --to 104"), "open crate shelf 14\nbegan cart shelf 15\n");
 }
 
 TEST_F(EventsVerb, BothEndsOfTheWindowBelongToIt) {
   write_run();
-  const std::string both = "open crate shelf 14\nbegan shelf cart 15\nended crate shelf 16\n";
+  const std::string both = "open crate shelf 14\nbegan cart shelf 15\nended crate shelf 16\n";
   EXPECT_EQ(told("--from 104 --to 105"), both);
   EXPECT_EQ(told("--from +4s --to -1s"), both);
   EXPECT_EQ(told("--from 1970-01-01T00:01:44Z --to 1970-01-01T00:01:45Z"), both);
-  EXPECT_EQ(told("--from 104.000000001 --to 104.999999999"), "open crate shelf 15\nopen shelf cart 15\n");
-  EXPECT_EQ(told("--from 105 --to 105"), "open crate shelf 15\nopen shelf cart 15\nended crate shelf 16\n")
+  EXPECT_EQ(told("--from 104.000000001 --to 104.999999999"), "open crate shelf 15\nopen cart shelf 15\n");
+  EXPECT_EQ(told("--from 105 --to 105"), "open crate shelf 15\nopen cart shelf 15\nended crate shelf 16\n")
       << "it held until then";
   // By when it happened, not by when it was told.
-  EXPECT_EQ(told("--from 100.998 --to 100.998"), "open crate shelf 12\nopen crate drone 12\nbegan shelf drone 11\n");
+  EXPECT_EQ(told("--from 100.998 --to 100.998"), "open crate shelf 12\nopen crate drone 12\nbegan drone shelf 11\n");
 }
 
 TEST_F(EventsVerb, NamesChoosePairs) {
   write_run();
   EXPECT_EQ(told("--only 'd*'"),
-            "began crate drone 12\nbegan shelf drone 11\nended shelf drone 13\nended crate drone 14\n");
-  EXPECT_EQ(told("--skip 'd*'"), "open crate shelf 10\nbegan shelf cart 15\nended crate shelf 16\n");
+            "began crate drone 12\nbegan drone shelf 11\nended drone shelf 13\nended crate drone 14\n");
+  EXPECT_EQ(told("--skip 'd*'"), "open crate shelf 10\nbegan cart shelf 15\nended crate shelf 16\n");
   EXPECT_EQ(told("--only 'c*' --skip shelf"), "began crate drone 12\nended crate drone 14\n");
+}
+
+// A watch that begins in the past goes on with new events, so what it tells first is numbered upward too, though the second
+// of two events happened first.
+TEST(EventsSinceATime, AreNumberedUpward) {
+  const auto event = [](const char* b, std::uint64_t sequence, double bracket_s) {
+    Event began;
+    began.a = "crate";
+    began.b = b;
+    began.epoch = 1;
+    began.sequence = sequence;
+    began.world_time = std::chrono::seconds(101);
+    began.bracket_high_s = bracket_s;
+    return began;
+  };
+  const std::vector<Event> heard{event("floor", 10, 0.5), event("shelf", 11, 0.002), event("drone", 12, 0.2),
+                                 event("wall", 13, 0.005)};
+  const auto numbers = [&](client::EventOrder order) {
+    std::vector<std::uint64_t> told;
+    for (const Event& one :
+         client::in_window(heard, std::chrono::milliseconds(100'900), std::chrono::seconds(102), order))
+      told.push_back(one.sequence);
+    return told;
+  };
+  EXPECT_EQ(numbers(client::EventOrder::happened), (std::vector<std::uint64_t>{12, 12, 13, 11}));
+  EXPECT_EQ(numbers(client::EventOrder::sequence), (std::vector<std::uint64_t>{10, 10, 11, 13}));
 }
 
 TEST_F(EventsVerb, NothingInTheWindowIsANo) {
@@ -146,8 +173,8 @@ TEST_F(EventsVerb, ACutFileIsReadUpToThereAndSaysSo) {
   EXPECT_EQ(ran.out,
             "open     crate x shelf  since 90.000\n"
             "100.995 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 12\n"
-            "100.998 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n"
-            "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n");
+            "100.998 began  drone x shelf  depth 0.004 m at 1 2 0.5  seq 11\n"
+            "101.999 ended  drone x shelf  after 1 s  (separated)  seq 13\n");
   EXPECT_EQ(ran.err, "warning: " + path() + ": breaks off in the record at byte " + std::to_string(whole) +
                          "; what stands before it was read\n"
                          "4 events in " +
@@ -163,7 +190,7 @@ TEST_F(EventsVerb, LostEventsAreCounted) {
                          ": 1 events are not in it; what they changed is marked resync as far as it shows\n"
                          "6 events in " +
                          path() + ", recorded from 100.000 to 106.000; 1 lost\n");
-  EXPECT_EQ(told("--only drone"), "began crate drone 12\nbegan shelf drone 11\nended crate drone 14\n");
+  EXPECT_EQ(told("--only drone"), "began crate drone 12\nbegan drone shelf 11\nended crate drone 14\n");
   write_run([](std::uint64_t first) { return first < 15; });
   EXPECT_NE(collide("events " + path()).err.find("; 2 lost\n"), std::string::npos) << "the last ones too";
 }
@@ -172,8 +199,8 @@ TEST_F(EventsVerb, AnEndWhoseBeginningWasLostBeginsThere) {
   write_run([](std::uint64_t first) { return first != 11; });
   const Ran ran = at_terminal("events " + path() + " --only drone");
   EXPECT_EQ(ran.out,
-            "101.999 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 13  resync\n"
-            "101.999 ended  shelf x drone  after 0 ns  (separated)  seq 13\n"
+            "101.999 began  drone x shelf  depth 0.004 m at 1 2 0.5  seq 13  resync\n"
+            "101.999 ended  drone x shelf  after 0 ns  (separated)  seq 13\n"
             "103.000 began  crate x drone  depth 0.004 m at 1 2 0.5  seq 14  resync\n"
             "103.000 ended  crate x drone  after 0 ns  (removed)  seq 14\n");
   EXPECT_NE(ran.err.find("; 2 lost\n"), std::string::npos) << ran.err;
@@ -234,7 +261,7 @@ TEST_F(EventsVerb, ALaterSampleOfWhatHoldsTellsOfTheBegin) {
   }
   const Ran ran = at_terminal("events " + path());
   EXPECT_EQ(ran.out,
-            "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 0.004 m at 1 2 0.5  seq 11\n");
+            "open     crate x shelf  since 90.000\n101.000 began  drone x shelf  depth 0.004 m at 1 2 0.5  seq 11\n");
   EXPECT_EQ(ran.err, "2 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
 }
 
@@ -254,7 +281,7 @@ TEST_F(EventsVerb, AServerThatStartsAgainEndsWhatIsGone) {
   EXPECT_EQ(ran.out,
             "101.000 began  crate x shelf  depth 0.004 m at 1 2 0.5  seq 1\n"
             "110.000 ended  crate x shelf  after 9 s  (server_restarted)  seq 0  resync\n"
-            "111.000 began  shelf x cart  depth 0.004 m at 1 2 0.5  seq 1\n");
+            "111.000 began  cart x shelf  depth 0.004 m at 1 2 0.5  seq 1\n");
 }
 
 TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {

@@ -103,6 +103,32 @@ TEST_F(FilesShapes, AHullIsOfTheFilesPoints) {
   EXPECT_EQ(hull->points.size(), 4U);
 }
 
+TEST_F(FilesShapes, UnitAndUpGoToTheProgramThatReads) {
+  ASSERT_EQ(add("mesh part.stl --unit mm --up y", kTetrahedron).code, 0);
+  std::ifstream in(program_.path() + ".words");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "triangles\npart.stl\n--unit\nmm\n--up\ny\n");
+  EXPECT_EQ(add("sphere 1 --unit mm", kTetrahedron).err,
+            "error: add: --unit and --up are for mesh FILE and hull FILE\n");
+}
+
+TEST_F(FilesShapes, APublisherTakesThemToo) {
+  std::ofstream(program_.path()) << "#!/bin/sh\n" << kTetrahedron << "\n";
+  const Ran ran = collide("publish --waypoints '0,0,1 1,0,1' --speed 100m/s --shape hull:part.stl",
+                          {.environment = {{"COLLIDED_FILES", program_.path()}}});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_TRUE(std::holds_alternative<HullShape>(fake::server().publishers.back().objects.at(1).shape[0]));
+}
+
+// One error, from the program that read the file, and not a second one that says nothing more.
+TEST_F(FilesShapes, AFailureIsSaidOnce) {
+  const Ran failed = add("mesh part.stl", "echo 'error: part.stl: no triangles' >&2; exit 2");
+  EXPECT_EQ(failed.code, 2);
+  EXPECT_EQ(failed.err, "error: add: part.stl: no triangles\n");
+  const Ran warned = add("mesh part.stl", std::string("echo 'warning: a part is left out' >&2; ") + kTetrahedron);
+  EXPECT_EQ(warned.code, 0);
+  EXPECT_EQ(warned.err, "warning: a part is left out\n");
+}
+
 TEST_F(FilesShapes, WhatIsNotReadIsNotAdded) {
   EXPECT_EQ(add("mesh part.stl", "exit 2").code, 2);
   EXPECT_EQ(add("mesh part.stl", "kill -TERM $$").code, 5);

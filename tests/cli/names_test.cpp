@@ -90,7 +90,7 @@ TEST(HostileNames, EveryVerbThatTellsANameTellsTheSame) {
     };
     Event event;
     event.a = name;
-    event.b = "b" + name;
+    event.b = name + "b";
     fake::server().events = {event};
     fake::server().readings = {{.probe = name, .object = name + "o", .state = Clearance::gap, .met = name + "m"}};
     fake::server().status.state = "ready";
@@ -107,7 +107,7 @@ TEST(HostileNames, EveryVerbThatTellsANameTellsTheSame) {
     EXPECT_EQ(record("get thing")["contacts"][0], name);
     EXPECT_EQ(record("watch -n 1")["a"], name);
     fake::server().events = {event};
-    EXPECT_EQ(record("watch -n 1")["b"], "b" + name);
+    EXPECT_EQ(record("watch -n 1")["b"], name + "b");
     EXPECT_EQ(record("probe")["probe"], name);
     EXPECT_EQ(record("probe")["met"], name + "m");
     EXPECT_EQ(record("status")["scenes"][0], name);

@@ -143,6 +143,14 @@ TEST(Tokens, AVectorOptionTakesItsNumbersAndNoMore) {
   EXPECT_EQ(joined({"--size", "0.2", "--seed", "7"}), (std::vector<std::string>{"--size", "0.2", "--seed", "7"}));
 }
 
+TEST(Number, AUnitMayStandByItself) {
+  EXPECT_EQ(parse_numbers({"20", "cm", "3", "m"}, Measure::length), (std::vector<double>{0.2, 3}));
+  EXPECT_EQ(parse_numbers({"20cm", "3"}, Measure::length), (std::vector<double>{0.2, 3}));
+  EXPECT_THROW(parse_numbers({"20cm", "cm"}, Measure::length), Failure);
+  EXPECT_THROW(parse_numbers({"cm", "20"}, Measure::length), Failure);
+  EXPECT_THROW(parse_numbers({"20", "deg"}, Measure::length), Failure);
+}
+
 TEST(Tokens, WordsAreSplitAsAShellDoes) {
   EXPECT_EQ(split_words("add 'a b' \"c d\" e\\ f # g"), (std::vector<std::string>{"add", "a b", "c d", "e f"}));
   EXPECT_EQ(split_words("rm a#b"), (std::vector<std::string>{"rm", "a#b"}));

@@ -41,6 +41,30 @@ TEST_F(PairVerb, ApartReadsAsASentence) {
   EXPECT_FALSE(last_options.certificate);
 }
 
+// A script must not take a mistyped name for "apart", which is 1, whichever verb meets it.
+TEST_F(PairVerb, AnUnknownNameIsRefusedAsByEveryVerb) {
+  const Error unknown{ErrorCode::refused, "server refused: no object", ""};
+  fake::server().pair = [&](const std::string&, const std::string&, const PairOptions&) -> Result<PairAnswer> {
+    return unknown;
+  };
+  fake::server().command = [&](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "list") return std::string(R"({"objects":[{"name":"crate"}],"count":1,"version":5})");
+    return unknown;
+  };
+  const std::string said = "error: object 'crte' is not in the world (1 object); nearest names: crate\n";
+  for (const char* const words : {"pair crate crte", "pair crte crate", "get crte", "move crte 0 0 0", "rm crte -q"}) {
+    const Ran ran = collide(words);
+    EXPECT_EQ(ran.code, 5) << words;
+    EXPECT_EQ(ran.err, said) << words;
+  }
+}
+
+TEST_F(PairVerb, ZeroHasNoSignInAPipe) {
+  next.normal = {-0.0, 1, -0.0};
+  EXPECT_EQ(collide("pair crate shelf --fields normal").out, "0 1 0\n");
+  EXPECT_EQ(collide("pair crate shelf --json --fields normal").out, "{\"normal\":[0,1,0]}\n");
+}
+
 TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
   next.verdict = Verdict::hit;
   next.normal = {0, 0, 1};
@@ -197,6 +221,17 @@ TEST_F(ProbeVerb, IsFixedToAnObjectAndRemoved) {
   EXPECT_EQ(collide("probe front --on car 0 0 0").code, 2);
   EXPECT_EQ(collide("probe front --on car 0 0 0 0 0 0").code, 2);
   EXPECT_EQ(collide("probe front --on car 0 0 0 0 0 nan").code, 2);
+}
+
+TEST_F(ProbeVerb, ANameThatNothingHasIsSaid) {
+  fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    return std::string(R"({"objects":[{"name":"car"},{"name":"road"}],"count":2,"version":5})");
+  };
+  EXPECT_EQ(collide("probe front --on car 0 0 0 0 0 -1").err, "");
+  const Ran ran = collide("probe front --on cra 0 0 0 0 0 -1");
+  EXPECT_EQ(ran.code, 0) << "it waits for its object";
+  EXPECT_EQ(ran.err,
+            "object 'cra' is not in the world (2 objects); nearest names: car. The probe reads 'absent' until it is\n");
 }
 
 TEST_F(ProbeVerb, ReadingsAreRecords) {

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <sstream>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/output/output.hpp"
 #include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
@@ -28,10 +30,21 @@ TEST(Readable, LengthsAreRoundedToWhatTheEyeNeeds) {
   EXPECT_EQ(readable_length(1e300, 0, Digits::rounded), "1e+300 m");
 }
 
+TEST(Readable, NumbersThatPeopleCopyHaveNoExponentUnlessTheyMust) {
+  EXPECT_EQ(format_number(500000), "500000");
+  EXPECT_EQ(format_number(-4649022.125), "-4649022.125");
+  EXPECT_EQ(format_number(1e-4), "0.0001");
+  EXPECT_EQ(format_number(1e-5), "1e-05");
+  EXPECT_EQ(format_number(1e15), "1e+15");
+  EXPECT_EQ(format_bound(523456), "520000");
+  EXPECT_EQ(format_bound(8.9e-16), "8.9e-16");
+}
+
 TEST(Readable, ABoundIsShownWhereItHidesDigits) {
   EXPECT_EQ(readable_length(1.23456789, 0.01, Digits::rounded), "1.23 m ±0.01");
   EXPECT_EQ(readable_length(1.23456789, 1e-9, Digits::rounded), "1.234568 m");
   EXPECT_EQ(readable_length(1e-12, 1e-9, Digits::rounded), "0 ±1e-09");
+  EXPECT_EQ(readable_number(0.0036638432793211126, std::numeric_limits<double>::infinity()), "0.003664");
   EXPECT_EQ(readable_length(1.7999999999999998, 2.2e-16, Digits::all), "1.7999999999999998 m ±2.2e-16");
   EXPECT_EQ(readable_length(0.2, 0, Digits::all), "0.2 m exact");
 }
@@ -91,12 +104,55 @@ TEST(Wrapping, NothingIsWiderThanTheTerminalAndNoWordIsLost) {
 }
 
 TEST(Wrapping, ATableFitsByItsWidestColumns) {
-  std::vector<std::size_t> widths{40, 8, 30};
-  fit(widths, 50);
-  EXPECT_LE(widths[0] + widths[1] + widths[2] + 4, 50u);
-  EXPECT_EQ(widths[1], 8u);
+  std::vector<ColumnWidth> widths{{40}, {8}, {30}};
+  EXPECT_TRUE(fit(widths, 50));
+  EXPECT_LE(widths[0].columns + widths[1].columns + widths[2].columns + 4, 50u);
+  EXPECT_EQ(widths[1].columns, 8u);
+  widths = {{40}, {30, false}};
+  EXPECT_TRUE(fit(widths, 50));
+  EXPECT_EQ(widths[0].columns, 18u);
+  EXPECT_EQ(widths[1].columns, 30u);
+  EXPECT_FALSE(fit(widths, 30));
   EXPECT_EQ(cut_to("warehouse/shelf_3/top", 10), "…elf_3/top");
   EXPECT_EQ(cut_to("short", 10), "short");
+}
+
+TEST(Wrapping, WhatHoldsANumberIsKnown) {
+  for (const char* const text : {"1.8 m", "-0.003 m", "+12 m", "at most -3 m", "4649035.5 500006 5", ".5", "±1e-9"})
+    EXPECT_TRUE(holds_number(text)) << text;
+  for (const char* const text : {"", "pallet_07", "warehouse/shelf_3/top", "none", "contact inside", "-", "arm-2"})
+    EXPECT_FALSE(holds_number(text)) << text;
+}
+
+// "1234567.5 m" cut to "…567.5 m" would be another length.
+TEST(Wrapping, NumbersOfATableStayWhole) {
+  std::ostringstream out;
+  const auto print = [&](std::size_t width) {
+    out.str("");
+    Printer printer(out, Format::table, {}, {.width = width});
+    printer.row({"OBJECT", "DEPTH", "CONTACT"}, {"street.city/the_long_church", "1234567.5 m", "4649035.25 500006 5"});
+    printer.finish();
+    return out.str();
+  };
+  EXPECT_EQ(print(50),
+            "OBJECT            DEPTH        CONTACT\n"
+            "…the_long_church  1234567.5 m  4649035.25 500006 5\n");
+  EXPECT_EQ(print(36),
+            "street.city/the_long_church\n"
+            "     depth 1234567.5 m\n"
+            "     contact 4649035.25 500006 5\n");
+}
+
+TEST(Wrapping, ALabelIsNotLeftAlone) {
+  EXPECT_EQ(wrapped("  placed   a unit of the file is 1 m, since CSV does not say", 40),
+            "  placed   a unit of the file is 1 m,\n     since CSV does not say");
+  EXPECT_EQ(wrapped("poses 0 applied, 0 dropped  ·  questions 8 answered", 36),
+            "poses 0 applied, 0 dropped\n     ·  questions 8 answered");
+}
+
+TEST(Wrapping, ANumberStaysWithItsUnit) {
+  EXPECT_EQ(wrapped("undecided: the answer is known to 13.25 m and to no more", 38),
+            "undecided: the answer is known to\n     13.25 m and to no more");
 }
 
 }  // namespace

@@ -51,5 +51,31 @@ TEST_F(SaidInFull, UndoCountsWhatIsNotListedAndWhatNoLineBringsBack) {
   EXPECT_NE(ran.err.find("     3 more that no line here brings back\n"), std::string::npos) << ran.err;
 }
 
+// A miss is no answer where nobody has the name that was asked for.
+TEST_F(SaidInFull, AGlobThatNobodyMatchesIsSaidByEveryVerb) {
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 2}};
+  const std::string hint = "no object's name matches --only 'palet*'\n";
+  EXPECT_EQ(collide("ray - --only 'palet*'", {.in = "0 0 5 0 0 -1\n"}).err, hint);
+  EXPECT_EQ(collide("ray - --only 'palet*' -q", {.in = "0 0 5 0 0 -1\n"}).err, "");
+  EXPECT_TRUE(collide("watch --only 'palet*' --for 1ms").err.starts_with(hint));
+  EXPECT_TRUE(collide("ray 0 0 5 0 0 -1 --watch --only 'palet*' --for 1ms").err.starts_with(hint));
+  EXPECT_EQ(collide("ls 'palet*'").err, "no object's name matches 'palet*'\n");
+  EXPECT_EQ(collide("ls").err, "") << "the world is empty";
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 3}, {"version", 2}};
+  EXPECT_EQ(collide("ray - --only 'palet*'", {.in = "0 0 5 0 0 -1\n"}).err, "");
+}
+
+TEST_F(SaidInFull, APoseIsRoundedForPeopleAndNeverHasAnExponent) {
+  replies["get"] = {{"name", "crate"},
+                    {"kind", "box"},
+                    {"pose", {500000, 0.1 + 0.2, 0, 0.7071067811865476, 0, 0, 0.7071067811865476}},
+                    {"bounds", {{499999.5, 0, 0}, {500000.5, 1, 1}}}};
+  const std::string out = at_terminal("get crate").out;
+  EXPECT_NE(out.find("  pose      500000 0.3 0 0.707107 0 0 0.707107\n"), std::string::npos) << out;
+  EXPECT_NE(out.find("  bounds    499999.5 0 0  to  500000.5 1 1\n"), std::string::npos) << out;
+  const std::string full = at_terminal("get crate -v").out;
+  EXPECT_NE(full.find("  pose      500000 0.30000000000000004 0 "), std::string::npos) << full;
+}
+
 }  // namespace
 }  // namespace collided

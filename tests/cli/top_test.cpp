@@ -125,7 +125,11 @@ TEST_F(Top, RefreshesItsOwnScreenAndGivesTheOldOneBack) {
   const Ran ran = at_terminal("top -n 2 --every 10ms");
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(ran.out.rfind("\x1b[?1049h", 0), 0U);
-  EXPECT_TRUE(ran.out.ends_with("\x1b[?25h\x1b[?1049l"));
+  const std::size_t given_back = ran.out.find("\x1b[?25h\x1b[?1049l");
+  ASSERT_NE(given_back, std::string::npos);
+  const std::string left = ran.out.substr(given_back + 14);
+  EXPECT_TRUE(left.starts_with("collided ")) << "the last figures stay: " << left;
+  EXPECT_EQ(left.find('\x1b'), std::string::npos);
   std::size_t shown = 0;
   for (std::size_t at = ran.out.find("\x1b[H"); at != std::string::npos; at = ran.out.find("\x1b[H", at + 1)) ++shown;
   EXPECT_EQ(shown, 2U);
@@ -140,6 +144,12 @@ TEST_F(Top, NoLineIsWiderThanTheTerminal) {
   std::size_t columns = 0;
   for (const char c : first) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80 ? 1 : 0;
   EXPECT_EQ(columns, 80U) << first;
+}
+
+// "test 60 %" cut to "test 6" would be another figure.
+TEST_F(Top, ALineIsCutBetweenItsWords) {
+  const Ran ran = at_terminal("top -n 1 --every 10ms", 44);
+  EXPECT_NE(ran.out.find("STAGE  take 2 %  update 0 %  index 18 %…\n"), std::string::npos) << ran.out;
 }
 
 TEST_F(Top, AServerThatFallsSilentIsSaidSo) {

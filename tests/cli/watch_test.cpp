@@ -54,6 +54,28 @@ TEST_F(WatchVerb, MachinesGetEveryField) {
             "\"sequence\":884}\n");
 }
 
+// The server's order of a pair follows its numbers for the objects, which differ from run to run.
+TEST_F(WatchVerb, APairStandsInTheOrderOfItsNames) {
+  Event event = fake::server().events[1];
+  event.normal = {0, 0, 1};
+  event.surface_normal = {0, 1, 0};
+  event.a_triangle = 3;
+  const std::string fields = " --json --fields a,b,a_triangle,b_triangle,normal,surface_normal,velocity";
+  fake::server().events = {event};
+  EXPECT_EQ(collide("watch -n 1" + fields).out,
+            "{\"a\":\"drone_2\",\"b\":\"pallet_07\",\"a_triangle\":3,\"normal\":[0,0,1],"
+            "\"surface_normal\":[0,1,0],\"velocity\":[-1.5,0,0.25]}\n");
+  std::swap(event.a, event.b);
+  fake::server().events = {event};
+  EXPECT_EQ(collide("watch -n 1" + fields).out,
+            "{\"a\":\"drone_2\",\"b\":\"pallet_07\",\"b_triangle\":3,\"normal\":[0,0,-1],"
+            "\"surface_normal\":[0,-1,0],\"velocity\":[1.5,0,-0.25]}\n");
+  fake::server().events = {event};
+  EXPECT_NE(at_terminal("watch -n 1").out.find("  drone_2 x pallet_07  "), std::string::npos);
+  fake::server().events = {event};
+  EXPECT_EQ(collide("watch -n 1 --format '{what} {a} {b}'").out, "began drone_2 pallet_07\n");
+}
+
 // A late joiner's open contacts and endings bear on nothing.
 TEST_F(WatchVerb, WhereTheyBearIsAskedForAsTheyBegin) {
   const auto events = fake::server().events;

@@ -48,7 +48,7 @@ TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
                      {"began", {"shelf_3"}},
                      {"ended", nlohmann::json::array()},
                      {"version", 18206}};
-  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began x shelf_3\n");
+  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began to touch shelf_3\n");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1.2, 2, 0.2, 0, 1, 0, 0}));
   collide("move crate 0 0 -1 --by");
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1, 2, -0.8, 0, 1, 0, 0}));
@@ -81,8 +81,8 @@ TEST_F(World, WhatCannotBeRemovedIsComparedWithNamesUnlessItIsAGlob) {
     return nlohmann::json{{"objects", {{{"name", "crate"}}, {{"name", "shelf"}}}}, {"count", 2}, {"version", 3}}.dump();
   };
   const Ran named = collide("rm crat -q");
-  EXPECT_EQ(named.code, 1);
-  EXPECT_EQ(named.err, "error: object 'crat' is not in the world (3); nearest names: crate\n");
+  EXPECT_EQ(named.code, 5);
+  EXPECT_EQ(named.err, "error: object 'crat' is not in the world (2 objects); nearest names: crate\n");
   for (const char* const glob : {"'crat*'", "'crat?'", "'[c]rat'", "'*'"}) {
     const Ran ran = collide(std::string("rm -q ") + glob);
     EXPECT_EQ(ran.code, 5) << glob;
@@ -107,8 +107,9 @@ TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
   EXPECT_EQ(ran.out,
             "loaded 'warehouse' in 412 ms  world 18210\n"
             "  312 parts, 1 204 118 triangles, 40 objects\n"
-            "  mended   18 T-vertices\n"
-            "  left out moving index\n");
+            "  mended   18 T-vertices\n");
+  EXPECT_EQ(at_terminal("load warehouse.obj -q").out, "");
+  EXPECT_EQ(collide("load warehouse.obj").out, "warehouse\t312\t1204118\t40\t[]\t[]\t18210\n");
   EXPECT_EQ(asked[0].second["unit_m"], 0.001);
   EXPECT_EQ(asked[0].second["up"], "y");
   EXPECT_EQ(asked[0].second["path"].get<std::string>().front(), '/');
@@ -289,6 +290,53 @@ TEST_F(World, TheUndoLineIsACommandOfCollide) {
   EXPECT_EQ(asked.back().second["moving"], false);
   EXPECT_EQ(std::get<CapsuleShape>(last_shape[0]).a, Vec3(0, 0, -0.15));
   EXPECT_EQ(std::get<CapsuleShape>(last_shape[0]).radius_m, 0.05);
+}
+
+// Every shape that `add` makes without a file comes back; a plane never moves, so its line does not say so.
+TEST_F(World, WhatAddMadeHasALineThatMakesIt) {
+  const auto line_of = [&](const nlohmann::json& shape, bool moving) {
+    replies["list"] = {{"objects", {{{"name", "it"}, {"scene", ""}, {"publisher", ""}}}}, {"count", 1}};
+    replies["get"] = {{"name", "it"},    {"shape", {shape}},   {"pose", {500000, 0, 0, 1, 0, 0, 0}},
+                      {"layers", 1},     {"mask", 0xffffffff}, {"group", 0},
+                      {"moving", moving}};
+    replies["remove"] = {{"removed", {"it"}}, {"ended", 0}, {"version", 2}};
+    return collide("rm it").err;
+  };
+  const nlohmann::json low{0, 0, -0.25}, high{0, 0, 0.25}, zero{0, 0, 0};
+  const std::string undo = "     undo: collide add it ";
+  EXPECT_EQ(line_of({{"cylinder", {{"a", low}, {"b", high}, {"radius_m", 0.1}}}}, true),
+            undo + "cylinder 0.1 0.5 --at 500000 0 0\n");
+  EXPECT_EQ(line_of({{"cone", {{"apex", high}, {"base", low}, {"radius_m", 0.1}}}}, true),
+            undo + "cone 0.1 0.5 --at 500000 0 0\n");
+  EXPECT_EQ(line_of({{"ellipsoid", {{"center", zero}, {"half_m", {0.5, 1, 1.5}}, {"rotation", {1, 0, 0, 0}}}}}, true),
+            undo + "ellipsoid 1 2 3 --at 500000 0 0\n");
+  EXPECT_EQ(line_of({{"half_space", {{"point", zero}, {"normal", {0, 0, 1}}}}}, false),
+            undo + "plane 0 0 1 --at 500000 0 0\n");
+  const std::string none = "     1 more that no line here brings back\n";
+  EXPECT_EQ(line_of({{"cone", {{"apex", low}, {"base", high}, {"radius_m", 0.1}}}}, true), none) << "add makes no such";
+  EXPECT_EQ(line_of({{"hull", {{"vertices", 8}, {"faces", 12}}}}, true), none);
+}
+
+// The scene is still there when its parts are gone, so its file is loaded in its place.
+TEST_F(World, PartsOfASceneComeBackWithItsFile) {
+  const auto of = [](const char* name, const char* scene) {
+    return nlohmann::json{{"name", name}, {"scene", scene}, {"publisher", ""}};
+  };
+  replies["list"] = {{"objects", {of("cell/bench", "cell"), of("cell/post", "cell"), of("sent/door", "sent")}},
+                     {"count", 3}};
+  replies["plan"] = {{"scenes",
+                      {{{"scene", "cell"}, {"load", {{"path", "/srv/cell.csv"}}}},
+                       {{"scene", "hall"}, {"load", {{"path", "/srv/hall.obj"}}}},
+                       {{"scene", "sent"}, {"load", nullptr}}}}};
+  replies["remove"] = {{"removed", {"cell/bench", "cell/post", "sent/door"}}, {"ended", 0}, {"version", 2}};
+  replies["clear"] = {{"removed", 3}, {"ended", 0}, {"version", 2}};
+  const std::string lines =
+      "     undo: collide load /srv/cell.csv --replace\n     1 more that no line here brings back\n";
+  EXPECT_EQ(collide("rm '*'").err, lines);
+  EXPECT_EQ(asked.back().first, "remove") << "the lines are known before anything is lost";
+  EXPECT_EQ(collide("clear --moving").err, lines);
+  EXPECT_EQ(collide("clear hall --moving").err, lines + "     undo: collide load /srv/hall.obj\n");
+  EXPECT_EQ(collide("clear cell").err, "     undo: collide load /srv/cell.csv\n");
 }
 
 // The lines load each scene as it was loaded; a file that a client sent has none.

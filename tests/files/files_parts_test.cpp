@@ -91,8 +91,11 @@ TEST(FilesCheck, ProgressComesToEachPhaseAndStaysWithinIt) {
 
 std::vector<std::string> lines_of(const Finding& finding) {
   std::vector<std::string> lines;
-  for (const Place& place : finding.worst)
-    lines.push_back(place.object + " " + std::to_string(place.triangle) + " " + place.detail);
+  for (const Place& place : finding.worst) {
+    const std::string with =
+        place.with ? "with " + place.with->object + " " + std::to_string(place.with->triangle) : std::string();
+    lines.push_back(place.object + " " + std::to_string(place.triangle) + " " + place.detail + with);
+  }
   return lines;
 }
 
@@ -118,7 +121,7 @@ TEST(FilesCheck, FindingsComeInTheirOrderWorstFirstWithTheirPlaces) {
   EXPECT_GT(found["boundary_edges"].first, 2u);
   EXPECT_EQ(found["boundary_edges"].second.size(), 2u);
   EXPECT_GE(found["self_intersections"].first, 2u);
-  EXPECT_EQ(found["self_intersections"].second, (Lines{"s/a 0 with 2", "s/b 0 with 2"})) << order;
+  EXPECT_EQ(found["self_intersections"].second, (Lines{"s/a 0 with s/b 2", "s/b 0 with s/b 2"})) << order;
   EXPECT_LT(order.find("boundary_edges"), order.find("nonmanifold_edges"));
   EXPECT_LT(order.find("nonmanifold_edges"), order.find("zero_area"));
   EXPECT_LT(order.find("zero_area"), order.find("duplicates"));

@@ -18,58 +18,20 @@
 #include <utility>
 #include <vector>
 
+#include "tests/files/files_program.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
+using collided::test::Files;
+using collided::test::kCube;
 using nlohmann::json;
-
-struct Ran {
-  std::string text;  // both streams
-  int code = 0;
-};
-
-class Files : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::path(testing::TempDir()) / "collided_files_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& text) const {
-    const fs::path path = folder_ / name;
-    std::ofstream(path, std::ios::binary) << text;
-    return path.string();
-  }
-
-  Ran run(const std::string& words) const {
-    std::FILE* pipe = ::popen((std::string(COLLIDED_FILES_BUILT) + " " + words + " 2>&1").c_str(), "r");
-    Ran ran;
-    std::array<char, 4096> piece{};
-    for (std::size_t got = 0; (got = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;)
-      ran.text.append(piece.data(), got);
-    ran.code = WEXITSTATUS(::pclose(pipe));
-    return ran;
-  }
-
-  json checked(const std::string& words) const {
-    const Ran ran = run("check --json " + words);
-    EXPECT_LE(ran.code, 1) << ran.text;
-    return json::parse(ran.text);
-  }
-
-  fs::path folder_;
-};
+using Ran = collided::test::FilesRan;
 
 /// Two panels; the second one's long edge passes a point of the first one's.
 const std::string kPanels =
     "o left\nv 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\no right\nv 2 0 0\nv 2 1 0\nf 2 6 "
     "7\nf 2 7 4\n";
-
-const std::string kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST_F(Files, CheckNamesEachDefectItsPlaceAndWhatTheServiceDoes) {
   const json found = checked(write("panels.obj", kPanels));
@@ -310,8 +272,8 @@ TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
           "            2  pinched points       kept; several surfaces touch there\n"
           "               panels/left triangle 0 vertex 1; panels/left triangle 2 vertex 3\n"
           "            3  meet each other      normal where parts join or overlap; every triangle counts\n"
-          "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with "
-          "1\n");
+          "               panels/left triangle 0 with panels/right triangle 1; panels/left triangle 1 with "
+          "panels/right triangle 1; panels/left triangle 2 with panels/right triangle 1\n");
   EXPECT_EQ(run("check " + write("panels.obj", bent)).text,
             head +
                 "            1  T-vertices           kept; --mend cuts the edges there\n"
@@ -321,10 +283,10 @@ TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
                 "            2  pinched points       kept; several surfaces touch there\n"
                 "               left triangle 0 vertex 1; left triangle 2 vertex 3\n"
                 "            3  meet each other      normal where parts join or overlap\n"
-                "               left triangle 0 with 1; left triangle 1 with 1\n"
+                "               left triangle 0 with right triangle 1\n"
                 "  -v shows every place, --json gives it to programs\n");
   EXPECT_EQ(run("check " + write("cube.obj", kCube) + " --encodings --eye 5,7,11").text,
-            "cube  1 parts, 12 triangles, 0 objects\n" + placed +
+            "cube  1 part, 12 triangles, 0 objects\n" + placed +
                 "  bounds   0 0 0  to  1 1 1\n"
                 "  surface  closed, of one orientation, manifold: 'inside' has a meaning\n"
                 "  pieces   1\n"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# README can be read in a minute, every guide is found from it and by a test, and no link leads nowhere.
+# README can be read in a minute, every guide is found from it and by a test, no link leads nowhere, and every script of
+# deploy says how it is called.
 # usage: shape.sh ROOT
 set -euo pipefail
 cd "${1:?ROOT}"
@@ -41,6 +42,11 @@ done
 for guide in deploy/docs/*.md; do
   grep -qF "]($guide)" README.md || say "README.md has no link to $guide"
   grep -qF "$guide " tests/readme/CMakeLists.txt || say "no test runs $guide"
+done
+for script in deploy/*; do
+  [[ -f $script && -x $script ]] || continue
+  said=$("$script" --help </dev/null 2>&1) || say "$script --help fails: $said"
+  [[ $said == *"  $script"* ]] || say "$script --help does not say how it is called: $said"
 done
 echo "README.md: $lines lines; $(ls deploy/docs/*.md | wc -l) guides; $faults faults"
 [[ $faults -eq 0 ]]

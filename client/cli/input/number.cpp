@@ -101,9 +101,27 @@ double parse_finite(std::string_view text, Measure measure) {
   return value;
 }
 
+namespace {
+
+/// The texts with each unit that stands alone, as in `20 cm`, joined to the number before it.
+std::vector<std::string> with_units_joined(const std::vector<std::string>& texts, Measure measure) {
+  std::vector<std::string> joined;
+  for (const std::string& text : texts) {
+    const Unit* unit = find_unit(text);
+    const bool follows_number =
+        !joined.empty() && split_number(joined.back()).starts_as_number && split_number(joined.back()).rest.empty();
+    if (unit != nullptr && unit->measure == measure && follows_number) joined.back() += text;
+    else joined.push_back(text);
+  }
+  return joined;
+}
+
+}  // namespace
+
 std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure measure) {
   std::vector<double> numbers;
-  for (const std::string_view text : texts) {
+  const std::vector<std::string> joined = with_units_joined(texts, measure);
+  for (const std::string_view text : joined) {
     std::size_t begin = 0;
     while (true) {
       const std::size_t comma = text.find_first_of(",:", begin);
@@ -168,8 +186,14 @@ bool is_number_text(std::string_view text) {
 }
 
 std::string format_number(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  constexpr double kLeastPlain = 1e-4;
+  constexpr double kMostPlain = 1e15;  // from here on plain notation would show digits that no double holds
+  std::array<char, 40> text{};
+  const double size = std::abs(value);
+  const bool is_plain = size == 0 || (size >= kLeastPlain && size < kMostPlain);
+  char* const end = text.data() + text.size();
+  const auto result = is_plain ? std::to_chars(text.data(), end, value, std::chars_format::fixed)
+                               : std::to_chars(text.data(), end, value);
   return {text.data(), result.ptr};
 }
 
@@ -179,11 +203,20 @@ std::string format_vector(const Eigen::Vector3d& value) {
                      format_number(value.z() + 0.0));
 }
 
-std::string format_bound(double value) { return fmt::format("{:.2g}", value); }
+std::string format_bound(double value) {
+  const std::string text = fmt::format("{:.2g}", value);
+  double rounded = value;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return std::abs(value) < 1 ? text : format_number(rounded);
+}
 
 std::string format_count(std::uint64_t value) {
   if (value < 1000) return std::to_string(value);
   return fmt::format("{} {:03}", format_count(value / 1000), value % 1000);
+}
+
+std::string counted(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", format_count(count), what, count == 1 ? "" : "s");
 }
 
 std::string format_duration(std::chrono::nanoseconds value) {

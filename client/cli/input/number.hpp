@@ -27,7 +27,7 @@ double parse_number(std::string_view text, Measure measure = Measure::none);
 /// The same, but infinity is refused too.
 double parse_finite(std::string_view text, Measure measure = Measure::none);
 
-/// All numbers of texts such as "0,0,5", or "0" "0" "5", in order.
+/// All numbers of texts such as "0,0,5", or "0" "0" "5", or "20" "cm", in order.
 std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure measure = Measure::none);
 
 /// Exactly three finite numbers separated by commas.
@@ -46,7 +46,7 @@ std::uint64_t parse_count(std::string_view text, std::uint64_t low = 0);
 /// `-3mm`, `-1,0,5`, `-1,0,0:1,1,1`. Such a token is never an option.
 bool is_number_text(std::string_view text);
 
-/// The shortest text that reads back as the same double.
+/// The shortest text that reads back as the same double; without an exponent from 1e-4 to 1e15.
 std::string format_number(double value);
 
 /// Three such numbers with blanks between.
@@ -57,6 +57,8 @@ std::string format_bound(double value);
 
 /// A count for people, with thousands apart: "18 204".
 std::string format_count(std::uint64_t value);
+/// A count with its noun: "1 object", "18 204 objects".
+std::string counted(std::uint64_t count, std::string_view what);
 
 /// A time for people: "254 ms", "2.1 us", "3 h 12 m".
 std::string format_duration(std::chrono::nanoseconds value);

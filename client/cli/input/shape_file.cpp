@@ -95,14 +95,29 @@ ShapePart read_numbers_shape(const std::vector<std::string>& words, int in) {
 
 }  // namespace
 
-ShapePart shape_of_words(std::vector<std::string> words, const Io& io) {
+ShapePart shape_of_words(std::vector<std::string> words, const Io& io, const MeshReading& reading) {
   if (const std::size_t colon = words[0].find(':'); colon != std::string::npos) {
     words.insert(words.begin() + 1, words[0].substr(colon + 1));
     words[0].resize(colon);
   }
+  const bool is_asked = !reading.unit.empty() || !reading.up.empty();
+  if (is_asked && !is_mesh_kind(words[0])) throw bad_use("--unit and --up are for mesh FILE and hull FILE");
   if (is_numbers_kind(words[0])) return read_numbers_shape(words, io.in);
-  if (is_mesh_kind(words[0])) return read_mesh_shape(words, io);
+  if (is_mesh_kind(words[0])) return read_mesh_shape(words, reading, io);
   return make_shape(words[0], parse_numbers({words.begin() + 1, words.end()}, Measure::length));
+}
+
+ShapePart shape_of_text(const std::string& text, const Io& io) {
+  const std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  if (colon == std::string::npos || !(is_numbers_kind(kind) || is_mesh_kind(kind))) return parse_shape(text);
+  std::vector<std::string> words{kind};
+  for (std::size_t begin = colon + 1; begin <= text.size();) {
+    const std::size_t comma = is_mesh_kind(kind) ? text.size() : std::min(text.find(',', begin), text.size());
+    words.push_back(text.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return shape_of_words(words, io);
 }
 
 }  // namespace collided::cli

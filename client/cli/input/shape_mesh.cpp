@@ -48,10 +48,13 @@ MeshShape parse_triangles(std::string_view text) {
   return mesh;
 }
 
-ShapePart read_mesh_shape(const std::vector<std::string>& words, const Io& io) {
+ShapePart read_mesh_shape(const std::vector<std::string>& words, const MeshReading& reading, const Io& io) {
   if (words.size() != 2)
     throw bad_use(fmt::format("{} takes a file", words[0]), "collide check FILE says what it holds");
-  MeshShape mesh = parse_triangles(files_program_output(io, {"triangles", words[1]}));
+  std::vector<std::string> asked{"triangles", words[1]};
+  if (!reading.unit.empty()) asked.insert(asked.end(), {"--unit", reading.unit});
+  if (!reading.up.empty()) asked.insert(asked.end(), {"--up", reading.up});
+  MeshShape mesh = parse_triangles(files_program_output(io, std::move(asked)));
   if (words[0] == "mesh") return mesh;
   return HullShape{std::move(mesh.vertices)};
 }

@@ -10,9 +10,15 @@
 
 namespace collided::cli {
 
+/// How a file of triangles is read, as `load` and `check` take it.
+struct MeshReading {
+  std::string unit = {};  // mm, in, ... or metres a unit; empty: as the format says
+  std::string up = {};    // y or z; empty: as the format says
+};
+
 /// The shape from the words `mesh FILE` or `hull FILE`: the triangles of a file of any format that `check` reads, or the
 /// convex hull of their corners. Throws Failure.
-ShapePart read_mesh_shape(const std::vector<std::string>& words, const Io& io);
+ShapePart read_mesh_shape(const std::vector<std::string>& words, const MeshReading& reading, const Io& io);
 
 /// The same from the output of the program that reads the file: lines "v X Y Z" and "t A B C".
 MeshShape parse_triangles(std::string_view text);

@@ -1,5 +1,7 @@
 #include "client/cli/output/event_output.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
@@ -52,6 +54,11 @@ Value triangle_value(std::uint32_t triangle) {
 }  // namespace
 
 Record event_record(const Event& event) {
+  // The server orders a pair by its numbers for the objects, which differ from run to run; here it is by the names.
+  const bool swapped = event.b < event.a;
+  const double sign = swapped ? -1 : 1;  // of what points from one to the other
+  const std::string_view a = swapped ? event.b : event.a;
+  const std::string_view b = swapped ? event.a : event.b;
   const bool is_doubt = event.doubt != Doubt::none;
   const bool touches = event.kind != EventKind::ended && !is_doubt;
   const bool at_inner_edge = touches && event.surface_normal != event.normal;
@@ -64,16 +71,16 @@ Record event_record(const Event& event) {
           {"first_ns", has_bracket ? Value(std::int64_t{at(event.bracket_low_s)}) : none},
           {"last_ns", has_bracket ? Value(std::int64_t{at(event.bracket_high_s)}) : none},
           {"what", name_of(event.kind)},
-          {"a", std::string_view(event.a)},
-          {"b", std::string_view(event.b)},
+          {"a", a},
+          {"b", b},
           {"depth", touches ? Value(event.depth_m) : none},
           {"error", touches ? Value(event.depth_error_m) : none},
           {"point", touches ? MaybeVector(event.point) : MaybeVector()},
-          {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
-          {"surface_normal", at_inner_edge ? MaybeVector(event.surface_normal) : MaybeVector()},
+          {"normal", touches ? MaybeVector(sign * event.normal) : MaybeVector()},
+          {"surface_normal", at_inner_edge ? MaybeVector(sign * event.surface_normal) : MaybeVector()},
           {"surface_depth", at_inner_edge ? Value(event.surface_depth_m) : none},
-          {"a_triangle", triangle_value(event.a_triangle)},
-          {"b_triangle", triangle_value(event.b_triangle)},
+          {"a_triangle", triangle_value(swapped ? event.b_triangle : event.a_triangle)},
+          {"b_triangle", triangle_value(swapped ? event.a_triangle : event.b_triangle)},
           {"after", event.kind == EventKind::ended ? Value(seconds_of(lasted(event))) : none},
           {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
           {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
@@ -83,14 +90,15 @@ Record event_record(const Event& event) {
           {"bracket_low", event.bracket_low_s},
           {"bracket_high", event.bracket_high_s},
           {"epoch", event.epoch},
-          {"velocity", is_told && touches ? MaybeVector(event.relative_velocity) : MaybeVector()},
+          {"velocity", is_told && touches ? MaybeVector(sign * event.relative_velocity) : MaybeVector()},
           {"velocity_error", is_told && touches ? Value(event.velocity_error) : none}};
 }
 
 std::vector<std::string> usual_event_fields() { return {"time", "what", "a", "b", "depth", "after", "why", "doubt"}; }
 
 std::string event_line(const Printer& printer, const Event& event) {
-  const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
+  const auto [first, second] = std::minmax(event.a, event.b);
+  const std::string pair = fmt::format("{} x {}", printable(first), printable(second));
   const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
   if (event.kind == EventKind::open)
     return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);

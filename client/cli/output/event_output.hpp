@@ -8,7 +8,8 @@
 
 namespace collided::cli {
 
-/// Every field of an event, for machines; fields without meaning for its kind are empty.
+/// Every field of an event, for machines; fields without meaning for its kind are empty. The pair is in the order of its
+/// names, and its fields with it.
 Record event_record(const Event& event);
 
 /// The few fields of plain output where the user chose none.

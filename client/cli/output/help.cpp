@@ -9,6 +9,7 @@
 #include "client/cli/guides/guide_page.hpp"
 #include "client/cli/output/terminal_width.hpp"
 #include "client/cli/output/suggest.hpp"
+#include "client/cli/output/wrapping.hpp"
 #include "client/cli/output/metavars.hpp"
 #include "client/cli/input/shape_text.hpp"
 
@@ -44,8 +45,13 @@ std::string option_line(const CLI::Option& option) {
   std::string names = option.get_name(false, true);
   if (option.get_items_expected_max() > 0) names += " " + std::string(metavar(option));
   std::string line = "  " + names;
-  line += line.size() + 1 < kOptionColumn ? std::string(kOptionColumn - line.size(), ' ') : "  ";
-  return line + option.get_description() + '\n';
+  const bool has_room = line.size() + 1 < kOptionColumn;
+  line += has_room ? std::string(kOptionColumn - line.size(), ' ') : '\n' + std::string(kOptionColumn, ' ');
+  for (const char c : wrapped(option.get_description(), kHelpColumns - kOptionColumn, 0)) {
+    line += c;
+    if (c == '\n') line.append(kOptionColumn, ' ');
+  }
+  return line + '\n';
 }
 
 /// Prints the parser's own options or, with `common`, those that every verb has.
@@ -155,7 +161,8 @@ void print_common_options(Io& io) {
 }
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {
-  io.out << "collide " << verb.name << " - " << verb.summary << "\n\n" << lines_after_collide(verb.usage);
+  io.out << wrapped(fmt::format("collide {} - {}", verb.name, verb.summary), kHelpColumns) << "\n\n"
+         << lines_after_collide(verb.usage);
   if (verb.takes_shape) io.out << "\nShapes\n" << kShapeTable;
   print_options(io, app, false);
   if (!verb.examples.empty()) io.out << "\nExamples\n" << lines_after_collide(verb.examples);

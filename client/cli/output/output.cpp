@@ -20,7 +20,8 @@ namespace {
 
 void append_number(std::string& out, double value) {
   std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  // Adding 0 turns -0 into 0, which is the same number to every reader but not the same text.
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
   out.append(text.data(), result.ptr);
 }
 
@@ -114,6 +115,21 @@ void append_column_value(std::string& out, const Value& value, char separator) {
   } else {
     append_json_value(out, value);
   }
+}
+
+/// A row of a table as a line in which each number stands behind the name of its column.
+std::string row_as_line(const std::vector<std::string>& header, const std::vector<std::string>& cells) {
+  std::string line;
+  for (std::size_t column = 0; column < cells.size(); ++column) {
+    if (cells[column].empty()) continue;
+    if (!line.empty()) line += "  ";
+    if (holds_number(cells[column])) {
+      for (const char c : header[column]) line += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+      line += ' ';
+    }
+    line += cells[column];
+  }
+  return line;
 }
 
 }  // namespace
@@ -230,19 +246,31 @@ void Printer::row(const std::vector<std::string>& header, std::vector<std::strin
 }
 
 void Printer::finish() {
-  std::vector<std::size_t> widths;
-  for (const auto& cells : rows_) {
-    widths.resize(std::max(widths.size(), cells.size()));
-    for (std::size_t column = 0; column < cells.size(); ++column)
-      widths[column] = std::max(widths[column], columns_of(cells[column]));
-  }
-  fit(widths, appearance_.width);
+  std::vector<ColumnWidth> widths;
   for (std::size_t at = 0; at < rows_.size(); ++at) {
+    const std::vector<std::string>& cells = rows_[at];
+    widths.resize(std::max(widths.size(), cells.size()));
+    for (std::size_t column = 0; column < cells.size(); ++column) {
+      widths[column].columns = std::max(widths[column].columns, columns_of(cells[column]));
+      if (at > 0 && holds_number(cells[column])) widths[column].may_shrink = false;
+    }
+  }
+  const std::vector<ColumnWidth> wide = widths;
+  std::size_t gap = 2;
+  while (gap > 0 && !fit(widths, appearance_.width, gap)) {
+    widths = wide;
+    --gap;
+  }
+  for (std::size_t at = 0; at < rows_.size(); ++at) {
+    if (gap == 0) {
+      if (at > 0) line(row_as_line(rows_[0], rows_[at]));
+      continue;
+    }
     std::string text;
     for (std::size_t column = 0; column < rows_[at].size(); ++column) {
-      const std::string cell = cut_to(rows_[at][column], widths[column]);
+      const std::string cell = cut_to(rows_[at][column], widths[column].columns);
       text += cell;
-      if (column + 1 < rows_[at].size()) text.append(widths[column] - columns_of(cell) + 2, ' ');
+      if (column + 1 < rows_[at].size()) text.append(widths[column].columns - columns_of(cell) + gap, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);
     out_ << (at == 0 ? paint(Paint::faint, text) : text) << '\n';

@@ -76,8 +76,8 @@ class Printer {
   void line(std::string_view text);
   /// Adds a row to the table with this header; finish() writes the table.
   void row(const std::vector<std::string>& header, std::vector<std::string> cells);
-  /// Writes the table with its columns aligned; the widest are cut where it is wider than the terminal. The caller
-  /// flushes records and lines.
+  /// Writes the table with its columns aligned. Where it is wider than the terminal the widest names are cut, never
+  /// numbers; where that is not enough, each row is a line that names its numbers. The caller flushes records and lines.
   void finish();
 
   /// The text with the codes of a colour, where output is coloured.

@@ -44,7 +44,8 @@ std::string with_digits(double value, int digits) {
 }  // namespace
 
 std::string readable_number(double value, double error) {
-  if (!std::isfinite(value) || !std::isfinite(error)) return format_number(value);
+  if (!std::isfinite(value)) return format_number(value);
+  if (!std::isfinite(error)) error = 0;  // no bound is known; the digits of the value are no better for that
   if (value == 0) return "0";
   const double size = std::abs(value);
   if (size < kLeastPlain) {
@@ -70,7 +71,8 @@ std::string readable_length(double metres, double error_m, Digits digits) {
 std::string readable_point(const Eigen::Vector3d& point, double error_m, Digits digits) {
   if (digits == Digits::all) return format_vector(point);
   // One resolution for all three: a coordinate of 1e-17 m beside one of 2 m is only rounding.
-  const double shown = std::max(error_m, std::min(kMicrometre, 1e-4 * point.cwiseAbs().maxCoeff()));
+  const double shown =
+      std::max(std::isfinite(error_m) ? error_m : 0, std::min(kMicrometre, 1e-4 * point.cwiseAbs().maxCoeff()));
   return fmt::format("{} {} {}", readable_number(point.x(), shown), readable_number(point.y(), shown),
                      readable_number(point.z(), shown));
 }

@@ -51,7 +51,16 @@ std::vector<std::string> nearest_names(std::string_view wrong, const std::vector
                                        std::size_t most) {
   const std::size_t limit = std::max<std::size_t>(1, wrong.size() / 3);
   const std::string bare_wrong = bare(wrong);
-  std::vector<std::pair<std::size_t, std::string>> found;
+  struct Near {
+    std::size_t edits = 0;
+    std::size_t differs_at = 0;  // the first letter that differs; of two that are equally near the later one was meant
+    std::string name;
+  };
+  std::vector<Near> found;
+  const auto add = [&](std::size_t edits, const std::string& name) {
+    const auto same = std::mismatch(wrong.begin(), wrong.end(), name.begin(), name.end()).first - wrong.begin();
+    found.push_back({edits, static_cast<std::size_t>(same), name});
+  };
   for (const std::string& name : names) {
     const std::size_t longer = std::max(name.size(), wrong.size());
     const std::size_t shorter = std::min(name.size(), wrong.size());
@@ -59,18 +68,21 @@ std::vector<std::string> nearest_names(std::string_view wrong, const std::vector
     const std::string_view last =
         cut == std::string::npos ? std::string_view() : std::string_view(name).substr(cut + 1);
     if (bare(name) == bare_wrong) {
-      found.emplace_back(0, name);
+      add(0, name);
     } else if (longer - shorter <= limit + 2 && edit_distance(wrong, name) <= limit) {
-      found.emplace_back(edit_distance(wrong, name), name);
+      add(edit_distance(wrong, name), name);
     } else if (!last.empty() && edit_distance(wrong, last) <= limit) {
-      found.emplace_back(limit + 1 + edit_distance(wrong, last), name);
+      add(limit + 1 + edit_distance(wrong, last), name);
     } else if (wrong.size() >= kLeastPart && name.find(wrong) != std::string::npos) {
-      found.emplace_back(3 * limit, name);
+      add(3 * limit, name);
     }
   }
-  std::sort(found.begin(), found.end());
+  std::sort(found.begin(), found.end(), [](const Near& a, const Near& b) {
+    if (a.edits != b.edits) return a.edits < b.edits;
+    return a.differs_at != b.differs_at ? a.differs_at > b.differs_at : a.name < b.name;
+  });
   std::vector<std::string> nearest;
-  for (std::size_t at = 0; at < std::min(most, found.size()); ++at) nearest.push_back(found[at].second);
+  for (std::size_t at = 0; at < std::min(most, found.size()); ++at) nearest.push_back(found[at].name);
   return nearest;
 }
 

@@ -155,7 +155,7 @@ std::vector<std::string> top_lines(const Look& look) {
                               format_duration(std::chrono::nanoseconds(look.up_ns)), format_count(status.version),
                               printable(status.state)));
   add_questions(look, lines);
-  lines.push_back(fmt::format("POSES  {} objects, {} moving   {}   late {}   lost {}", format_count(status.objects),
+  lines.push_back(fmt::format("POSES  {}, {} moving   {}   late {}   lost {}", counted(status.objects, "object"),
                               format_count(status.moving), rate_text(rate(figures.poses_applied, figures)),
                               format_count(figures.poses_late), format_count(figures.poses_lost)));
   add_odd_stamps(figures, lines);

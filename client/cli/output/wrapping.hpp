@@ -11,13 +11,24 @@ namespace collided::cli {
 /// The columns that a text takes on a terminal: one for each UTF-8 character, none for colour codes.
 std::size_t columns_of(std::string_view text);
 
-/// The text broken into lines of at most `width` columns, at double blanks where there are any, else at single ones.
-/// Lines after the first are indented. A word that is longer than a line is not broken.
-std::string wrapped(std::string_view text, std::size_t width);
+/// The text broken into lines of at most `width` columns, at double blanks where there are any, else at single ones; a
+/// number stays with its unit, and the numbers of a point together, where they fit. Lines after the first are indented.
+/// A word that is longer than a line is not broken.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 5);
 
-/// Narrows the widest columns of a table until it fits, with two blanks between columns. No column becomes narrower
-/// than a few letters.
-void fit(std::vector<std::size_t>& widths, std::size_t width);
+/// Whether one of the text's words is a number, with its sign and unit: part of such a text reads as another number, so
+/// it is never cut.
+bool holds_number(std::string_view text);
+
+/// A column of a table.
+struct ColumnWidth {
+  std::size_t columns = 0;
+  bool may_shrink = true;
+};
+
+/// Narrows the widest columns of a table that may be until it fits, with `gap` blanks between columns. No column becomes
+/// narrower than a few letters. Returns false where it does not fit even so.
+bool fit(std::vector<ColumnWidth>& widths, std::size_t width, std::size_t gap = 2);
 
 /// The text if it fits, else "…" and its end, since the end of a name tells more than its beginning.
 std::string cut_to(std::string_view text, std::size_t width);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/output/readable.hpp"
 #include "client/cli/publish/sphere_mesh.hpp"
 #include "client/cli/session.hpp"
 
@@ -144,14 +145,15 @@ class BounceSource : public Source {
     lines.push_back(fmt::format(
         "  {} spheres of {}, seed {}, sizes{} (half to one and a half of the mean)", objects_.size(),
         options_.round ? "radius" : fmt::format("{} triangles", triangle_count()), options_.bounce.seed, sizes));
-    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {} flips  cube contacts {}",
-                                ledger.contacts, ledger.flips, ledger.sticking, ledger.longest_flips,
+    lines.push_back(fmt::format("  contacts {}  flips {}  sticking {}  longest {}  cube contacts {}", ledger.contacts,
+                                ledger.flips, ledger.sticking, counted(ledger.longest_flips, "flip"),
                                 ledger.cube_contacts));
     lines.push_back(fmt::format("  walls: {} faces, {} edges, {} corners", ledger.wall_hits[1], ledger.wall_hits[2],
                                 ledger.wall_hits[3]));
     lines.push_back(fmt::format("  energy {} before, {} after; momentum {} before, {} after",
-                                format_number(ledger.energy_before), format_number(ledger.energy_after),
-                                format_vector(ledger.momentum_before), format_vector(ledger.momentum_after)));
+                                readable_number(ledger.energy_before), readable_number(ledger.energy_after),
+                                readable_point(ledger.momentum_before, 0, Digits::rounded),
+                                readable_point(ledger.momentum_after, 0, Digits::rounded)));
     lines.push_back(
         fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m, in sent poses {:.3g} m",
                     answer_name(), ledger.energy_drift(), ledger.penetration_m, ledger.seen_overlap_m));

@@ -61,7 +61,7 @@ class CsvSource : public Source {
 
   void report(Record& record, std::vector<std::string>& lines) const override {
     record.push_back({"objects", std::uint64_t{objects_.size()}});
-    lines.push_back(fmt::format("  {} objects{}", format_count(objects_.size()),
+    lines.push_back(fmt::format("  {}{}", counted(objects_.size(), "object"),
                                 refused_ > 0 ? fmt::format("; {} lines refused", format_count(refused_)) : ""));
   }
 

@@ -124,9 +124,9 @@ class Loop {
                   {"late", late_},
                   {"lost", lost_},
                   {"refused", source_.refused_count()}};
-    std::vector<std::string> lines{fmt::format(
-        "published {} frames, {} poses in {:.3g} s: {:.4g} frames/s, {} late, {} lost", format_count(frames_),
-        format_count(poses_), seconds, rate, format_count(late_), format_count(lost_))};
+    std::vector<std::string> lines{fmt::format("published {}, {} in {:.3g} s: {:.4g} frames/s, {} late, {} lost",
+                                               counted(frames_, "frame"), counted(poses_, "pose"), seconds, rate,
+                                               format_count(late_), format_count(lost_))};
     source_.report(record, lines);
     Printer printer = make_printer(io_, globals_);
     printer.set_usual_fields({"frames", "poses", "seconds", "late", "lost"});

@@ -24,6 +24,11 @@ void declare_ask_options(CLI::App& app, AskTexts& texts) {
   app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
 }
 
+void declare_mesh_reading(CLI::App& app, MeshReading& reading) {
+  app.add_option("--unit", reading.unit, "Of the file of a mesh or hull: mm, in, ... or metres a unit");
+  app.add_option("--up", reading.up, "Axis of that file that points up: y or z")->check(CLI::IsMember({"y", "z"}));
+}
+
 namespace {
 
 Importance parse_importance(const std::string& text) {
@@ -65,17 +70,16 @@ AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   return options;
 }
 
-void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options) {
-  if (options.only.empty() || globals.quiet) return;
+void hint_at_unknown_names(Session& session, const Globals& globals, std::string_view option, const std::string& glob) {
+  if (glob.empty() || globals.quiet) return;
   try {
     const nlohmann::json listed =
-        server_command(session, globals, wire_contract::command::kList, {{"name", options.only}, {"limit", 0}});
+        server_command(session, globals, wire_contract::command::kList, {{"name", glob}, {"limit", 0}});
     if (count_of(listed, "count") > 0) return;
   } catch (const Failure&) {
     return;  // the question is answered; only the hint is missing
   }
-  const std::string hint = fmt::format("no object's name matches --only '{}'", options.only);
-  print_hint(session.io, globals, hint);
+  print_hint(session.io, globals, fmt::format("no object's name matches {}'{}'", option, printable(glob)));
 }
 
 }  // namespace collided::cli

@@ -4,6 +4,7 @@
 
 #include <collided/client.hpp>
 
+#include "client/cli/input/shape_mesh.hpp"
 #include "client/cli/session.hpp"
 
 namespace CLI {
@@ -30,10 +31,12 @@ Instant parse_instant(const std::string& text);
 
 /// Declares those options on the parser.
 void declare_ask_options(CLI::App& app, AskTexts& texts);
+/// Declares how the file of a shape is read.
+void declare_mesh_reading(CLI::App& app, MeshReading& reading);
 /// The options for the library. Throws Failure.
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals);
 
-/// Prints a hint where --only matches no object: a miss is then no real answer.
-void hint_at_unknown_names(Session& session, const Globals& globals, const AskOptions& options);
+/// Prints a hint where a glob, given by the option named first, matches no object: a miss is then no real answer.
+void hint_at_unknown_names(Session& session, const Globals& globals, std::string_view option, const std::string& glob);
 
 }  // namespace collided::cli

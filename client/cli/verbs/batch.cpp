@@ -10,6 +10,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/question_reader.hpp"
 #include "client/cli/output/progress.hpp"
+#include "client/cli/verbs/ask_options.hpp"
 
 namespace collided::cli {
 namespace {
@@ -62,6 +63,7 @@ class Batch {
     printer_.finish();
     session_.io.out.flush();
     print_summary();
+    if (counts_.hit == 0) hint_at_unknown_names(session_, globals_, "--only ", options_.ask.only);
     if (stop_requested) return Exit::interrupted;
     return counts_.refused + counts_.invalid > 0 ? Exit::partly_refused : Exit::yes;
   }

@@ -1,6 +1,9 @@
 #include "client/cli/verbs/undo.hpp"
 
 #include <filesystem>
+#include <functional>
+#include <set>
+
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
@@ -22,32 +25,40 @@ bool all_zero(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
 }
 
+/// Radius and length of a shape between two points, where these lie on z at the same height above and below the origin;
+/// else nothing. `low` comes first in a capsule and a cylinder, last in a cone.
+std::string upright_words(const nlohmann::json& shape, const char* low, const char* high) {
+  const std::vector<double> a = numbers_of(shape, low);
+  const std::vector<double> b = numbers_of(shape, high);
+  const bool upright =
+      a.size() == 3 && b.size() == 3 && a[0] == 0 && a[1] == 0 && b[0] == 0 && b[1] == 0 && a[2] == -b[2] && b[2] >= 0;
+  return upright ? joined({number_of(shape, "radius_m"), 2 * b[2]}) : std::string();
+}
+
+/// Full lengths of a box or an ellipsoid, where it lies straight about the origin; else nothing.
+std::string straight_words(const nlohmann::json& shape) {
+  std::vector<double> size = numbers_of(shape, "half_m");
+  const std::vector<double> turn = numbers_of(shape, "rotation");
+  const bool straight = turn.empty() || (turn.size() == 4 && turn[0] == 1);
+  if (size.size() != 3 || !straight || !all_zero(numbers_of(shape, "center"))) return {};
+  for (double& length : size) length *= 2;
+  return joined(size);
+}
+
 /// The words of `add` for a shape, such as "box 0.4 0.4 0.4"; empty where `add` cannot make it. It can where the shape
-/// is one sphere, box or upright capsule about its own origin.
+/// is one of those that need no file, about its own origin.
 std::string shape_words(const nlohmann::json& shape) {
-  if (!shape.is_array() || shape.size() != 1) return {};
-  const nlohmann::json& part = shape[0];
-  if (part.contains("sphere")) {
-    if (!all_zero(numbers_of(part["sphere"], "center"))) return {};
-    return "sphere " + format_number(number_of(part["sphere"], "radius_m"));
-  }
-  if (part.contains("box")) {
-    std::vector<double> size = numbers_of(part["box"], "half_m");
-    const std::vector<double> turn = numbers_of(part["box"], "rotation");
-    const bool straight = turn.empty() || (turn.size() == 4 && turn[0] == 1);
-    if (size.size() != 3 || !straight || !all_zero(numbers_of(part["box"], "center"))) return {};
-    for (double& length : size) length *= 2;
-    return "box " + joined(size);
-  }
-  if (part.contains("capsule")) {
-    const std::vector<double> a = numbers_of(part["capsule"], "a");
-    const std::vector<double> b = numbers_of(part["capsule"], "b");
-    const bool upright = a.size() == 3 && b.size() == 3 && a[0] == 0 && a[1] == 0 && b[0] == 0 && b[1] == 0 &&
-                         a[2] == -b[2] && b[2] >= 0;
-    if (!upright) return {};
-    return "capsule " + joined({number_of(part["capsule"], "radius_m"), 2 * b[2]});
-  }
-  return {};
+  if (!shape.is_array() || shape.size() != 1 || !shape[0].is_object() || shape[0].empty()) return {};
+  const std::string kind = shape[0].begin().key();
+  const nlohmann::json& part = shape[0].begin().value();
+  std::string numbers;
+  if (kind == "sphere" && all_zero(numbers_of(part, "center"))) numbers = format_number(number_of(part, "radius_m"));
+  if (kind == "box" || kind == "ellipsoid") numbers = straight_words(part);
+  if (kind == "capsule" || kind == "cylinder") numbers = upright_words(part, "a", "b");
+  if (kind == "cone") numbers = upright_words(part, "base", "apex");
+  if (kind == "half_space" && all_zero(numbers_of(part, "point"))) numbers = joined(numbers_of(part, "normal"));
+  if (numbers.empty()) return {};
+  return (kind == "half_space" ? "plane" : kind) + " " + numbers;
 }
 
 std::string add_line(const nlohmann::json& object) {
@@ -60,7 +71,8 @@ std::string add_line(const nlohmann::json& object) {
   if (count_of(object, "layers") != 1) line += fmt::format(" --layers {:#x}", count_of(object, "layers"));
   if (count_of(object, "mask") != 0xffffffff) line += fmt::format(" --mask {:#x}", count_of(object, "mask"));
   if (count_of(object, "group") != 0) line += fmt::format(" --group {}", count_of(object, "group"));
-  if (!flag_of(object, "moving")) line += " --static";
+  const bool is_plane = shape.starts_with("plane");  // which never moves
+  if (!flag_of(object, "moving") && !is_plane) line += " --static";
   return line;
 }
 
@@ -98,41 +110,57 @@ std::string load_line(const std::string& scene, const nlohmann::json& load) {
   return line;
 }
 
+/// Adds the lines that load scenes again, and counts those that have none.
+void add_load_lines(Session& session, const Globals& globals, const std::function<bool(const std::string&)>& is_wanted,
+                    std::string_view options, Undo& undo) {
+  const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());
+  for (const nlohmann::json& one : answer.value("scenes", nlohmann::json::array())) {
+    const std::string name = text_of(one, "scene");
+    if (!is_wanted(name)) continue;
+    const nlohmann::json load = one.value("load", nlohmann::json());
+    if (load.is_object()) undo.lines.push_back(load_line(name, load).append(options));
+    else ++undo.left_out;
+  }
+}
+
 }  // namespace
 
-Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only, std::size_t most) {
-  constexpr std::uint64_t kMostListed = 1'000;
+Undo undo_of(Session& session, const Globals& globals, const Removal& removal) {
+  constexpr std::uint64_t kMostListed = 100'000;
+  constexpr std::size_t kMostAdded = 100;  // more lines than people would paste, and a question to the server for each
   Undo undo;
   if (globals.quiet) return undo;
-  nlohmann::json arguments{{"name", glob}, {"limit", kMostListed}};
-  if (moving_only) arguments["moving"] = true;
+  nlohmann::json arguments{{"name", removal.names}, {"limit", kMostListed}};
+  if (removal.moving_only) arguments["moving"] = true;
   const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
   const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
   undo.left_out = std::max<std::uint64_t>(count_of(answer, "count"), objects.size()) - objects.size();
+  std::set<std::string> scenes;
   for (const nlohmann::json& object : objects) {
-    // Objects of scenes are loaded again from their files, and those of publishers come from their publishers.
-    if (!text_of(object, "scene").empty() || !text_of(object, "publisher").empty()) continue;
-    const bool shown = undo.lines.size() < most;
+    if (!text_of(object, "publisher").empty()) continue;
+    if (const std::string scene = text_of(object, "scene"); !scene.empty()) {
+      const bool goes = removal.scenes_too && (removal.scene.empty() || removal.scene == scene);
+      if (!goes) scenes.insert(scene);
+      continue;
+    }
+    const bool shown = undo.lines.size() < kMostAdded;
     const std::string line =
         shown ? add_line(server_command(session, globals, wire::kGet, {{"name", text_of(object, "name")}}))
               : std::string();
     if (line.empty()) ++undo.left_out;
     else undo.lines.push_back(line);
   }
+  if (!scenes.empty())
+    add_load_lines(
+        session, globals, [&](const std::string& scene) { return scenes.contains(scene); }, " --replace", undo);
   return undo;
 }
 
 Undo undo_of_scenes(Session& session, const Globals& globals, const std::string& scene) {
   Undo undo;
   if (globals.quiet) return undo;
-  const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());
-  for (const nlohmann::json& one : answer.value("scenes", nlohmann::json::array())) {
-    const std::string name = text_of(one, "scene");
-    if (!scene.empty() && name != scene) continue;
-    const nlohmann::json load = one.value("load", nlohmann::json());
-    if (load.is_object()) undo.lines.push_back(load_line(name, load));
-    else ++undo.left_out;
-  }
+  add_load_lines(
+      session, globals, [&](const std::string& name) { return scene.empty() || name == scene; }, "", undo);
   return undo;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,15 +8,23 @@
 
 namespace collided::cli {
 
-/// The commands that would add removed objects again: one `collide add ...` for each.
+/// The commands that would bring back what a verb is about to remove.
 struct Undo {
   std::vector<std::string> lines;
   std::uint64_t left_out = 0;  // objects without such a command
 };
-/// The commands for the objects of a name or glob ("": all); call it before they are removed. Objects of a scene or a
-/// publisher have none, and of the others at most `most` objects do.
-Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only,
-             std::size_t most = 10);
+
+/// Which objects a verb is about to remove.
+struct Removal {
+  std::string names = {};  // name or glob; empty: all
+  bool moving_only = false;
+  bool scenes_too = false;  // their scenes go as well, and undo_of_scenes tells how those come back
+  std::string scene = {};   // with scenes_too: only this one (empty: all)
+};
+/// The commands for the objects that are about to be removed: one `add` for each, and one `load --replace` for each
+/// scene that stays and has objects among them, since its file would be refused as loaded already. Objects of a publisher
+/// come back with it and have none.
+Undo undo_of(Session& session, const Globals& globals, const Removal& removal);
 
 /// The commands that would load scenes again: that one, or all where it is empty. Scenes whose file a client sent are left
 /// out and counted.

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <set>
@@ -218,7 +219,7 @@ class DrawCommand : public Command {
     for (const draw::Segment& segment : drawing.segments) lines.insert(segment.line);
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
-      printer.line(fmt::format("{}  {} edges, {} kB, {} visibility rays in {:.1f} s, {} undecided", out_,
+      printer.line(fmt::format("wrote {}  {} edges, {} kB, {} visibility rays in {:.1f} s, {} undecided", written_to(),
                                format_count(lines.size()), (bytes.size() + 999) / 1000, format_count(rays.asked()),
                                seconds, rays.undecided()));
     } else {
@@ -238,6 +239,9 @@ class DrawCommand : public Command {
     return static_cast<std::size_t>(std::count_if(drawing.picture.rings.begin(), drawing.picture.rings.end(),
                                                   [](const draw::Ring& r) { return r.ink.name == "ray-hit"; }));
   }
+
+  /// The whole path, so that the file is found from any folder.
+  std::string written_to() const { return std::filesystem::absolute(out_).lexically_normal().string(); }
 
   std::string out_;
   bool term_ = false;

@@ -6,6 +6,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/answer_output.hpp"
+#include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/output/readable.hpp"
 
@@ -145,7 +146,7 @@ class PairCommand : public Command {
         .as_of = parse_instant(as_of_),
         .opinion = opinion_,
         .timeout = timeout_of(globals, std::chrono::seconds(30))};
-    const PairAnswer pair = take(session.client(globals).pair(names_[0], names_[1], options));
+    const PairAnswer pair = ask(session, globals, options);
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
     const bool proved = fits && proves(*pair.certificate);
     if (pair.certificate && !proved) {
@@ -168,6 +169,15 @@ class PairCommand : public Command {
   }
 
  private:
+  PairAnswer ask(Session& session, const Globals& globals, const PairOptions& options) const {
+    const Result<PairAnswer> pair = session.client(globals).pair(names_[0], names_[1], options);
+    if (pair || pair.error().code != ErrorCode::refused) return take(pair);
+    for (const std::string& name : names_) {
+      if (const std::optional<Failure> unknown = unknown_object(session, globals, name)) throw Failure(*unknown);
+    }
+    throw as_failure(pair.error());
+  }
+
   static void print_answer(Printer& printer, const PairAnswer& pair, const Value& proof) {
     if (printer.human()) {
       print_text(printer, pair);

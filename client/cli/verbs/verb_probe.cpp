@@ -5,6 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/server_command.hpp"
 #include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
@@ -94,7 +95,19 @@ class ProbeCommand : public Command {
     if (printer.human()) printer.line(fmt::format("probe {} on {}", printable(probe.name), printable(probe.object)));
     else printer.record({{"probe", std::string(probe.name)}, {"object", std::string(probe.object)}});
     printer.finish();
+    hint_at_unknown_object(session, globals);
     return Exit::yes;
+  }
+
+  /// A probe may wait for its object, but a name that nothing has may be a mistake.
+  void hint_at_unknown_object(Session& session, const Globals& globals) const {
+    if (globals.quiet) return;
+    try {
+      if (const std::optional<Failure> unknown = unknown_object(session, globals, object_))
+        print_hint(session.io, globals, fmt::format("{}. The probe reads 'absent' until it is", unknown->what()));
+    } catch (const Failure&) {
+      return;  // the probe is set; only the hint is missing
+    }
   }
 
   Exit remove(Session& session, const Globals& globals) {

@@ -3,7 +3,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
-#include "client/cli/input/shape_text.hpp"
+#include "client/cli/input/shape_file.hpp"
 #include "client/cli/publish/bounce_source.hpp"
 #include "client/cli/publish/csv_source.hpp"
 #include "client/cli/publish/loop.hpp"
@@ -126,7 +126,7 @@ class PublishCommand : public Command {
     loop.speed = positive("--speed", Measure::none, 1);
     if (loop.loop && file_ == "-") throw bad_use("--loop needs a file that can be read again, not a pipe");
     CsvSourceOptions options{.path = file_, .objects = object_texts(), .paced = loop.rate_hz > 0};
-    if (given("--shape")) options.shape = parse_shape(text("--shape"));
+    if (given("--shape")) options.shape = shape_of_text(text("--shape"), io);
     return make_csv_source(io, options);
   }
 
@@ -197,7 +197,7 @@ class PublishCommand : public Command {
     PathOptions options;
     options.objects = object_texts();
     if (given("--name")) options.name = text("--name");
-    if (given("--shape")) options.shape = parse_shape(text("--shape"));
+    if (given("--shape")) options.shape = shape_of_text(text("--shape"), io);
     options.speed_m_s = positive("--speed", Measure::speed, options.speed_m_s);
     options.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
     options.face_forward = setting("--face").flag;
@@ -216,7 +216,7 @@ class PublishCommand : public Command {
       {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
       {"--steps", {}, "End after so many frames"},
       {"--for", {}, "End after this time"},
-      {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, capsule:0.05,0.3"},
+      {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, mesh:part.stl"},
       {"--name", {Kind::recording, Kind::spheres, Kind::path}, "Of the object, or what its parts' names begin with"},
       {"--layers", {}, "Layers the objects are in: bits (1)"},
       {"--mask", {}, "Layers that they meet: bits (all)"},

@@ -63,13 +63,14 @@ class SweepCommand : public Command {
     app.add_option("--to", to_, "Where it ends");
     app.add_option("--rpy", rpy_, "Roll, pitch, yaw at the start: 0 0 45deg");
     app.add_option("--to-rpy", to_rpy_, "Roll, pitch, yaw at the end (as at the start)");
+    declare_mesh_reading(app, reading_);
     declare_ask_options(app, texts_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
     if (shape_.empty()) throw bad_use("which shape?", "collide sweep sphere 0.1 --from 0 0 1 --to 2 0 1");
     if (from_.empty() || to_.empty()) throw bad_use("a way takes --from X Y Z and --to X Y Z");
-    const ShapePart part = shape_of_words(shape_, session.io);
+    const ShapePart part = shape_of_words(shape_, session.io, reading_);
     print_warning(session.io, angle_warning("--rpy", rpy_));
     print_warning(session.io, angle_warning("--to-rpy", to_rpy_));
     const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
@@ -82,12 +83,13 @@ class SweepCommand : public Command {
     if (globals.verbose || printer.human())
       print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
     const Exit code = exit_of(answers.answers.front());
-    if (code == Exit::no) hint_at_unknown_names(session, globals, options);
+    if (code == Exit::no) hint_at_unknown_names(session, globals, "--only ", options.only);
     return code;
   }
 
  private:
   std::vector<std::string> shape_;
+  MeshReading reading_;
   std::string from_;
   std::string to_;
   std::string rpy_;

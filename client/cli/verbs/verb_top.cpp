@@ -12,6 +12,7 @@
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/terminal_width.hpp"
+#include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
 namespace {
@@ -23,13 +24,20 @@ constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
 
 /// The first `columns` characters of a line, since a line that wraps would displace the others.
-std::string_view cut(std::string_view line, std::size_t columns) {
+std::string cut(std::string_view line, std::size_t columns) {
+  if (columns_of(line) <= columns) return std::string(line);
   std::size_t seen = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const bool begins_character = (static_cast<unsigned char>(line[i]) & 0xc0) != 0x80;
-    if (begins_character && seen++ == columns) return line.substr(0, i);
+  std::size_t end = 0;
+  std::size_t blank = 0;  // the last one that leaves more than half of the line
+  for (; end < line.size(); ++end) {
+    const bool begins_character = (static_cast<unsigned char>(line[end]) & 0xc0) != 0x80;
+    if (line[end] == ' ' && 2 * seen >= columns) blank = end;
+    if (begins_character && seen++ == columns - 1) break;
   }
-  return line;
+  // Part of a number would read as another one.
+  std::string kept(line.substr(0, blank > 0 ? blank : end));
+  kept.erase(kept.find_last_not_of(' ') + 1);
+  return kept + "…";
 }
 
 /// What takes time in a step: the column's title, and its name in the server's answer.
@@ -148,7 +156,7 @@ class TopCommand : public Command {
   Exit live(Session& session, const Globals& globals, const Until& until, std::chrono::nanoseconds period) {
     constexpr std::chrono::milliseconds kFirst{200};  // shorter than later ones, so that the first figures appear soon
     Keys keys(session.io.in);
-    Screen screen(session.io);
+    std::optional<Screen> screen(session.io);
     std::vector<std::string> lines;
     Clock::time_point heard = Clock::now();
     std::uint64_t count = 0;
@@ -164,9 +172,16 @@ class TopCommand : public Command {
         lines.push_back(
             fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
       }
-      screen.show(lines);
+      screen->show(lines);
       if (until.reached(++count)) break;
     }
+    screen.reset();
+    // A page that ends by its count leaves its last figures; one that is left by a key was read.
+    const std::size_t columns = std::max<std::size_t>(1, terminal_width(session.io));
+    for (const std::string& line : lines) {
+      if (until.reached(count)) session.io.out << cut(line, columns) << '\n';
+    }
+    session.io.out.flush();
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 

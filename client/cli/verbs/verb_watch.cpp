@@ -11,6 +11,7 @@
 #include "client/cli/output/event_output.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
@@ -109,6 +110,7 @@ class WatchCommand : public Command {
     if (options_.since && watch.tells_since() > *options_.since)
       print_hint(session.io, globals,
                  fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
+    hint_at_unknown_names(session, globals, "--only ", options_.only);
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields(usual_event_fields());
     const Until until(most, most_time);

@@ -83,8 +83,8 @@ constexpr Verb kVerbs[] = {
     {"publish", "Change", "move objects: from a file, a recording, a path, or spheres in a cube",
      "publish FILE.csv|-\npublish FILE.bvh\npublish --spheres N\npublish --path FILE | --waypoints POINTS",
      "publish poses.csv --rate 200 --loop\npublish 01_01.bvh --unit 0.056444 --up z --loop\n"
-     "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1 2,2,1\" "
-     "--speed 0.5m/s --shape box:0.4,0.4,0.1",
+     "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1\" "
+     "--speed 0.5m/s --shape sphere:20cm",
      make_publish},
     {"load", "Change", "load a file as a scene", "load FILE",
      "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
@@ -110,7 +110,7 @@ constexpr Verb kVerbs[] = {
     {"replay", "Files", "a recording again: poses in time, or every question with its answer compared",
      "replay FILE.mcap", "replay run.mcap --rate 0.5 --loop\nreplay run.mcap --ask", make_replay},
     {"events", "Files", "what touched what in a recording, and when; needs no server", "events FILE.mcap",
-     "events run.mcap --only 'drone_*' --from 2026-11-22T12:03:10Z --to 2026-11-22T12:03:12.5Z\nevents crash.mcap "
+     "events run.mcap --only 'drone_*' --from +10s --to +12.5s\nevents crash.mcap "
      "--from -2s --json",
      make_events},
     {"demo", "More", "a server of its own with a small warehouse, some questions to it, and then yours", "demo",

@@ -49,6 +49,7 @@ class AskCommand : public Command {
     }
     Questions question = no_questions(view_.kind);
     add_question(question, numbers());
+    if (watch_) hint_at_unknown_names(session, globals, "--only ", options.only);
     if (watch_) return run_repeated(session, globals, question, repeated_options(options));
     return ask_once_or_more(session, globals, question, options);
   }
@@ -113,7 +114,7 @@ class AskCommand : public Command {
         print_hint(session.io, globals, cost_line(answers, answer));
       code = exit_of(answer);
     }
-    if (code == Exit::no) hint_at_unknown_names(session, globals, options);
+    if (code == Exit::no) hint_at_unknown_names(session, globals, "--only ", options.only);
     return code;
   }
 

@@ -14,6 +14,7 @@
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/server_command.hpp"
+#include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/undo.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/readable.hpp"
@@ -36,8 +37,9 @@ void print_done(Session& session, const Globals& globals, const nlohmann::json& 
                 const std::string& line) {
   tell_not_kept(session, answer, record);
   Printer printer = make_printer(session.io, globals);
-  if (printer.human()) printer.line(line);
-  else printer.record(record);
+  // For people the line is no data, so -q leaves it out.
+  if (!printer.human()) printer.record(record);
+  else if (!globals.quiet) printer.line(line);
   printer.finish();
 }
 
@@ -84,6 +86,7 @@ class AddCommand : public Command {
     app.add_option("--mask", mask_, "Layers that it meets: bits (all)");
     app.add_option("--group", group_, "Members of one group other than 0 never meet");
     app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
+    declare_mesh_reading(app, reading_);
     app.add_flag("--static", static_, "It will not move (a plane never does)");
     declare_durable(app, durable_);
   }
@@ -92,7 +95,7 @@ class AddCommand : public Command {
     if (words_.size() < 2) throw bad_use("a name and a shape are needed", kShapeForms);
     const std::string& name = words_[0];
     print_warning(session.io, angle_warning("--rpy", rpy_));
-    const ShapePart shape = shape_of_words({words_.begin() + 1, words_.end()}, session.io);
+    const ShapePart shape = shape_of_words({words_.begin() + 1, words_.end()}, session.io, reading_);
     // A plane is unbounded, so it is static without --static.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
     const nlohmann::json arguments{{"name", name},
@@ -120,6 +123,7 @@ class AddCommand : public Command {
   }
 
   std::vector<std::string> words_;
+  MeshReading reading_;
   std::string scale_ = "1";
   std::string at_;
   std::string rpy_;
@@ -173,8 +177,8 @@ class MoveCommand : public Command {
     const std::vector<std::string> ended = texts_of(answer, "ended");
     std::string line =
         fmt::format("moved {} {}", printable(name), readable_length(number_of(answer, "moved_m"), 0, Digits::rounded));
-    if (!began.empty()) line += "; began x " + joined(began);
-    if (!ended.empty()) line += "; ended x " + joined(ended);
+    if (!began.empty()) line += "; began to touch " + joined(began);
+    if (!ended.empty()) line += "; stopped touching " + joined(ended);
     print_done(session, globals, answer,
                {{"moved", std::string(name)},
                 {"distance", number_of(answer, "moved_m")},
@@ -210,7 +214,7 @@ class RemoveCommand : public Command {
   std::size_t remove(Session& session, const Globals& globals, const std::string& name) const {
     const bool is_glob = name.find_first_of("*?[") != std::string::npos;
     const nlohmann::json arguments = with_durable({{"name", name}}, durable_);
-    const Undo undo = undo_of(session, globals, name, false);
+    const Undo undo = undo_of(session, globals, {.names = name});
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
     const std::vector<std::string> removed = texts_of(answer, "removed");
@@ -218,7 +222,7 @@ class RemoveCommand : public Command {
     const std::uint64_t version = count_of(answer, "version");
     std::string line = removed.empty() ? fmt::format("nothing is named '{}'", printable(name))
                                        : fmt::format("removed {} (world {})", joined(removed), version);
-    if (ended > 0) line += fmt::format("; it had {} open contact{}, ended (removed)", ended, ended == 1 ? "" : "s");
+    if (ended > 0) line += fmt::format("; it had {}, ended (removed)", counted(ended, "open contact"));
     print_done(session, globals, answer, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}},
                line);
     if (!removed.empty()) print_undo(session, globals, undo);
@@ -344,13 +348,16 @@ class LoadCommand : public Command {
                   {"placed", names_json(texts_of(answer, "placed"))},
                   {"covers", covers_of(answer)}};
     tell_not_kept(session, answer, record);
+    printer.set_usual_fields({"scene", "parts", "triangles", "objects", "refused", "warnings", "world"});
     if (!printer.human()) return printer.record(record);
+    if (globals.quiet) return;
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
     printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
                              format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)),
                              count_of(answer, "version")));
-    printer.line(fmt::format("  {} parts, {} triangles, {} objects", format_count(count_of(answer, "parts")),
-                             format_count(count_of(answer, "triangles")), format_count(count_of(answer, "objects"))));
+    printer.line(fmt::format("  {}, {}, {}", counted(count_of(answer, "parts"), "part"),
+                             counted(count_of(answer, "triangles"), "triangle"),
+                             counted(count_of(answer, "objects"), "object")));
     const auto lines = [&](const char* label, const char* key) {
       for (const std::string& text : texts_of(answer, key))
         printer.line(fmt::format("  {:<9}{}", label, printable(text)));
@@ -360,7 +367,6 @@ class LoadCommand : public Command {
     lines("mended", "mended");
     lines("refused", "refused");
     lines("warning", "warnings");
-    if (!texts_of(answer, "left_out").empty()) printer.line("  left out " + joined(texts_of(answer, "left_out")));
   }
 
   std::string path_;
@@ -388,15 +394,18 @@ class ClearCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     const bool objects_too = scene_.empty() || moving_;
-    const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
-    const Undo scenes = scene_.empty() && moving_ ? Undo{} : undo_of_scenes(session, globals, scene_);
+    const bool scenes_too = !scene_.empty() || !moving_;
+    const Undo undo =
+        objects_too ? undo_of(session, globals, {.moving_only = moving_, .scenes_too = scenes_too, .scene = scene_})
+                    : Undo{};
+    const Undo scenes = scenes_too ? undo_of_scenes(session, globals, scene_) : Undo{};
     const nlohmann::json answer = server_command(session, globals, wire::kClear,
                                                  with_durable({{"scene", scene_}, {"moving", moving_}}, durable_));
     const std::uint64_t removed = count_of(answer, "removed");
     const std::uint64_t ended = count_of(answer, "ended");
     const std::uint64_t kept = count_of(answer, "kept");
-    std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed),
-                                   format_count(ended), count_of(answer, "version"));
+    std::string line = fmt::format("removed {}, ended {} (world {})", counted(removed, "object"),
+                                   counted(ended, "contact"), count_of(answer, "version"));
     if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
     print_done(session, globals, answer,
                {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);

@@ -99,9 +99,9 @@ class StatusCommand : public Command {
                              printable(status.name_space), printer.paint(paint, status.state)));
     std::string scenes;
     for (const std::string& scene : status.scenes) scenes += (scenes.empty() ? "" : ", ") + printable(scene);
-    printer.line(fmt::format("scene {}  {} triangles  ·  {} objects, {} moving  ·  {} open contacts  ·  world {}",
-                             scenes.empty() ? "(none)" : scenes, format_count(status.static_triangles),
-                             format_count(status.objects), format_count(status.moving), format_count(status.contacts),
+    printer.line(fmt::format("scene {}  {}  ·  {}, {} moving  ·  {}  ·  world {}", scenes.empty() ? "(none)" : scenes,
+                             counted(status.static_triangles, "triangle"), counted(status.objects, "object"),
+                             format_count(status.moving), counted(status.contacts, "open contact"),
                              format_count(status.version)));
     printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided",
                              format_count(status.poses_applied), format_count(status.poses_dropped),
@@ -179,6 +179,8 @@ class ListCommand : public Command {
     if (objects.size() < count)
       print_hint(session.io, globals,
                  fmt::format("{} of {} objects; --limit shows more", objects.size(), format_count(count)));
+    if (objects.empty() && !glob_.empty() && !moving_ && !static_)
+      print_hint(session.io, globals, fmt::format("no object's name matches '{}'", printable(glob_)));
     return objects.empty() ? Exit::no : Exit::yes;
   }
 
@@ -229,9 +231,11 @@ class GetCommand : public Command {
   }
 
  private:
-  static std::string joined(const std::vector<double>& numbers) {
+  static std::string joined(const std::vector<double>& numbers, Digits digits) {
     std::string text;
-    for (const double number : numbers) text += (text.empty() ? "" : " ") + format_number(number + 0.0);
+    for (const double number : numbers)
+      text += (text.empty() ? "" : " ") +
+              (digits == Digits::all ? format_number(number + 0.0) : readable_number(number + 0.0));
     return text;
   }
 
@@ -242,12 +246,13 @@ class GetCommand : public Command {
     const auto line = [&](const char* label, const std::string& text) {
       if (!text.empty()) printer.line(fmt::format("  {:<10}{}", label, text));
     };
-    line("pose", joined(numbers_of(object, "pose")));
-    line("velocity", joined(numbers_of(object, "velocity")));
+    line("pose", joined(numbers_of(object, "pose"), printer.digits()));
+    line("velocity", joined(numbers_of(object, "velocity"), printer.digits()));
     if (object.contains("bounds") && object["bounds"].is_array()) {
       std::string bounds;
       for (const nlohmann::json& corner : object["bounds"])
-        bounds += (bounds.empty() ? "" : "  to  ") + joined(numbers_of({{"corner", corner}}, "corner"));
+        bounds +=
+            (bounds.empty() ? "" : "  to  ") + joined(numbers_of({{"corner", corner}}, "corner"), printer.digits());
       line("bounds", bounds);
     }
     for (const nlohmann::json& part : object.value("shape", nlohmann::json::array())) line("shape", json_text(part));

@@ -201,7 +201,7 @@ RecordedSpan span_of(const RecordedItems& recorded) {
   return {nanoseconds(begin.log_time), nanoseconds(recorded.items.back().log_time)};
 }
 
-std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanoseconds to) {
+std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanoseconds to, EventOrder order) {
   using NamePair = std::pair<std::string, std::string>;
   struct Timed {
     nanoseconds at;
@@ -219,15 +219,25 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
 
   std::vector<Event> told;
   std::map<NamePair, const Event*> held;
-  std::uint64_t sequence = 0;  // of the newest event in the state at `from`
+  std::uint64_t sequence = 0;  // of the newest event in the state at `from`, and its life of the server
+  std::uint64_t epoch = 0;
   auto next = timed.begin();
   for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
     const NamePair names = std::minmax(next->event->a, next->event->b);
     sequence = std::max(sequence, next->event->sequence);
+    epoch = next->event->epoch;
     if (next->event->kind == EventKind::ended) {
       held.erase(names);
     } else {
       held.insert_or_assign(names, next->event);
+    }
+  }
+  const auto end = std::find_if(next, timed.end(), [&](const Timed& one) { return one.at > to; });
+  if (order == EventOrder::sequence) {
+    // A pair's events keep their order either way, so what held at `from` stays the state before the first of them.
+    std::sort(next, end, [](const Timed& a, const Timed& b) { return a.event < b.event; });
+    for (auto one = next; one != end; ++one) {
+      if (one->event->epoch == epoch) sequence = std::min(sequence, one->event->sequence - 1);
     }
   }
   for (const auto& [names, contact] : held) {
@@ -239,7 +249,7 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
     open.sequence = sequence;
   }
   std::stable_sort(told.begin(), told.end(), [](const Event& a, const Event& b) { return a.began < b.began; });
-  for (; next != timed.end() && next->at <= to; ++next) told.push_back(*next->event);
+  for (; next != end; ++next) told.push_back(*next->event);
   return told;
 }
 
@@ -270,7 +280,7 @@ Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEv
     if (client::is_wanted(event, options.only, options.skip)) events.push_back(event);
   });
   const client::MissingEvents missing = client::hear_recording(recorded, names, watch);
-  RecordedEvents told{.events = client::in_window(std::move(events), from, to),
+  RecordedEvents told{.events = client::in_window(std::move(events), from, to, client::EventOrder::happened),
                       .begin = span.begin,
                       .end = span.end,
                       .lost = missing.lost,

@@ -29,8 +29,12 @@ struct RecordedSpan {
 };
 RecordedSpan span_of(const RecordedItems& recorded);
 
+/// happened: by happened(). sequence: as a watch reports them, by their numbers, each `open` before what follows it.
+enum class EventOrder { happened, sequence };
+
 /// Selects from events as a WatchState emits them: what held before `from` as `open`, then what happened from `from` to
-/// `to`, both included, in the order of happened().
-std::vector<Event> in_window(std::vector<Event> events, std::chrono::nanoseconds from, std::chrono::nanoseconds to);
+/// `to`, both included.
+std::vector<Event> in_window(std::vector<Event> events, std::chrono::nanoseconds from, std::chrono::nanoseconds to,
+                             EventOrder order);
 
 }  // namespace collided::client

@@ -110,7 +110,8 @@ std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since)
     is_hearing_recorded_ = false;
     tells_since_ = std::max(since, client::span_of(recorded).begin);
   } catch (const std::runtime_error& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
-  recorded_ = client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max());
+  recorded_ =
+      client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max(), client::EventOrder::sequence);
   options_.capacity += recorded_.size();  // the caller could not have polled them yet
   return std::nullopt;
 }

@@ -16,6 +16,12 @@ LinkPairs read_srdf(const std::string& text, const std::string& file) {
     throw LoadError(fmt::format("{}: byte {}: {}. Nothing was loaded.", file, parsed.offset, parsed.description()));
   const pugi::xml_node robot = document.child("robot");
   if (!robot) throw LoadError(fmt::format("{}: no <robot> in it. Nothing was loaded.", file));
+  // Both kinds of file have a <robot>; one that describes the links themselves allows no pairs, and would silently do so.
+  if (robot.child("link") || robot.child("joint"))
+    throw LoadError(
+        fmt::format("{}: it describes links and joints, so it is a URDF file; --srdf takes an SRDF file, with "
+                    "<disable_collisions>. Nothing was loaded.",
+                    file));
   LinkPairs pairs;
   for (const pugi::xml_node pair : robot.children("disable_collisions")) {
     pairs.emplace_back(pair.attribute("link1").value(), pair.attribute("link2").value());

@@ -225,7 +225,9 @@ class UrdfReader {
 
   void set_filters(const std::string& robot) {
     LoadReport& report = reading_.report;
-    if (moving_joint_count_ > 0) report.placed.push_back(fmt::format("{} joints stand at 0", moving_joint_count_));
+    if (moving_joint_count_ > 0)
+      report.placed.push_back(moving_joint_count_ == 1 ? std::string("1 joint stands at 0")
+                                                       : fmt::format("{} joints stand at 0", moving_joint_count_));
     if (reading_.options.srdf.empty()) {
       std::uint64_t hash = 0;
       for (const char c : robot) hash = mixed(hash + static_cast<std::uint8_t>(c) + 1);

@@ -100,7 +100,9 @@ json mesh_json(const CheckedMesh& checked) {
   for (const Finding& finding : findings_of(checked, kWorstInJson)) {
     json places = json::array();
     for (const Place& place : finding.worst) {
-      places.push_back({{"object", place.object}, {"triangle", place.triangle}, {"detail", place.detail}});
+      json one{{"object", place.object}, {"triangle", place.triangle}, {"detail", place.detail}};
+      if (place.with) one["with"] = {{"object", place.with->object}, {"triangle", place.with->triangle}};
+      places.push_back(std::move(one));
     }
     worst[finding.key] = {{"places", places}, {"service", finding.consequence}};
   }
@@ -140,12 +142,12 @@ std::string surface_text(const MeshHealth& health) {
 /// Prints the result for people, line by line. Without `full` it fits a screen.
 class Report {
  public:
-  Report(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report, bool full)
-      : scene_(scene), meshes_(meshes), report_(report), full_(full) {}
+  Report(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report,
+         const CheckOptions& options)
+      : scene_(scene), meshes_(meshes), report_(report), full_(options.full), quiet_(options.quiet) {}
 
   void print() {
-    line(fmt::format("{}  {} parts, {} triangles, {} objects", scene_.name, grouped(scene_.parts.size()),
-                     grouped(scene_.mesh.triangles.size()), grouped(scene_.objects.size())));
+    line(scene_line(scene_));
     lines("placed", report_.placed);
     // The lines that follow the meshes have their place on the screen too.
     const std::vector<std::string> warnings = this->warnings();
@@ -160,7 +162,7 @@ class Report {
     lines("mended", report_.mended);
     lines("refused", report_.refused);
     lines("warning", warnings);
-    if (is_cut_) line("  -v shows every place, --json gives it to programs");
+    if (is_cut_ && !quiet_) line("  -v shows every place, --json gives it to programs");
   }
 
  private:
@@ -188,7 +190,7 @@ class Report {
 
   void print_mesh(const CheckedMesh& checked) {
     const MeshHealth& health = checked.health;
-    if (checked.parts == nullptr) line(fmt::format("{}  {} triangles", checked.name, grouped(health.triangle_count)));
+    if (checked.parts == nullptr) line(fmt::format("{}  {}", checked.name, counted(health.triangle_count, "triangle")));
     const double size_m = (health.bounds.high - health.bounds.low).norm();
     line(fmt::format("  bounds   {}  to  {}", corner_text(health.bounds.low, size_m),
                      corner_text(health.bounds.high, size_m)));
@@ -251,10 +253,13 @@ class Report {
     constexpr std::size_t kHead = kIndent + std::string_view("the worst: ").size();
     std::string text;
     for (const Place& place : finding.worst) {
-      const std::string name = full_ ? place.object : short_name(place.object);
-      const std::string triangle =
-          fmt::format("{}{}triangle {}", text.empty() ? "" : "; ", names_objects ? name + " " : "", place.triangle);
+      const auto named = [&](const std::string& object, std::uint32_t number) {
+        const std::string name = full_ ? object : short_name(object);
+        return fmt::format("{}triangle {}", names_objects ? name + " " : "", number);
+      };
+      const std::string triangle = (text.empty() ? "" : "; ") + named(place.object, place.triangle);
       std::string one = triangle + (place.detail.empty() ? "" : " " + place.detail);
+      if (place.with) one += " with " + named(place.with->object, place.with->triangle);
       if (!full_ && kHead + text.size() + one.size() > kScreenColumns) {
         is_cut_ = true;
         if (!text.empty()) break;
@@ -286,7 +291,7 @@ class Report {
       for (const Finding& finding : by_weight(findings_of(checked, 0)))
         kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", grouped(finding.count), finding.what);
       const std::string text =
-          fmt::format("  {}  {} triangles, {}", short_name(checked.name), grouped(checked.health.triangle_count),
+          fmt::format("  {}  {}, {}", short_name(checked.name), counted(checked.health.triangle_count, "triangle"),
                       kinds.empty() ? "nothing is wrong with it" : kinds);
       (kinds.empty() ? sound : faulty).push_back(text);
     }
@@ -317,6 +322,7 @@ class Report {
   const std::vector<CheckedMesh>& meshes_;
   const LoadReport& report_;
   const bool full_;
+  const bool quiet_;
   std::size_t printed_ = 0;
   std::size_t lines_after_ = 0;  // that will follow the meshes
   bool is_cut_ = false;          // something was left out for want of space
@@ -336,7 +342,7 @@ int check(const FileOptions& file, const CheckOptions& options) {
       check_meshes(scene, scrutiny, [&](double fraction) { line->tell(kLoaded + (1 - kLoaded) * fraction); });
   line.reset();
   if (options.as_json) print_json(scene, meshes, report);
-  else Report(scene, meshes, report, options.full).print();
+  else Report(scene, meshes, report, options).print();
   if (options.volumes) print_volumes(scene);
   if (options.encodings) print_encodings(scene);
   return report.refused.empty() ? 0 : 1;

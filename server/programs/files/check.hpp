@@ -11,6 +11,7 @@ struct CheckOptions {
   bool volumes = false;    // print the table of bounding volumes too
   bool encodings = false;  // print the table of sizes as lists, fans, strips and a mesh too
   bool full = false;       // every finding's places, with full names and digits; else what fits a screen
+  bool quiet = false;      // no hint at what more there is to see
   std::string eye{};       // "X,Y,Z"; empty: no silhouettes are counted
 };
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <unordered_set>
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
@@ -88,11 +89,14 @@ Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
 int convert(const ConvertOptions& options) {
   if (!options.output.ends_with(".cscene"))
     throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
+  const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
+  std::error_code missing;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, missing))
+    throw LoadError(fmt::format("{}: there is no folder {}. Nothing was written.", options.output, folder.string()));
   if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
   LoadReport report;
   Scene scene = load_showing_progress(options.file, report);
-  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()),
-             grouped(scene.mesh.triangles.size()), grouped(scene.objects.size()));
+  fmt::print("{}\n", scene_line(scene));
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
   // Indexes and orders that the file brought are of the mesh as it was, so they are made anew.

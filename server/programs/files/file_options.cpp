@@ -81,9 +81,24 @@ std::string grouped(std::uint64_t value) {
   return fmt::format("{} {:03}", grouped(value / 1000), value % 1000);
 }
 
+std::string counted(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", grouped(count), what, count == 1 ? "" : "s");
+}
+
+std::string scene_line(const Scene& scene) {
+  return fmt::format("{}  {}, {}, {}", scene.name, counted(scene.parts.size(), "part"),
+                     counted(scene.mesh.triangles.size(), "triangle"), counted(scene.objects.size(), "object"));
+}
+
 std::string shortest(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  constexpr double kLeastPlain = 1e-4;
+  constexpr double kMostPlain = 1e15;  // from here on plain notation would show digits that no double holds
+  std::array<char, 40> text{};
+  const double size = std::abs(value);
+  const bool is_plain = size == 0 || (size >= kLeastPlain && size < kMostPlain);
+  char* const end = text.data() + text.size();
+  const auto result = is_plain ? std::to_chars(text.data(), end, value, std::chars_format::fixed)
+                               : std::to_chars(text.data(), end, value);
   return {text.data(), result.ptr};
 }
 

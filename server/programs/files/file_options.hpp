@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "server/intake/scene.hpp"
 
@@ -41,7 +42,13 @@ Scene load(const FileOptions& file, LoadReport& report, const std::function<void
 /// The number with its thousands apart: "18 204".
 std::string grouped(std::uint64_t value);
 
-/// The shortest text that reads back to the same double.
+/// A count with its noun: "1 part", "18 204 parts".
+std::string counted(std::uint64_t count, std::string_view what);
+
+/// The line that a report begins with: "hall  3 parts, 1 204 triangles, 0 objects".
+std::string scene_line(const Scene& scene);
+
+/// The shortest text that reads back to the same double; without an exponent from 1e-4 to 1e15.
 std::string shortest(double value);
 
 }  // namespace collided::engine::files

@@ -1,6 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <fmt/format.h>
+#include <sstream>
 
 #include "server/programs/files/check.hpp"
 #include "server/programs/files/convert.hpp"
@@ -16,6 +19,27 @@
 namespace {
 
 constexpr int kInterrupted = 130;
+
+/// The parser's help with descriptions that end within a terminal.
+class NarrowHelp : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::size_t width = kColumns - get_column_width();
+    std::string text;
+    std::size_t used = 0;
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word; used += word.size()) {
+      const bool fits = used + 1 + word.size() <= width;
+      if (used > 0) text += fits ? ' ' : '\n';
+      used = used > 0 && fits ? used + 1 : 0;
+      text += word;
+    }
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kColumns = 78;
+};
 
 void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file) {
   verb.add_option("file", file.path, "File to read")->required();
@@ -48,6 +72,43 @@ std::string without_blanks(std::string word) {
   return word;
 }
 
+/// The verb's option that begins most like the word, as "--unit" for "--uni"; empty where none begins like it.
+std::string nearest_option(const CLI::App& verb, std::string_view word) {
+  constexpr std::size_t kLeastShared = 3;  // the dashes and a letter
+  std::string nearest;
+  std::size_t most = kLeastShared - 1;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      const std::string full = "--" + name;
+      const auto same = std::mismatch(word.begin(), word.end(), full.begin(), full.end()).first - word.begin();
+      if (static_cast<std::size_t>(same) <= most) continue;
+      most = static_cast<std::size_t>(same);
+      nearest = full;
+    }
+  }
+  return nearest;
+}
+
+/// What is wrong with the words that the parser did not take, and how the verb is written.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> verbs = app.get_subcommands();
+  if (verbs.empty()) return error.what();
+  const CLI::App& verb = *verbs.front();
+  std::string what = error.what();
+  if (const std::vector<std::string> left = verb.remaining(); !left.empty()) {
+    const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) { return word[0] == '-'; });
+    what = fmt::format("'{}' has no meaning here", left.front());
+    if (unknown != left.end()) {
+      const std::string nearest = nearest_option(verb, *unknown);
+      what = fmt::format("unknown option '{}'{}", *unknown,
+                         nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
+    }
+  } else if (const std::size_t end = what.find(" is required"); end != std::string::npos) {
+    what = fmt::format("which {}?", what.substr(0, end));
+  }
+  return fmt::format("{}: {}\n       collide help {}", verb.get_name(), what, verb.get_name());
+}
+
 void declare_implicit(CLI::App& verb, collided::engine::files::ImplicitOptions& options) {
   verb.add_option("surface", options.surface,
                   "Polynomial in x, y, z, 0 on the surface: 'x^2+y^2+z^2-1 in 0 -1 -1 1 1 1'; or, with --file, a name")
@@ -64,6 +125,7 @@ void declare_implicit(CLI::App& verb, collided::engine::files::ImplicitOptions& 
 
 void declare_check(CLI::App& verb, collided::engine::files::CheckOptions& options) {
   verb.add_flag("--json", options.as_json, "One JSON object");
+  verb.add_flag("-q,--quiet", options.quiet, "No hint at what more there is to see");
   verb.add_flag("-v,--verbose", options.full, "Every finding's places, with full names and digits");
   verb.add_option("--crease", options.crease_deg,
                   "Angle between two triangles above which their edge is a crease, degrees (30)")
@@ -92,6 +154,7 @@ void declare_convert(CLI::App& verb, collided::engine::files::ConvertOptions& op
 int main(int argument_count, char** arguments) {
   CLI::App app("Scene files without a server", "collide");
   app.require_subcommand(1);
+  app.formatter(std::make_shared<NarrowHelp>());
   collided::engine::files::FileOptions checked;
   collided::engine::files::CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
@@ -112,7 +175,7 @@ int main(int argument_count, char** arguments) {
     app.parse(words_of(argument_count, arguments));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "error: %s\n", error.what());
+    std::fprintf(stderr, "error: %s\n", complaint(app, error).c_str());
     return 2;
   }
   collided::engine::files::listen_for_interrupt();

@@ -28,6 +28,7 @@ struct Item {
   std::uint32_t triangle = 0;
   double size_m = 0;
   std::string detail{};
+  std::optional<std::uint32_t> with{};  // the triangle that it meets
 };
 
 class Findings {
@@ -50,16 +51,20 @@ class Findings {
     return std::max({length_m(3 * triangle), length_m(3 * triangle + 1), length_m(3 * triangle + 2)});
   }
 
-  Place place(const Item& item) const {
-    Place place{c_.name, item.triangle, item.detail};
-    if (c_.parts == nullptr) {
-      place.triangle = c_.cut.told(item.triangle, static_cast<std::uint32_t>(c_.mesh->triangles.size()));
-      return place;
-    }
-    const auto after = std::upper_bound(c_.parts->begin(), c_.parts->end(), item.triangle,
+  NamedTriangle named(std::uint32_t triangle) const {
+    if (c_.parts == nullptr)
+      return {c_.name, c_.cut.told(triangle, static_cast<std::uint32_t>(c_.mesh->triangles.size()))};
+    const auto after = std::upper_bound(c_.parts->begin(), c_.parts->end(), triangle,
                                         [](std::uint32_t t, const Part& part) { return t < part.first_triangle; });
     const Part& part = *(after - 1);
-    return {part.name, part.cut.told(item.triangle - part.first_triangle, part.triangle_count), item.detail};
+    return {part.name, part.cut.told(triangle - part.first_triangle, part.triangle_count)};
+  }
+
+  Place place(const Item& item) const {
+    NamedTriangle at = named(item.triangle);
+    Place place{std::move(at.object), at.triangle, item.detail};
+    if (item.with) place.with = named(*item.with);
+    return place;
   }
 
   void add(const char* key, const char* what, std::uint64_t count, std::vector<Item> items, std::string consequence) {
@@ -126,7 +131,7 @@ class Findings {
     std::vector<Item> crossings;
     for (const TrianglePair& pair : c_.crossings.pairs) {
       if (crossings.size() == worst_count_) break;
-      crossings.push_back({pair.a, 0, fmt::format("with {}", place({pair.b}).triangle)});
+      crossings.push_back({pair.a, 0, {}, pair.b});
     }
     add("self_intersections", "meet each other", c_.crossings.pairs.size(), std::move(crossings),
         c_.parts != nullptr && c_.parts->size() > 1 ? "normal where parts join or overlap; every triangle counts"

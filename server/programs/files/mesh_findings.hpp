@@ -39,12 +39,18 @@ struct Scrutiny {
 CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
                        const Scrutiny& scrutiny, const std::function<void(double)>& progress);
 
-/// Where a finding is: a triangle as answers name it, and in `detail` a side, a point or another triangle, where there
-/// is one.
+/// A triangle as answers name it.
+struct NamedTriangle {
+  std::string object;
+  std::uint32_t triangle = 0;
+};
+
+/// Where a finding is: a triangle, in `detail` a side or a point, where there is one, and the triangle that it meets.
 struct Place {
   std::string object;
   std::uint32_t triangle = 0;
   std::string detail;
+  std::optional<NamedTriangle> with{};
 };
 
 /// One kind of fault of a mesh.

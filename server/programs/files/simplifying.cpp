@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/geometry/aabb.hpp"
 #include "server/programs/files/file_options.hpp"
 #include "server/programs/files/interrupt.hpp"
 #include "server/programs/files/progress_line.hpp"
@@ -42,6 +43,22 @@ CollapseOrder simplified(const Scene& scene, std::size_t triangles_at_most, Coll
                                  report);
   end_if_interrupted();
   return order;
+}
+
+/// A bound in three digits, rounded upward so that it stays one.
+std::string rounded_up(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return shortest(value);
+  const double step = std::pow(10, std::floor(std::log10(value)) - 2);
+  double shown = std::stod(fmt::format("{:.2e}", value));
+  if (shown < value) shown = std::stod(fmt::format("{:.2e}", shown + step));
+  return shortest(shown);
+}
+
+/// The size by which it is judged how much simplification has changed.
+double diagonal_m(const TriangleMesh& mesh) {
+  Aabb bounds;
+  for (const Vec3& vertex : mesh.vertices) bounds.extend(vertex);
+  return bounds.empty() ? 0 : (bounds.high - bounds.low).norm();
 }
 
 std::string refusals(const SimplifyReport& report) {
@@ -83,10 +100,17 @@ void simplify_to(Scene& scene, const std::string& target, CollapseCost cost) {
   TriangleMesh simpler = compact_mesh(scene.mesh, level);
   const Bvh tree = Bvh::build(scene.mesh);
   const Bvh simpler_tree = Bvh::build(simpler);
+  constexpr double kNoticeable = 0.05;  // of the diagonal
   // Measured on the finished meshes, from both sides.
   const double off_by_m = surface_distance({scene.mesh, tree, part_of}, {simpler, simpler_tree, level_part_of});
   fmt::print("  simplify  {} of {} triangles, no point of either surface farther than {} m from the other\n",
-             grouped(simpler.triangles.size()), grouped(count), shortest(off_by_m));
+             grouped(simpler.triangles.size()), grouped(count), rounded_up(off_by_m));
+  if (const double size_m = diagonal_m(scene.mesh); off_by_m > kNoticeable * size_m) {
+    fmt::print(
+        "  warning   that is {:.0f} per cent of its size: parts of it are gone or bent; --to a larger number "
+        "keeps more\n",
+        100 * off_by_m / size_m);
+  }
   if (simpler.triangles.size() > asked)
     fmt::print("            {} were asked for; the guards let no more go\n", grouped(asked));
   fmt::print("            {}\n", refusals(report));
@@ -103,7 +127,7 @@ void add_levels(Scene& scene, CollapseCost cost) {
   if (levels.empty()) fmt::print("  level    none: the mesh does not get much simpler without being far off\n");
   for (const auto& level : levels) {
     fmt::print("  level    {} triangles, distances within {} m\n", grouped(level->mesh.triangles.size()),
-               shortest(level->off_by_m));
+               rounded_up(level->off_by_m));
   }
   fmt::print("           {}\n", refusals(report));
 }

@@ -8,6 +8,7 @@
 
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -244,7 +245,8 @@ Scene read_with_assimp(const std::string& path, const LoadOptions& options, Load
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options.up != 0);
   const aiScene* from = importer.ReadFile(path, aiProcess_Triangulate);
   if (from == nullptr || from->mRootNode == nullptr) {
-    throw LoadError(fmt::format("Assimp cannot read it: {}", importer.GetErrorString()));
+    const std::string ending = std::filesystem::path(path).extension().string();
+    throw LoadError(fmt::format("it is no readable {} file (Assimp says: {})", ending, importer.GetErrorString()));
   }
   Scene scene = AssimpReader(*from, upright(*from, options, report), options, report).read();
   scene.name = options.name.empty() ? "scene" : options.name;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/world/world.hpp"
 
@@ -14,6 +15,9 @@ constexpr double kReadingShare = 0.5;
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
   LoadedScene loaded{.scene = std::move(scene), .indexed = nullptr, .report = std::move(report)};
   loaded.triangles = loaded.scene.mesh.triangles.size();
+  Aabb bounds;
+  for (const Vec3& vertex : loaded.scene.mesh.vertices) bounds.extend(vertex);  // before the index takes them
+  const std::string unit_doubt = unit_suspicion(bounds);
   BvhOptions bvh;
   if (options.progress) {
     bvh.progress = [&](double fraction) { options.progress(kReadingShare + (1 - kReadingShare) * fraction); };
@@ -25,8 +29,13 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
     throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
+  if (!unit_doubt.empty()) warnings.push_back(unit_doubt);
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
+}
+
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -45,9 +54,9 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
 LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
-  std::string text =
-      fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
-                  loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
+  std::string text = fmt::format("{}: {} in {}, {}, {:.0f} ms", loaded.scene.name,
+                                 counted(loaded.triangles, "triangle"), counted(loaded.scene.parts.size(), "part"),
+                                 counted(loaded.scene.objects.size(), "object"), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
   for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;

@@ -48,6 +48,13 @@ TEST_F(ServiceStartScenes, TheirUnitAndWhatPointsUpAreThoseOfTheOptions) {
   EXPECT_LE((bounds.high - Vec3(1, 0, 2)).norm(), 1e-9);
 }
 
+TEST_F(ServiceStartScenes, AFileThatLooksLikeMillimetresIsWarnedOf) {
+  const std::string plate = file("plate.obj", "v 0 0 0\nv 2000 0 0\nv 2000 2000 0\nf 1 2 3\n");
+  const std::string doubt = "2000 m across: if the file is in millimetres, it is 2 m (--unit mm)";
+  EXPECT_EQ(load_and_index(plate, {}).report.warnings, std::vector<std::string>{doubt});
+  EXPECT_TRUE(load_and_index(plate, {.unit_m = 1e-3}).report.warnings.empty());
+}
+
 TEST_F(ServiceStartScenes, WithoutOneTheEmbeddedSceneIsThere) {
   load({});
   ASSERT_EQ(world_.newest()->scenes.size(), 1U);
