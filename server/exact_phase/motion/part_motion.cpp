@@ -89,11 +89,18 @@ class Advance {
     const Convex set_b = convex_of(b);
     const kernel::Proposal proposal = kernel::nearest_proposal(set_a, set_b, kernel::Seek::distance);
     const double gap_before_m = normal.isZero(0) ? 0 : gap_of(normal, set_a, set_b);
-    if (proposal.encloses || proposal.nearest.isZero(0)) return gap_before_m;
-    const Vec3 here = -proposal.nearest.stableNormalized();
-    const double gap_m = gap_of(here, set_a, set_b);
-    if (gap_m < gap_before_m) return gap_before_m;
-    normal = here;
+    double gap_m = gap_before_m;
+    const auto try_plane = [&](const Vec3& n) {
+      const double gap_here_m = gap_of(n, set_a, set_b);
+      if (!(gap_here_m > 0) || gap_here_m < gap_m) return;
+      gap_m = gap_here_m;
+      normal = n;
+    };
+    if (!proposal.encloses && !proposal.nearest.isZero(0)) try_plane(-proposal.nearest.stableNormalized());
+    // Nearest points closer than they are known lie in no direction; faces have one. Straight motions are decided without.
+    const bool turns = a_.motion->turn_rad != 0 || b_.motion->turn_rad != 0;
+    if (!(gap_m > 0) && turns && !proposal.encloses)
+      try_plane(kernel::depth_proposal(set_a, set_b, proposal, 0).normal);
     return gap_m;
   }
 
