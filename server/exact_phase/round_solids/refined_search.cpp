@@ -96,11 +96,26 @@ class RefinedSearch {
       sum = sum + *common;
       if (i > 0 && holds_near(LongFloat(1.0) / LongFloat(i + 1.0) * sum)) return Decision::yes;
     }
-    return Decision::undecided;
+    return touch_upright(a_, b_) || touch_upright(b_, a_) ? Decision::yes : Decision::undecided;
   }
 
  private:
   static constexpr int kMostSteps = 400;
+
+  /// Where things stand, lie or are stacked they touch right above, below or beside an end of an axis: one of these points
+  /// of a set, or of an ellipsoid's poles, is in the other. Rounded points of a search come no nearer to such a touch than the root of its digits.
+  static bool touch_upright(const ExactSolid& set, const ExactSolid& other) {
+    for (const Point& end : set.points) {
+      for (int i = 0; i < 6; ++i) {
+        const Dyadic side(i < 3 ? 1.0 : -1.0);
+        const Point along = set.kind == Kind::ellipsoid ? set.half[static_cast<std::size_t>(i % 3)]
+                                                        : set.radius * Point(Vec3(Vec3::Unit(i % 3)));
+        const Point at = end + side * along;
+        if (holds_point(set, at) == Decision::yes && holds_point(other, at) == Decision::yes) return true;
+      }
+    }
+    return false;
+  }
 
   void add(const LongPoint& n) {
     of_a_.push_back(near_a_.farthest(n));
