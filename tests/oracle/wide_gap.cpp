@@ -1,5 +1,6 @@
 #include "tests/oracle/wide_gap.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -90,10 +91,10 @@ struct Posed {
 
   V support(const V& n) const {
     const Support own{{times(column[0], n), times(column[1], n), times(column[2], n)}};
-    const V point = std::holds_alternative<Triangle>(part) ? own(std::get<Triangle>(part))
-                                                           : std::visit(own, std::get<Primitive>(part));
-    return to + (point[0] * column[0] + (point[1] * column[1] + point[2] * column[2]));
+    return to + turned(std::holds_alternative<Triangle>(part) ? own(std::get<Triangle>(part))
+                                                              : std::visit(own, std::get<Primitive>(part)));
   }
+  V turned(const V& v) const { return v[0] * column[0] + (v[1] * column[1] + v[2] * column[2]); }
 };
 
 /// The point nearest to the origin of the flat through some points, if it is among them.
@@ -140,37 +141,87 @@ bool surrounds_origin(const std::vector<V>& p) {
          turn * volume(p[0], p[1], p[3]) > least && -turn * volume(p[0], p[1], p[2]) > least;
 }
 
-}  // namespace
+/// Walks from support point to support point of the difference of two sets towards the point nearest to the origin.
+class Walk {
+ public:
+  Walk(const PosedPart& a, const PosedPart& b) : a_(a), b_(b), simplex_{difference({1, 0, 0})}, nearest_(simplex_[0]) {}
 
-WideVerdict wide_verdict(const PosedPart& a, const PosedPart& b) {
-  const Posed of_a(a);
-  const Posed of_b(b);
-  const auto difference = [&](const V& n) { return of_a.support(n) - of_b.support(Wide(-1) * n); };
-  std::vector<V> simplex{difference({1, 0, 0})};
-  V v = simplex[0];
-  for (int step = 0; step < 400; ++step) {
-    if (times(v, v) == 0) return WideVerdict::meet;
-    const V w = difference(Wide(-1) * v);
-    if (times(v, w) > 0) return WideVerdict::apart;
-    simplex.push_back(w);
-    if (surrounds_origin(simplex)) return WideVerdict::meet;
+  /// Of the points reached so far; the distance is at most this long.
+  const V& nearest() const { return nearest_; }
+  V difference(const V& n) const { return a_.support(n) - b_.support(Wide(-1) * n); }
+  /// The farthest point towards the origin.
+  V ahead() const { return difference(Wide(-1) * nearest_); }
+  /// Takes the point in; true: the origin is within four of them.
+  bool encloses_with(const V& w) {
+    simplex_.push_back(w);
+    if (surrounds_origin(simplex_)) return true;
     // Of all faces that hold their foot, the one nearest to the origin.
     std::vector<V> best;
-    for (unsigned which = 1; which < 1u << simplex.size(); ++which) {
+    for (unsigned which = 1; which < 1u << simplex_.size(); ++which) {
       std::vector<V> face;
-      for (std::size_t i = 0; i < simplex.size(); ++i) {
-        if (which >> i & 1) face.push_back(simplex[i]);
+      for (std::size_t i = 0; i < simplex_.size(); ++i) {
+        if (which >> i & 1) face.push_back(simplex_[i]);
       }
       V foot;
       if (face.size() > 3 || !foot_within(face, foot)) continue;
-      if (!best.empty() && times(foot, foot) >= times(v, v)) continue;
+      if (!best.empty() && times(foot, foot) >= times(nearest_, nearest_)) continue;
       best = face;
-      v = foot;
+      nearest_ = foot;
     }
-    simplex = best;
-    if (times(v, v) < Wide("1e-120")) return WideVerdict::unknown;
+    simplex_ = best;
+    return false;
+  }
+
+ private:
+  Posed a_;
+  Posed b_;
+  std::vector<V> simplex_;
+  V nearest_;
+};
+
+constexpr int kMostSteps = 400;
+
+}  // namespace
+
+WideVerdict wide_verdict(const PosedPart& a, const PosedPart& b) {
+  Walk walk(a, b);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const V& v = walk.nearest();
+    if (times(v, v) == 0) return WideVerdict::meet;
+    const V w = walk.ahead();
+    if (times(v, w) > 0) return WideVerdict::apart;
+    if (walk.encloses_with(w)) return WideVerdict::meet;
+    if (times(walk.nearest(), walk.nearest()) < Wide("1e-120")) return WideVerdict::unknown;
   }
   return WideVerdict::unknown;
+}
+
+WideInterval wide_distance(const PosedPart& a, const PosedPart& b, const Wide& low, const Wide& high) {
+  Walk walk(a, b);
+  WideInterval found{0, length(walk.nearest())};
+  for (int step = 0; step < kMostSteps && found.high > 0; ++step) {
+    const V w = walk.ahead();
+    found.low = std::max(found.low, Wide(times(walk.nearest(), w) / length(walk.nearest())));
+    const bool is_within = found.low >= low && found.high <= high;
+    const bool is_outside = found.low > high || found.high < low;
+    if (is_within || is_outside || walk.encloses_with(w)) break;
+    found.high = length(walk.nearest());
+  }
+  return found;
+}
+
+Wide wide_push(const PosedPart& a, const PosedPart& b, const Vec3& n) {
+  const V along = wide(n);
+  const V against = Wide(-1) * along;
+  return times(along, Posed(a).support(along) - Posed(b).support(against)) / length(along);
+}
+
+Wide wide_height(const PosedPart& solid, const PosedPart& half_space) {
+  const Posed plane(half_space);
+  const auto& own = std::get<HalfSpace>(std::get<Primitive>(half_space.part));
+  const V up = plane.turned(wide(own.normal));
+  const V lowest = Posed(solid).support(Wide(-1) * up);
+  return times(up, lowest - plane.to - plane.turned(wide(own.point))) / length(up);
 }
 
 }  // namespace collided::oracle

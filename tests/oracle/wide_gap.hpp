@@ -19,4 +19,20 @@ enum class WideVerdict { apart, meet, unknown };
 /// hundred steps: they touch, or nearly. No half-spaces. Takes no formula from the product.
 WideVerdict wide_verdict(const PosedPart& a, const PosedPart& b);
 
+struct WideInterval {
+  Wide low;
+  Wide high;
+};
+
+/// Bounds of the distance of two that are apart, by the same walk: as narrow as it takes to say whether the distance lies
+/// in [low, high], or as 400 steps make them.
+WideInterval wide_distance(const PosedPart& a, const PosedPart& b, const Wide& low, const Wide& high);
+
+/// How far b must move along n until a plane across n has a behind it and b ahead; negative: that much room is between
+/// them. No half-spaces.
+Wide wide_push(const PosedPart& a, const PosedPart& b, const Vec3& n);
+
+/// How high the lowest point of a solid is above a half-space; negative: that deep in it.
+Wide wide_height(const PosedPart& solid, const PosedPart& half_space);
+
 }  // namespace collided::oracle

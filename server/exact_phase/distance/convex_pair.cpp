@@ -154,6 +154,8 @@ Separation separation_of(const ConvexPair& pair) {
   const double low = result.normal.isZero(0) ? 0 : std::max(-push_along(result.normal, pair.a, pair.b).high(), 0.0);
   result.distance_m = low + std::max(high - low, 0.0) / 2;
   result.error_m = std::max(high - low, 0.0) / 2 + 2 * kRoundoff * std::abs(high);
+  // Half of the least double is nothing.
+  result.error_m = std::max({result.error_m, high - result.distance_m, result.distance_m - low});
   return result;
 }
 

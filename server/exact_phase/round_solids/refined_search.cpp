@@ -86,8 +86,17 @@ class RefinedSearch {
   RefinedSearch(const ExactSolid& a, const ExactSolid& b)
       : a_(a), b_(b), from_(a.points[0]), near_a_(a, from_), near_b_(b, from_) {}
 
-  /// From several sides: what one search finds may lie on the borders of both sets, the middle of several finds within.
   Decision run() {
+    const Decision found = from_all_sides();
+    if (found != Decision::undecided) return found;
+    return touch_upright(a_, b_) || touch_upright(b_, a_) ? Decision::yes : Decision::undecided;
+  }
+
+ private:
+  static constexpr int kMostSteps = 400;
+
+  /// What one search finds may lie on the borders of both sets, the middle of several finds within.
+  Decision from_all_sides() {
     LongPoint sum{Vec3(Vec3::Zero())};
     for (int i = 0; i < 6; ++i) {
       std::optional<LongPoint> common;
@@ -98,9 +107,21 @@ class RefinedSearch {
     }
     return Decision::undecided;
   }
-
- private:
-  static constexpr int kMostSteps = 400;
+  /// Where things stand, lie or are stacked they touch right above, below or beside an end of an axis: one of these
+  /// points of a set, or of an ellipsoid's poles, is in the other. Points of a search come no nearer to such a touch than
+  /// the root of its digits.
+  static bool touch_upright(const ExactSolid& set, const ExactSolid& other) {
+    for (const Point& end : set.points) {
+      for (int i = 0; i < 6; ++i) {
+        const Dyadic side(i < 3 ? 1.0 : -1.0);
+        const Point along = set.kind == Kind::ellipsoid ? set.half[static_cast<std::size_t>(i % 3)]
+                                                        : set.radius * Point(Vec3(Vec3::Unit(i % 3)));
+        const Point at = end + side * along;
+        if (holds_point(set, at) == Decision::yes && holds_point(other, at) == Decision::yes) return true;
+      }
+    }
+    return false;
+  }
 
   void add(const LongPoint& n) {
     of_a_.push_back(near_a_.farthest(n));

@@ -1,11 +1,12 @@
 #include "server/world/objects/contact_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "server/exact_phase/overlap/separation_filter.hpp"
-#include "server/exact_phase/part.hpp"
+#include "server/exact_phase/part_convex.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -135,9 +136,23 @@ ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const Giv
 
 Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
   const Separation apart = separation(a, b);
-  return {.point = apart.on_a,
-          .normal = apart.normal.isZero(0) ? Vec3(Vec3::UnitZ()) : apart.normal,
-          .depth_error_m = apart.distance_m + apart.error_m};
+  Contact found{.point = apart.on_a,
+                .normal = apart.normal.isZero(0) ? Vec3(Vec3::UnitZ()) : apart.normal,
+                .depth_error_m = apart.distance_m + apart.error_m};
+  if (half_space_of(a) != nullptr || half_space_of(b) != nullptr) return found;
+  // Nearest points closer than they are known lie in no direction; a contact's comes from the parts' faces.
+  const kernel::Convex set_a = convex_of(a);
+  const kernel::Convex set_b = convex_of(b);
+  double push_m = kernel::push_along(found.normal, set_a, set_b).high();
+  const Vec3 by_faces = contact(a, b).normal;
+  const double by_faces_m = kernel::push_along(by_faces, set_a, set_b).high();
+  if (by_faces_m < push_m) {
+    push_m = by_faces_m;
+    found.normal = by_faces;
+  }
+  // Whichever it is, moving that far along it parts them.
+  found.depth_error_m = std::max(found.depth_error_m, push_m);
+  return found;
 }
 
 /// Descends both trees at once, b's seen from a's frame: twice the slack of placing one.

@@ -4,6 +4,7 @@
 
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/part.hpp"
 
 namespace collided::engine {
 namespace {
@@ -30,6 +31,33 @@ TEST(ExtremeDenormalGap, AStepBeforeTheWallIsNoContact) {
   }
   TimeBracket bracket;
   EXPECT_EQ(first_contact({{-9, 0, 0}, {0, 0, 0}, 0.5}, wall, 1e-12, bracket).decision, Decision::yes);
+}
+
+// Sizes and gaps of a few times the least double, whose halves and squares vanish.
+TEST(ExtremeDenormalGap, ADistanceIsWithinItsBoundDownToTheLeastDouble) {
+  for (int power = -1074; power <= -900; power += power < -1060 ? 1 : 7) {
+    const double step = std::ldexp(1.0, power);
+    for (const double size : {0.0, 1.0, 3.0}) {
+      for (const double gap : {1.0, 2.0, 5.0}) {
+        const Sphere ball{{-size * step, 0, 0}, size * step};
+        const double far = gap * step;
+        const ConvexPart others[] = {Primitive(Sphere{{far + size * step, 0, 0}, size * step}),
+                                     Primitive(Box{.center = {far + step, 0, 0}, .half_m = {step, step, step}}),
+                                     Primitive(Capsule{{far, -step, 0}, {far, step, 0}, 0}),
+                                     Triangle{{far, -step, -step}, {far, step, -step}, {far, 0, step}}};
+        for (const ConvexPart& other : others) {
+          ASSERT_EQ(overlaps(ConvexPart(Primitive(ball)), other).decision, Decision::no)
+              << power << " " << other.index();
+          for (const Separation& told :
+               {separation(ConvexPart(Primitive(ball)), other), separation(other, ConvexPart(Primitive(ball)))}) {
+            // Both sides of the bound are exact: all are multiples of the least double.
+            EXPECT_LE(std::abs(told.distance_m - far), told.error_m)
+                << "2^" << power << ", size " << size << ", gap " << gap << ", other " << other.index();
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "server/exact_phase/exactly.hpp"
-#include "server/geometry/convex_hull.hpp"
 #include "tests/extreme/world/given_pairs.hpp"
 #include "tests/oracle/wide_gap.hpp"
 
@@ -20,40 +19,14 @@ int pairs_asked() {
   return asked != nullptr ? std::atoi(asked) : 240;
 }
 
-class ExtremeGivenRound : public GivenPairs {
- protected:
-  static constexpr int kKinds = 8;
-  static constexpr int kRound = 3;  // the first of them
-
-  /// Everyday ones, and among the round ones also thin discs and needles.
-  GivenSample sample(int kind) {
-    const double thin = any(0, 1) < 0.3 ? 1e-3 : 1;
-    const Vec3 a = point(1);
-    const Vec3 b = a + thin * (Vec3(0.5, 0.5, 0.5) + 0.5 * point(1));
-    switch (kind) {
-      case 0: return solid("cylinder", Cylinder{a, b, any(0.1, 1)});
-      case 1: return solid("cone", Cone{a, b, any(0.1, 1)});
-      case 2:
-        return solid("ellipsoid", Ellipsoid{.center = a, .half_m = {any(0.1, 1), any(0.1, 1) * thin, any(0.1, 1)}});
-      case 3: return solid("sphere", Sphere{a, any(0.1, 1)});
-      case 4: return solid("capsule", Capsule{a, b, any(0.1, 0.5)});
-      case 5: return solid("box", Box{.center = a, .half_m = {any(0.1, 1), any(0.1, 1), any(0.1, 1)}});
-      case 6: {
-        std::vector<Vec3> corners;
-        for (int i = 0; i < 12; ++i) corners.push_back(point(1));
-        return solid("hull", Hull{std::make_shared<const TriangleMesh>(*convex_hull(corners))});
-      }
-      default: return triangle({a, b, point(1)});
-    }
-  }
-};
+class ExtremeGivenRound : public GivenPairs {};
 
 TEST_F(ExtremeGivenRound, APairIsDecidedForTheShapesAndPosesGiven) {
   int touching = 0, apart = 0, unknown = 0, otherwise_as_placed = 0;
   const int pairs = pairs_asked();
   for (int i = 0; i < pairs; ++i) {
-    const GivenSample a = sample(i % kRound);
-    const GivenSample b = sample(i / kRound % kKinds);
+    const GivenSample a = solid_sample(i % kRound);
+    const GivenSample b = solid_sample(i / kRound % kKinds);
     const Pose a_pose = pose(std::pow(10.0, 3.0 * (i / (kRound * kKinds) % 4)) - 1);
     Pose b_pose = pose(a_pose.position[0]);
     bring_together(a, a_pose, b, b_pose);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <random>
 
@@ -8,6 +10,7 @@
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/exactly.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "tests/oracle/exact_oracle.hpp"
@@ -22,6 +25,12 @@ namespace collided::engine {
 namespace {
 
 using namespace oracle;
+
+/// So many times as many tangents as usual.
+int times_asked() {
+  const char* asked = std::getenv("COLLIDED_TANGENTS");
+  return asked != nullptr ? std::atoi(asked) : 1;
+}
 
 /// f0 + f1 t + f2 t^2 >= 0 somewhere on [low, high].
 bool is_somewhere_up(const Rational& f0, const Rational& f1, const Rational& f2, const Rational& low,
@@ -82,10 +91,16 @@ bool meets_segment(const Primitive& solid, const Vec3& from, const Vec3& to) {
   return is_somewhere_up(r * r * r0 - dot(u, u), r * r * r1 - 2 * dot(u, v), r * r * r2 - dot(v, v), low, high);
 }
 
+/// Of decisions, all of them those of the truth.
 struct Tally {
   int yes = 0;
   int no = 0;
   int exact = 0;
+
+  void print() const {
+    std::printf("%d tangents: %d touching, %d apart, %d by rationals; 0 wrong, 0 undecided\n", yes + no, yes, no,
+                exact);
+  }
 };
 
 template <class Other>
@@ -175,13 +190,14 @@ TEST(ExactRoundTangents, OnAWideDrumEveryRoundSolidIsDecidedToTheLastDigit) {
   Tally tally;
   for (const Family family : {Family::random, Family::lattice, Family::tenths, Family::far_lattice}) {
     RandomShapes shapes(generator, family);
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 400 * times_asked(); ++i) {
       const Primitive solid = round_solid(shapes, i % 5);
       const Vec3 n = direction_for(solid, generator);
       for (const int ulps : {-1, 0, 1}) check_on_end(solid, n, ulps, tally);
       if (HasFatalFailure()) return;
     }
   }
+  tally.print();
   EXPECT_GT(tally.yes, 1500);
   EXPECT_GT(tally.no, 1000);
   EXPECT_GT(tally.exact, 1500);
@@ -193,7 +209,7 @@ TEST(ExactRoundTangents, ABallShapedEllipsoidIsDecidedAsTheBall) {
   int exactly_decided = 0;
   for (const Family family : {Family::random, Family::lattice, Family::tenths}) {
     RandomShapes shapes(generator, family);
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 400 * times_asked(); ++i) {
       const Primitive solid = round_solid(shapes, 1 + i % 2);
       const Vec3 n = direction_for(solid, generator);
       const double radius_m = 0.25 * (1 + i % 7);
@@ -217,7 +233,7 @@ TEST(ExactRoundTangents, OnAFaceEveryRoundSolidIsDecidedToTheLastDigit) {
   Tally tally;
   for (const Family family : {Family::random, Family::lattice, Family::tenths, Family::far_lattice}) {
     RandomShapes shapes(generator, family);
-    for (int i = 0; i < 250; ++i) {
+    for (int i = 0; i < 250 * times_asked(); ++i) {
       const Primitive solid = round_solid(shapes, i % 5);
       const Vec3 n = direction_for(solid, generator);
       for (const int ulps : {-1, 0, 1}) {
@@ -226,6 +242,7 @@ TEST(ExactRoundTangents, OnAFaceEveryRoundSolidIsDecidedToTheLastDigit) {
       }
     }
   }
+  tally.print();
   EXPECT_GT(tally.yes, 3000);
   EXPECT_GT(tally.no, 2500);
   EXPECT_GT(tally.exact, 2000);
@@ -237,7 +254,7 @@ TEST(ExactRoundTangents, AlongAnEdgeAndInAPointEverySolidIsDecidedToTheLastDigit
   Tally tally;
   for (const Family family : {Family::random, Family::lattice, Family::tenths, Family::far_lattice}) {
     RandomShapes shapes(generator, family);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 300 * times_asked(); ++i) {
       const Primitive solid = round_solid(shapes, 2 + i % 3);
       const Vec3 n = direction_for(solid, generator);
       const Vec3 foot = lowest(solid, n);
@@ -257,6 +274,7 @@ TEST(ExactRoundTangents, AlongAnEdgeAndInAPointEverySolidIsDecidedToTheLastDigit
       }
     }
   }
+  tally.print();
   EXPECT_GT(tally.yes, 1500);
   EXPECT_GT(tally.no, 3000);
   EXPECT_GT(tally.exact, 500);
@@ -278,6 +296,7 @@ TEST(ExactRoundTangents, ALineFromInsideABallShapedEllipsoidIsNotLeftOpen) {
     expect(Primitive(ball), Primitive(Capsule{a, b, 0}), meets_segment(Primitive(ball), a, b), "segment", tally);
     if (HasFatalFailure()) return;
   }
+  tally.print();
   EXPECT_GT(tally.no, 50);
 }
 
@@ -287,7 +306,7 @@ TEST(ExactRoundTangents, AlikeEllipsoidsAreDecidedToTheLastDigit) {
   std::mt19937_64 generator = seeded(23);
   std::uniform_real_distribution<double> size(0.1, 2);
   Tally tally;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 400 * times_asked(); ++i) {
     RandomShapes shapes(generator, i % 2 == 0 ? Family::random : Family::lattice);
     Ellipsoid a = shapes.ellipsoid();
     const double share = std::ldexp(1.0, i % 4 - 2);
@@ -313,6 +332,7 @@ TEST(ExactRoundTangents, AlikeEllipsoidsAreDecidedToTheLastDigit) {
       if (HasFatalFailure()) return;
     }
   }
+  tally.print();
   EXPECT_GT(tally.yes, 200);
   EXPECT_GT(tally.no, 200);
   EXPECT_GT(tally.exact, 300);
@@ -343,7 +363,7 @@ TEST(ExactRoundTangents, ABallBesideACylinderOrConeIsDecidedToTheLastDigit) {
   for (const Family family : {Family::random, Family::lattice, Family::tenths, Family::far_lattice}) {
     RandomShapes shapes(generator, family);
     std::uniform_real_distribution<double> distance(0.05, 1.5);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 300 * times_asked(); ++i) {
       const Primitive solid = round_solid(shapes, 2 + i % 2);
       const kernel::Convex set = convex_of(solid);
       const Vec3 n = direction_for(solid, generator);
@@ -367,6 +387,7 @@ TEST(ExactRoundTangents, ABallBesideACylinderOrConeIsDecidedToTheLastDigit) {
       }
     }
   }
+  tally.print();
   EXPECT_GT(tally.yes, 1000);
   EXPECT_GT(tally.no, 1000);
   EXPECT_GT(tally.exact, 500);
@@ -420,8 +441,8 @@ Primitive everyday_solid(std::mt19937_64& generator, int kind) {
 }
 
 /// One on the other or beside it, moved as far as their bounds say, which rounding makes a touch, a gap or an overlap of the
-/// last digits. Against boxes and balls nothing is left open; of two round solids less than one in a hundred, and of cones,
-/// whose side has no algebra against round solids, one in twenty.
+/// last digits. For the numbers given nothing is left open. As placed, a roll leaves the axes 1e-17 off their right angles, and a
+/// rim beside a round side then some 1e-33 m from touching it: too little to tell, of less than one in a hundred.
 TEST(ExactRoundTangents, WhatIsStackedOrRolledBesideIsDecided) {
   std::mt19937_64 generator = seeded(28);
   const auto pick = [&](int most) { return std::uniform_int_distribution<int>(0, most)(generator); };
@@ -430,9 +451,9 @@ TEST(ExactRoundTangents, WhatIsStackedOrRolledBesideIsDecided) {
   const auto bounds_of = [](const Primitive& solid) {
     return std::visit([](const auto& shape) { return bounds(shape); }, solid);
   };
-  int open[2] = {0, 0};
-  int asked[2] = {0, 0};
-  for (int i = 0; i < 3000; ++i) {
+  int open = 0;
+  int asked = 0;
+  for (int i = 0; i < 3000 * times_asked(); ++i) {
     const int kind_a = pick(5);
     const int kind_b = 3 + pick(2);
     const Primitive a = everyday_solid(generator, kind_a);
@@ -445,14 +466,22 @@ TEST(ExactRoundTangents, WhatIsStackedOrRolledBesideIsDecided) {
     const double rise_m = bounds_of(place(frame_of({Vec3::Zero(), roll_a}), a)).high[up] -
                           bounds_of(place(frame_of({Vec3::Zero(), roll_b}), b)).low[up];
     at_b[up] += std::round(rise_m * 1e6) / 1e6;
-    const Decision decision = overlaps(place(frame_of({at_a, roll_a}), a), place(frame_of({at_b, roll_b}), b)).decision;
+    const Pose pose_a{at_a, roll_a};
+    const Pose pose_b{at_b, roll_b};
+    const Frame frame_a = frame_of(pose_a);
+    const Frame frame_b = frame_of(pose_b);
+    const ConvexPart placed_a = place(frame_a, a);
+    const ConvexPart placed_b = place(frame_b, b);
+    const GivenPart given_a{.own = &a, .pose = &pose_a, .frame = &frame_a};
+    const GivenPart given_b{.own = &b, .pose = &pose_b, .frame = &frame_b};
+    ASSERT_NE(overlaps_as_given(placed_a, placed_b, {given_a, given_b}), Decision::undecided) << i;
+    const Decision decision = overlaps(placed_a, placed_b).decision;
     ASSERT_TRUE(kind_a >= 2 || decision != Decision::undecided) << kind_a << " " << kind_b;
-    const bool has_cone = kind_a == 4 || kind_b == 4;
-    asked[has_cone] += kind_a >= 2;
-    open[has_cone] += decision == Decision::undecided;
+    asked += 1;
+    open += decision == Decision::undecided;
   }
-  EXPECT_LE(open[0] * 100, asked[0]) << open[0] << " of " << asked[0];
-  EXPECT_LE(open[1] * 20, asked[1]) << open[1] << " of " << asked[1] << " with a cone";
+  std::printf("%d pairs at rest, 0 undecided; %d as placed\n", asked, open);
+  EXPECT_LE(open * 100, asked);
 }
 
 /// A hull that a turn has bent: its placed corners are the truth, not its faces.

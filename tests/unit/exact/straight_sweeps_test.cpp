@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <random>
 
 #include "server/exact_phase/motion/ground_motion.hpp"
@@ -108,6 +109,8 @@ TEST(ExactStraightSweeps, AnEndAtAGapOfAHairIsDecidedToTheLastDigit) {
       }
     }
   }
+  std::printf("%d straight sweeps: %d reach, %d do not, %d by rationals; 0 wrong, 0 undecided\n",
+              tally.reached + tally.missed, tally.reached, tally.missed, tally.exact);
   EXPECT_GT(tally.reached, 3000);
   EXPECT_GT(tally.missed, 5000);
   EXPECT_GT(tally.exact, 5000);
