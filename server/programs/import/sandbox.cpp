@@ -154,11 +154,10 @@ bool drop_capabilities() {
 }
 
 /// Files may be opened only in ways that cannot change them: not to write, make or cut them.
-void allow_opening(SyscallFilter& filter, bool any) {
+void allow_opening(SyscallFilter& filter) {
   constexpr std::uint64_t kChanging = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
-  const std::uint32_t action = any ? SCMP_ACT_ALLOW : SCMP_ACT_ERRNO(EACCES);
-  filter.rule(action, "openat", SCMP_A2_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
-  filter.rule(action, "open", SCMP_A1_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
+  filter.rule(SCMP_ACT_ALLOW, "openat", SCMP_A2_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
+  filter.rule(SCMP_ACT_ALLOW, "open", SCMP_A1_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
 }
 
 void allow_memory(SyscallFilter& filter) {
@@ -166,10 +165,12 @@ void allow_memory(SyscallFilter& filter) {
     filter.rule(SCMP_ACT_ALLOW, name, SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
 }
 
-/// What the C library does with descriptors; not to whom signals about them go.
+/// What the C library does with descriptors. To whom signals about them go, and which, is refused.
 void allow_descriptors(SyscallFilter& filter) {
   for (const unsigned command : {F_GETFD, F_SETFD, F_GETFL, F_DUPFD_CLOEXEC})
     filter.rule(SCMP_ACT_ALLOW, "fcntl", SCMP_A1_32(SCMP_CMP_EQ, command));
+  for (const unsigned command : {F_SETFL, F_SETOWN, F_SETOWN_EX, F_SETSIG})
+    filter.rule(SCMP_ACT_ERRNO(EPERM), "fcntl", SCMP_A1_32(SCMP_CMP_EQ, command));
 }
 
 }  // namespace
@@ -202,7 +203,7 @@ std::string enter_sandbox(int output, const std::vector<std::string>& readable) 
     for (const char* name : {"write", "pwrite64", "writev", "fsync", "ftruncate", "fallocate"})
       filter.rule(SCMP_ACT_ALLOW, name, SCMP_A0_32(SCMP_CMP_EQ, static_cast<unsigned>(stream)));
   }
-  allow_opening(filter, !readable.empty());
+  if (!readable.empty()) allow_opening(filter);
   allow_memory(filter);
   allow_descriptors(filter);
   // Threads may be made, processes not. clone3 has its flags in memory, where a filter cannot see them; refused, the C

@@ -20,7 +20,7 @@ inline constexpr bool kSandboxLimitsCalls = true;
 /// (before 5.13, or where it is switched off) limits what can be opened to reading.
 ///
 /// output    descriptor of the file to write, open already
-/// readable  files, and folders with all that is in them; empty: none
+/// readable  files, and folders with all that is in them; empty: none, and trying to open one ends the process
 /// returns   why it could not be done, or nothing
 std::string enter_sandbox(int output, const std::vector<std::string>& readable = {});
 
