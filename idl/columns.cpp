@@ -39,6 +39,12 @@ std::optional<std::uint32_t> question_count(const Query& query) {
   return row_count(query, columns);
 }
 
+std::size_t bytes_of(const Query& query) {
+  std::size_t bytes = sizeof(Query) + query.blob._length;
+  for (const auto sequence : kQuestionSequences) bytes += (query.*sequence)._length * sizeof(double);
+  return bytes;
+}
+
 void clear_questions(Query& query) {
   for (const auto sequence : kQuestionSequences) dds::borrow(query.*sequence, std::span<const double>());
 }

@@ -93,6 +93,9 @@ std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> 
 /// are filled.
 std::optional<std::uint32_t> question_count(const Query& query);
 
+/// Memory that a message and its columns take, in bytes.
+std::size_t bytes_of(const Query& query);
+
 /// Copies kWidth numbers `count` times, from every from_stride-th number to every to_stride-th.
 template <std::size_t kWidth>
 void copy_strided(const double* from, std::size_t from_stride, double* to, std::size_t to_stride, std::size_t count) {

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDefaultSeconds = 900;
+constexpr int kDefaultSeconds = 30;
 constexpr std::string_view kStem = "collided-import-";
 
 /// An open file that holds the lock on the directory, or -1: another process has it.
@@ -136,7 +136,9 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   }
   if (result.cancelled) { refuse_file(path, "cancelled while it was converted"); }
   if (result.timed_out) {
-    refuse_file(path, fmt::format("the converter needed more than {} s and was ended", time_limit().count()));
+    refuse_file(path,
+                fmt::format("the converter needed more than {} s and was ended; COLLIDED_IMPORT_SECONDS allows more",
+                            time_limit().count()));
   }
   if (result.exit_code != 0) {
     const std::string said = first_line(result.errors);

@@ -27,7 +27,7 @@ class TemporaryDirectory {
 /// .cscene file.
 ///
 /// The converter (collided-import) is found by find_helper_program and COLLIDED_IMPORT. It limits its own memory,
-/// processor time and system calls, and is ended after $COLLIDED_IMPORT_SECONDS (default 900). Lines of its output that
+/// processor time and system calls, and is ended after $COLLIDED_IMPORT_SECONDS (default 30). Lines of its output that
 /// begin with "placed: ", "note: ", "mended: ", "refused: " or "warning: " go to the report; its error stream goes into
 /// the LoadError.
 class ConvertedFile {

@@ -66,5 +66,39 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
   EXPECT_LT(beside_ms[297], 50.0) << "a machine with fewer processors than threads may have it wait for a turn";
 }
 
+// A moving world has a state a step, and each batch is answered on one of its own; there are more batches than states
+// can be kept. None may be refused, and each is about one state.
+TEST_F(ServerCrowd, BatchesOfACrowdAreAllAnswered) {
+  start({"--threads", "2"});
+  Client client = connect();
+  Publisher publisher = publish(client, "mover");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(50, 50, 50));
+  constexpr int kClients = 24;
+  constexpr int kBatches = 4;
+  std::vector<RayQuestion> many;
+  for (int i = 0; i < 20'000; ++i) many.push_back(ray(i));
+  std::atomic<int> under_way{kClients};
+  std::vector<Client> clients;
+  for (int i = 0; i < kClients; ++i) clients.push_back(connect());
+  std::vector<std::thread> threads;
+  std::atomic<int> answered{0};
+  for (Client& one : clients) {
+    threads.emplace_back([&] {
+      for (int batch = 0; batch < kBatches; ++batch) {
+        const Result<Answers> answers = one.ask(std::span<const RayQuestion>(many), {.timeout = 60s});
+        EXPECT_TRUE(answers) << answers.error().message;
+        if (answers && answers->answers.size() == many.size()) ++answered;
+      }
+      --under_way;
+    });
+  }
+  for (double x = 50; under_way.load() > 0; x += 0.001) {
+    move(publisher, ball, at(x, 50, 50));
+    std::this_thread::sleep_for(2ms);
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(answered.load(), kClients * kBatches);
+}
+
 }  // namespace
 }  // namespace collided

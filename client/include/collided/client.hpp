@@ -38,7 +38,7 @@ struct ConnectOptions {
   std::string name_space = "collided";  // of one server; several may share a domain
   std::string interface = "lo";         // network interface; "auto": DDS chooses, so other machines are reached
   std::vector<std::string> peers = {};  // addresses of machines to look at where multicast does not reach
-  std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer
+  std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer; one that is found but busy has 10 s at least
 
   /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE and
   /// COLLIDED_INTERFACE where they are set, the defaults above where not. Error bad_input for an invalid domain.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +25,9 @@ struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;  // where, what, which value and which limit
   std::string hint;     // the next step or the consequence; may be empty
+  /// refused: the server expects to have room after so long. Questions wait and are asked again by themselves within
+  /// their timeout. 0: asking again does not help by itself.
+  std::chrono::milliseconds retry_after{0};
 };
 
 /// A value or the error that stands in its place. Test it before use: the value of an error, or the error of a value,

@@ -70,7 +70,12 @@ Error refusal(const std::string& text) {
     return parsed.is_object() && parsed.contains(name) && parsed[name].is_string() ? parsed[name].get<std::string>()
                                                                                    : otherwise;
   };
-  return {ErrorCode::refused, "server refused: " + field("error", text), field("hint", "")};
+  Error error{ErrorCode::refused, "server refused: " + field("error", text), field("hint", "")};
+  if (parsed.is_object() && parsed.contains("retry_after_ms") && parsed["retry_after_ms"].is_number_unsigned()) {
+    constexpr std::uint64_t kMost = 60'000;  // a server never asks for more
+    error.retry_after = std::chrono::milliseconds(std::min(parsed["retry_after_ms"].get<std::uint64_t>(), kMost));
+  }
+  return error;
 }
 
 AnswerCollector::AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <thread>
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/connection/errors.hpp"
@@ -96,10 +97,10 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   return connection.send(query);
 }
 
-Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
-  if (auto error = options_fault(request, options)) { return *error; }
-  const Clock::time_point deadline = Clock::now() + options.timeout;
-  if (auto error = connection.ready(deadline)) { return *error; }
+// Asks once. `answers` holds the answers, or after an error memory to be used again.
+std::optional<Error> run_once(Connection& connection, const Request& request, const AskOptions& options,
+                              Clock::time_point deadline, Answers& answers) {
+  if (auto error = connection.ready(deadline)) { return error; }
   const std::uint64_t server = connection.pulse().server();
   const std::unique_ptr<Requests::Running> running = connection.requests().begin();
   if (!running) {
@@ -119,20 +120,37 @@ Result<Answers> run(Connection& connection, const Request& request, const AskOpt
     }
     return error;
   };
-  if (auto error = send_to(kChunksInFlight)) { return *error; }
-  AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(earlier));
+  if (auto error = send_to(kChunksInFlight)) { return error; }
+  AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(answers));
   while (!collector.complete()) {
-    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) { return *error; }
+    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) { return error; }
     const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
-    if (waited.error) { return *waited.error; }
+    if (waited.error) { return waited.error; }
     for (const auto& reply : *waited.replies) {
       if ((*reply)->server != server) {
         continue;  // a second server on this namespace
       }
-      if (auto error = collector.add(**reply)) { return *error; }
+      if (auto error = collector.add(**reply)) {
+        answers = collector.take();
+        return error;
+      }
     }
   }
-  return collector.take();
+  answers = collector.take();
+  return std::nullopt;
+}
+
+// A server that has no room says when it will have some: the request waits as long as its timeout allows.
+Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
+  if (auto error = options_fault(request, options)) { return *error; }
+  const Clock::time_point deadline = Clock::now() + options.timeout;
+  Answers answers = std::move(earlier);
+  while (auto error = run_once(connection, request, options, deadline, answers)) {
+    const Clock::time_point again = Clock::now() + error->retry_after;
+    if (error->retry_after.count() == 0 || again >= deadline) { return *error; }
+    std::this_thread::sleep_until(again);
+  }
+  return answers;
 }
 
 template <class Question>

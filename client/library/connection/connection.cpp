@@ -15,6 +15,9 @@ using std::chrono::nanoseconds;
 // new match is seen, since then it may succeed, and every 20 ms.
 constexpr milliseconds kHelloPeriod{20};
 constexpr milliseconds kMatchPeriod{1};
+// On a machine with more processes than it can run, a server that is there may need longer than somebody wants to wait
+// for one that is not.
+constexpr milliseconds kMatchedPatience{10'000};
 
 std::string server_words(const ConnectOptions& options) {
   return "domain " + std::to_string(options.domain) + ", namespace '" + options.name_space + '\'';
@@ -74,8 +77,10 @@ bool Connection::greet(Clock::time_point deadline) {
   query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
   std::uint32_t matched = 0;
   Clock::time_point next_hello = Clock::now();
+  const Clock::time_point matched_deadline = std::max(deadline, Clock::now() + kMatchedPatience);
   do {
     const std::uint32_t matched_now = query_writer_.matched_readers() + reply_reader_.matched_writers();
+    if (matched_now > 0) { deadline = matched_deadline; }
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
       if (send(query)) { return false; }
       next_hello = Clock::now() + kHelloPeriod;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <string_view>
 
@@ -84,7 +85,7 @@ int convert(const ImportArguments& arguments, int output) {
     print("warning", report.warnings);
     return std::fflush(stdout) == 0 ? 0 : 1;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::engine::sandbox_memory_bytes() >> 30);
+    std::fprintf(stderr, "it needs more than %llu MiB of memory\n", collided::engine::sandbox_memory_bytes() >> 20);
   } catch (const std::exception& error) { std::fprintf(stderr, "%s\n", error.what()); }
   return 1;
 }
@@ -106,7 +107,9 @@ int main(int argument_count, char** argument_list) {
     std::fprintf(stderr, "%s: %s\n", arguments.output.c_str(), std::strerror(errno));
     return 1;
   }
-  if (const std::string why = collided::engine::enter_sandbox(output); !why.empty()) {
+  // A file may name others, in its own folder.
+  const std::string folder = std::filesystem::absolute(arguments.input).parent_path().string();
+  if (const std::string why = collided::engine::enter_sandbox(output, {arguments.input, folder}); !why.empty()) {
     std::fprintf(stderr, "%s\n", why.c_str());
     return 1;
   }

@@ -49,7 +49,7 @@ int main() {
   try {
     return answer();
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::engine::sandbox_memory_bytes() >> 30);
+    std::fprintf(stderr, "it needs more than %llu MiB of memory\n", collided::engine::sandbox_memory_bytes() >> 20);
   } catch (const std::exception& error) { std::fprintf(stderr, "%s\n", error.what()); }
   return 1;
 }

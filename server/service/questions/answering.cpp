@@ -26,15 +26,18 @@ using wire_contract::ReplyStatus;
 
 namespace {
 constexpr std::size_t kMostQueued = 4'096;
+constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
+constexpr double kNsPerCostAtFirst = 500;
 
 wire_contract::AskedInstant instant_of(const wire::Query& query) {
   return {.kind = static_cast<wire_contract::AskedInstant::Kind>(query.instant), .ns = query.instant_ns};
 }
 }  // namespace
 
-std::string refusal_text(const std::string& error, const std::string& hint) {
+std::string refusal_text(const std::string& error, const std::string& hint, std::int64_t retry_after_ns) {
   nlohmann::json text{{"error", error}};
   if (!hint.empty()) text["hint"] = hint;
+  if (retry_after_ns > 0) text["retry_after_ms"] = std::max<std::int64_t>(1, retry_after_ns / 1'000'000);
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -98,7 +101,9 @@ void Answering::Worker::work(AskPointer ask) {
     return;
   }
   if (owner_.clients_.hold(*client, ask)) return;
+  const std::int64_t started_ns = steady_ns();
   answer(*client, *ask);
+  owner_.note_cost(cost_of(*ask->query), steady_ns() - started_ns);
   owner_.pool_.put(std::move(ask));
 }
 
@@ -117,7 +122,7 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
   std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
   if (refusal) {
     ++owner_.with_.counts.refused;
-    write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal));
+    write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal, {}, ask.retry_after_ns));
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
     command(query);
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
@@ -186,7 +191,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
       .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
       .numbers = numbers_,
       .mover = mover};
-  const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.with_.world.newest();
+  const SnapshotRing::Lease lease = ask.hold ? ask.hold.state() : owner_.with_.world.newest();
   if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
   if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
   engine::answer(*lease, questions, answers_, scratch_);
@@ -304,8 +309,10 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
       past_states_(with.world),
       options_(options),
       command_(std::move(command)),
-      queue_(kMostQueued),
-      clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }) {
+      queue_(kMostQueued, kMostQueuedBytes),
+      clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }),
+      ns_per_cost_(kNsPerCostAtFirst) {
+  with_.leases.on_ready([this](AskPointer ask) { enqueue(std::move(ask)); });
   listening_worker_ = std::make_unique<Worker>(*this);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
     threads_.emplace_back([this] { Worker(*this).run(); });
@@ -354,6 +361,7 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     for (std::size_t i = 0; i < count; ++i) {
       if (!next_[i]->query.info().valid_data) continue;
       next_[i]->taken_ns = now_ns;
+      next_[i]->participant = participants_.of(taker.reader(), next_[i]->query.info().publication_handle);
       if (options_.flight) {
         options_.flight->note(recording::Recorded::query, *next_[i]->query, next_[i]->query.info().source_timestamp);
       }
@@ -385,37 +393,66 @@ void Answering::take_more() {
 
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
-  if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
-    std::optional<SnapshotRing::Lease> lease = with_.leases.take(query.client, query.request, query.chunk_index,
-                                                                 query.chunk_count, least_version(query), steady_ns());
-    if (!lease) {
-      refuse_later(std::move(ask),
-                   "the state that this request is answered on is no longer kept: its chunks must "
-                   "come within 2 s of each other, the first one first");
-      return;
-    }
-    ask->pinned = std::move(*lease);
+  if (query.chunk_count <= 1 || query.chunk_index >= query.chunk_count) return enqueue(std::move(ask));
+  // What is refused is refused whole, before any work is done on it.
+  if (query.chunk_index == 0 && !queue_.has_room_for(share_of(*ask))) return refuse_for_now(std::move(ask));
+  switch (with_.leases.take(ask, least_version(query), steady_ns())) {
+    case SnapshotLeases::Taken::pinned: return enqueue(std::move(ask));
+    case SnapshotLeases::Taken::waits: return;
+    case SnapshotLeases::Taken::gone:
+      return refuse_later(std::move(ask),
+                          "the state that this request is answered on is no longer kept: the first chunk comes first, "
+                          "and others that wait for a state do so for 2 s at most while none of its chunks is here");
+    case SnapshotLeases::Taken::full: return refuse_for_now(std::move(ask));
   }
-  enqueue(std::move(ask));
+}
+
+Share Answering::share_of(const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
+  return {.client = query.client,
+          .owner = ask.participant,
+          .cost = cost_of(query),
+          .bytes = wire::bytes_of(query),
+          .is_kept = !is_question || static_cast<Importance>(query.importance) == Importance::high,
+          .is_begun = static_cast<bool>(ask.hold)};
 }
 
 /// Puts a question into the queue, or refuses it where its client has too much there already. Commands, hellos and
 /// questions of high importance may fill more of the queue than others (Share::is_kept).
 void Answering::enqueue(AskPointer ask) {
   const wire::Query& query = *ask->query;
-  const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
   if (leaves_out(query)) {
     refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
     return;
   }
-  const Share share{.client = query.client,
-                    .cost = cost_of(query),
-                    .is_kept = !is_question || static_cast<Importance>(query.importance) == Importance::high};
+  const Share share = share_of(*ask);
   Work work(std::move(ask));
   if (queue_.push(share, work)) return;
-  refuse_later(std::move(std::get<AskPointer>(work)),
-               fmt::format("too much of this client waits already, of {} requests in all; ask less at a time",
-                           queue_.waiting()));
+  refuse_for_now(std::move(std::get<AskPointer>(work)));
+}
+
+/// Refuses for want of room, and says when there will be some.
+void Answering::refuse_for_now(AskPointer ask) {
+  refuse_later(std::move(ask),
+               fmt::format("{} requests of {:.1f} MB wait already, and too many of them are this client's",
+                           queue_.waiting(), static_cast<double>(queue_.waiting_bytes()) / 1e6),
+               retry_after_ns());
+}
+
+/// A moving mean over some sixteen questions.
+void Answering::note_cost(double cost, std::int64_t took_ns) {
+  const double before = ns_per_cost_.load(std::memory_order_relaxed);
+  ns_per_cost_.store(before + (static_cast<double>(took_ns) / cost - before) / 16, std::memory_order_relaxed);
+}
+
+/// About how long the workers need for half of what waits.
+std::int64_t Answering::retry_after_ns() {
+  constexpr double kLeastNs = 10e6;
+  constexpr double kMostNs = 5e9;
+  const double all_ns = queue_.waiting_cost() * ns_per_cost_.load(std::memory_order_relaxed);
+  const double threads = static_cast<double>(std::max<std::size_t>(1, threads_.size()));
+  return static_cast<std::int64_t>(std::clamp(all_ns / threads / 2, kLeastNs, kMostNs));
 }
 
 /// Whether the overload refuses this question: only those of low importance are.
@@ -439,7 +476,7 @@ std::uint64_t Answering::least_version(const wire::Query& query) const {
   return client ? client->reported_version() : 0;
 }
 
-void Answering::refuse_later(AskPointer ask, std::string reason) {
+void Answering::refuse_later(AskPointer ask, std::string reason, std::int64_t retry_after_ns) {
   // A client that asks faster than refusals can be written gets none.
   if (!queue_.has_room_for_own()) {
     ++with_.counts.unanswerable;
@@ -447,6 +484,7 @@ void Answering::refuse_later(AskPointer ask, std::string reason) {
     return;
   }
   ask->refusal = std::move(reason);
+  ask->retry_after_ns = retry_after_ns;
   queue_.push_own(std::move(ask));
 }
 
@@ -474,6 +512,7 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
 void Answering::stop() {
   if (stopping_.exchange(true)) return;
   for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
+  for (AskPointer& ask : with_.leases.take_waiting()) refuse_later(std::move(ask), "the server is stopping");
   queue_.close();
   for (std::thread& thread : threads_) thread.join();
 }

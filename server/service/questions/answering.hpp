@@ -13,6 +13,7 @@
 #include "server/service/questions/background_audit.hpp"
 #include "server/service/questions/clients.hpp"
 #include "server/service/questions/overload.hpp"
+#include "server/service/questions/participants.hpp"
 #include "server/service/questions/past_states.hpp"
 #include "server/service/questions/short_questions.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
@@ -46,7 +47,9 @@ struct CommandAsk {
 };
 
 /// The text of a refusal: {"error": ..., "hint": ...}, the hint only where it is not empty.
-std::string refusal_text(const std::string& error, const std::string& hint = {});
+///
+/// retry_after_ns  where asking again after this long may help: {"retry_after_ms": ...}
+std::string refusal_text(const std::string& error, const std::string& hint = {}, std::int64_t retry_after_ns = 0);
 
 /// Takes questions from DDS, has workers answer them on snapshots, and writes the replies.
 ///
@@ -73,8 +76,8 @@ class Answering {
   /// For the query reader's listener: takes, stamps and hands over. Answers the first short question itself, which
   /// saves waking a worker and waiting for the work that the workers have at hand.
   void listen(const dds::Taker<wire::Query>& taker);
-  /// Queues a question that has passed its write barrier. The first chunk of a request in several pins the state for
-  /// all of them; a later chunk whose state is no longer kept is refused. Any thread.
+  /// Queues a question that has passed its write barrier. A request in several chunks is admitted with its first one,
+  /// which waits for a state to be answered on; from then on none of them is refused for want of room. Any thread.
   void admit(AskPointer ask);
   /// Queues the text of a command's answer, which is written in as many replies as it needs. Any thread.
   void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text);
@@ -108,8 +111,12 @@ class Answering {
   using Work = std::variant<AskPointer, TextReply, Resume, ExpireLeases>;
   class Worker;
 
-  void refuse_later(AskPointer ask, std::string reason);
+  void refuse_later(AskPointer ask, std::string reason, std::int64_t retry_after_ns = 0);
+  void refuse_for_now(AskPointer ask);
+  void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);
+  static Share share_of(const Ask& ask);
+  std::int64_t retry_after_ns();
   bool leaves_out(const wire::Query& query) const;
   std::uint64_t least_version(const wire::Query& query) const;
   void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
@@ -125,6 +132,8 @@ class Answering {
   FairQueue<Work> queue_;
   std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
+  Participants participants_;                 // of the thread that takes
+  std::atomic<double> ns_per_cost_;           // of late; see cost_of()
   std::atomic<std::uint32_t> takers_{0};      // threads that want to take; see take()
   std::array<AskPointer, 4> next_;            // of the thread that takes: mostly all that one call brings
   std::unique_ptr<Worker> listening_worker_;  // these three: used by the listener's thread alone

@@ -52,9 +52,10 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
 }  // namespace
 
 void Ask::reset() {
-  pinned = {};
+  hold = {};
   passed_fence = false;
   refusal.clear();
+  retry_after_ns = 0;
 }
 
 AskPool::AskPool() {

@@ -2,57 +2,153 @@
 
 #include <algorithm>
 
+#include "server/service/questions/ask.hpp"
+#include "server/service/runtime/clock.hpp"
+
 namespace collided::engine::service {
+
+void SnapshotLeases::Hold::release() {
+  SnapshotLeases* book = std::exchange(book_, nullptr);
+  state_ = {};
+  if (book) book->done(key_);
+}
+
+SnapshotLeases::SnapshotLeases(const World& world) : world_(world) {
+  entries_.reserve(kMostRequests);
+  waiting_.reserve(kMostWaiting);
+}
+
+SnapshotLeases::~SnapshotLeases() {
+  for (auto& ask : waiting_) ask->hold = {};
+}
+
+SnapshotLeases::Entries::iterator SnapshotLeases::find(const std::pair<std::uint64_t, std::uint64_t>& key) {
+  return std::ranges::find(entries_, key, &Entry::key);
+}
 
 /// How many different states are pinned; leases of the same state point to the same snapshot.
 std::size_t SnapshotLeases::states() const {
   std::size_t count = 0;
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-    const bool seen =
-        std::any_of(entries_.begin(), entry, [&](const Entry& other) { return &*other.lease == &*entry->lease; });
-    if (!seen) ++count;
+    if (!entry->state) continue;
+    const bool is_seen = std::any_of(
+        entries_.begin(), entry, [&](const Entry& other) { return other.state && &*other.state == &*entry->state; });
+    if (!is_seen) ++count;
   }
   return count;
 }
 
-/// The state for a new request: the newest, or where too many states are pinned a young one that is pinned already, or
-/// else the newest at the cost of the oldest requests.
-SnapshotRing::Lease SnapshotLeases::pin(std::uint64_t least_version, std::int64_t now_ns) {
-  if (entries_.size() >= kMostRequests) entries_.erase(entries_.begin());
+/// The newest state, or where too many are pinned the youngest of these if it will do; nothing where it will not.
+SnapshotRing::Lease SnapshotLeases::state_for(std::uint64_t least_version, std::int64_t now_ns) const {
   SnapshotRing::Lease newest = world_.newest();
-  const bool pinned_already =
-      std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return &*entry.lease == &*newest; });
-  if (pinned_already || states() < kMostStates) return newest;
-  const Entry& young = entries_.back();
-  if (young.lease->version >= least_version && now_ns - young.pinned_ns <= kSharedAgeNs) return young.lease;
-  while (states() >= kMostStates) entries_.erase(entries_.begin());
-  return newest;
+  const Entry* youngest = nullptr;
+  for (const Entry& entry : entries_) {
+    if (!entry.state) continue;
+    if (&*entry.state == &*newest) return newest;
+    if (youngest == nullptr || entry.pinned_ns >= youngest->pinned_ns) youngest = &entry;
+  }
+  if (states() < kMostStates) return newest;
+  const bool will_do = youngest->state->version >= least_version && now_ns - youngest->pinned_ns <= kSharedAgeNs;
+  return will_do ? youngest->state : SnapshotRing::Lease();
 }
 
-std::optional<SnapshotRing::Lease> SnapshotLeases::take(std::uint64_t client, std::uint64_t request,
-                                                        std::uint32_t chunk_index, std::uint32_t chunk_count,
-                                                        std::uint64_t least_version, std::int64_t now_ns) {
+void SnapshotLeases::hold(Ask& ask, const Entry& entry) {
+  SnapshotLeases::Hold hold;
+  hold.book_ = this;
+  hold.key_ = entry.key;
+  hold.state_ = entry.state;
+  ask.hold = std::move(hold);
+}
+
+SnapshotLeases::Taken SnapshotLeases::take(std::unique_ptr<Ask>& ask, std::uint64_t least_version,
+                                           std::int64_t now_ns) {
+  const wire::Query& query = *ask->query;
+  const std::pair key(query.client, query.request);
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.client == client && entry.request == request;
-  });
-  if (found == entries_.end()) {
-    if (chunk_index != 0) return std::nullopt;
-    SnapshotRing::Lease lease = pin(least_version, now_ns);
-    entries_.push_back({client, request, chunk_count - 1, now_ns, now_ns, lease});
-    return lease;
+  auto entry = find(key);
+  if (entry == entries_.end()) {
+    if (query.chunk_index != 0) return Taken::gone;
+    if (entries_.size() >= kMostRequests) return Taken::full;
+    // Those that wait already come first.
+    const bool may_pin = waiting_.empty();
+    Entry made{.key = key, .chunks_left = query.chunk_count, .least_version = least_version, .pinned_ns = now_ns};
+    if (may_pin) made.state = state_for(least_version, now_ns);
+    if (!made.state && waiting_.size() >= kMostWaiting) return Taken::full;
+    entry = entries_.insert(entries_.end(), std::move(made));
   }
-  SnapshotRing::Lease lease = found->lease;
-  found->heard_ns = now_ns;
-  if (--found->chunks_left == 0) entries_.erase(found);
-  return lease;
+  if (!entry->state && waiting_.size() >= kMostWaiting) return Taken::full;
+  ++entry->at_hand;
+  if (!entry->state) {
+    waiting_.push_back(std::move(ask));
+    return Taken::waits;
+  }
+  hold(*ask, *entry);
+  return Taken::pinned;
+}
+
+/// A chunk is answered or given up.
+void SnapshotLeases::done(const std::pair<std::uint64_t, std::uint64_t>& key) {
+  const std::int64_t now_ns = steady_ns();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto entry = find(key);
+    if (entry == entries_.end()) return;  // its client kept others waiting
+    --entry->at_hand;
+    if (entry->chunks_left > 0) --entry->chunks_left;
+    if (entry->at_hand == 0) {
+      entry->idle_since_ns = now_ns;
+      if (entry->chunks_left == 0) entries_.erase(entry);
+    }
+    if (waiting_.empty()) return;
+  }
+  hand_out(now_ns);
+}
+
+/// The oldest chunk whose request has a state, or for which there is one now; null where none has.
+std::unique_ptr<Ask> SnapshotLeases::next_ready(std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  for (auto at = waiting_.begin(); at != waiting_.end(); ++at) {
+    const auto entry = find({(**at).query->client, (**at).query->request});
+    if (!entry->state) {
+      entry->state = state_for(entry->least_version, now_ns);
+      entry->pinned_ns = now_ns;
+    }
+    if (!entry->state) continue;
+    std::unique_ptr<Ask> ask = std::move(*at);
+    waiting_.erase(at);
+    hold(*ask, *entry);
+    return ask;
+  }
+  return nullptr;
+}
+
+void SnapshotLeases::hand_out(std::int64_t now_ns) {
+  while (std::unique_ptr<Ask> ask = next_ready(now_ns)) ready_(std::move(ask));
 }
 
 void SnapshotLeases::expire(std::int64_t now_ns) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::int64_t before_ns = std::exchange(expired_ns_, now_ns);
+    const bool is_contended = !waiting_.empty();
+    std::erase_if(entries_, [&](Entry& entry) {
+      if (entry.at_hand > 0) return false;
+      if (is_contended) entry.kept_waiting_ns += now_ns - std::max(before_ns, entry.idle_since_ns);
+      return entry.kept_waiting_ns > kPatienceNs || now_ns - entry.idle_since_ns > kLongestPauseNs;
+    });
+    if (!is_contended) return;
+  }
+  hand_out(now_ns);
+}
+
+std::vector<std::unique_ptr<Ask>> SnapshotLeases::take_waiting() {
   const std::lock_guard lock(mutex_);
-  std::erase_if(entries_, [&](const Entry& entry) {
-    return now_ns - entry.heard_ns > kPatienceNs || now_ns - entry.pinned_ns > kLongestNs;
-  });
+  std::vector<std::unique_ptr<Ask>> waiting = std::exchange(waiting_, {});
+  for (const auto& ask : waiting) {
+    const auto entry = find({ask->query->client, ask->query->request});
+    if (entry != entries_.end() && !entry->state) entries_.erase(entry);
+  }
+  return waiting;
 }
 
 std::size_t SnapshotLeases::size() const {

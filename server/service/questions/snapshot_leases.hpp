@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <mutex>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/world/objects/snapshot.hpp"
@@ -10,47 +12,104 @@
 
 namespace collided::engine::service {
 
-/// Keeps the state on which a request of several chunks is answered, from its first chunk to its last. The world's
-/// states are a ring, and pinning all of them would stop its writer. So only a few states are kept, for a limited time;
-/// beyond that the oldest request loses its state, and its later chunks are refused.
+struct Ask;
+
+/// Keeps the state on which a request of several chunks is answered, from its first chunk until its last is answered.
+/// The world's states are a ring, and pinning all of them would stop its writer, so only a few are kept at a time. A
+/// request for which there is none waits for its turn, first come, first served; what was begun is finished. Only a
+/// request whose own client keeps others waiting loses its state.
 ///
 /// threads  any
+/// memory   allocated by the constructor
 class SnapshotLeases {
  public:
   static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates; workers and the writer need the rest
   static constexpr std::size_t kMostRequests = 1'024;
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // longest pause between two chunks
-  static constexpr std::int64_t kLongestNs = 30'000'000'000;  // from the first chunk to the last
-  /// A new request joins a state this young rather than pushing out an old request.
+  static constexpr std::size_t kMostWaiting = 4'096;  // chunks of requests without a state
+  /// How long a request without a chunk at hand may keep others waiting, in all.
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;
+  /// How long a request may be without a chunk at hand where nobody waits.
+  static constexpr std::int64_t kLongestPauseNs = 30'000'000'000;
+  /// A new request joins a state this young rather than wait for one of its own.
   static constexpr std::int64_t kSharedAgeNs = 20'000'000;
 
-  explicit SnapshotLeases(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
+  /// A chunk's part in its request: the state that it is answered on. The chunk is done with when this is released.
+  class Hold {
+   public:
+    Hold() = default;
+    Hold(Hold&& other) noexcept : book_(std::exchange(other.book_, nullptr)), key_(other.key_), state_(other.state_) {
+      other.state_ = {};
+    }
+    Hold& operator=(Hold other) noexcept {
+      std::swap(book_, other.book_);
+      std::swap(key_, other.key_);
+      std::swap(state_, other.state_);
+      return *this;
+    }
+    ~Hold() { release(); }
+    void release();
+    /// Whether it has a state; the newest one will do where it has none.
+    explicit operator bool() const { return static_cast<bool>(state_); }
+    const SnapshotRing::Lease& state() const { return state_; }
 
-  /// The state for one chunk; nothing for a later chunk whose request is not, or no longer, kept.
+   private:
+    friend class SnapshotLeases;
+    SnapshotLeases* book_ = nullptr;
+    std::pair<std::uint64_t, std::uint64_t> key_{};  // client, request
+    SnapshotRing::Lease state_;
+  };
+
+  explicit SnapshotLeases(const World& world);
+  ~SnapshotLeases();
+
+  /// Sets who is given the chunks that need wait no longer. To be called before the first take(); `ready` is called on
+  /// any thread.
+  void on_ready(std::function<void(std::unique_ptr<Ask>)> ready) { ready_ = std::move(ready); }
+
+  enum class Taken : std::uint8_t {
+    pinned,  // the ask has its state
+    waits,   // it was taken, and comes back through on_ready
+    gone,    // a later chunk whose request is not, or no longer, kept
+    full,    // too many requests, or chunks that wait: ask again later
+  };
+  /// Finds the state for a chunk.
   ///
   /// least_version  the oldest state that will do; greater than any version: only the newest
-  std::optional<SnapshotRing::Lease> take(std::uint64_t client, std::uint64_t request, std::uint32_t chunk_index,
-                                          std::uint32_t chunk_count, std::uint64_t least_version, std::int64_t now_ns);
-  /// Lets go of states whose requests have run out of time.
+  Taken take(std::unique_ptr<Ask>& ask, std::uint64_t least_version, std::int64_t now_ns);
+  /// Lets go of states whose clients keep others waiting. To be called now and then.
   void expire(std::int64_t now_ns);
-  /// Requests that keep a state.
+  /// The chunks that wait, whose requests are forgotten with them.
+  std::vector<std::unique_ptr<Ask>> take_waiting();
+  /// Requests that keep a state or wait for one.
   std::size_t size() const;
 
  private:
   struct Entry {
-    std::uint64_t client;
-    std::uint64_t request;
-    std::uint32_t chunks_left;
-    std::int64_t pinned_ns;
-    std::int64_t heard_ns;  // when its newest chunk came
-    SnapshotRing::Lease lease;
+    std::pair<std::uint64_t, std::uint64_t> key;
+    std::uint32_t chunks_left;  // not yet done with
+    std::uint32_t at_hand = 0;  // of these: taken
+    std::uint64_t least_version;
+    std::int64_t pinned_ns = 0;
+    std::int64_t idle_since_ns = 0;    // while none is at hand
+    std::int64_t kept_waiting_ns = 0;  // others, in all
+    SnapshotRing::Lease state = {};    // none: it waits
   };
+  using Entries = std::vector<Entry>;
+
+  Entries::iterator find(const std::pair<std::uint64_t, std::uint64_t>& key);
   std::size_t states() const;
-  SnapshotRing::Lease pin(std::uint64_t least_version, std::int64_t now_ns);
+  SnapshotRing::Lease state_for(std::uint64_t least_version, std::int64_t now_ns) const;
+  void hold(Ask& ask, const Entry& entry);
+  void done(const std::pair<std::uint64_t, std::uint64_t>& key);
+  std::unique_ptr<Ask> next_ready(std::int64_t now_ns);
+  void hand_out(std::int64_t now_ns);
 
   const World& world_;
+  std::function<void(std::unique_ptr<Ask>)> ready_;
   mutable std::mutex mutex_;
-  std::vector<Entry> entries_;  // oldest first
+  Entries entries_;                            // oldest first
+  std::vector<std::unique_ptr<Ask>> waiting_;  // oldest first
+  std::int64_t expired_ns_ = 0;                // the last call of expire()
 };
 
 }  // namespace collided::engine::service

@@ -18,13 +18,17 @@ namespace collided::engine::service {
 /// Which client's work an item is, and how much.
 struct Share {
   std::uint64_t client = 0;
-  double cost = 1;       // above 0, in any unit that is the same for all
-  bool is_kept = false;  // taken while any room is left, up to three quarters of it for one client
+  std::uint64_t owner = 0;  // whose client it is: owners share evenly, and so do the clients of one; 0: its own
+  double cost = 1;          // above 0, in any unit that is the same for all
+  std::size_t bytes = 0;    // that it holds while it waits
+  bool is_kept = false;     // taken while any room is left, up to three quarters of it for one client
+  bool is_begun = false;    // part of something whose beginning was taken: taken even where no room is left
 };
 
-/// Work of many clients for several threads. Clients with work share the threads evenly by cost, however much each has
-/// sent: a client with one question passes another's thousands. A client may have as much waiting as is still free, so
-/// one alone fills at most half of the room, two a third each, and one that comes later still finds some.
+/// Work of many clients for several threads. Owners with work share the threads evenly by cost, however many clients
+/// each has and however much these have sent: a client with one question passes another's thousands. A client may have
+/// as much waiting as is still free, in items and in bytes, so one alone fills at most half of the room, two a third
+/// each, and one that comes later still finds some.
 ///
 /// source   Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996; Choudhury, Hahne, "Dynamic Queue Length Thresholds for
 ///          Shared-Memory Packet Switches", 1998
@@ -33,7 +37,10 @@ struct Share {
 template <class Item>
 class FairQueue {
  public:
-  explicit FairQueue(std::size_t limit) : limit_(limit) { flows_.reserve(kFewFlows); }
+  explicit FairQueue(std::size_t limit, std::size_t most_bytes = std::numeric_limits<std::size_t>::max())
+      : limit_(limit), most_bytes_(most_bytes) {
+    flows_.reserve(kFewFlows);
+  }
 
   /// Adds the server's own work, which goes before all clients' and is not limited: ask has_room_for_own().
   void push_own(Item item) {
@@ -48,28 +55,45 @@ class FairQueue {
   [[nodiscard]] bool push(const Share& share, Item& item) {
     {
       const std::lock_guard lock(mutex_);
-      const std::size_t waiting = waiting_.load(std::memory_order_relaxed);
-      const std::size_t free = limit_ - std::min(limit_, waiting);
       Flow& flow = flow_of(share.client);
-      const std::size_t most = share.is_kept ? limit_ - limit_ / 4 : free;
-      if (free == 0 || flow.entries.size() >= most) {
+      if (!share.is_begun && !has_room_for(share, flow)) {
         ++refused_;
         return false;
       }
+      flow.owner = share.owner;
       const double start = std::max(now_, flow.finish);
-      flow.finish = start + share.cost;
-      flow.entries.push_back({std::move(item), start});
-      waiting_.store(waiting + 1, std::memory_order_relaxed);
+      flow.finish = start + share.cost * rivals_of(flow);
+      flow.bytes += share.bytes;
+      flow.entries.push_back({std::move(item), start, share});
+      waiting_.fetch_add(1, std::memory_order_relaxed);
+      waiting_bytes_.fetch_add(share.bytes, std::memory_order_relaxed);
+      waiting_cost_ += share.cost;
     }
     arrived_.notify_one();
     return true;
   }
 
+  /// Whether push() would take it now. What is pushed as begun after this was true is never too much by more than
+  /// there are threads that push.
+  bool has_room_for(const Share& share) {
+    const std::lock_guard lock(mutex_);
+    const bool has_room = has_room_for(share, flow_of(share.client));
+    refused_ += has_room ? 0 : 1;
+    return has_room;
+  }
   /// Whether clients have any room; without the lock, so a push() may still be refused.
-  bool has_room() const { return waiting_.load(std::memory_order_relaxed) < limit_; }
+  bool has_room() const {
+    return waiting_.load(std::memory_order_relaxed) < limit_ &&
+           waiting_bytes_.load(std::memory_order_relaxed) < most_bytes_;
+  }
   /// Whether less than the limit of the server's own work waits.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
+  std::size_t waiting_bytes() const { return waiting_bytes_.load(std::memory_order_relaxed); }
+  double waiting_cost() {
+    const std::lock_guard lock(mutex_);
+    return waiting_cost_;
+  }
   /// How often push() returned false.
   std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
 
@@ -98,12 +122,35 @@ class FairQueue {
   struct Entry {
     Item item{};
     double start = 0;
+    Share share{};
   };
   struct Flow {
     std::uint64_t client = 0;
-    double finish = 0;  // of the last entry: where the next one starts at the earliest
+    std::uint64_t owner = 0;
+    std::size_t bytes = 0;  // of its entries
+    double finish = 0;      // of the last entry: where the next one starts at the earliest
     Ring<Entry> entries;
   };
+
+  bool has_room_for(const Share& share, const Flow& flow) const {
+    const std::size_t waiting = waiting_.load(std::memory_order_relaxed);
+    const std::size_t bytes = waiting_bytes_.load(std::memory_order_relaxed);
+    const std::size_t free = limit_ - std::min(limit_, waiting);
+    const std::size_t free_bytes = most_bytes_ - std::min(most_bytes_, bytes);
+    const std::size_t most = share.is_kept ? limit_ - limit_ / 4 : free;
+    const std::size_t most_bytes = share.is_kept ? most_bytes_ - most_bytes_ / 4 : free_bytes;
+    return free > 0 && free_bytes > 0 && flow.entries.size() < most && flow.bytes < most_bytes;
+  }
+
+  /// How many clients of this flow's owner have work, itself among them.
+  double rivals_of(const Flow& flow) const {
+    double rivals = 1;
+    if (flow.owner == 0) return rivals;
+    for (const Flow& other : flows_) {
+      if (&other != &flow && other.owner == flow.owner && !other.entries.empty()) rivals += 1;
+    }
+    return rivals;
+  }
 
   /// The client's flow. An idle one whose last finish has been reached no longer matters and is given to the next
   /// client.
@@ -131,10 +178,14 @@ class FairQueue {
     }
     Entry entry = first->entries.pop_front();
     waiting_.fetch_sub(1, std::memory_order_relaxed);
+    waiting_bytes_.fetch_sub(entry.share.bytes, std::memory_order_relaxed);
+    waiting_cost_ -= entry.share.cost;
+    first->bytes -= entry.share.bytes;
     now_ = entry.start;
     if (waiting() == 0) {
       // Nothing waits: all clients begin anew.
       for (const Flow& flow : flows_) now_ = std::max(now_, flow.finish);
+      waiting_cost_ = 0;
     }
     return std::move(entry.item);
   }
@@ -147,7 +198,10 @@ class FairQueue {
   std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
   std::atomic<std::size_t> own_count_{0};
   std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::size_t> waiting_bytes_{0};
+  double waiting_cost_ = 0;
   std::size_t limit_;
+  std::size_t most_bytes_;
   bool closed_ = false;
 };
 

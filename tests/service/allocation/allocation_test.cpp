@@ -223,12 +223,20 @@ TEST_F(Allocation, APlantedOneIsCounted) {
 // As many requests in chunks as may be open, each from its first chunk on.
 TEST_F(Allocation, NoneForRequestsThatKeepTheirState) {
   SnapshotLeases book(serving_.world);
+  std::vector<AskPointer> asks(2 * SnapshotLeases::kMostRequests);
+  for (std::size_t i = 0; i < asks.size(); ++i) {
+    asks[i] = std::make_unique<Ask>();
+    asks[i]->query->client = 5;
+    asks[i]->query->request = i;
+    asks[i]->query->chunk_count = 2;
+  }
   test::start_counting();
   {
     const test::CountHere here;
-    for (std::uint64_t request = 1; request <= 2 * SnapshotLeases::kMostRequests; ++request) {
-      if (!book.take(5, request, 0, 2, 0, 0)) break;
+    for (AskPointer& ask : asks) {
+      if (book.take(ask, 0, 0) != SnapshotLeases::Taken::pinned) break;
     }
+    asks.front()->hold.release();
   }
   EXPECT_EQ(test::stop_counting().allocations, 0U);
   EXPECT_EQ(book.size(), SnapshotLeases::kMostRequests);

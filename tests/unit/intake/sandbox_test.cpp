@@ -2,11 +2,14 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -20,12 +23,12 @@ namespace collided::engine {
 namespace {
 
 /// How a process ended that entered the sandbox and then did this with its output.
-int status_after(const std::function<int(int output)>& work) {
+int status_after(const std::function<int(int output)>& work, const std::vector<std::string>& readable = {}) {
   char path[] = "/tmp/sandbox_XXXXXX";
   const int output = ::mkstemp(path);
   const pid_t child = ::fork();
   if (child == 0) {
-    if (!enter_sandbox(output).empty()) ::_exit(99);
+    if (!enter_sandbox(output, readable).empty()) ::_exit(99);
     ::_exit(work(output));
   }
   int status = 0;
@@ -41,17 +44,19 @@ bool is_killed(const std::function<int(int output)>& work) {
 }
 
 TEST(IntakeSandbox, ReadingThreadsMemoryAndItsOutputAreAllowed) {
-  const int status = status_after([](int output) {
-    std::ifstream file("/etc/hostname");
-    std::string word;
-    file >> word;
-    std::vector<double> much(1 << 20, 1.0);
-    double sum = 0;
-    std::thread([&] {
-      for (const double value : much) sum += value;
-    }).join();
-    return file && sum == 1 << 20 && ::write(output, "abc", 3) == 3 && ::fsync(output) == 0 ? 0 : 1;
-  });
+  const int status = status_after(
+      [](int output) {
+        std::ifstream file("/etc/hostname");
+        std::string word;
+        file >> word;
+        std::vector<double> much(1 << 20, 1.0);
+        double sum = 0;
+        std::thread([&] {
+          for (const double value : much) sum += value;
+        }).join();
+        return file && sum == 1 << 20 && ::write(output, "abc", 3) == 3 && ::fsync(output) == 0 ? 0 : 1;
+      },
+      {"/etc/hostname"});
   ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
@@ -71,6 +76,64 @@ TEST(IntakeSandbox, EverythingElseEndsIt) {
   EXPECT_TRUE(is_killed([](int) { return ::kill(::getppid(), 0); }));
   EXPECT_TRUE(is_killed([](int output) { return ::dup2(output, 0) < 0 ? 1 : 0; }));
   EXPECT_TRUE(is_killed([](int) { return ::setuid(0); }));
+}
+
+// What cannot be seen cannot be told: neither secrets nor the memory of the process that started it.
+TEST(IntakeSandbox, OnlyTheFilesThatAreNamedCanBeOpened) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers make calls of their own, so calls are not limited";
+  const std::string parent = "/proc/" + std::to_string(::getpid());
+  const auto opens = [](const std::string& path) {
+    return [path](int) { return ::open(path.c_str(), O_RDONLY) >= 0 ? 0 : 1; };
+  };
+  for (const std::string& path : {std::string("/etc/passwd"), parent + "/environ", parent + "/maps", parent + "/mem",
+                                  std::string("/dev/zero"), std::string("/")}) {
+    EXPECT_TRUE(is_killed(opens(path))) << path << ", nothing readable";
+    EXPECT_EQ(status_after(opens(path), {"/etc/hostname"}), 1 << 8) << path << ", another file readable";
+  }
+  EXPECT_EQ(status_after(opens("/etc/hostname"), {"/etc/hostname"}), 0);
+  EXPECT_EQ(status_after(opens("/etc/hostname"), {"/etc"}), 0);
+  EXPECT_EQ(status_after(opens("/etc/../etc/hostname"), {"/usr"}), 1 << 8);
+}
+
+// A descriptor's owner gets signals about it, of a kind that may be chosen: so any process could be ended.
+TEST(IntakeSandbox, SignalsCannotBeSentByWayOfADescriptor) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers make calls of their own, so calls are not limited";
+  const auto is_refused = [](const std::function<int(int output)>& call) {
+    return status_after([&](int output) { return call(output) == -1 && errno == EPERM ? 0 : 1; }) == 0;
+  };
+  EXPECT_TRUE(is_refused([parent = ::getpid()](int output) { return ::fcntl(output, F_SETOWN, parent); }));
+  EXPECT_TRUE(is_refused([](int output) { return ::fcntl(output, F_SETSIG, SIGKILL); }));
+  EXPECT_TRUE(is_refused([](int output) { return ::fcntl(output, F_SETFL, O_ASYNC); }));
+  EXPECT_TRUE(is_killed([](int output) { return ::fcntl(output, F_NOTIFY, DN_MODIFY); }));
+}
+
+TEST(IntakeSandbox, NoPageIsExecutable) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers make calls of their own, so calls are not limited";
+  EXPECT_TRUE(is_killed([](int) {
+    return ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED;
+  }));
+  EXPECT_TRUE(is_killed([](int) {
+    void* page = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return ::mprotect(page, 4096, PROT_READ | PROT_EXEC);
+  }));
+}
+
+TEST(IntakeSandbox, ASmallerLimitThatIsSetStays) {
+  const int status = status_after([](int) {
+    rlimit set{};
+    return ::getrlimit(RLIMIT_FSIZE, &set) == 0 && set.rlim_max == 4096 ? 0 : 1;
+  });
+  EXPECT_EQ(status, 1 << 8);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit small{4096, 4096};
+    if (::setrlimit(RLIMIT_FSIZE, &small) != 0 || !enter_sandbox(2).empty()) ::_exit(99);
+    rlimit set{};
+    ::_exit(::getrlimit(RLIMIT_FSIZE, &set) == 0 && set.rlim_max == 4096 ? 0 : 1);
+  }
+  int ended = 0;
+  ::waitpid(child, &ended, 0);
+  EXPECT_EQ(ended, 0);
 }
 
 // A file that would take all the memory there is takes that process's.

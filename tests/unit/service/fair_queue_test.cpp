@@ -89,6 +89,42 @@ TEST(FairQueue, NobodyFillsTheRoomOfOthers) {
   EXPECT_FALSE(queue.has_room());
 }
 
+// A participant that makes up clients gains nothing by it.
+TEST(FairQueue, OwnersShareEvenlyHoweverManyClientsTheyHave) {
+  FairQueue<int> queue(100'000);
+  constexpr std::uint64_t kMany = 64;
+  for (int i = 0; i < 100; ++i) {
+    for (std::uint64_t client = 1; client <= kMany; ++client) {
+      int item = 1;
+      ASSERT_TRUE(queue.push({.client = client, .owner = 1, .cost = 10}, item));
+    }
+    int item = 2;
+    for (int j = 0; j < 20; ++j) ASSERT_TRUE(queue.push({.client = 1'000, .owner = 2, .cost = 10}, item));
+  }
+  std::map<int, int> handed_out;
+  for (int i = 0; i < 2'000; ++i) ++handed_out[queue.pop().value_or(0)];
+  EXPECT_NEAR(handed_out[1], 1'000, 100);
+  EXPECT_NEAR(handed_out[2], 1'000, 100);
+}
+
+TEST(FairQueue, RoomIsCountedInBytesToo) {
+  FairQueue<int> queue(1'000, 1'000'000);
+  int taken = 0;
+  int item = 1;
+  while (queue.push({.client = 1, .bytes = 10'000}, item)) ++taken;
+  EXPECT_EQ(taken, 50) << "one alone fills half";
+  EXPECT_EQ(queue.waiting_bytes(), 500'000U);
+  EXPECT_FALSE(queue.has_room_for({.client = 1, .bytes = 10'000}));
+  EXPECT_TRUE(queue.has_room_for({.client = 2, .bytes = 10'000})) << "another one finds room";
+  EXPECT_TRUE(queue.push({.client = 1, .bytes = 10'000, .is_begun = true}, item)) << "what was begun is finished";
+  for (int i = 0; i < taken; ++i) queue.pop();
+  EXPECT_EQ(queue.waiting_bytes(), 10'000U);
+  EXPECT_EQ(queue.waiting_cost(), 1);
+  queue.pop();
+  EXPECT_EQ(queue.waiting_bytes(), 0U);
+  EXPECT_EQ(queue.waiting_cost(), 0);
+}
+
 TEST(FairQueue, TheServersOwnWorkComesFirst) {
   FairQueue<int> queue(10);
   ASSERT_TRUE(push(queue, 1, 1, 1));

@@ -14,8 +14,10 @@
 #include "server/service/ingest/sequence_watermark.hpp"
 #include "server/service/ingest/source_clock.hpp"
 #include "server/service/questions/reply_columns.hpp"
+#include "server/service/questions/ask.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 #include "server/service/questions/write_barriers.hpp"
+#include "server/service/runtime/clock.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/wire/rows.hpp"
 
@@ -156,20 +158,50 @@ TEST(SourceClock, ItIsAsFarBehindAsTheQuickestBatchOfLateSays) {
   EXPECT_EQ(since_boot.behind_ns(), std::nullopt) << "nobody knows";
 }
 
-class LeaseBookTest : public ::testing::Test {
+class SnapshotLeasesTest : public ::testing::Test {
  protected:
-  void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
-  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count,
-                                       std::int64_t now_ns = 0, std::uint64_t least_version = 0) {
-    const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, least_version, now_ns);
-    return lease ? std::optional((*lease)->version) : std::nullopt;
+  SnapshotLeasesTest() {
+    book.on_ready([this](AskPointer ask) { ready.push_back(std::move(ask)); });
   }
+  ~SnapshotLeasesTest() override {
+    at_hand.clear();
+    ready.clear();
+  }
+  void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
+  static AskPointer chunk(std::uint64_t client, std::uint64_t request, std::uint32_t index, std::uint32_t count) {
+    auto ask = std::make_unique<Ask>();
+    ask->query->client = client;
+    ask->query->request = request;
+    ask->query->chunk_index = index;
+    ask->query->chunk_count = count;
+    return ask;
+  }
+  /// Takes a chunk, which stays at hand.
+  SnapshotLeases::Taken take(std::uint64_t request, std::uint32_t index, std::uint32_t count, std::int64_t now_ns = 0,
+                             std::uint64_t least_version = 0, std::uint64_t client = 1) {
+    AskPointer ask = chunk(client, request, index, count);
+    const SnapshotLeases::Taken taken = book.take(ask, least_version, now_ns);
+    if (ask) at_hand.push_back(std::move(ask));
+    return taken;
+  }
+  /// The state of a chunk that is answered at once; nothing where it has none.
+  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t index, std::uint32_t count,
+                                       std::int64_t now_ns = 0, std::uint64_t least_version = 0,
+                                       std::uint64_t client = 1) {
+    if (take(request, index, count, now_ns, least_version, client) != Taken::pinned) return std::nullopt;
+    const std::uint64_t found = at_hand.back()->hold.state()->version;
+    at_hand.pop_back();
+    return found;
+  }
+  using Taken = SnapshotLeases::Taken;
   World world{WorldOptions{}};
   SnapshotLeases book{world};
+  std::vector<AskPointer> at_hand;
+  std::vector<AskPointer> ready;  // came back through on_ready
   std::int64_t time_ns = 0;
 };
 
-TEST_F(LeaseBookTest, AllChunksOfARequestSeeOneState) {
+TEST_F(SnapshotLeasesTest, AllChunksOfARequestSeeOneState) {
   const auto first = version(1, 0, 3);
   step();
   EXPECT_EQ(version(1, 1, 3), first);
@@ -181,72 +213,125 @@ TEST_F(LeaseBookTest, AllChunksOfARequestSeeOneState) {
 }
 
 // Requests are counted by each client for itself: the same number is another request.
-TEST_F(LeaseBookTest, RequestsOfTwoClientsWithOneNumberAreTwo) {
-  const auto version_for = [&](std::uint64_t client, std::uint32_t chunk) {
-    const std::optional<SnapshotRing::Lease> lease = book.take(client, 5, chunk, 2, 0, 0);
-    return lease ? (*lease)->version : 0;
-  };
-  const std::uint64_t first = version_for(1, 0);
+TEST_F(SnapshotLeasesTest, RequestsOfTwoClientsWithOneNumberAreTwo) {
+  const auto first = version(5, 0, 2, 0, 0, 1);
   step();
-  const std::uint64_t second = version_for(2, 0);
-  EXPECT_EQ(second, first + 1);
+  const auto second = version(5, 0, 2, 0, 0, 2);
+  EXPECT_EQ(*second, *first + 1);
   EXPECT_EQ(book.size(), 2U);
   step();
-  EXPECT_EQ(version_for(1, 1), first);
-  EXPECT_EQ(version_for(2, 1), second);
+  EXPECT_EQ(version(5, 1, 2, 0, 0, 1), first);
+  EXPECT_EQ(version(5, 1, 2, 0, 0, 2), second);
   EXPECT_EQ(book.size(), 0U);
 }
 
-// Who opens requests and never ends them must not stop the world.
-TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
-  for (std::uint64_t request = 1; request < 100; ++request) {
-    version(request, 0, 2, 1'000'000'000 * static_cast<std::int64_t>(request));
+// Each of a hundred requests needs a state of its own; eight have one, the others wait for them, in order.
+TEST_F(SnapshotLeasesTest, ARequestWithoutAStateWaitsForOneThatEnds) {
+  constexpr std::uint64_t kRequests = 100;
+  constexpr std::int64_t kApart = 2 * SnapshotLeases::kSharedAgeNs;
+  for (std::uint64_t request = 1; request <= kRequests; ++request) {
+    const bool has_state = request <= SnapshotLeases::kMostStates;
+    EXPECT_EQ(take(request, 0, 1, kApart * static_cast<std::int64_t>(request)),
+              has_state ? Taken::pinned : Taken::waits)
+        << request;
     step();
   }
-  EXPECT_LE(book.size(), SnapshotLeases::kMostStates);
-  EXPECT_FALSE(version(1, 1, 2));
-  book.expire(1'000'000'000'000);
+  EXPECT_EQ(book.size(), kRequests);
+  std::vector<std::uint64_t> ended;
+  while (!at_hand.empty()) {
+    ended.push_back(at_hand.front()->query->request);
+    at_hand.erase(at_hand.begin());
+    for (AskPointer& ask : ready) {
+      ASSERT_TRUE(ask->hold);
+      at_hand.push_back(std::move(ask));
+    }
+    ready.clear();
+  }
+  ASSERT_EQ(ended.size(), kRequests);
+  EXPECT_TRUE(std::ranges::is_sorted(ended));
   EXPECT_EQ(book.size(), 0U);
 }
 
-// A busy machine may need long for a large request; each chunk that comes buys it time, but not for ever.
-TEST_F(LeaseBookTest, PatienceCountsFromTheNewestChunk) {
-  constexpr std::int64_t kStep = SnapshotLeases::kPatienceNs * 3 / 4;
-  const auto first = version(1, 0, 100, 0);
-  std::uint32_t chunk = 1;
-  std::int64_t now_ns = kStep;
-  for (; now_ns <= SnapshotLeases::kLongestNs; now_ns += kStep) {
-    book.expire(now_ns);
-    EXPECT_EQ(version(1, chunk++, 100, now_ns), first);
+// Later chunks of a request that waits come back with its first, on the same state.
+TEST_F(SnapshotLeasesTest, AllChunksOfAWaitingRequestComeBack) {
+  for (std::uint64_t request = 1; request <= SnapshotLeases::kMostStates; ++request) {
+    EXPECT_EQ(take(request, 0, 1), Taken::pinned);
     step();
   }
-  book.expire(now_ns);
-  EXPECT_FALSE(version(1, chunk, 100, now_ns));
-  EXPECT_TRUE(version(2, 0, 3, now_ns));
-  book.expire(now_ns + SnapshotLeases::kPatienceNs + 1);
-  EXPECT_FALSE(version(2, 1, 3, now_ns + SnapshotLeases::kPatienceNs + 1));
+  const std::int64_t later_ns = SnapshotLeases::kSharedAgeNs + 1;
+  for (std::uint32_t index = 0; index < 3; ++index) EXPECT_EQ(take(50, index, 3, later_ns), Taken::waits);
+  EXPECT_TRUE(ready.empty());
+  at_hand.pop_back();
+  ASSERT_EQ(ready.size(), 3U);
+  for (const AskPointer& ask : ready) EXPECT_EQ(ask->hold.state()->version, world.newest()->version);
 }
 
-TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
+// A client that opens requests and never ends them must stop neither the world nor others for long.
+TEST_F(SnapshotLeasesTest, OnlyAClientThatKeepsOthersWaitingLosesItsState) {
+  for (std::uint64_t request = 1; request <= SnapshotLeases::kMostStates; ++request) {
+    EXPECT_TRUE(version(request, 0, 2));
+    step();
+  }
+  constexpr std::int64_t kPatient = SnapshotLeases::kLongestPauseNs / 2;
+  const std::int64_t start_ns = steady_ns();
+  book.expire(start_ns);
+  book.expire(start_ns + kPatient);
+  EXPECT_EQ(book.size(), SnapshotLeases::kMostStates) << "nobody waits";
+  EXPECT_EQ(take(50, 0, 1, start_ns + kPatient), Taken::waits);
+  book.expire(start_ns + kPatient + SnapshotLeases::kPatienceNs / 2);
+  EXPECT_TRUE(ready.empty());
+  EXPECT_TRUE(version(1, 1, 2)) << "its second chunk came in time";
+  EXPECT_EQ(ready.size(), 1U) << "and made room";
+  ready.clear();
+  step();
+  EXPECT_EQ(take(51, 0, 1, start_ns + kPatient), Taken::pinned);
+  step();
+  EXPECT_EQ(take(52, 0, 1, start_ns + kPatient + SnapshotLeases::kSharedAgeNs + 1), Taken::waits);
+  book.expire(start_ns + kPatient + 2 * SnapshotLeases::kPatienceNs);
+  EXPECT_EQ(ready.size(), 1U);
+  EXPECT_EQ(take(3, 1, 2, start_ns + kPatient), Taken::gone) << "it kept request 52 waiting";
+}
+
+// However slowly the server answers, the state stays: time counts against a client only while nothing of it is here.
+TEST_F(SnapshotLeasesTest, AChunkAtHandKeepsTheStateForEver) {
+  EXPECT_EQ(take(1, 0, 2), Taken::pinned);
+  for (std::uint64_t request = 2; request <= SnapshotLeases::kMostStates; ++request) {
+    step();
+    EXPECT_EQ(take(request, 0, 1), Taken::pinned);
+  }
+  step();
+  EXPECT_EQ(take(50, 0, 1, SnapshotLeases::kSharedAgeNs + 1), Taken::waits);
+  book.expire(steady_ns() + 1'000 * SnapshotLeases::kLongestPauseNs);
+  EXPECT_EQ(take(1, 1, 2), Taken::pinned);
+}
+
+TEST_F(SnapshotLeasesTest, ManyAtOnceShareYoungStates) {
   for (std::uint64_t request = 1; request <= 50; ++request) {
-    version(request, 0, 2, static_cast<std::int64_t>(request));
+    EXPECT_TRUE(version(request, 0, 2, static_cast<std::int64_t>(request)));
     step();
   }
   EXPECT_EQ(book.size(), 50U);
   for (std::uint64_t request = 1; request <= 50; ++request) EXPECT_TRUE(version(request, 1, 2)) << request;
 }
 
-// Who was told of a state is never answered on an older one, however many requests are under way.
-TEST_F(LeaseBookTest, SharingAStateNeverGoesBack) {
-  std::uint64_t newest = 0;
+// A client that saw a state is never answered on an older one, however many requests are under way.
+TEST_F(SnapshotLeasesTest, SharingAStateNeverGoesBack) {
   for (std::uint64_t request = 1; request <= 100; ++request) {
     step();
-    newest = world.newest()->version;
     version(request, 0, 2, static_cast<std::int64_t>(request));
   }
+  const std::uint64_t newest = world.newest()->version;
   step();
-  EXPECT_EQ(version(101, 0, 2, 101, 0), version(100, 1, 2, 101)) << "who knows of nothing newer shares";
-  EXPECT_EQ(version(102, 0, 2, 102, newest + 1), newest + 1) << "who does gets what is as new";
+  EXPECT_EQ(version(101, 0, 2, 101, 0), version(100, 1, 2, 101)) << "a client that knows of nothing newer shares";
+  EXPECT_EQ(take(102, 0, 1, 102, newest + 1), Taken::waits) << "one that does waits for what is as new";
+}
+
+TEST_F(SnapshotLeasesTest, BeyondTheLimitARequestIsToBeAskedAgain) {
+  for (std::uint64_t request = 1; request <= SnapshotLeases::kMostRequests; ++request)
+    ASSERT_EQ(take(request, 0, 1), Taken::pinned);
+  EXPECT_EQ(take(SnapshotLeases::kMostRequests + 1, 0, 1), Taken::full);
+  at_hand.erase(at_hand.begin());
+  EXPECT_EQ(take(SnapshotLeases::kMostRequests + 1, 0, 1), Taken::pinned);
 }
 
 AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {
