@@ -120,6 +120,9 @@ inline std::vector<std::uint64_t> bits_of(const Answers& answers) {
       for (int k = 0; k < 3; ++k) bits.push_back(std::bit_cast<std::uint64_t>((*v)[k]));
     }
   }
+  for (const TimeBracket& bracket : answers.brackets) {
+    for (const double x : {bracket.low, bracket.high}) bits.push_back(std::bit_cast<std::uint64_t>(x));
+  }
   return bits;
 }
 

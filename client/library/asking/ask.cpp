@@ -186,16 +186,7 @@ Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<cons
   if (!bytes) { return bytes.error(); }
   const Request request{Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions),
                         *bytes};
-  Result<Answers> answers = run(connection, request, options, {});
-  if (!answers) { return answers; }
-  for (Answer& answer : answers->answers) {
-    for (Hit& hit : answer.hits) {
-      hit.time_low = hit.exit_m;
-      hit.time_high = hit.distance_m;
-      hit.distance_m = hit.exit_m = hit.error_m = 0;
-    }
-  }
-  return answers;
+  return run(connection, request, options, {});
 }
 
 }  // namespace collided::client

@@ -8,6 +8,7 @@ namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
+constexpr std::size_t kBytesPerNotCovered = 4 + 4 * 8;
 constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
 // The rest is for the fixed fields, the lengths of the sequences and what DDS puts around a message.
 constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
@@ -50,6 +51,7 @@ void ReplyColumns::lend(wire::Reply& reply) {
 
 void ReplyFiller::start(ReplyColumns& columns) {
   columns.clear();
+  columns.of_sweeps = !answers_.brackets.empty();
   first_ = question_;
   bytes_ = 0;
   ++reply_number_;
@@ -80,13 +82,22 @@ std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
   return kBytesPerHit + (named ? 0 : sizeof(ObjectId) + name_of(hit.object).size() + 1);
 }
 
-void ReplyFiller::add_uncovered(const AnswerHit& entry, ReplyColumns& columns) {
-  columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
-  columns.uncovered.insert(columns.uncovered.end(), entry.point.begin(), entry.point.end());
-  columns.uncovered.push_back(entry.distance_m);
+bool ReplyFiller::leaves_covered() const {
+  return not_covered_ < answers_.not_covered.size() && answers_.not_covered[not_covered_].question == question_;
 }
 
-void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
+/// Says where the question leaves the covered space, if it does. An answer that is cut has another reason.
+void ReplyFiller::add_not_covered(bool is_cut, ReplyColumns& columns) {
+  if (!leaves_covered()) return;
+  const NotCovered& entry = answers_.not_covered[not_covered_++];
+  if (is_cut) return;
+  columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
+  columns.uncovered.insert(columns.uncovered.end(), entry.leaving.point.begin(), entry.leaving.point.end());
+  columns.uncovered.push_back(entry.leaving.covered_m);
+}
+
+void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
+  const AnswerHit& hit = answers_.hits[index];
   const std::uint32_t slot = slot_of(hit.object);
   if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
@@ -101,7 +112,12 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   columns.numbers.resize(end + wire_contract::kHitNumbers);
   double* number = &columns.numbers[end];
   const auto add = [&](double value) { *number++ = value + 0.0; };  // -0 is reported as 0
-  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) add(value);
+  if (columns.of_sweeps) {
+    const TimeBracket& bracket = answers_.brackets[index];
+    for (const double value : {bracket.high, bracket.high - bracket.low, bracket.low}) add(value);
+  } else {
+    for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) add(value);
+  }
   for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) std::for_each(vector->begin(), vector->end(), add);
   add(hit.point_error_m);
 }
@@ -110,31 +126,27 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
 bool ReplyFiller::add_question(ReplyColumns& columns) {
   const std::size_t hit_count = answers_.hit_counts[question_];
   // An upper bound: a name that repeats within the question is counted each time.
-  std::size_t bytes = kBytesPerAnswer;
+  const std::size_t own_bytes = kBytesPerAnswer + (leaves_covered() ? kBytesPerNotCovered : 0);
+  std::size_t bytes = own_bytes;
   for (std::size_t i = 0; i < hit_count; ++i) bytes += bytes_of(answers_.hits[hit_ + i]);
   const bool alone = columns.answers.empty();
   const bool fits = bytes_ + bytes <= kRoom && columns.objects.size() + hit_count <= wire_contract::kMaxHitsPerChunk;
   if (!fits && !alone) return false;
-  bytes_ += kBytesPerAnswer;
-  std::size_t kept = 0, hits = 0;
+  bytes_ += own_bytes;
+  std::size_t kept = 0;
   for (; kept < hit_count && kept < wire_contract::kMaxHitsPerChunk; ++kept) {
-    const AnswerHit& hit = answers_.hits[hit_ + kept];
-    const std::size_t more = bytes_of(hit);
+    const std::size_t more = bytes_of(answers_.hits[hit_ + kept]);
     if (bytes_ + more > kRoom) break;
     bytes_ += more;
-    if ((hit.flags & kUncovered) != 0) {
-      add_uncovered(hit, columns);
-    } else {
-      add_hit(hit, columns);
-      ++hits;
-    }
+    add_hit(hit_ + kept, columns);
   }
   const bool cut = kept < hit_count;
+  add_not_covered(cut, columns);
   const Verdict answer = cut ? Verdict::undecided : answers_.answers[question_];
   columns.answers.push_back(static_cast<std::uint8_t>(answer));
   columns.reasons.push_back(static_cast<std::uint8_t>(cut ? UndecidedReason::truncated : answers_.reasons[question_]));
   columns.levels.push_back(answers_.levels[question_]);
-  columns.hit_counts.push_back(static_cast<std::uint32_t>(hits));
+  columns.hit_counts.push_back(static_cast<std::uint32_t>(kept));
   columns.nodes.push_back(answers_.nodes[question_]);
   columns.exact_tests.push_back(answers_.exact_tests[question_]);
   if (answer == Verdict::undecided) ++undecided_;

@@ -56,9 +56,11 @@ class ReplyFiller {
  private:
   void start(ReplyColumns& columns);
   bool add_question(ReplyColumns& columns);
+  /// The next question has an entry in Answers::not_covered.
+  bool leaves_covered() const;
   std::size_t bytes_of(const AnswerHit& hit);
-  void add_hit(const AnswerHit& hit, ReplyColumns& columns);
-  void add_uncovered(const AnswerHit& entry, ReplyColumns& columns);
+  void add_hit(std::size_t index, ReplyColumns& columns);
+  void add_not_covered(bool is_cut, ReplyColumns& columns);
   const ObjectInfo* info_of(ObjectId id) const;
   std::string_view name_of(ObjectId id) const;
 
@@ -66,10 +68,11 @@ class ReplyFiller {
   const Answers& answers_;
   std::vector<std::uint64_t>& named_in_;
   std::uint64_t& reply_number_;
-  std::size_t first_ = 0;     // first question of this reply
-  std::size_t question_ = 0;  // the next one
-  std::size_t hit_ = 0;       // its first hit
-  std::size_t bytes_ = 0;     // of this reply so far
+  std::size_t first_ = 0;        // first question of this reply
+  std::size_t question_ = 0;     // the next one
+  std::size_t hit_ = 0;          // its first hit
+  std::size_t not_covered_ = 0;  // the next of those
+  std::size_t bytes_ = 0;        // of this reply so far
   std::uint64_t undecided_ = 0;
 };
 

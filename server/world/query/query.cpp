@@ -115,22 +115,21 @@ void write_answer(Answers& answers, std::size_t place, const Question& question)
   answers.hit_counts[place] = static_cast<std::uint32_t>(question.found.size());
   answers.nodes[place] = question.walk.nodes;
   answers.exact_tests[place] = question.exact_tests;
+  if (question.bracket) answers.brackets.push_back(*question.bracket);
   if (&question.found == &answers.hits) return;
   for (const AnswerHit& hit : question.found) answers.hits.push_back(hit);
 }
 
 /// Turns a miss or a hit into undecided where it claims something about space that is not covered. The hits found stay
-/// in the answer; one more, with the flag kUncovered, marks where the covered space ends.
+/// in the answer.
 void doubt_where_not_covered(Answers& answers, std::size_t place, const Question& question, const double* numbers) {
   const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
   if (!is_claim) return;
-  const std::optional<Leaving> leaving =
-      leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
+  const std::optional<Leaving> leaving = leaves_covered(question, numbers);
   if (!leaving) return;
   answers.answers[place] = Verdict::undecided;
   answers.reasons[place] = UndecidedReason::not_covered;
-  answers.hits.push_back({.flags = kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
-  ++answers.hit_counts[place];
+  answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 
 /// Keeps the oldest pose among the hits.
@@ -261,6 +260,8 @@ bool may_answer(const ObjectInfo& info, const Questions& asked) {
 
 void Answers::reset(std::size_t count) {
   hits.clear();
+  brackets.clear();
+  not_covered.clear();
   oldest_pose_ns = -1;
   if (exact_tests.size() == count) return;
   for (auto* column : {&hit_counts, &nodes, &exact_tests}) column->resize(count);

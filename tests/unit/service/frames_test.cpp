@@ -190,7 +190,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   answers.answers = {Verdict::hit, Verdict::miss, Verdict::undecided, Verdict::invalid};
   answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
   answers.levels = {2, 0, 1, 0};
-  answers.hit_counts = {2, 0, 2, 0};
+  answers.hit_counts = {2, 0, 1, 0};
   answers.nodes = {10, 11, 12, 13};
   answers.exact_tests = {20, 21, 22, 23};
   const AnswerHit hit{.object = b,
@@ -203,8 +203,8 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
                       .point_error_m = 13,
                       .normal = {7, 8, 9},
                       .weights = {10, 11, 12}};
-  answers.hits = {
-      hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}, {.flags = kUncovered, .distance_m = 6}};
+  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}};
+  answers.not_covered = {{.question = 2, .leaving = {.point = {7, 8, 9}, .covered_m = 6}}};
   std::vector<std::uint64_t> named_in;
   std::uint64_t reply_number = 0;
   for (int reply = 0; reply < 2; ++reply) {
@@ -228,7 +228,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
       EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
     EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);
     EXPECT_EQ(columns.uncovered_questions, std::vector<std::uint32_t>{2});
-    EXPECT_EQ(columns.uncovered, (std::vector<double>{0, 0, 0, 6}));
+    EXPECT_EQ(columns.uncovered, (std::vector<double>{7, 8, 9, 6}));
     EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
     EXPECT_EQ(split(columns.named.names), (Names{"right", "left"}));
     EXPECT_FALSE(filler.fill(columns));
