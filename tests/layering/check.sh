@@ -9,10 +9,10 @@ cd "${1:?repository root}"
 # A file obeys its room and, where the room has rooms of its own, that one too. "room/." is what lies in the room itself.
 declare -A may=(
   [server/geometry]="server/geometry"
-  [server/intake]="server/intake server/geometry idl/scene_generated.h"
+  [server/intake]="server/intake server/geometry idl/scene_generated.h idl/unit_quaternion.hpp"
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
-  [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl/glob.hpp"
+  [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp"
   [server/vcollide]="server/world server/exact_phase server/broad_phase server/geometry"
   [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
   [server/programs]="server/programs server/world server/exact_phase server/broad_phase server/intake server/geometry"

@@ -8,6 +8,7 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
 #include "idl/topics.hpp"
+#include "idl/unit_quaternion.hpp"
 
 namespace collided::cli {
 namespace {
@@ -152,10 +153,9 @@ Quat from_roll_pitch_yaw(const Vec3& angles_rad) {
 
 Quat unit_quaternion(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
-  const double norm = rotation.norm();
-  if (!(std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) {
+  if (!wire_contract::is_unit_quaternion(rotation)) {
     throw bad_use(fmt::format("quaternion {} {} {} {} (w x y z) has norm {}, allowed 1 +- {}", format_number(w),
-                              format_number(x), format_number(y), format_number(z), format_number(norm),
+                              format_number(x), format_number(y), format_number(z), format_number(rotation.norm()),
                               format_number(wire_contract::kUnitQuaternionSlack)));
   }
   return rotation.normalized();

@@ -5,6 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
+#include "idl/clocks.hpp"
 
 namespace collided::cli {
 namespace {
@@ -30,7 +31,7 @@ class Loop {
   Exit run() {
     Progress progress(io_, globals_);
     start_ = round_start_ = last_due_ = Clock::now();
-    begun_ = std::chrono::system_clock::now().time_since_epoch();
+    begun_ = wire_contract::since_1970();
     while (!until_.reached(frames_) && io_.out.good()) {
       const std::optional<double> time_s = next_frame_time();
       if (!time_s) break;

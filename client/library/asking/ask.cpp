@@ -154,9 +154,7 @@ std::optional<Error> fault_of(std::span<const Question> questions) {
                      " questions; a request holds 1 to " + std::to_string(kMaxQuestionsPerRequest));
   }
   for (std::size_t i = 0; i < questions.size(); ++i) {
-    if (!can_be_asked(questions[i])) {
-      return question_fault<Question>(fault(questions[i]).value_or(""), i, questions.size());
-    }
+    if (const auto found = fault(questions[i])) { return question_fault<Question>(*found, i, questions.size()); }
   }
   return std::nullopt;
 }

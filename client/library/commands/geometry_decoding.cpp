@@ -5,6 +5,7 @@
 
 #include "idl/geometry_generated.h"
 #include "idl/topics.hpp"
+#include "idl/unit_quaternion.hpp"
 
 namespace collided::client {
 namespace {
@@ -49,8 +50,7 @@ Vec3 vector_of(const format::Vec3& from) {
 
 Quat rotation_of(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
-  if (!(std::abs(rotation.norm() - 1) <= wire_contract::kUnitQuaternionSlack))
-    throw Flaw{"a quaternion is not of unit length"};
+  if (!wire_contract::is_unit_quaternion(rotation)) throw Flaw{"a quaternion is not of unit length"};
   return rotation;
 }
 

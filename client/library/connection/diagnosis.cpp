@@ -12,6 +12,7 @@
 #include "client/library/connection/connection.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/machine_findings.hpp"
+#include "idl/clocks.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -22,11 +23,6 @@ using client::Connection;
 using client::words;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
-
-std::int64_t since_1970_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<nanoseconds>(now).count();
-}
 
 nanoseconds rounded(nanoseconds time) {
   // Such a measurement is good for three digits at most.
@@ -70,7 +66,7 @@ class Servers {
       server.version = status->server_version;
       // The first one may have been sent long before it was received here.
       if (++server.heard > 1)
-        server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
+        server.skew_ns = std::min(server.skew_ns, wire_contract::since_1970_ns() - status.info().source_timestamp);
     }
   }
   dds::Topic<wire::Status> topic_;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/geometry/box_union.hpp"
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
@@ -22,10 +23,7 @@ bool sum_is_at_most(double a, double b, double limit) {
   if (limit == kEndless) return !std::isnan(a + b);
   const double sum = a + b;
   if (!std::isfinite(sum)) return sum < limit;
-  // TWO-SUM (Knuth): recovers what the rounded sum left out.
-  const double b_part = sum - a;
-  const double rest = (a - (sum - b_part)) + (b - b_part);
-  return sum < limit || (sum == limit && rest <= 0);
+  return sum < limit || (sum == limit && lost_in_sum(a, b, sum) <= 0);
 }
 
 /// a + b, rounded up to the next double where the exact sum is none.

@@ -62,8 +62,7 @@ struct Questions {
   const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
 };
 
-/// Whether the numbers make a question: finite (a length and a reach may be infinite), a direction, sizes not negative, a
-/// unit quaternion. Written so that NaN fails.
+/// Whether the numbers of one question keep the rules of idl/question_rules.hpp.
 bool is_question(QuestionKind kind, const double* numbers);
 
 /// Whether layers and name patterns let the object answer.
