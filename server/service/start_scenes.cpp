@@ -68,18 +68,18 @@ LoadedScene load(const Options& options, const std::string& path) {
   if (options.up != 0) again["up"] = std::string(1, options.up);
   if (options.mend_m) again["mend"] = true;
   if (options.mend_m && *options.mend_m > 0) again["crack_m"] = *options.mend_m;
-  loaded.indexed->source = again.dump();
+  loaded.indexed.geometry->source = again.dump();
   return loaded;
 }
 
 LoadedScene embedded() {
   LoadedScene loaded = embedded_and_indexed();
-  loaded.indexed->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
+  loaded.indexed.geometry->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
   return loaded;
 }
 
 void add(World& world, const LoadedScene& loaded) {
-  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw StartError(refusal->reason);
   fmt::print("{}\n", describe(loaded));
 }

@@ -71,7 +71,7 @@ World::World(const WorldOptions& options) : state_(std::make_unique<State>(optio
 
 World::~World() = default;
 
-std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& options) {
+IndexedScene World::index_scene(Scene scene, const BvhOptions& options) {
   const OwnFloatEnvironment own_floats;
   auto indexed = std::make_shared<StaticScene>();
   indexed->name = scene.name;
@@ -100,7 +100,7 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& 
                                                             quietly, indexed->warnings));
     object.index = {};
   }
-  return indexed;
+  return {.scene = std::move(scene), .geometry = std::move(indexed)};
 }
 
 std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) const {
@@ -128,8 +128,9 @@ std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) cons
   return std::nullopt;
 }
 
-std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed) {
+std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexed) {
   State& s = *state_;
+  const Scene& scene = indexed.scene;
   if (auto refusal = refusal_of(scene, false)) return std::move(*refusal);
   for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
     const ObjectId id = s.rows.take_slot();
@@ -142,10 +143,10 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     info->part_triangles = scene.parts[part].triangle_count;
     info->cut = scene.parts[part].cut;
     s.rows.put(std::move(info));
-    indexed->part_objects.push_back(id);
+    indexed.geometry->part_objects.push_back(id);
   }
-  const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed->object_meshes);
-  s.scenes.push_back(std::move(indexed));
+  const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
+  s.scenes.push_back(indexed.geometry);
   s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];

@@ -67,7 +67,7 @@ class Stage {
     scene.parts = {
         {.name = name, .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
   }
 
   void move(ObjectId id, const Pose& pose, bool teleport = false) {

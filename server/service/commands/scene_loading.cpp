@@ -12,19 +12,20 @@ namespace {
 constexpr double kReadingShare = 0.5;
 
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
-  LoadedScene loaded{.scene = std::move(scene), .indexed = nullptr, .report = std::move(report)};
-  loaded.triangles = loaded.scene.mesh.triangles.size();
+  LoadedScene loaded{.indexed = {}, .report = std::move(report)};
+  loaded.triangles = scene.mesh.triangles.size();
   BvhOptions bvh;
   if (options.progress) {
     bvh.progress = [&](double fraction) { options.progress(kReadingShare + (1 - kReadingShare) * fraction); };
   }
   bvh.cancelled = options.cancelled;
   bvh.form = BvhForm::best;
-  loaded.indexed = World::index_scene(loaded.scene, bvh);
+  loaded.indexed = World::index_scene(std::move(scene), bvh);
   if (options.cancelled && options.cancelled())
-    throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
+    throw LoadError(loaded.indexed.scene.name + ": the load was called off. Nothing was loaded.");
+  const std::vector<std::string>& of_indexes = loaded.indexed.geometry->warnings;
   std::vector<std::string>& warnings = loaded.report.warnings;
-  warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
+  warnings.insert(warnings.end(), of_indexes.begin(), of_indexes.end());
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
 }
@@ -45,9 +46,9 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
 LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
-  std::string text =
-      fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
-                  loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
+  const Scene& scene = loaded.indexed.scene;
+  std::string text = fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", scene.name, loaded.triangles,
+                                 scene.parts.size(), scene.objects.size(), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
   for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;
