@@ -35,7 +35,10 @@ class Verified {
   }
   const Table* operator->() const { return root_; }
   const Table& operator*() const { return *root_; }
-  const void* begin() const { return words_.data(); }
+  /// Where a byte of the copy stands in the text.
+  std::size_t offset_of(const std::uint8_t* byte) const {
+    return static_cast<std::size_t>(byte - reinterpret_cast<const std::uint8_t*>(words_.data()));
+  }
 
  private:
   std::vector<std::uint64_t> words_;
@@ -252,10 +255,9 @@ auto unless_flawed(std::string& flaw, const Work& work) -> std::optional<decltyp
 std::optional<Page> decode_page(std::string_view text, std::string& flaw) {
   return unless_flawed(flaw, [&] {
     const Verified<format::Page> page(text);
-    const auto* bytes = reinterpret_cast<const char*>(page->bytes()->Data());
     // The same bytes in the text, which outlives the copy.
-    const auto offset = static_cast<std::size_t>(bytes - reinterpret_cast<const char*>(page.begin()));
-    return Page{page->transfer(), page->total(), page->first(), text.substr(offset, page->bytes()->size())};
+    const std::string_view bytes = text.substr(page.offset_of(page->bytes()->Data()), page->bytes()->size());
+    return Page{page->transfer(), page->total(), page->first(), bytes};
   });
 }
 
