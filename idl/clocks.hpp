@@ -5,6 +5,8 @@
 
 namespace collided::wire_contract {
 
+inline constexpr double kNanosecond_s = 1e-9;
+
 /// Nanoseconds of a clock that never goes back; deadlines and periods are measured with it.
 inline std::int64_t steady_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())

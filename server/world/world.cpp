@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "idl/clocks.hpp"
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
@@ -300,7 +301,7 @@ void World::set_stale(ObjectId id, bool is_stale) {
   s.rows.set_stale(slot_of(id), is_stale);
   s.lost.emplace_back(id, is_stale);
   if (!is_stale) return s.forget_stale(id);
-  const double motion_s = 1e-9 * static_cast<double>(row.posed_ns - row.posed_before_ns);
+  const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
   const double way_m = (row.frame.position - row.frame_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
   s.stale_objects.push_back({.id = id,

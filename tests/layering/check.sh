@@ -94,6 +94,13 @@ while IFS= read -r line; do
   say "$line: a bare tolerance; name it, in server/geometry/tolerance.hpp where others use it"
 done < <(grep -rnE '0x1(\.[0-9a-f]+)?p[-+]?[0-9]+' server client idl --include='*.hpp' --include='*.cpp' |
          grep -vE '^server/broad_phase/|constexpr|^[^:]+:[0-9]+: *//|//[^"]*0x1' || true)
+# The same of decimal ones, in the rooms that decide: smaller than a thousandth, neither a named constant nor the named
+# default of an option.
+while IFS= read -r line; do
+  say "$line: a bare tolerance; name it, in server/geometry/tolerance.hpp or guess_tolerance.hpp where others use it"
+done < <(grep -rnE '\b[0-9.]+e-0*([4-9]|[1-9][0-9])' server/{geometry,intake,exact_phase,world,vcollide} --include='*.hpp' --include='*.cpp' |
+         sed -E 's/"[^"]*"//g; s://.*::' | grep -E '[0-9.]e-[0-9]' |
+         grep -vE 'constexpr|^[^:]+:[0-9]+: *double [a-z_]+ = [0-9.e-]+;' || true)
 # A file that a comment or the server's README names must be there; what cmake generates is not in the tree.
 named=$(grep -rhoE '//.*' server client idl tests --include='*.hpp' --include='*.cpp' | grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|fbs)\b'
         grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|csv|sh)\b' server/README.md)

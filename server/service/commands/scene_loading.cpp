@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "idl/clocks.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/world/world.hpp"
 
@@ -26,7 +27,7 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   const std::vector<std::string>& of_indexes = loaded.indexed.geometry->warnings;
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), of_indexes.begin(), of_indexes.end());
-  loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
+  loaded.seconds = static_cast<double>(steady_ns() - started_ns) * wire_contract::kNanosecond_s;
   return loaded;
 }
 

@@ -14,6 +14,9 @@
 namespace collided::engine {
 namespace {
 
+/// Relative slack for a place on the way, which is rounded before it is asked about: some thousand roundings.
+constexpr double kPlaceSlack = 1e-12;
+
 /// A ball that goes straight from one point to another: all that it passes through is a capsule, which rationals can decide.
 struct BallSweep {
   Vec3 from;
@@ -33,8 +36,7 @@ struct BallSweep {
 class ExactSweep {
  public:
   ExactSweep(const Snapshot& snapshot, const BallSweep& ball) : ball_(ball) {
-    // A place on the way is rounded before it is asked about.
-    slack_m_ = 1e-12 * (ball.from.norm() + ball.to.norm() + ball.radius_m);
+    slack_m_ = kPlaceSlack * (ball.from.norm() + ball.to.norm() + ball.radius_m);
     const Aabb reach = bounds(ball.until(1, slack_m_));
     visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
       if (overlaps(reach, bounds(shape))) near_.emplace_back(shape);
