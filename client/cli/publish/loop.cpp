@@ -18,7 +18,7 @@ constexpr double kLongestWait_s = 1e9;
 
 class Loop {
  public:
-  Loop(Session& session, const Globals& globals, Source& source, const LoopOptions& options)
+  Loop(Session& session, const Globals& globals, MotionSource& source, const PublishLoopOptions& options)
       : io_(session.io),
         globals_(globals),
         source_(source),
@@ -142,8 +142,8 @@ class Loop {
 
   Io& io_;
   const Globals& globals_;
-  Source& source_;
-  const LoopOptions& options_;
+  MotionSource& source_;
+  const PublishLoopOptions& options_;
   Publisher publisher_;
   Until until_;
   Clock::time_point start_;
@@ -162,7 +162,7 @@ class Loop {
 
 }  // namespace
 
-Exit publish(Session& session, const Globals& globals, Source& source, const LoopOptions& options) {
+Exit publish(Session& session, const Globals& globals, MotionSource& source, const PublishLoopOptions& options) {
   return Loop(session, globals, source, options).run();
 }
 

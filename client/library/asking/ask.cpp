@@ -21,7 +21,7 @@ using wire_contract::kMaxQuestionsPerRequest;
 constexpr std::size_t kMostAtOnce = 16;
 
 // The questions of one call, whatever their type.
-struct Request {
+struct QuestionRequest {
   wire_contract::QueryKind kind;
   const char* noun;
   std::uint32_t number_count;  // per question
@@ -40,7 +40,7 @@ auto encoder_of(std::span<const Question> questions) {
   };
 }
 
-std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
+std::optional<Error> options_fault(const QuestionRequest& request, const AskOptions& options) {
   const std::string noun = request.noun;
   if (options.only.size() > wire_contract::kMaxNameBytes || options.skip.size() > wire_contract::kMaxNameBytes) {
     return bad_input(noun + ": a name pattern has more than " + std::to_string(wire_contract::kMaxNameBytes) +
@@ -60,7 +60,8 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
 }
 
 // Fills in everything but the questions. All of it is set, since the sample may hold what another request left.
-void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const WriteBarrier& fence) {
+void fill_header(wire::Query& query, const QuestionRequest& request, const AskOptions& options,
+                 const WriteBarrier& fence) {
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
@@ -81,7 +82,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
 }
 
 // Each chunk is made just before it is sent: the server works on the first while the next ones are made.
-std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const Request& request,
+std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const QuestionRequest& request,
                                 std::uint32_t chunk) {
   const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
   const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
@@ -96,7 +97,8 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   return connection.send(query);
 }
 
-Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
+Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options,
+                    Answers&& earlier) {
   if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
   if (auto error = connection.ready(deadline)) { return *error; }
@@ -182,8 +184,8 @@ Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<cons
   if (auto error = fault_of(motions)) { return *error; }
   const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
   if (!bytes) { return bytes.error(); }
-  const Request request{Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions),
-                        *bytes};
+  const QuestionRequest request{
+      Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions), *bytes};
   return run(connection, request, options, {});
 }
 
