@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "idl/columns.hpp"
+#include "idl/topics.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -13,19 +13,27 @@ constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
 // The rest is for the fixed fields, the lengths of the sequences and what DDS puts around a message.
 constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
 
+// -0 is reported as 0.
+void put(std::vector<double>& column, double value) { column.push_back(value + 0.0); }
+void put(std::vector<double>& column, const Vec3& value) {
+  for (const double x : value) put(column, x);
+}
+
 }  // namespace
 
 void ReplyColumns::clear() {
   for (auto* column : {&answers, &reasons, &levels, &hit_flags}) column->clear();
   for (auto* column : {&hit_counts, &nodes, &exact_tests, &triangles}) column->clear();
+  for (auto* column : {&distances, &distance_errors, &exits, &sweep_ends, &sweep_widths, &sweep_begins, &points,
+                       &normals, &weights, &point_errors, &uncovered_points, &uncovered_distances}) {
+    column->clear();
+  }
   objects.clear();
-  numbers.clear();
   uncovered_questions.clear();
-  uncovered.clear();
   named.clear();
 }
 
-void ReplyColumns::lend(wire::Reply& reply) {
+void ReplyColumns::lend(wire::Reply& reply) const {
   dds::borrow(reply.answers, answers);
   dds::borrow(reply.reasons, reasons);
   dds::borrow(reply.levels, levels);
@@ -35,23 +43,25 @@ void ReplyColumns::lend(wire::Reply& reply) {
   dds::borrow(reply.objects, objects);
   dds::borrow(reply.triangles, triangles);
   dds::borrow(reply.hit_flags, hit_flags);
-  // A hit has either the columns of sweeps or those of other questions; the others stay empty.
-  for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths,
-                       &reply.sweep_begins}) {
-    dds::borrow(*column, std::span<const double>());
-  }
-  const wire::Columns<wire::Reply> columns =
-      of_sweeps ? wire::Columns<wire::Reply>(wire::kSweepHitColumns) : wire::kHitColumns;
-  wire::lend_columns(numbers, columns, hit_memory_, reply);
+  dds::borrow(reply.distances, distances);
+  dds::borrow(reply.distance_errors, distance_errors);
+  dds::borrow(reply.exits, exits);
+  dds::borrow(reply.sweep_ends, sweep_ends);
+  dds::borrow(reply.sweep_widths, sweep_widths);
+  dds::borrow(reply.sweep_begins, sweep_begins);
+  dds::borrow(reply.points, points);
+  dds::borrow(reply.normals, normals);
+  dds::borrow(reply.weights, weights);
+  dds::borrow(reply.point_errors, point_errors);
   dds::borrow(reply.uncovered_questions, uncovered_questions);
-  wire::lend_columns<wire::Reply>(uncovered, wire::kUncoveredColumns, uncovered_memory_, reply);
+  dds::borrow(reply.uncovered_points, uncovered_points);
+  dds::borrow(reply.uncovered_distances, uncovered_distances);
   dds::borrow(reply.named_ids, named.ids);
   dds::borrow(reply.names, named.names);
 }
 
 void ReplyFiller::start(ReplyColumns& columns) {
   columns.clear();
-  columns.of_sweeps = !answers_.brackets.empty();
   first_ = question_;
   bytes_ = 0;
   ++reply_number_;
@@ -92,8 +102,8 @@ void ReplyFiller::add_not_covered(bool is_cut, ReplyColumns& columns) {
   const NotCovered& entry = answers_.not_covered[not_covered_++];
   if (is_cut) return;
   columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
-  columns.uncovered.insert(columns.uncovered.end(), entry.leaving.point.begin(), entry.leaving.point.end());
-  columns.uncovered.push_back(entry.leaving.covered_m);
+  put(columns.uncovered_points, entry.leaving.point);
+  put(columns.uncovered_distances, entry.leaving.covered_m);
 }
 
 void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
@@ -108,18 +118,20 @@ void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
   const ObjectInfo* info = info_of(hit.object);
   columns.triangles.push_back(info ? info->reported_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
-  const std::size_t end = columns.numbers.size();
-  columns.numbers.resize(end + wire_contract::kHitNumbers);
-  double* number = &columns.numbers[end];
-  const auto add = [&](double value) { *number++ = value + 0.0; };  // -0 is reported as 0
-  if (columns.of_sweeps) {
-    const TimeBracket& bracket = answers_.brackets[index];
-    for (const double value : {bracket.high, bracket.high - bracket.low, bracket.low}) add(value);
+  if (answers_.brackets.empty()) {
+    put(columns.distances, hit.distance_m);
+    put(columns.distance_errors, hit.error_m);
+    put(columns.exits, hit.exit_m);
   } else {
-    for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) add(value);
+    const TimeBracket& bracket = answers_.brackets[index];
+    put(columns.sweep_ends, bracket.high);
+    put(columns.sweep_widths, bracket.high - bracket.low);
+    put(columns.sweep_begins, bracket.low);
   }
-  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) std::for_each(vector->begin(), vector->end(), add);
-  add(hit.point_error_m);
+  put(columns.points, hit.point);
+  put(columns.normals, hit.normal);
+  put(columns.weights, hit.weights);
+  put(columns.point_errors, hit.point_error_m);
 }
 
 /// False: this question has no room beside those before it and starts the next reply.

@@ -16,18 +16,17 @@ struct ReplyColumns {
   std::vector<std::uint64_t> objects;
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint8_t> hit_flags;
-  std::vector<double> numbers;  // rows of kHitColumns or kSweepHitColumns
-  bool of_sweeps = false;       // numbers are rows of kSweepHitColumns
+  // A hit has either the first three of these or the sweep's three; the others stay empty.
+  std::vector<double> distances, distance_errors, exits;
+  std::vector<double> sweep_ends, sweep_widths, sweep_begins;
+  std::vector<double> points, normals, weights, point_errors;
   std::vector<std::uint32_t> uncovered_questions;
-  std::vector<double> uncovered;  // rows of kUncoveredColumns
+  std::vector<double> uncovered_points, uncovered_distances;
   NameTable named;
 
   void clear();
   /// Lets the message's sequences point into this, without a copy; valid until the next change here.
-  void lend(wire::Reply& reply);
-
- private:
-  std::vector<double> hit_memory_, uncovered_memory_;
+  void lend(wire::Reply& reply) const;
 };
 
 /// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
