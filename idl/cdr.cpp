@@ -63,30 +63,31 @@ class Write : public Position {
 
   template <Number N>
   void operator()(const N& number) {
-    put(&number, sizeof number, 1);
+    put(std::span(&number, 1));
   }
   template <std::size_t kRoom>
   void operator()(const char (&text)[kRoom]) {
     const auto length = static_cast<std::uint32_t>(std::strlen(text) + 1);
     (*this)(length);
-    put(text, 1, length);
+    put(std::span<const char>(text, length));
   }
   template <std::size_t kCount>
   void operator()(const double (&numbers)[kCount]) {
-    put(numbers, sizeof(double), kCount);
+    put(std::span<const double>(numbers));
   }
   template <Sequence S>
   void operator()(const S& sequence) {
     (*this)(sequence._length);
-    if (sequence._length > 0) put(sequence._buffer, sizeof(*sequence._buffer), sequence._length);
+    if (sequence._length > 0) put(std::span(sequence._buffer, sequence._length));
   }
 
  private:
-  void put(const void* elements, std::size_t size, std::size_t count) {
-    const std::size_t gap = padding(size);
+  template <class Element>
+  void put(std::span<Element> elements) {
+    const std::size_t gap = padding(sizeof(Element));
     std::memset(out_ + at_, 0, gap);
-    std::memcpy(out_ + at_ + gap, elements, size * count);
-    at_ += gap + size * count;
+    std::memcpy(out_ + at_ + gap, elements.data(), elements.size_bytes());
+    at_ += gap + elements.size_bytes();
   }
   std::byte* out_;
 };

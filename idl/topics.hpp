@@ -113,9 +113,6 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
-/// How far the norm of a pose's quaternion may be from 1: one of floats, multiplied a few times, passes; a scaled one
-/// does not.
-inline constexpr double kUnitQuaternionSlack = 1e-6;
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };

@@ -32,7 +32,7 @@ json pose(const Vec3& position, const Quat& rotation) {
 std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// The primitives of one object, in its own frame.
-struct Entity {
+struct SceneEntity {
   const json& color;
   json cubes = json::array();
   json spheres = json::array();
@@ -98,7 +98,7 @@ struct Entity {
 };
 
 json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::uint32_t most_triangles) {
-  Entity entity{.color = object.moving ? kMoving : kStill};
+  SceneEntity entity{.color = object.moving ? kMoving : kStill};
   for (const ShapePart& part : object.parts) std::visit(entity, part);
   for (const SurfaceRun& run : object.runs) {
     if (run.surface && run.triangle_count > 0) entity.run(run, most_triangles);

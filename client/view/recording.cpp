@@ -75,7 +75,7 @@ class Recorder {
   SavedRun finish(bool y_is_up) &&;
 
  private:
-  struct Message {
+  struct SavedMessage {
     double at_s = 0;
     const char* kind = "text";
     std::string data;
@@ -90,7 +90,7 @@ class Recorder {
   const Clock::time_point begin_ = Clock::now();
   mutable std::mutex mutex_;
   std::size_t bytes_ = 0;
-  std::vector<Message> messages_;
+  std::vector<SavedMessage> messages_;
   std::map<std::string, std::string> surfaces_;  // by epoch and number
 };
 
@@ -136,7 +136,7 @@ SavedRun Recorder::finish(bool y_is_up) && {
   json messages = json::array();
   const json hello{{"type", "hello"}, {"version", library_version()}, {"up", y_is_up ? "y" : "z"}};
   messages.push_back({{"t", 0}, {"kind", "text"}, {"data", hello.dump()}});
-  for (const Message& message : messages_) {
+  for (const SavedMessage& message : messages_) {
     const bool is_text = std::string_view(message.kind) == "text";
     saved.frames += std::string_view(message.kind) == "poses" ? 1 : 0;
     messages.push_back(

@@ -61,12 +61,12 @@ class WebServer::Running {
   class Request;
   class Socket;
   /// Counts as one connection as long as it lives.
-  class Place {
+  class OpenConnection {
    public:
-    explicit Place(WebCounts& counts) : counts_(&counts) { ++counts_->open; }
-    Place(Place&& other) noexcept : counts_(std::exchange(other.counts_, nullptr)) {}
-    Place& operator=(Place&&) = delete;
-    ~Place() {
+    explicit OpenConnection(WebCounts& counts) : counts_(&counts) { ++counts_->open; }
+    OpenConnection(OpenConnection&& other) noexcept : counts_(std::exchange(other.counts_, nullptr)) {}
+    OpenConnection& operator=(OpenConnection&&) = delete;
+    ~OpenConnection() {
       if (counts_ != nullptr) --counts_->open;
     }
 
@@ -96,7 +96,7 @@ class WebServer::Running {
 /// A WebSocket connection. It reads no more than the limits allow, and sends as fast as the client receives.
 class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Running& owner, Place place, beast::tcp_stream stream, Connection number)
+  Socket(Running& owner, OpenConnection place, beast::tcp_stream stream, Connection number)
       : owner_(owner),
         place_(std::move(place)),
         stream_(std::move(stream)),
@@ -210,7 +210,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   }
 
   Running& owner_;
-  Place place_;
+  OpenConnection place_;
   websocket::stream<beast::tcp_stream> stream_;
   const Connection number_;
   beast::flat_buffer message_;
@@ -227,7 +227,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
 /// An HTTP connection, until it becomes a WebSocket.
 class WebServer::Running::Request : public std::enable_shared_from_this<Request> {
  public:
-  Request(Running& owner, Place place, tcp::socket socket)
+  Request(Running& owner, OpenConnection place, tcp::socket socket)
       : owner_(owner), place_(std::move(place)), stream_(std::move(socket)), buffer_(2 * owner.limits_.header_bytes) {
     error_code ignored;
     const auto own = stream_.socket().local_endpoint(ignored).address();
@@ -331,7 +331,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   }
 
   Running& owner_;
-  Place place_;
+  OpenConnection place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::string own_address_;
@@ -396,7 +396,7 @@ void WebServer::Running::accept() {
 void WebServer::Running::take(tcp::socket socket) {
   ++counts_.connections;
   if (counts_.open < limits_.connections) {
-    std::make_shared<Request>(*this, Place(counts_), std::move(socket))->read();
+    std::make_shared<Request>(*this, OpenConnection(counts_), std::move(socket))->read();
     return;
   }
   ++counts_.full;

@@ -47,14 +47,14 @@ class Cursor {
   bool good_ = true;
 };
 
-struct Record {
+struct McapRecord {
   Opcode opcode{};
   std::span<const std::byte> content;
 };
 
 /// Takes the next whole record; nothing where the bytes end before it does.
-std::optional<Record> next_record(Cursor& bytes) {
-  Record record;
+std::optional<McapRecord> next_record(Cursor& bytes) {
+  McapRecord record;
   record.opcode = static_cast<Opcode>(bytes.number<std::uint8_t>());
   record.content = bytes.raw(bytes.number<std::uint64_t>());
   return bytes.good() ? std::optional(record) : std::nullopt;
@@ -83,7 +83,7 @@ class Reading {
     Cursor bytes(all_.subspan(kMagic.size()));
     while (bytes.left() > 0) {
       const std::size_t at = all_.size() - bytes.left();
-      const std::optional<Record> record = next_record(bytes);
+      const std::optional<McapRecord> record = next_record(bytes);
       if (!record) {
         contents_.damage =
             "breaks off in the record at byte " + std::to_string(at) + "; what stands before it was read";
@@ -107,7 +107,7 @@ class Reading {
     return std::memcmp(all_.data() + all_.size() - kMagic.size(), kMagic.data(), kMagic.size()) == 0;
   }
 
-  void take(const Record& record) {
+  void take(const McapRecord& record) {
     switch (record.opcode) {
       case Opcode::schema: return take_schema(record.content);
       case Opcode::channel: return take_channel(record.content);
@@ -170,7 +170,7 @@ class Reading {
       ++contents_.bad_chunks;
     } else {
       Cursor inside(records);
-      while (const std::optional<Record> record = inside.left() > 0 ? next_record(inside) : std::nullopt) {
+      while (const std::optional<McapRecord> record = inside.left() > 0 ? next_record(inside) : std::nullopt) {
         if (record->opcode != Opcode::chunk) take(*record);
       }
     }
@@ -200,13 +200,13 @@ class Reading {
   Contents contents_;
 };
 
-struct File {
-  explicit File(const std::string& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+struct OpenedFile {
+  explicit OpenedFile(const std::string& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
     if (descriptor < 0) throw std::runtime_error(path + ": " + std::strerror(errno));
   }
-  ~File() { ::close(descriptor); }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
+  ~OpenedFile() { ::close(descriptor); }
+  OpenedFile(const OpenedFile&) = delete;
+  OpenedFile& operator=(const OpenedFile&) = delete;
   int descriptor;
 };
 
@@ -215,7 +215,7 @@ struct File {
 Contents read(std::span<const std::byte> bytes) { return Reading(bytes).take(); }
 
 std::vector<std::byte> read_file(const std::string& path, std::uint64_t most_bytes) {
-  const File file(path);
+  const OpenedFile file(path);
   struct stat about {};
   if (::fstat(file.descriptor, &about) != 0) throw std::runtime_error(path + ": " + std::strerror(errno));
   if (!S_ISREG(about.st_mode)) throw std::runtime_error(path + ": is no file");

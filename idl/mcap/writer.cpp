@@ -45,13 +45,13 @@ void put_opening(Bytes& bytes, std::string_view library, const std::vector<Chann
   }
 }
 
-Writer::Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels)
+FileWriter::FileWriter(Output& output, std::string_view library, std::vector<ChannelDescription> channels)
     : output_(output), channels_(std::move(channels)), numbers_(channels_.size() + 1, 0) {
   put_opening(piece_, library, channels_);
   append(piece_);
 }
 
-bool Writer::append(const Bytes& bytes) {
+bool FileWriter::append(const Bytes& bytes) {
   if (!output_.append(bytes.all())) {
     failed_ = true;
     return false;
@@ -60,8 +60,8 @@ bool Writer::append(const Bytes& bytes) {
   return true;
 }
 
-void Writer::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
-                   std::span<const std::byte> data) {
+void FileWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                       std::span<const std::byte> data) {
   ++messages_;
   if (failed_) return;
   chunk_first_ = chunk_messages_ == 0 ? log_time : std::min(chunk_first_, log_time);
@@ -75,7 +75,7 @@ void Writer::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t 
   if (records_.size() >= kChunkBytes) flush();
 }
 
-void Writer::flush() {
+void FileWriter::flush() {
   if (chunk_messages_ == 0 || failed_) return;
   // The entry is what the summary says of the chunk; it counts only once the output has taken the chunk.
   ChunkEntry entry{.first_time = chunk_first_,
@@ -103,7 +103,7 @@ void Writer::flush() {
   chunk_messages_ = 0;
 }
 
-void Writer::put_message_indexes(Bytes& bytes, ChunkEntry& entry) const {
+void FileWriter::put_message_indexes(Bytes& bytes, ChunkEntry& entry) const {
   const std::size_t before = bytes.size();
   for (const auto& [channel, index] : chunk_index_) {
     entry.index_offsets.emplace_back(channel, written_bytes_ + bytes.size());
@@ -120,7 +120,7 @@ void Writer::put_message_indexes(Bytes& bytes, ChunkEntry& entry) const {
   entry.index_bytes = bytes.size() - before;
 }
 
-void Writer::metadata(std::string_view name, const std::vector<std::pair<std::string, std::string>>& entries) {
+void FileWriter::metadata(std::string_view name, const std::vector<std::pair<std::string, std::string>>& entries) {
   flush();
   piece_.clear();
   const std::size_t record = piece_.begin(Opcode::metadata);
@@ -136,7 +136,7 @@ void Writer::metadata(std::string_view name, const std::vector<std::pair<std::st
   if (!failed_ && append(piece_)) metadata_.push_back({start, piece_.size(), std::string(name)});
 }
 
-bool Writer::close() {
+bool FileWriter::close() {
   flush();
   // A full disk may still have room for the end, which is smaller than the chunk that was cut off.
   piece_.clear();
@@ -156,7 +156,7 @@ bool Writer::close() {
   return append(piece_) && !failed_;
 }
 
-void Writer::put_summary(Bytes& bytes) const {
+void FileWriter::put_summary(Bytes& bytes) const {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     put_schema_and_channel(bytes, static_cast<std::uint16_t>(i + 1), channels_[i]);
   }
@@ -171,7 +171,7 @@ void Writer::put_summary(Bytes& bytes) const {
   }
 }
 
-void Writer::put_statistics(Bytes& bytes) const {
+void FileWriter::put_statistics(Bytes& bytes) const {
   const std::size_t record = bytes.begin(Opcode::statistics);
   bytes.number(messages_written_);
   bytes.number(static_cast<std::uint16_t>(channels_.size()));  // schemas
@@ -190,7 +190,7 @@ void Writer::put_statistics(Bytes& bytes) const {
   bytes.end(record);
 }
 
-void Writer::put_chunk_indexes(Bytes& bytes) const {
+void FileWriter::put_chunk_indexes(Bytes& bytes) const {
   for (const ChunkEntry& chunk : chunks_) {
     const std::size_t record = bytes.begin(Opcode::chunk_index);
     bytes.number(chunk.first_time);

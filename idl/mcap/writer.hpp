@@ -33,12 +33,12 @@ void put_opening(Bytes& bytes, std::string_view library, const std::vector<Chann
 ///          the indexes of the chunk at work, 100 bytes a chunk for the summary
 /// errors   after the output has refused a piece nothing more is written but what close() still can; see failed()
 /// threads  one
-class Writer {
+class FileWriter {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
-  /// Writes the beginning of the file. `output` must outlive the Writer.
-  Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
+  /// Writes the beginning of the file. `output` must outlive the FileWriter.
+  FileWriter(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
 
   /// Adds a message to the chunk at work.
   ///

@@ -34,6 +34,12 @@ constexpr double kSeenAsPoint = 1e-6;
 /// Corners of a hull this close to a plane, relative to its size, belong to one face, which rounding has bent.
 /// At zero Manifold.AHullBearsAsItsBox fails.
 constexpr double kSamePlane = 1e-9;
+// Relative to the size squared, as the areas of the clip are: points this far out still are on the border, since the
+// border's own points are rounded when they are projected (a few 1e-16). More costs nothing: the depth of each point is
+// computed anew.
+constexpr double kProjectedSlack = 1e-12;
+// Relative to the size of the patch: points this near bear as one. The choice of points depends on it, no bound does.
+constexpr double kSamePoint = 1e-9;
 constexpr int kRimPoints = 8;
 
 /// The error of a feature's points: for corners and rims the rounding of at most six products and sums, for hulls that
@@ -217,7 +223,7 @@ double area_of(const std::vector<ProjectedPoint>& polygon) {
 std::vector<ProjectedPoint> shared(std::vector<ProjectedPoint> a, std::vector<ProjectedPoint> b, double size_m) {
   const double area = area_of(b);
   if (area < 0) std::reverse(b.begin(), b.end());
-  const double slack = 1e-12 * size_m * size_m;
+  const double slack = kProjectedSlack * size_m * size_m;
   for (std::size_t i = 0; i < b.size() && !a.empty(); ++i) a = clipped(a, b[i].seen, b[(i + 1) % b.size()].seen, slack);
   return a;
 }
@@ -321,7 +327,7 @@ void keep_extremes(const Vec3& normal, std::vector<ManifoldPoint>& points) {
   std::sort(points.begin(), points.end(), before_in_order);
   double size_m = 0;
   for (const ManifoldPoint& p : points) size_m = std::max(size_m, (p.point - points[0].point).norm());
-  const double slack_m = 1e-9 * size_m;
+  const double slack_m = kSamePoint * size_m;
   std::vector<ManifoldPoint> kept;
   const auto is_new = [&](const ManifoldPoint& p) {
     return std::none_of(kept.begin(), kept.end(),

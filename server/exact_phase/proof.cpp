@@ -10,6 +10,7 @@
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/distance/simplex_search.hpp"
 #include "server/exact_phase/part_convex.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -91,7 +92,8 @@ std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const P
   if (!is_flat_hull(part, set)) {
     // A capsule: its ball covers the rounding of the foot.
     const Vec3 d = set.carrier[1] - set.carrier[0];
-    const double t = std::clamp((rounded - set.carrier[0]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+    const double t =
+        std::clamp((rounded - set.carrier[0]).dot(d) / std::max(d.squaredNorm(), kVanishingSquare), 0.0, 1.0);
     return Mix{{0, Dyadic(1.0) - Dyadic(t)}, {1, Dyadic(t)}};
   }
   // Hulls are searched only for points that are doubles themselves.
@@ -213,7 +215,7 @@ bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& trian
   const Vec3 u = triangle.b - triangle.a;
   const Vec3 v = triangle.c - triangle.a;
   const Vec3 n = u.cross(v);
-  const double nn = std::max(n.squaredNorm(), 1e-300);
+  const double nn = std::max(n.squaredNorm(), kVanishingSquare);
   const double of_b = std::clamp(n.dot((foot - triangle.a).cross(v)) / nn, 0.0, 1.0);
   const double of_c = std::clamp(n.dot(u.cross(foot - triangle.a)) / nn, 0.0, 1.0 - of_b);
   const Mix mix{{0, Dyadic(std::max(0.0, 1 - of_b - of_c))}, {1, Dyadic(of_b)}, {2, Dyadic(of_c)}};

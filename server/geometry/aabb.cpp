@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -24,10 +25,8 @@ double next_up(double x) {
 /// The smallest double >= a + b. Exact sums stay as they are, so that touching boxes keep touching bounds.
 double sum_up(double a, double b) {
   const double sum = a + b;
-  const double b_part = sum - a;
-  const double lost = (a - (sum - b_part)) + (b - b_part);
   if (sum == -kInfinity) return std::numeric_limits<double>::lowest();
-  return lost > 0 ? next_up(sum) : sum;
+  return lost_in_sum(a, b, sum) > 0 ? next_up(sum) : sum;
 }
 
 double sum_down(double a, double b) { return -sum_up(-a, -b); }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
@@ -86,9 +87,7 @@ inline Traced operator-(const Traced& a) { return {-a.value, a.error}; }
 
 inline Traced operator+(const Traced& a, const Traced& b) {
   const double value = a.value + b.value;
-  const double b_part = value - a.value;
-  const double lost = (a.value - (value - b_part)) + (b.value - b_part);
-  return {value, (a.error + b.error) + std::abs(lost)};
+  return {value, (a.error + b.error) + std::abs(lost_in_sum(a.value, b.value, value))};
 }
 
 inline Traced operator-(const Traced& a, const Traced& b) { return a + -b; }

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "server/geometry/expansion.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
@@ -155,7 +156,7 @@ Box bounding_obb(std::span<const Vec3> points) {
     return box;
   };
   const Vec3 center = middle_of(aligned);
-  const double scale = std::max(1e-300, (aligned.high - aligned.low).maxCoeff());
+  const double scale = std::max(kVanishingSquare, (aligned.high - aligned.low).maxCoeff());
   Mat3 inertia = Mat3::Zero();
   Vec3 mean = Vec3::Zero();
   for (const Vec3& point : points) mean += (point - center) / scale;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
@@ -71,8 +72,7 @@ class Expansion {
 
   static void two_sum(double a, double b, double& high, double& low) {
     high = a + b;
-    const double b_part = high - a;
-    low = (a - (high - b_part)) + (b - b_part);
+    low = lost_in_sum(a, b, high);
   }
 
   /// FAST-EXPANSION-SUM of a and factor * b (factor +-1): merge by size, then add upward.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -14,12 +15,7 @@ namespace {
 /// The frame rotates: then every placed coordinate is rounded.
 bool turns(const Frame& frame) { return frame.rotation != Mat3::Identity(); }
 
-/// The rounding error of a sum of two doubles (Knuth).
-double lost(double a, double b) {
-  const double sum = a + b;
-  const double b_part = sum - a;
-  return (a - (sum - b_part)) + (b - b_part);
-}
+double lost(double a, double b) { return lost_in_sum(a, b, a + b); }
 
 /// Bounds the error of placing each kind of shape.
 class Placing {

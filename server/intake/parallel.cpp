@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-struct Run {
+struct ParallelRun {
   std::atomic<std::size_t> next = 0;
   std::atomic<std::size_t> done = 0;
   std::mutex failure_mutex;
@@ -31,7 +31,7 @@ struct Run {
 
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between) {
-  Run run;
+  ParallelRun run;
   // Tasks are handed out in order, so when one fails, every one with a smaller number has been started and its failure
   // will be seen.
   const auto take_one = [&] {

@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "idl/clocks.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
@@ -291,7 +292,7 @@ void Server::write_flight_recorder() {
     const FlightFile file =
         p.flight->write(fmt::format("{:%Y%m%dT%H%M%S}Z", fmt::gmtime(now)), p.options.flight_recorder_ns);
     p.log->info("flight recorder: {} messages of the last {:.1f} s, {} bytes, in {}{}", file.messages,
-                static_cast<double>(file.to_ns - file.from_ns) * 1e-9, file.bytes, file.path,
+                static_cast<double>(file.to_ns - file.from_ns) * wire_contract::kNanosecond_s, file.bytes, file.path,
                 file.dropped > 0 ? fmt::format("; {} samples since the start had no room", file.dropped) : "");
   } catch (const std::exception& failed) { p.log->error("flight recorder: {}. Nothing was written", failed.what()); }
 }

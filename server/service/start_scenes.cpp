@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "idl/clocks.hpp"
 #include "server/service/commands/scene_loading.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/service/server.hpp"
@@ -33,7 +34,7 @@ class StartProgress {
     if (!terminal_ || now_ns - started_ns_ < kPatienceNs || now_ns - last_ns < kPeriodNs) return;
     // Any of the threads that load may call this; one of them draws.
     if (!shown_ns_.compare_exchange_strong(last_ns, now_ns)) return;
-    const double elapsed_s = static_cast<double>(now_ns - started_ns_) * 1e-9;
+    const double elapsed_s = static_cast<double>(now_ns - started_ns_) * wire_contract::kNanosecond_s;
     const double left_s = fraction > 0 ? elapsed_s * (1 - fraction) / fraction : 0;
     fmt::print(stderr, "\r\x1b[K{}  {:3.0f} %  {:.0f} s left", what_, fraction * 100, left_s);
     drawn_.store(true);
@@ -68,18 +69,18 @@ LoadedScene load(const Options& options, const std::string& path) {
   if (options.up != 0) again["up"] = std::string(1, options.up);
   if (options.mend_m) again["mend"] = true;
   if (options.mend_m && *options.mend_m > 0) again["crack_m"] = *options.mend_m;
-  loaded.indexed->source = again.dump();
+  loaded.indexed.geometry->source = again.dump();
   return loaded;
 }
 
 LoadedScene embedded() {
   LoadedScene loaded = embedded_and_indexed();
-  loaded.indexed->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
+  loaded.indexed.geometry->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
   return loaded;
 }
 
 void add(World& world, const LoadedScene& loaded) {
-  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw StartError(refusal->reason);
   fmt::print("{}\n", describe(loaded));
 }

@@ -1,6 +1,7 @@
 // Codes go onto the wire as the engine has them, without a table; these assertions keep the engine's and the wire's
 // numbers the same.
 #include "idl/topics.hpp"
+#include "idl/unit_quaternion.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/events/events.hpp"
 #include "server/world/query/probes.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "idl/clocks.hpp"
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
@@ -71,7 +72,7 @@ World::World(const WorldOptions& options) : state_(std::make_unique<State>(optio
 
 World::~World() = default;
 
-std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& options) {
+IndexedScene World::index_scene(Scene scene, const BvhOptions& options) {
   const OwnFloatEnvironment own_floats;
   auto indexed = std::make_shared<StaticScene>();
   indexed->name = scene.name;
@@ -100,7 +101,7 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& 
                                                             quietly, indexed->warnings));
     object.index = {};
   }
-  return indexed;
+  return {.scene = std::move(scene), .geometry = std::move(indexed)};
 }
 
 std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) const {
@@ -128,8 +129,9 @@ std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) cons
   return std::nullopt;
 }
 
-std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed) {
+std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexed) {
   State& s = *state_;
+  const Scene& scene = indexed.scene;
   if (auto refusal = refusal_of(scene, false)) return std::move(*refusal);
   for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
     const ObjectId id = s.rows.take_slot();
@@ -142,10 +144,10 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     info->part_triangles = scene.parts[part].triangle_count;
     info->cut = scene.parts[part].cut;
     s.rows.put(std::move(info));
-    indexed->part_objects.push_back(id);
+    indexed.geometry->part_objects.push_back(id);
   }
-  const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed->object_meshes);
-  s.scenes.push_back(std::move(indexed));
+  const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
+  s.scenes.push_back(indexed.geometry);
   s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -299,7 +301,7 @@ void World::set_stale(ObjectId id, bool is_stale) {
   s.rows.set_stale(slot_of(id), is_stale);
   s.lost.emplace_back(id, is_stale);
   if (!is_stale) return s.forget_stale(id);
-  const double motion_s = 1e-9 * static_cast<double>(row.posed_ns - row.posed_before_ns);
+  const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
   const double way_m = (row.frame.position - row.frame_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
   s.stale_objects.push_back({.id = id,

@@ -77,6 +77,12 @@ struct StepOptions {
   bool persisted = false;  // an event for each contact that continues and whose objects moved
 };
 
+/// A scene on its way into a world: a loading thread makes it, the world's thread adds it.
+struct IndexedScene {
+  Scene scene;  // without its triangles and saved indexes
+  std::shared_ptr<StaticScene> geometry;
+};
+
 /// The state of the world and the only means to change it.
 ///
 /// Changes collect until step(), which finds the contacts that began and ended and publishes the next snapshot.
@@ -90,18 +96,17 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Moves the triangles out of a loaded scene and indexes them and the meshes of its objects; add_scene() then makes
-  /// them part of the world. Uses the indexes saved with the scene where they are valid, and leaves a warning where
-  /// not.
+  /// Indexes a scene's triangles and the meshes of its objects; add_scene() then makes them part of the world. Uses the
+  /// indexes saved with the scene where they are valid, and leaves a warning where not.
   /// cost  slow: call it on a loading thread
-  static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BvhOptions& options);
+  static IndexedScene index_scene(Scene scene, const BvhOptions& options);
   /// Why add_scene() would refuse this scene: a name that is taken, or a limit that would be exceeded.
   ///
   /// replaces  as if the loaded scene of its name, if there is one, had been removed
   std::optional<Refusal> refusal_of(const Scene& scene, bool replaces) const;
   /// Adds static triangles and the scene's objects; returns how many objects. All or nothing: a name that is taken or a
   /// limit that would be exceeded refuses the whole scene.
-  std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
+  std::variant<std::uint32_t, Refusal> add_scene(const IndexedScene& indexed);
   /// States that the geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once
   /// anything was stated, with or without boxes, what lies outside of all boxes is not covered, even after the scenes
   /// that stated them are gone: removing a scene must not make more of the world known.

@@ -152,7 +152,7 @@ class EventRecording {
   }
 
   mcap::FileOutput output_;
-  mcap::Writer writer_;
+  mcap::FileWriter writer_;
   std::uint64_t epoch_ = 1;
   std::map<std::uint64_t, std::string> names_;
 };

@@ -305,7 +305,7 @@ TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {
 TEST_F(EventsVerb, ARecordingOfTheFirstWireIsSaidToBeOne) {
   {
     mcap::FileOutput output(path());
-    mcap::Writer writer(
+    mcap::FileWriter writer(
         output, "collided 0.1.0",
         {{"collided/event", "cdr", "collided::wire::EventFrame", "omgidl", "struct EventFrame {};", {}}});
     writer.write(1, 1, 1, {});

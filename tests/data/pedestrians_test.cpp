@@ -18,7 +18,7 @@ class RecordedPedestrians : public RecordedReality {
     LoadReport report;
     Scene walls = load_scene((data_ / "bottleneck_wuppertal/walls.obj").string(), {}, report);
     const auto indexed = World::index_scene(walls, {.threads = 1, .progress = {}, .cancelled = {}});
-    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(walls, indexed)));
+    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     world.step(1, 1, {.contacts = false});
     std::vector<double> numbers;
     for (std::size_t row = 0; row < persons.size(); ++row) {

@@ -51,7 +51,7 @@ class DrawingTest : public testing_support::ServerTest {
   static std::set<std::uint32_t> lines_with(const draw::Drawing& drawing, bool is_seen) {
     std::set<std::uint32_t> lines;
     for (const draw::Piece& piece : drawing.pieces) {
-      const draw::Segment& segment = drawing.segments[piece.segment];
+      const draw::LineSegment& segment = drawing.segments[piece.segment];
       if (piece.is_seen == is_seen && (piece.to - piece.from) * segment.length_px() > 2) lines.insert(segment.line);
     }
     return lines;

@@ -164,8 +164,8 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
     std::size_t crossing_count = 0;
     for (std::size_t i = 0; i < 12; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        const draw::Segment& s = haloed.segments[i];
-        const draw::Segment& t = haloed.segments[j];
+        const draw::LineSegment& s = haloed.segments[i];
+        const draw::LineSegment& t = haloed.segments[j];
         if ((s.a - t.a).norm() < 1e-9 || (s.a - t.b).norm() < 1e-9 || (s.b - t.a).norm() < 1e-9 ||
             (s.b - t.b).norm() < 1e-9)
           continue;
@@ -178,7 +178,7 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
     EXPECT_GT(crossing_count, 0U);
     EXPECT_EQ(haloed.crossings.size(), crossing_count);
     EXPECT_EQ(haloed.picture.strokes.size(), 12 + crossing_count);
-    for (const draw::Crossing& crossing : haloed.crossings) {
+    for (const draw::LineCrossing& crossing : haloed.crossings) {
       const draw::ImagePoint behind =
           haloed.camera.project(haloed.segments[crossing.farther].at(haloed.camera, crossing.at));
       double before_m = 0;
@@ -231,7 +231,7 @@ TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
     }
     EXPECT_LT(left, 60);
     EXPECT_GT(right, 640);
-    for (const draw::Segment& s : d.segments) {
+    for (const draw::LineSegment& s : d.segments) {
       for (const double t : {0.0, 0.3, 1.0}) {
         const draw::ImagePoint p = d.camera.project(s.at(d.camera, t));
         EXPECT_LT(std::hypot(p.x - s.image_a.x - t * (s.image_b.x - s.image_a.x),

@@ -139,7 +139,7 @@ TEST_F(DrawingSight, ChangesAreWhereTheyAreToATenthOfAPixel) {
   std::size_t changes = 0;
   for (std::size_t i = 1; i < d.pieces.size(); ++i) {
     if (d.pieces[i].segment != d.pieces[i - 1].segment) continue;
-    const draw::Segment& s = d.segments[d.pieces[i].segment];
+    const draw::LineSegment& s = d.segments[d.pieces[i].segment];
     const double x = s.image_a.x + d.pieces[i].from * (s.image_b.x - s.image_a.x);
     // The plate's far side is narrower in the picture than its near side, which decides.
     EXPECT_LE(std::min(std::abs(x - left), std::abs(x - right)), 0.1) << x;
@@ -213,7 +213,7 @@ TEST_F(DrawingSight, ACylinderSeenFromAboveShowsOneRimAndHalfOfTheOther) {
   const draw::Drawing d = drawing({.view = {.from = Vec3(0, -8, 5), .at = Vec3(0, 0, 0), .width_px = 600}});
   double seen_px[2] = {}, whole_px[2] = {};
   for (const draw::Piece& piece : d.pieces) {
-    const draw::Segment& s = d.segments[piece.segment];
+    const draw::LineSegment& s = d.segments[piece.segment];
     if (s.kind != draw::LineKind::crease) continue;
     const std::size_t rim = s.a.z() > 0 ? 1 : 0;
     whole_px[rim] += (piece.to - piece.from) * s.length_px();

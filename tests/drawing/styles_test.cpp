@@ -68,13 +68,13 @@ TEST_F(DrawingStyles, LinesBesideThePictureAskForNoRays) {
   const draw::Drawing d =
       drawing({.view = {.from = Vec3(0, -20, 0), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 200}});
   const double width = d.camera.width_px(), height = d.camera.height_px();
-  const auto rays_for = [&](const std::vector<draw::Segment>& lines, draw::ToneMap& map) {
+  const auto rays_for = [&](const std::vector<draw::LineSegment>& lines, draw::ToneMap& map) {
     draw::Rays rays(*client_, AskOptions{.timeout = std::chrono::seconds(30)});
     map = draw::cast_tones(shown(), d.camera, lines, {}, rays);
     return rays.asked();
   };
   const auto line = [](double ax, double ay, double bx, double by) {
-    draw::Segment segment;
+    draw::LineSegment segment;
     segment.image_a = {ax, ay};
     segment.image_b = {bx, by};
     return segment;

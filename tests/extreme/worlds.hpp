@@ -67,7 +67,7 @@ class Stage {
     scene.parts = {
         {.name = name, .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
   }
 
   void move(ObjectId id, const Pose& pose, bool teleport = false) {
@@ -119,6 +119,9 @@ inline std::vector<std::uint64_t> bits_of(const Answers& answers) {
     for (const Vec3* v : {&hit.point, &hit.normal, &hit.weights}) {
       for (int k = 0; k < 3; ++k) bits.push_back(std::bit_cast<std::uint64_t>((*v)[k]));
     }
+  }
+  for (const TimeBracket& bracket : answers.brackets) {
+    for (const double x : {bracket.low, bracket.high}) bits.push_back(std::bit_cast<std::uint64_t>(x));
   }
   return bits;
 }

@@ -89,9 +89,9 @@ TEST(FilesCheck, ProgressComesToEachPhaseAndStaysWithinIt) {
   EXPECT_TRUE(std::any_of(told.begin() + 2, told.end(), [](double fraction) { return fraction > 0.5; }));
 }
 
-std::vector<std::string> lines_of(const Finding& finding) {
+std::vector<std::string> lines_of(const MeshFinding& finding) {
   std::vector<std::string> lines;
-  for (const Place& place : finding.worst) {
+  for (const FindingPlace& place : finding.worst) {
     const std::string with =
         place.with ? "with " + place.with->object + " " + std::to_string(place.with->triangle) : std::string();
     lines.push_back(place.object + " " + std::to_string(place.triangle) + " " + place.detail + with);
@@ -109,7 +109,7 @@ TEST(FilesCheck, FindingsComeInTheirOrderWorstFirstWithTheirPlaces) {
   const CheckedMesh checked = check_mesh("s", mesh, &parts, {}, [](double) {});
   std::map<std::string, std::pair<std::uint64_t, std::vector<std::string>>> found;
   std::string order;
-  for (const Finding& finding : findings_of(checked, 2)) {
+  for (const MeshFinding& finding : findings_of(checked, 2)) {
     found[finding.key] = {finding.count, lines_of(finding)};
     order += std::string(finding.key) + " ";
   }

@@ -24,7 +24,7 @@ class Memory : public mcap::Output {
 };
 
 template <class T>
-void write(mcap::Writer& writer, recording::Recorded topic, std::uint64_t time, const T& sample) {
+void write(mcap::FileWriter& writer, recording::Recorded topic, std::uint64_t time, const T& sample) {
   std::vector<std::byte> bytes(wire::cdr_size(sample));
   wire::write_cdr(sample, bytes);
   writer.write(static_cast<std::uint16_t>(topic), time, time, bytes);
@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 std::vector<std::string> fuzz_seeds() {
   using recording::Recorded;
   Memory memory;
-  mcap::Writer writer(memory, "fuzz", recording::channels_of("a"));
+  mcap::FileWriter writer(memory, "fuzz", recording::channels_of("a"));
   writer.metadata("recording", {{"opening_messages", "1"}});
   dds::Sample<wire::Definition> definition;
   definition->publisher = 7;
@@ -105,7 +105,7 @@ std::vector<std::string> fuzz_seeds() {
   Memory small;
   std::vector<mcap::ChannelDescription> channels = recording::channels_of("a");
   for (mcap::ChannelDescription& channel : channels) channel.schema.clear();
-  mcap::Writer short_writer(small, "fuzz", channels);
+  mcap::FileWriter short_writer(small, "fuzz", channels);
   write(short_writer, Recorded::query, 3, *query);
   write(short_writer, Recorded::reply, 4, *reply);
   write(short_writer, Recorded::status, 5, *status);

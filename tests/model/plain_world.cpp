@@ -89,7 +89,7 @@ std::unique_ptr<World> PlainWorld::make(std::span<const std::string> order, cons
     Scene copy = allowed_parts(scene, allows);
     if (copy.parts.empty()) continue;
     const auto indexed = World::index_scene(copy, {.threads = 1, .progress = {}, .cancelled = {}});
-    world->add_scene(copy, indexed);
+    world->add_scene(indexed);
   }
   if (was_covered_) world->state_covers("gone", {});
   for (const auto& [scene, boxes] : covers_) world->state_covers(scene, boxes);

@@ -42,9 +42,19 @@ Lines told(const Answers& answers, const NamesById& names, const AnswerDetail& d
     if (detail.cost)
       text += line(" level %d nodes %u tests %u", answers.levels[i], answers.nodes[i], answers.exact_tests[i]);
     lines.push_back(text);
+    if (detail.hits && !answers.brackets.empty()) {
+      for (std::uint32_t k = 0; k < answers.hit_counts[i]; ++k) {
+        const TimeBracket& bracket = answers.brackets.at(next + k);
+        lines.push_back("  bracket" + number(bracket.low) + number(bracket.high));
+      }
+    }
     for (std::uint32_t k = 0; k < answers.hit_counts[i]; ++k, ++next) {
       if (detail.hits) lines.push_back(line_of(answers.hits.at(next), names, detail));
     }
+  }
+  for (const NotCovered& entry : answers.not_covered) {
+    lines.push_back(line("not covered %u", entry.question) + told(entry.leaving.point) +
+                    number(entry.leaving.covered_m));
   }
   return lines;
 }

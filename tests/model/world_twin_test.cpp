@@ -78,7 +78,7 @@ class WorldTwin : public testing::Test {
     change([scene](World& world) {
       Scene copy = scene;
       const auto indexed = World::index_scene(copy, {.threads = 1, .progress = {}, .cancelled = {}});
-      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(copy, indexed)));
+      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     });
     plain_.add_scene(scene);
     if (!covers_ || make_.chance(0.5)) return;

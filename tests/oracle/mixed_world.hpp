@@ -69,7 +69,7 @@ class MixedWorld {
                              .filter = {.layers = 1u << (y % 2)}});
     }
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    world.add_scene(scene, indexed);
+    world.add_scene(indexed);
   }
 
   Primitive convex_of_kind(int kind) {

@@ -40,7 +40,7 @@ std::vector<ChannelDescription> two_channels() {
 }
 
 /// `chunks` chunks of two messages each.
-void write_chunks(Writer& writer, std::uint64_t chunks) {
+void write_chunks(FileWriter& writer, std::uint64_t chunks) {
   for (std::uint64_t i = 0; i < chunks; ++i) {
     writer.write(1, 100 + i, 90 + i, bytes_of("first " + std::to_string(i)));
     writer.write(2, 200 + i, 190 + i, bytes_of("second " + std::to_string(i)));
@@ -54,7 +54,7 @@ std::string text_of(const Message& message) {
 
 TEST(Mcap, WhatWasWrittenIsRead) {
   Memory memory;
-  Writer writer(memory, "test", two_channels());
+  FileWriter writer(memory, "test", two_channels());
   write_chunks(writer, 3);
   writer.metadata("recording", {{"opening", "yes"}});
   EXPECT_TRUE(writer.close());
@@ -77,7 +77,7 @@ TEST(Mcap, WhatWasWrittenIsRead) {
 // Whatever byte a killed writer stopped at: every whole chunk is there, no message is made up.
 TEST(Mcap, AFileThatBreaksOffIsReadUpToItsLastChunk) {
   Memory memory;
-  Writer writer(memory, "test", two_channels());
+  FileWriter writer(memory, "test", two_channels());
   std::vector<std::size_t> chunk_ends;
   for (std::uint64_t i = 0; i < 3; ++i) {
     write_chunks(writer, 1);
@@ -97,7 +97,7 @@ TEST(Mcap, AFileThatBreaksOffIsReadUpToItsLastChunk) {
 
 TEST(Mcap, AChunkWithAWrongByteIsLeftOutAndSaid) {
   Memory memory;
-  Writer writer(memory, "test", two_channels());
+  FileWriter writer(memory, "test", two_channels());
   write_chunks(writer, 3);
   writer.close();
   const std::string wanted = "first 1";
@@ -114,12 +114,12 @@ TEST(Mcap, AChunkWithAWrongByteIsLeftOutAndSaid) {
 // A disk that fills up in the middle of a chunk: that chunk is not there, all before it is, and the end still fits.
 TEST(Mcap, AFullOutputLeavesAGoodFile) {
   Memory all;
-  Writer whole(all, "test", two_channels());
+  FileWriter whole(all, "test", two_channels());
   write_chunks(whole, 1);
   const std::size_t after_one = all.file.size();
   for (const std::size_t room : {after_one + 40, after_one + 4'000}) {
     Memory memory(room);
-    Writer writer(memory, "test", two_channels());
+    FileWriter writer(memory, "test", two_channels());
     write_chunks(writer, 1);
     writer.write(1, 300, 300, std::vector<std::byte>(10'000));
     writer.flush();
@@ -141,7 +141,7 @@ TEST(Mcap, OtherBytesAreNoMcap) {
 
 TEST(Mcap, ChannelsOfANamespaceAreToldApart) {
   Memory memory;
-  Writer writer(memory, recording::library_name(), recording::channels_of("hall/a"));
+  FileWriter writer(memory, recording::library_name(), recording::channels_of("hall/a"));
   writer.close();
   const Contents contents = read(memory.file);
   ASSERT_EQ(contents.channels.size(), recording::kRecordedTopics.size());

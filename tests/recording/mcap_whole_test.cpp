@@ -32,11 +32,11 @@ const std::vector<ChannelDescription> kChannel{{"a/pose", "cdr", "T", "omgidl", 
 TEST(McapWriter, FlushingNothingWritesNothing) {
   Pieces plain;
   Pieces flushed;
-  Writer one(plain, "test", kChannel);
-  Writer other(flushed, "test", kChannel);
+  FileWriter one(plain, "test", kChannel);
+  FileWriter other(flushed, "test", kChannel);
   other.flush();
   EXPECT_EQ(flushed.file, plain.file);
-  for (Writer* writer : {&one, &other}) writer->write(1, 7, 8, std::vector<std::byte>(9));
+  for (FileWriter* writer : {&one, &other}) writer->write(1, 7, 8, std::vector<std::byte>(9));
   other.flush();
   const std::size_t size = flushed.file.size();
   other.flush();
@@ -49,7 +49,7 @@ TEST(McapWriter, FlushingNothingWritesNothing) {
 // After a piece that was refused there may be a gap: smaller ones that would fit are not written behind it.
 TEST(McapWriter, AfterARefusalOnlyTheEndIsWritten) {
   Pieces output(4'000);
-  Writer writer(output, "test", kChannel);
+  FileWriter writer(output, "test", kChannel);
   writer.write(1, 1, 1, std::vector<std::byte>(10));
   writer.metadata("before", {{"key", "value"}});
   writer.write(1, 2, 2, std::vector<std::byte>(10'000));
@@ -122,7 +122,7 @@ const std::vector<std::vector<Sent>> kChunks{{{1, 105}, {2, 101}, {1, 130}, {1, 
 
 std::vector<std::byte> indexed_file() {
   Pieces output;
-  Writer writer(
+  FileWriter writer(
       output, "test",
       {{"a/pose", "cdr", "T", "omgidl", "struct T {};", {}}, {"a/event", "cdr", "U", "omgidl", "struct U {};", {}}});
   for (const std::vector<Sent>& chunk : kChunks) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/response/damper.hpp"
+#include "client/extras/response/damper.hpp"
 
 namespace collided::response {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/response/damper.hpp"
+#include "client/extras/response/damper.hpp"
 
 namespace collided::response {
 namespace {

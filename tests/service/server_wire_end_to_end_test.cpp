@@ -74,7 +74,7 @@ History expected(const std::string& floors_path) {
   for (int publisher = 0; publisher < kPublishers; ++publisher) {
     Scene scene = load_scene(floors_path, {}, report);
     World world{WorldOptions{}};
-    world.add_scene(scene, World::index_scene(scene, {}));
+    world.add_scene(World::index_scene(scene, {}));
     std::vector<ObjectId> ids;
     std::map<ObjectId, std::string> names;
     for (int slot = 0; slot < static_cast<int>(world.objects().size()); ++slot) {

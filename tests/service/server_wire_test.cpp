@@ -49,7 +49,7 @@ TEST_F(ServerWire, RaysOfTheEmbeddedSceneEqualBruteForce) {
   Scene scene = embedded_scene();
   World twin{WorldOptions{}};
   const auto indexed = World::index_scene(scene, {});
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(twin.add_scene(scene, indexed)));
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(twin.add_scene(indexed)));
   twin.step(1, 1, {});
   std::mt19937_64 random = oracle::seeded(11);
   std::uniform_real_distribution<double> x(-9, 9), y(-7, 7), z(-0.5, 4.5);

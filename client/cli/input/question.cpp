@@ -8,25 +8,30 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
 #include "idl/topics.hpp"
+#include "idl/unit_quaternion.hpp"
 
 namespace collided::cli {
 namespace {
 
-constexpr std::array kRayColumns{Column{"fx", "ox"}, Column{"fy", "oy"}, Column{"fz", "oz"},   Column{"dx", {}},
-                                 Column{"dy", {}},   Column{"dz", {}},   Column{"length", {}}, Column{"tx", {}},
-                                 Column{"ty", {}},   Column{"tz", {}}};
+constexpr std::array kRayColumns{QuestionColumn{"fx", "ox"},   QuestionColumn{"fy", "oy"}, QuestionColumn{"fz", "oz"},
+                                 QuestionColumn{"dx", {}},     QuestionColumn{"dy", {}},   QuestionColumn{"dz", {}},
+                                 QuestionColumn{"length", {}}, QuestionColumn{"tx", {}},   QuestionColumn{"ty", {}},
+                                 QuestionColumn{"tz", {}}};
 constexpr std::array kRayKeys{JsonKey{"from", column::kFrom, 3}, JsonKey{"dir", column::kDirection, 3},
                               JsonKey{"to", column::kTo, 3}, JsonKey{"length", column::kLength, 1}};
-constexpr std::array kSphereColumns{Column{"x", "cx"}, Column{"y", "cy"}, Column{"z", "cz"}, Column{"radius", "r"}};
+constexpr std::array kSphereColumns{QuestionColumn{"x", "cx"}, QuestionColumn{"y", "cy"}, QuestionColumn{"z", "cz"},
+                                    QuestionColumn{"radius", "r"}};
 constexpr std::array kSphereKeys{JsonKey{"center", column::kSphereCenter, 3}, JsonKey{"radius", column::kRadius, 1}};
-constexpr std::array kBoxColumns{Column{"lx", {}}, Column{"ly", {}}, Column{"lz", {}}, Column{"hx", {}},
-                                 Column{"hy", {}}, Column{"hz", {}}, Column{"cx", {}}, Column{"cy", {}},
-                                 Column{"cz", {}}, Column{"sx", {}}, Column{"sy", {}}, Column{"sz", {}},
-                                 Column{"qw", {}}, Column{"qx", {}}, Column{"qy", {}}, Column{"qz", {}}};
+constexpr std::array kBoxColumns{
+    QuestionColumn{"lx", {}}, QuestionColumn{"ly", {}}, QuestionColumn{"lz", {}}, QuestionColumn{"hx", {}},
+    QuestionColumn{"hy", {}}, QuestionColumn{"hz", {}}, QuestionColumn{"cx", {}}, QuestionColumn{"cy", {}},
+    QuestionColumn{"cz", {}}, QuestionColumn{"sx", {}}, QuestionColumn{"sy", {}}, QuestionColumn{"sz", {}},
+    QuestionColumn{"qw", {}}, QuestionColumn{"qx", {}}, QuestionColumn{"qy", {}}, QuestionColumn{"qz", {}}};
 constexpr std::array kBoxKeys{JsonKey{"low", column::kLow, 3}, JsonKey{"high", column::kHigh, 3},
                               JsonKey{"center", column::kBoxCenter, 3}, JsonKey{"size", column::kSize, 3},
                               JsonKey{"quat", column::kQuaternion, 4}};
-constexpr std::array kNearColumns{Column{"x", "px"}, Column{"y", "py"}, Column{"z", "pz"}, Column{"reach", {}}};
+constexpr std::array kNearColumns{QuestionColumn{"x", "px"}, QuestionColumn{"y", "py"}, QuestionColumn{"z", "pz"},
+                                  QuestionColumn{"reach", {}}};
 constexpr std::array kNearKeys{JsonKey{"point", column::kPoint, 3}, JsonKey{"reach", column::kReach, 1}};
 
 const std::array kForms{
@@ -152,10 +157,9 @@ Quat from_roll_pitch_yaw(const Vec3& angles_rad) {
 
 Quat unit_quaternion(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
-  const double norm = rotation.norm();
-  if (!(std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) {
+  if (!wire_contract::is_unit_quaternion(rotation)) {
     throw bad_use(fmt::format("quaternion {} {} {} {} (w x y z) has norm {}, allowed 1 +- {}", format_number(w),
-                              format_number(x), format_number(y), format_number(z), format_number(norm),
+                              format_number(x), format_number(y), format_number(z), format_number(rotation.norm()),
                               format_number(wire_contract::kUnitQuaternionSlack)));
   }
   return rotation.normalized();

@@ -28,7 +28,7 @@ std::future<Result<Answers>> ask_async(Client& client, Questions questions, cons
 Result<Answers> ask(Client& client, const Questions& questions, const AskOptions& options);
 
 /// One number of a question in a file: a CSV column.
-struct Column {
+struct QuestionColumn {
   std::string_view name;
   std::string_view other_name;  // accepted too; may be empty
 };
@@ -45,7 +45,7 @@ inline constexpr std::size_t kMostColumns = 16;
 /// How a kind of question is written in files.
 struct QuestionForm {
   std::string_view plural;
-  std::span<const Column> columns;
+  std::span<const QuestionColumn> columns;
   std::span<const JsonKey> keys;
   std::size_t fewest_bare;  // a line without a header has at least this many numbers, for the first columns,
   std::size_t most_bare;    // and at most this many
@@ -73,10 +73,10 @@ void add_question(Questions& questions, const Numbers& numbers);
 
 /// The columns of each kind by name, for files and for the command line alike.
 namespace column {
-enum Ray : std::size_t { kFrom = 0, kDirection = 3, kLength = 6, kTo = 7 };
-enum Sphere : std::size_t { kSphereCenter = 0, kRadius = 3 };
-enum Box : std::size_t { kLow = 0, kHigh = 3, kBoxCenter = 6, kSize = 9, kQuaternion = 12 };
-enum Near : std::size_t { kPoint = 0, kReach = 3 };
+enum RayColumn : std::size_t { kFrom = 0, kDirection = 3, kLength = 6, kTo = 7 };
+enum SphereColumn : std::size_t { kSphereCenter = 0, kRadius = 3 };
+enum BoxColumn : std::size_t { kLow = 0, kHigh = 3, kBoxCenter = 6, kSize = 9, kQuaternion = 12 };
+enum NearColumn : std::size_t { kPoint = 0, kReach = 3 };
 }  // namespace column
 
 /// The rotation by roll, pitch and yaw, about the fixed x, y and z axes in this order.

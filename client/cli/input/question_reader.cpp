@@ -25,7 +25,7 @@ int find_column(const QuestionForm& form, std::string_view name) {
 
 std::string column_names(const QuestionForm& form) {
   std::string names = "id";
-  for (const Column& column : form.columns) names += fmt::format(",{}", column.name);
+  for (const QuestionColumn& column : form.columns) names += fmt::format(",{}", column.name);
   return names;
 }
 
@@ -59,7 +59,7 @@ bool QuestionReader::take_header(const std::string& text) {
     const int column = find_column(form_, cell);
     if (column < kIdCell) {
       std::vector<std::string> names{"id"};
-      for (const Column& known : form_.columns) names.emplace_back(known.name);
+      for (const QuestionColumn& known : form_.columns) names.emplace_back(known.name);
       throw bad_use(fmt::format("line {}: no column '{}' in {}{}", lines_.line_number(), printable(cell), form_.plural,
                                 did_you_mean(cell, names)),
                     "columns: " + column_names(form_));

@@ -6,7 +6,7 @@
 
 #include <collided/client.hpp>
 
-#include "client/response/spheres.hpp"
+#include "client/extras/response/spheres.hpp"
 
 namespace collided::cli {
 

@@ -27,7 +27,7 @@ std::string escaped_glob(std::string_view name) {
   return glob;
 }
 
-class BounceSource : public Source {
+class BounceSource : public MotionSource {
  public:
   explicit BounceSource(const BounceSourceOptions& options) : options_(options), bounce_(options.bounce) {}
 
@@ -186,7 +186,7 @@ class BounceSource : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> make_bounce_source(const BounceSourceOptions& options) {
+std::unique_ptr<MotionSource> make_bounce_source(const BounceSourceOptions& options) {
   return std::make_unique<BounceSource>(options);
 }
 

@@ -20,6 +20,6 @@ struct BounceSourceOptions {
 };
 
 /// The homework as a source: it moves the spheres, gets their contacts from the server, and changes their velocities.
-std::unique_ptr<Source> make_bounce_source(const BounceSourceOptions& options);
+std::unique_ptr<MotionSource> make_bounce_source(const BounceSourceOptions& options);
 
 }  // namespace collided::cli

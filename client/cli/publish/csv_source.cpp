@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kMostRefusalsPrinted = 10;
 
-class CsvSource : public Source {
+class CsvSource : public MotionSource {
  public:
   CsvSource(Io& io, const CsvSourceOptions& options) : io_(io), options_(options) { open(); }
 
@@ -126,7 +126,7 @@ class CsvSource : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> make_csv_source(Io& io, const CsvSourceOptions& options) {
+std::unique_ptr<MotionSource> make_csv_source(Io& io, const CsvSourceOptions& options) {
   return std::make_unique<CsvSource>(io, options);
 }
 

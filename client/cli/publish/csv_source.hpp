@@ -18,6 +18,6 @@ struct CsvSourceOptions {
 
 /// A source of poses from a CSV file or pipe. Rows with the same time are one frame. An object is added when its name
 /// first occurs.
-std::unique_ptr<Source> make_csv_source(Io& io, const CsvSourceOptions& options);
+std::unique_ptr<MotionSource> make_csv_source(Io& io, const CsvSourceOptions& options);
 
 }  // namespace collided::cli

@@ -5,6 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
+#include "idl/clocks.hpp"
 
 namespace collided::cli {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kLongestWait_s = 1e9;
 
 class Loop {
  public:
-  Loop(Session& session, const Globals& globals, Source& source, const LoopOptions& options)
+  Loop(Session& session, const Globals& globals, MotionSource& source, const PublishLoopOptions& options)
       : io_(session.io),
         globals_(globals),
         source_(source),
@@ -30,7 +31,7 @@ class Loop {
   Exit run() {
     Progress progress(io_, globals_);
     start_ = round_start_ = last_due_ = Clock::now();
-    begun_ = std::chrono::system_clock::now().time_since_epoch();
+    begun_ = wire_contract::since_1970();
     while (!until_.reached(frames_) && io_.out.good()) {
       const std::optional<double> time_s = next_frame_time();
       if (!time_s) break;
@@ -141,8 +142,8 @@ class Loop {
 
   Io& io_;
   const Globals& globals_;
-  Source& source_;
-  const LoopOptions& options_;
+  MotionSource& source_;
+  const PublishLoopOptions& options_;
   Publisher publisher_;
   Until until_;
   Clock::time_point start_;
@@ -161,7 +162,7 @@ class Loop {
 
 }  // namespace
 
-Exit publish(Session& session, const Globals& globals, Source& source, const LoopOptions& options) {
+Exit publish(Session& session, const Globals& globals, MotionSource& source, const PublishLoopOptions& options) {
   return Loop(session, globals, source, options).run();
 }
 

@@ -9,7 +9,7 @@
 namespace collided::cli {
 
 /// How to publish a source, and when to stop.
-struct LoopOptions {
+struct PublishLoopOptions {
   std::string publisher_name;
   double rate_hz = 0;  // frames a second; 0: the source's own times count
   double speed = 1;    // factor on the source's own times
@@ -21,6 +21,6 @@ struct LoopOptions {
 
 /// Publishes a source's frames when they are due by the steady clock, and keeps the publisher alive in between. Ends,
 /// also on Ctrl-C, with a report of what was sent.
-Exit publish(Session& session, const Globals& globals, Source& source, const LoopOptions& options);
+Exit publish(Session& session, const Globals& globals, MotionSource& source, const PublishLoopOptions& options);
 
 }  // namespace collided::cli

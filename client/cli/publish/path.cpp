@@ -43,7 +43,7 @@ Vec3 read_point(const std::vector<std::string>& cells, const std::array<std::siz
   return point;
 }
 
-class PathSource : public Source {
+class PathSource : public MotionSource {
  public:
   PathSource(std::vector<Vec3> points, const PathOptions& options) : options_(options), path_(std::move(points)) {
     frame_count_ = static_cast<std::uint64_t>(std::ceil(path_.length_m() / options.speed_m_s * options.rate_hz)) + 1;
@@ -165,7 +165,7 @@ std::vector<Vec3> read_waypoints(Io& io, const std::string& path) {
   return points;
 }
 
-std::unique_ptr<Source> make_path_source(std::vector<Vec3> points, bool closed, const PathOptions& options) {
+std::unique_ptr<MotionSource> make_path_source(std::vector<Vec3> points, bool closed, const PathOptions& options) {
   if (closed && !points.empty() && points.front() != points.back()) points.push_back(points.front());
   return std::make_unique<PathSource>(std::move(points), options);
 }

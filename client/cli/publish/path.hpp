@@ -45,6 +45,6 @@ struct PathOptions {
 
 /// A source of one object that flies along a path. The last frame is at the path's end; a closed path returns to its
 /// start in a straight line.
-std::unique_ptr<Source> make_path_source(std::vector<Vec3> points, bool closed, const PathOptions& options);
+std::unique_ptr<MotionSource> make_path_source(std::vector<Vec3> points, bool closed, const PathOptions& options);
 
 }  // namespace collided::cli

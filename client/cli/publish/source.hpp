@@ -29,9 +29,9 @@ inline void moved(const Result<void>& result) {
 
 /// Something that moves objects frame by frame. The loop owns none of it; it calls begin(), then next_time() and move()
 /// in turn, all on one thread.
-class Source {
+class MotionSource {
  public:
-  virtual ~Source() = default;
+  virtual ~MotionSource() = default;
   /// Adds the objects that are known from the start.
   virtual void begin(Client& client, Publisher& publisher) = 0;
   /// When the next frame is due, in seconds after the first at speed 1; nothing after the last.

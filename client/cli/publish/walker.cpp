@@ -36,7 +36,7 @@ std::uint32_t group_of(const std::string& name) {
   return hash == 0 ? 1 : hash;
 }
 
-class Walker : public Source {
+class Walker : public MotionSource {
  public:
   Walker(MotionCapture bvh, const WalkerOptions& options)
       : bvh_(std::move(bvh)), options_(options), parts_(walker_parts(bvh_, options)) {
@@ -123,7 +123,7 @@ std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<Walke
   return poses;
 }
 
-std::unique_ptr<Source> make_walker(MotionCapture bvh, const WalkerOptions& options) {
+std::unique_ptr<MotionSource> make_walker(MotionCapture bvh, const WalkerOptions& options) {
   return std::make_unique<Walker>(std::move(bvh), options);
 }
 

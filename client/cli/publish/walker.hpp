@@ -36,6 +36,6 @@ std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<Walke
                                const WalkerOptions& options, std::size_t frame);
 
 /// A source that plays a recording from frame 1 on, since frame 0 is an artificial pose. All parts share a group.
-std::unique_ptr<Source> make_walker(MotionCapture bvh, const WalkerOptions& options);
+std::unique_ptr<MotionSource> make_walker(MotionCapture bvh, const WalkerOptions& options);
 
 }  // namespace collided::cli

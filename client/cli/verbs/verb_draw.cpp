@@ -216,7 +216,7 @@ class DrawCommand : public Command {
     file.close();
     if (!file || bytes.empty()) throw Failure(Exit::bad_use, fmt::format("{}: could not be written", out_));
     std::set<std::uint32_t> lines;
-    for (const draw::Segment& segment : drawing.segments) lines.insert(segment.line);
+    for (const draw::LineSegment& segment : drawing.segments) lines.insert(segment.line);
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
       printer.line(fmt::format("wrote {}  {} edges, {} kB, {} visibility rays in {:.1f} s, {} undecided", written_to(),
@@ -237,7 +237,7 @@ class DrawCommand : public Command {
 
   static std::size_t ray_hits(const draw::Drawing& drawing) {
     return static_cast<std::size_t>(std::count_if(drawing.picture.rings.begin(), drawing.picture.rings.end(),
-                                                  [](const draw::Ring& r) { return r.ink.name == "ray-hit"; }));
+                                                  [](const draw::CircleMark& r) { return r.ink.name == "ray-hit"; }));
   }
 
   /// The whole path, so that the file is found from any folder.

@@ -42,8 +42,8 @@ class PublishCommand : public Command {
     for (Setting& setting : settings_) setting.given = setting.given || setting.flag || !setting.text.empty();
     const Kind kind = kind_of_run();
     for (const Setting& setting : settings_) refuse_unless_known(setting, kind);
-    LoopOptions loop = loop_options();
-    const std::unique_ptr<Source> source = make_source(session.io, kind, loop);
+    PublishLoopOptions loop = loop_options();
+    const std::unique_ptr<MotionSource> source = make_source(session.io, kind, loop);
     return publish(session, globals, *source, loop);
   }
 
@@ -89,8 +89,8 @@ class PublishCommand : public Command {
     return value;
   }
 
-  LoopOptions loop_options() {
-    LoopOptions loop;
+  PublishLoopOptions loop_options() {
+    PublishLoopOptions loop;
     loop.publisher_name = given("--as") ? text("--as") : "collide publish";
     loop.loop = setting("--loop").flag;
     loop.stay = setting("--stay").flag;
@@ -111,7 +111,7 @@ class PublishCommand : public Command {
     return objects;
   }
 
-  std::unique_ptr<Source> make_source(Io& io, Kind kind, LoopOptions& loop) {
+  std::unique_ptr<MotionSource> make_source(Io& io, Kind kind, PublishLoopOptions& loop) {
     switch (kind) {
       case Kind::poses: return poses(io, loop);
       case Kind::recording: return recording(loop);
@@ -121,7 +121,7 @@ class PublishCommand : public Command {
     return path(io);
   }
 
-  std::unique_ptr<Source> poses(Io& io, LoopOptions& loop) {
+  std::unique_ptr<MotionSource> poses(Io& io, PublishLoopOptions& loop) {
     loop.rate_hz = positive("--rate", Measure::rate, 0);
     loop.speed = positive("--speed", Measure::none, 1);
     if (loop.loop && file_ == "-") throw bad_use("--loop needs a file that can be read again, not a pipe");
@@ -130,7 +130,7 @@ class PublishCommand : public Command {
     return make_csv_source(io, options);
   }
 
-  std::unique_ptr<Source> recording(LoopOptions& loop) {
+  std::unique_ptr<MotionSource> recording(PublishLoopOptions& loop) {
     loop.rate_hz = positive("--rate", Measure::rate, 0);
     loop.speed = positive("--speed", Measure::none, 1);
     WalkerOptions options;
@@ -146,7 +146,7 @@ class PublishCommand : public Command {
     return make_walker(read_bvh(file_), options);
   }
 
-  std::unique_ptr<Source> spheres() {
+  std::unique_ptr<MotionSource> spheres() {
     constexpr std::uint64_t kMostSpheres = 1'000'000;
     constexpr std::uint64_t kMostPolygons = 1'000'000;
     BounceSourceOptions options;
@@ -193,7 +193,7 @@ class PublishCommand : public Command {
       throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
   }
 
-  std::unique_ptr<Source> path(Io& io) {
+  std::unique_ptr<MotionSource> path(Io& io) {
     PathOptions options;
     options.objects = object_texts();
     if (given("--name")) options.name = text("--name");

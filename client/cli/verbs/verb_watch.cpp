@@ -13,6 +13,7 @@
 #include "client/cli/pace.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/output/readable.hpp"
+#include "idl/clocks.hpp"
 
 namespace collided::cli {
 namespace {
@@ -145,7 +146,7 @@ class WatchCommand : public Command {
 
   /// How long ago an event's contact began, where the world's clock is this machine's.
   static std::string age_of(const Event& event) {
-    const auto age = std::chrono::system_clock::now().time_since_epoch() - happened(event);
+    const auto age = wire_contract::since_1970() - happened(event);
     const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
     return one_clock && event.kind == EventKind::began ? "  age " + format_duration(age) : std::string();
   }
@@ -173,7 +174,7 @@ class WatchCommand : public Command {
   static std::chrono::nanoseconds since_1970(const RunTime& time) {
     if (time.since == RunTime::Since::begin) throw bad_use("--since: a time after the begin is for recordings", kTimes);
     if (time.since == RunTime::Since::year_1970) return time.offset;
-    return std::chrono::system_clock::now().time_since_epoch() + time.offset;
+    return wire_contract::since_1970() + time.offset;
   }
 
   void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {

@@ -36,7 +36,7 @@ Bounds bounds_of(std::span<const Vec3> points) {
   return bounds;
 }
 
-struct Frame {
+struct ImageFrame {
   double left = INFINITY, right = -INFINITY, low = INFINITY, high = -INFINITY;
   void extend(double x, double y) {
     left = std::min(left, x);
@@ -76,7 +76,7 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
   camera.above_ = camera.right_.cross(camera.forward_);
   camera.is_orthographic_ = view.is_orthographic;
   camera.nearest_m_ = view.is_orthographic ? INFINITY : 1e-4 * radius_m;
-  Frame frame;
+  ImageFrame frame;
   for (const Vec3& p : points) {
     const Vec3 q = camera.in_camera(p);
     camera.farthest_m_ = std::max(camera.farthest_m_, q.z());

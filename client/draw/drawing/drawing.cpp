@@ -34,7 +34,7 @@ std::string mixed(const std::string& from, const std::string& to, double share) 
   return color;
 }
 
-Spot spot_at(const Segment& s, double fraction) {
+Spot spot_at(const LineSegment& s, double fraction) {
   return {s.image_a.x + fraction * (s.image_b.x - s.image_a.x), s.image_a.y + fraction * (s.image_b.y - s.image_a.y)};
 }
 
@@ -43,7 +43,7 @@ void add_strokes(const Drawing& drawing, bool seen, const Ink* ink, std::vector<
   for (int kind = kLineKindCount - 1; kind >= 0; --kind) {
     std::uint32_t line = 0xffffffff;
     for (const Piece& piece : drawing.pieces) {
-      const Segment& segment = drawing.segments[piece.segment];
+      const LineSegment& segment = drawing.segments[piece.segment];
       if (static_cast<int>(segment.kind) != kind || piece.is_seen != seen) continue;
       const Spot from = spot_at(segment, piece.from);
       const Spot to = spot_at(segment, piece.to);
@@ -120,7 +120,7 @@ void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
 void make_black_and_white(Picture& picture) {
   picture.is_black_and_white = true;
   for (Stroke& stroke : picture.strokes) stroke.ink.color = kBlack;
-  for (Ring& ring : picture.rings) ring.ink.color = kBlack;
+  for (CircleMark& ring : picture.rings) ring.ink.color = kBlack;
 }
 
 }  // namespace

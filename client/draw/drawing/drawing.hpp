@@ -44,10 +44,10 @@ struct DrawOptions {
 struct Drawing {
   Picture picture;
   Camera camera;
-  std::vector<Segment> segments;
+  std::vector<LineSegment> segments;
   std::vector<Piece> pieces;
-  std::vector<Crossing> crossings;  // for the haloed style only
-  double bias_m = 0;                // by which lines are in front of surfaces, in the middle of the scene
+  std::vector<LineCrossing> crossings;  // for the haloed style only
+  double bias_m = 0;                    // by which lines are in front of surfaces, in the middle of the scene
 };
 
 /// The stroke width of a contact's ring. It grows with the depth, so that visibly different depths have different

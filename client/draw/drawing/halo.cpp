@@ -10,13 +10,13 @@ namespace {
 /// Two segments whose depths at a crossing differ by less than this fraction of them meet in space.
 constexpr double kSameDepth = 1e-9;
 
-double depth_at(const Segment& s, double fraction, bool is_orthographic) {
+double depth_at(const LineSegment& s, double fraction, bool is_orthographic) {
   if (is_orthographic) return s.image_a.depth_m + fraction * (s.image_b.depth_m - s.image_a.depth_m);
   return 1 / (1 / s.image_a.depth_m + fraction * (1 / s.image_b.depth_m - 1 / s.image_a.depth_m));
 }
 
 /// Whether the images of two segments cross strictly inside both, and at which fractions of them.
-bool cross_at(const Segment& s, const Segment& t, double& of_s, double& of_t) {
+bool cross_at(const LineSegment& s, const LineSegment& t, double& of_s, double& of_t) {
   const double sx = s.image_b.x - s.image_a.x, sy = s.image_b.y - s.image_a.y;
   const double tx = t.image_b.x - t.image_a.x, ty = t.image_b.y - t.image_a.y;
   const double area = sx * ty - sy * tx;
@@ -27,9 +27,11 @@ bool cross_at(const Segment& s, const Segment& t, double& of_s, double& of_t) {
   return of_s > 0 && of_s < 1 && of_t > 0 && of_t < 1;
 }
 
-bool share_end(const Segment& s, const Segment& t) { return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b; }
+bool share_end(const LineSegment& s, const LineSegment& t) {
+  return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
+}
 
-double distance_px(const Segment& s, double x, double y) {
+double distance_px(const LineSegment& s, double x, double y) {
   const double dx = s.image_b.x - s.image_a.x, dy = s.image_b.y - s.image_a.y;
   const double px = x - s.image_a.x, py = y - s.image_a.y;
   const double squared = dx * dx + dy * dy;
@@ -39,7 +41,7 @@ double distance_px(const Segment& s, double x, double y) {
 
 /// Where, between `at` and `end`, the farther segment leaves the halo. It does so only once, since the neighbourhood of
 /// a segment is convex.
-double end_of_halo(const Segment& nearer, const Segment& farther, double at, double end, double halo_px) {
+double end_of_halo(const LineSegment& nearer, const LineSegment& farther, double at, double end, double halo_px) {
   const auto is_inside = [&](double t) {
     const double x = farther.image_a.x + t * (farther.image_b.x - farther.image_a.x);
     const double y = farther.image_a.y + t * (farther.image_b.y - farther.image_a.y);
@@ -57,38 +59,38 @@ double end_of_halo(const Segment& nearer, const Segment& farther, double at, dou
 
 }  // namespace
 
-std::vector<Crossing> crossings(std::span<const Segment> segments, bool is_orthographic) {
+std::vector<LineCrossing> crossings(std::span<const LineSegment> segments, bool is_orthographic) {
   const auto left = [&](std::uint32_t i) { return std::min(segments[i].image_a.x, segments[i].image_b.x); };
   const auto right = [&](std::uint32_t i) { return std::max(segments[i].image_a.x, segments[i].image_b.x); };
   std::vector<std::uint32_t> order(segments.size());
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) { return left(i) < left(j); });
-  std::vector<Crossing> found;
+  std::vector<LineCrossing> found;
   std::vector<std::uint32_t> open;
   for (const std::uint32_t i : order) {
     std::erase_if(open, [&](std::uint32_t j) { return right(j) < left(i); });
     for (const std::uint32_t j : open) {
-      const Segment& s = segments[i];
-      const Segment& t = segments[j];
+      const LineSegment& s = segments[i];
+      const LineSegment& t = segments[j];
       double of_s = 0;
       double of_t = 0;
       if (s.line == t.line || !cross_at(s, t, of_s, of_t) || share_end(s, t)) continue;
       const double s_depth = depth_at(s, of_s, is_orthographic);
       const double t_depth = depth_at(t, of_t, is_orthographic);
       if (std::abs(s_depth - t_depth) <= kSameDepth * (std::abs(s_depth) + std::abs(t_depth))) continue;
-      found.push_back(s_depth < t_depth ? Crossing{i, j, of_t} : Crossing{j, i, of_s});
+      found.push_back(s_depth < t_depth ? LineCrossing{i, j, of_t} : LineCrossing{j, i, of_s});
     }
     open.push_back(i);
   }
   return found;
 }
 
-std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings,
+std::vector<Piece> haloed_pieces(std::span<const LineSegment> segments, std::span<const LineCrossing> crossings,
                                  double halo_px) {
   std::vector<std::vector<std::pair<double, double>>> gaps(segments.size());
-  for (const Crossing& c : crossings) {
-    const Segment& nearer = segments[c.nearer];
-    const Segment& farther = segments[c.farther];
+  for (const LineCrossing& c : crossings) {
+    const LineSegment& nearer = segments[c.nearer];
+    const LineSegment& farther = segments[c.farther];
     gaps[c.farther].emplace_back(end_of_halo(nearer, farther, c.at, 0, halo_px),
                                  end_of_halo(nearer, farther, c.at, 1, halo_px));
   }

@@ -70,13 +70,13 @@ std::optional<SightCircle> sight_circle(const Eye& eye) {
   return SightCircle{height * toward, radius * u, radius * toward.cross(u)};
 }
 
-struct Line {
+struct ImageLine {
   Vec3 a;
   Vec3 b;
 };
 
 /// An axis in the world with two directions at right angles to it.
-struct Axis {
+struct SolidAxis {
   Vec3 a;
   Vec3 along;  // of unit length
   Vec3 u;
@@ -84,7 +84,7 @@ struct Axis {
   double length_m;
 };
 
-Axis axis_of(const Vec3& a, const Vec3& b) {
+SolidAxis axis_of(const Vec3& a, const Vec3& b) {
   const double length = (b - a).norm();
   const Vec3 along = length > 0 ? Vec3((b - a) / length) : Vec3(Vec3::UnitZ());
   const Vec3 u = along.unitOrthogonal();
@@ -92,7 +92,7 @@ Axis axis_of(const Vec3& a, const Vec3& b) {
 }
 
 /// The two angles about the axis at which a surface with the normal cos u + sin v + slope along is edge-on to the eye.
-std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const Vec3& toward_eye, double slope,
+std::optional<std::pair<double, double>> edge_on_angles(const SolidAxis& axis, const Vec3& toward_eye, double slope,
                                                         double lift_m) {
   const double x = axis.u.dot(toward_eye);
   const double y = axis.v.dot(toward_eye);
@@ -103,7 +103,7 @@ std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const 
   return std::pair(middle - std::acos(cosine), middle + std::acos(cosine));
 }
 
-Vec3 around(const Axis& axis, double angle) { return std::cos(angle) * axis.u + std::sin(angle) * axis.v; }
+Vec3 around(const SolidAxis& axis, double angle) { return std::cos(angle) * axis.u + std::sin(angle) * axis.v; }
 
 /// Adds the part of a sphere's silhouette that is behind a plane through its centre (normal . (p - center) <= 0).
 void add_half_outline(const Vec3& center, double radius_m, const Vec3& normal, const Eye& eye, const Camera& camera,
@@ -138,7 +138,7 @@ void add_outline(const SphereShape& sphere, const Pose& pose, const Camera& came
 
 void add_outline(const CapsuleShape& capsule, const Pose& pose, const Camera& camera, std::uint32_t object,
                  std::vector<FeatureLine>& lines) {
-  const Axis axis = axis_of(placed(pose, capsule.a), placed(pose, capsule.b));
+  const SolidAxis axis = axis_of(placed(pose, capsule.a), placed(pose, capsule.b));
   const double radius_m = capsule.radius_m;
   if (!(axis.length_m > 0)) return add_outline(SphereShape{radius_m, capsule.a}, pose, camera, object, lines);
   const Vec3 b = axis.a + axis.length_m * axis.along;
@@ -159,7 +159,7 @@ void add_outline(const CapsuleShape& capsule, const Pose& pose, const Camera& ca
 
 void add_outline(const CylinderShape& cylinder, const Pose& pose, const Camera& camera, std::uint32_t object,
                  std::vector<FeatureLine>& lines) {
-  const Axis axis = axis_of(placed(pose, cylinder.a), placed(pose, cylinder.b));
+  const SolidAxis axis = axis_of(placed(pose, cylinder.a), placed(pose, cylinder.b));
   const double radius_m = cylinder.radius_m;
   const Vec3 b = axis.a + axis.length_m * axis.along;
   for (const Vec3& end : {axis.a, b}) {
@@ -176,7 +176,7 @@ void add_outline(const CylinderShape& cylinder, const Pose& pose, const Camera& 
 
 void add_outline(const ConeShape& cone, const Pose& pose, const Camera& camera, std::uint32_t object,
                  std::vector<FeatureLine>& lines) {
-  const Axis axis = axis_of(placed(pose, cone.base), placed(pose, cone.apex));
+  const SolidAxis axis = axis_of(placed(pose, cone.base), placed(pose, cone.apex));
   const Vec3 apex = axis.a + axis.length_m * axis.along;
   const double radius_m = cone.radius_m;
   if (!(axis.length_m > 0)) return;

@@ -24,7 +24,7 @@ struct Stroke {
   Ink ink;
 };
 
-struct Ring {
+struct CircleMark {
   Spot center{};
   double radius_px = 0;
   Ink ink{};
@@ -47,7 +47,7 @@ struct Picture {
   bool is_black_and_white = false;  // for print: white paper, and no grey along the strokes
   std::optional<Pixels> pixels{};
   std::vector<Stroke> strokes{};
-  std::vector<Ring> rings{};
+  std::vector<CircleMark> rings{};
 };
 
 /// The picture as SVG: one path for each ink, pixels as rectangles without gaps. The same picture gives the same bytes.

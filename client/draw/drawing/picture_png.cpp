@@ -119,7 +119,7 @@ void cover(Raster& raster, const Stroke& stroke) {
   if (stroke.points.size() == 1) raster.cover(stroke.points[0], stroke.points[0], stroke.ink.width_px);
 }
 
-void draw(Raster& raster, const Ring& ring) {
+void draw(Raster& raster, const CircleMark& ring) {
   constexpr int kSides = 64;
   const auto at = [&](int i) {
     const double angle = 2 * std::numbers::pi * i / kSides;
@@ -154,7 +154,7 @@ std::string as_png(const Picture& picture) {
     for (; i < picture.strokes.size() && picture.strokes[i].ink == ink; ++i) cover(raster, picture.strokes[i]);
     raster.ink(color_of(ink.color));
   }
-  for (const Ring& ring : picture.rings) draw(raster, ring);
+  for (const CircleMark& ring : picture.rings) draw(raster, ring);
   return compressed(raster);
 }
 

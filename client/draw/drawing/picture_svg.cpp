@@ -71,7 +71,7 @@ std::string as_svg(const Picture& picture) {
     }
     body += "\"/>\n";
   }
-  for (const Ring& ring : picture.rings) {
+  for (const CircleMark& ring : picture.rings) {
     body += "<circle class=\"" + escaped(ring.ink.name) + "\" cx=\"" + pixels(ring.center[0]) + "\" cy=\"" +
             pixels(ring.center[1]) + "\" r=\"" + pixels(ring.radius_px) + "\" stroke=\"" + ring.ink.color +
             "\" stroke-width=\"" + pixels(ring.ink.width_px) + "\"/>\n";

@@ -31,7 +31,7 @@ struct Bracket {
   double length_px;
 };
 
-std::vector<Bracket> brackets_of(std::span<const Segment> segments, const std::vector<Samples>& all,
+std::vector<Bracket> brackets_of(std::span<const LineSegment> segments, const std::vector<Samples>& all,
                                  const std::vector<std::uint8_t>& seen) {
   std::vector<Bracket> brackets;
   for (const Samples& samples : all) {
@@ -47,7 +47,7 @@ std::vector<Bracket> brackets_of(std::span<const Segment> segments, const std::v
   return brackets;
 }
 
-void halve(std::vector<Bracket>& brackets, std::span<const Segment> segments, const Camera& camera, Rays& rays,
+void halve(std::vector<Bracket>& brackets, std::span<const LineSegment> segments, const Camera& camera, Rays& rays,
            const SightOptions& options) {
   const auto is_wide = [&](const Bracket& b) {
     return std::abs(b.seen_at - b.hidden_at) * b.length_px > options.precision_px;
@@ -114,15 +114,15 @@ std::vector<Answer> Rays::nearest(std::span<const NearQuestion> questions, const
   return ask(questions, others);
 }
 
-double Segment::length_px() const { return std::hypot(image_b.x - image_a.x, image_b.y - image_a.y); }
+double LineSegment::length_px() const { return std::hypot(image_b.x - image_a.x, image_b.y - image_a.y); }
 
-Vec3 Segment::at(const Camera& camera, double fraction) const {
+Vec3 LineSegment::at(const Camera& camera, double fraction) const {
   const bool is_even = camera.is_orthographic();
   return Camera::at_image_fraction(a, b, is_even ? 1 : image_a.depth_m, is_even ? 1 : image_b.depth_m, fraction);
 }
 
-std::vector<Segment> segments_in_picture(std::span<const FeatureLine> lines, const Camera& camera) {
-  std::vector<Segment> segments;
+std::vector<LineSegment> segments_in_picture(std::span<const FeatureLine> lines, const Camera& camera) {
+  std::vector<LineSegment> segments;
   for (std::uint32_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = 1; k < lines[i].points.size(); ++k) {
       const Vec3& from = lines[i].points[k - 1];
@@ -142,7 +142,7 @@ RayQuestion sight_of(const Vec3& point, const Camera& camera, double bias_px) {
   return camera.sight(point, std::max(bias_px * camera.pixel_m(point), rounding_m));
 }
 
-std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays,
+std::vector<Piece> seen_pieces(std::span<const LineSegment> segments, const Camera& camera, Rays& rays,
                                const SightOptions& options) {
   std::vector<Samples> all;
   std::vector<RayQuestion> questions;

@@ -36,7 +36,7 @@ class Rays {
 };
 
 /// A straight part of a line, clipped to the picture.
-struct Segment {
+struct LineSegment {
   Vec3 a;
   Vec3 b;
   ImagePoint image_a;
@@ -51,7 +51,7 @@ struct Segment {
 };
 
 /// The segments of lines, clipped to the picture.
-std::vector<Segment> segments_in_picture(std::span<const FeatureLine> lines, const Camera& camera);
+std::vector<LineSegment> segments_in_picture(std::span<const FeatureLine> lines, const Camera& camera);
 
 /// A piece of a segment, between two fractions of its image, that is visible throughout or hidden throughout.
 struct Piece {
@@ -72,7 +72,7 @@ struct SightOptions {
 /// bisection between them. A sample is visible where the ray from in front of it to the eye hits nothing. Undecided
 /// answers count as visible.
 /// cost  a ray for each sample, and log2(spacing / precision) for each change
-std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays,
+std::vector<Piece> seen_pieces(std::span<const LineSegment> segments, const Camera& camera, Rays& rays,
                                const SightOptions& options = {});
 
 /// The ray that decides whether a point is visible. It begins bias_px in front of it, or more where rounding requires

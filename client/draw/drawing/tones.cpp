@@ -18,7 +18,7 @@ struct Pixel {
 };
 
 /// A square of pixels, by its low corner.
-struct Cell {
+struct ToneCell {
   int x;
   int y;
 };
@@ -35,8 +35,8 @@ class Caster {
         pixels_(static_cast<std::size_t>(width_) * height_),
         has_line_(pixels_.size(), 0) {}
 
-  void mark(std::span<const Segment> lines) {
-    for (const Segment& s : lines) {
+  void mark(std::span<const LineSegment> lines) {
+    for (const LineSegment& s : lines) {
       const int steps = 1 + static_cast<int>(s.length_px());
       for (int i = 0; i <= steps; ++i) {
         const double t = static_cast<double>(i) / steps;
@@ -48,7 +48,7 @@ class Caster {
   }
 
   void cast() {
-    std::vector<Cell> cells;
+    std::vector<ToneCell> cells;
     for (int y = 0; y < height_; y += kCoarseStep) {
       for (int x = 0; x < width_; x += kCoarseStep) cells.push_back({x, y});
     }
@@ -81,9 +81,9 @@ class Caster {
 
   /// Casts rays through the corners of cells. Fills the cells whose corners are alike; returns the quarters of the
   /// others.
-  std::vector<Cell> refine(const std::vector<Cell>& cells, int step) {
+  std::vector<ToneCell> refine(const std::vector<ToneCell>& cells, int step) {
     std::vector<std::size_t> asked;
-    for (const Cell& cell : cells) {
+    for (const ToneCell& cell : cells) {
       for (const auto& [x, y] : corners(cell, step)) {
         Pixel& pixel = pixels_[index(x, y)];
         if (!pixel.is_known) asked.push_back(index(x, y));
@@ -91,9 +91,9 @@ class Caster {
       }
     }
     look(asked);
-    std::vector<Cell> quarters;
+    std::vector<ToneCell> quarters;
     if (step == 1) return quarters;
-    for (const Cell& cell : cells) {
+    for (const ToneCell& cell : cells) {
       if (fill(cell, step)) continue;
       for (int dy = 0; dy < step; dy += step / 2) {
         for (int dx = 0; dx < step; dx += step / 2) {
@@ -104,7 +104,7 @@ class Caster {
     return quarters;
   }
 
-  std::array<std::pair<int, int>, 4> corners(const Cell& cell, int step) const {
+  std::array<std::pair<int, int>, 4> corners(const ToneCell& cell, int step) const {
     const int right = std::min(cell.x + step, width_ - 1);
     const int low = std::min(cell.y + step, height_ - 1);
     return {{{cell.x, cell.y}, {right, cell.y}, {cell.x, low}, {right, low}}};
@@ -113,7 +113,7 @@ class Caster {
   /// Fills a cell whose corners have the same number, with light interpolated between them. The pixels between have
   /// that number too, since each number stands for an interval of light. False where the corners differ or a line
   /// passes.
-  bool fill(const Cell& cell, int step) {
+  bool fill(const ToneCell& cell, int step) {
     const auto corner = corners(cell, step);
     std::array<const Pixel*, 4> p{};
     for (std::size_t i = 0; i < 4; ++i) p[i] = &pixels_[index(corner[i].first, corner[i].second)];
@@ -191,7 +191,7 @@ class Caster {
 
 int tone_of(double light, int tones) { return std::clamp(static_cast<int>(light * tones), 0, tones - 1); }
 
-ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines,
+ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const LineSegment> lines,
                    const ToneOptions& options, Rays& rays) {
   Caster caster(shown, camera, options, rays);
   caster.mark(lines);

@@ -43,7 +43,7 @@ int tone_of(double light, int tones);
 /// line passes. So tones change exactly at the pixel where n . l crosses a threshold, unless a shape is only some
 /// pixels large.
 /// lines  of the picture; every pixel on them gets a ray
-ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines,
+ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const LineSegment> lines,
                    const ToneOptions& options, Rays& rays);
 
 /// Hatching lines for the tones, as polylines. There are 16 sets of lines, the second 8 across the first. Each set has

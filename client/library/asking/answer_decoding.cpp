@@ -31,15 +31,21 @@ struct LastName {
   }
 };
 
+/// A hit has either the columns of sweeps or those of other questions; the others are empty, and 0 in the hit.
+double number_in(const dds_sequence_double& column, std::size_t index) {
+  return column._length > 0 ? dds::view(column)[index] : 0;
+}
+
 void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, LastName& last, Hit& hit) {
   const std::uint8_t flags = dds::view(reply.hit_flags)[index];
   hit.object_id = dds::view(reply.objects)[index];
   hit.object = last.of(hit.object_id, names);
   hit.triangle = dds::view(reply.triangles)[index];
-  const bool is_of_sweep = reply.sweep_ends._length > 0;
-  hit.distance_m = dds::view(is_of_sweep ? reply.sweep_ends : reply.distances)[index];
-  hit.error_m = dds::view(is_of_sweep ? reply.sweep_widths : reply.distance_errors)[index];
-  hit.exit_m = dds::view(is_of_sweep ? reply.sweep_begins : reply.exits)[index];
+  hit.distance_m = number_in(reply.distances, index);
+  hit.error_m = number_in(reply.distance_errors, index);
+  hit.exit_m = number_in(reply.exits, index);
+  hit.time_low = number_in(reply.sweep_begins, index);
+  hit.time_high = number_in(reply.sweep_ends, index);
   hit.point = vector_in(reply.points, index);
   hit.normal = vector_in(reply.normals, index);
   hit.weights = vector_in(reply.weights, index);

@@ -22,7 +22,7 @@ using wire_contract::kMaxQuestionsPerRequest;
 constexpr std::size_t kMostAtOnce = 16;
 
 // The questions of one call, whatever their type.
-struct Request {
+struct QuestionRequest {
   wire_contract::QueryKind kind;
   const char* noun;
   std::uint32_t number_count;  // per question
@@ -41,7 +41,7 @@ auto encoder_of(std::span<const Question> questions) {
   };
 }
 
-std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
+std::optional<Error> options_fault(const QuestionRequest& request, const AskOptions& options) {
   const std::string noun = request.noun;
   if (options.only.size() > wire_contract::kMaxNameBytes || options.skip.size() > wire_contract::kMaxNameBytes) {
     return bad_input(noun + ": a name pattern has more than " + std::to_string(wire_contract::kMaxNameBytes) +
@@ -61,7 +61,8 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
 }
 
 // Fills in everything but the questions. All of it is set, since the sample may hold what another request left.
-void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const WriteBarrier& fence) {
+void fill_header(wire::Query& query, const QuestionRequest& request, const AskOptions& options,
+                 const WriteBarrier& fence) {
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
@@ -82,7 +83,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
 }
 
 // Each chunk is made just before it is sent: the server works on the first while the next ones are made.
-std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const Request& request,
+std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const QuestionRequest& request,
                                 std::uint32_t chunk) {
   const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
   const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
@@ -98,7 +99,7 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
 }
 
 // Asks once. `answers` holds the answers, or after an error memory to be used again.
-std::optional<Error> run_once(Connection& connection, const Request& request, const AskOptions& options,
+std::optional<Error> run_once(Connection& connection, const QuestionRequest& request, const AskOptions& options,
                               Clock::time_point deadline, Answers& answers) {
   if (auto error = connection.ready(deadline)) { return error; }
   const std::uint64_t server = connection.pulse().server();
@@ -141,7 +142,7 @@ std::optional<Error> run_once(Connection& connection, const Request& request, co
 }
 
 // A server that has no room says when it will have some: the request waits as long as its timeout allows.
-Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
+Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options, Answers&& earlier) {
   if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
   Answers answers = std::move(earlier);
@@ -172,9 +173,7 @@ std::optional<Error> fault_of(std::span<const Question> questions) {
                      " questions; a request holds 1 to " + std::to_string(kMaxQuestionsPerRequest));
   }
   for (std::size_t i = 0; i < questions.size(); ++i) {
-    if (!can_be_asked(questions[i])) {
-      return question_fault<Question>(fault(questions[i]).value_or(""), i, questions.size());
-    }
+    if (const auto found = fault(questions[i])) { return question_fault<Question>(*found, i, questions.size()); }
   }
   return std::nullopt;
 }
@@ -202,18 +201,9 @@ Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<cons
   if (auto error = fault_of(motions)) { return *error; }
   const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
   if (!bytes) { return bytes.error(); }
-  const Request request{Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions),
-                        *bytes};
-  Result<Answers> answers = run(connection, request, options, {});
-  if (!answers) { return answers; }
-  for (Answer& answer : answers->answers) {
-    for (Hit& hit : answer.hits) {
-      hit.time_low = hit.exit_m;
-      hit.time_high = hit.distance_m;
-      hit.distance_m = hit.exit_m = hit.error_m = 0;
-    }
-  }
-  return answers;
+  const QuestionRequest request{
+      Wire::kind, Wire::noun, Wire::number_count, motions.size(), encoder_of<SweepQuestion>(motions), *bytes};
+  return run(connection, request, options, {});
 }
 
 }  // namespace collided::client

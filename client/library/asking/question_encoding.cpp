@@ -1,6 +1,5 @@
 #include "client/library/asking/question_encoding.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "client/library/connection/errors.hpp"
@@ -8,104 +7,42 @@
 namespace collided::client {
 namespace {
 
-using wire_contract::kUnitQuaternionSlack;
-
-void put(double*& numbers, const Vec3& value) { numbers = std::copy_n(value.data(), 3, numbers); }
-
-void put(double*& numbers, const Quat& rotation) {
-  *numbers++ = rotation.w();
-  put(numbers, Vec3(rotation.vec()));
-}
-
-// Of a reach, which may be endless.
-std::optional<std::string> length_fault(double value, const char* name) {
-  if (value >= 0) { return std::nullopt; }
-  return std::string(name) + ' ' + words(value) + ": allowed 0 to inf";
-}
+using wire_contract::NumberField;
+using wire_contract::NumberRule;
 
 }  // namespace
 
+std::optional<std::string> fault(const NumberField& field, const double* row) {
+  const double* numbers = row + field.first;
+  if (wire_contract::is_kept(field, numbers)) { return std::nullopt; }
+  std::string text = field.name;
+  bool is_finite = true;
+  for (std::size_t i = 0; i < field.count; ++i) {
+    text += ' ' + words(numbers[i]);
+    is_finite = is_finite && std::isfinite(numbers[i]);
+  }
+  switch (field.rule) {
+    case NumberRule::point: return text + " is not finite";
+    case NumberRule::direction: return text + (is_finite ? " has no direction" : " is not finite");
+    case NumberRule::size: return text + ": allowed 0 or more, and finite";
+    case NumberRule::reach: return text + ": allowed 0 to inf";
+    case NumberRule::rotation: break;
+  }
+  return text + " has norm " + words(wire_contract::quaternion_norm(numbers[0], numbers[1], numbers[2], numbers[3])) +
+         ", allowed 1 +- " + words(wire_contract::kUnitQuaternionSlack);
+}
+
 std::optional<std::string> finite_fault(const Vec3& value, const char* name) {
-  if (value.allFinite()) { return std::nullopt; }
-  return std::string(name) + ' ' + words(value) + " is not finite";
+  return fault({name, 0, 3, NumberRule::point}, value.data());
 }
 
 std::optional<std::string> size_fault(double value, const char* name) {
-  if (value >= 0 && std::isfinite(value)) { return std::nullopt; }
-  return std::string(name) + ' ' + words(value) + ": allowed 0 or more, and finite";
+  return fault({name, 0, 1, NumberRule::size}, &value);
 }
 
 std::optional<std::string> rotation_fault(const Quat& rotation) {
-  const double norm = rotation.norm();
-  if (std::abs(norm - 1) <= kUnitQuaternionSlack) { return std::nullopt; }
-  return "rotation " + words(rotation.w()) + ' ' + words(Vec3(rotation.vec())) + " has norm " + words(norm) +
-         ", allowed 1 +- " + words(kUnitQuaternionSlack);
-}
-
-std::optional<std::string> fault(const RayQuestion& question) {
-  if (auto found = finite_fault(question.origin, "origin")) { return found; }
-  if (auto found = finite_fault(question.direction, "direction")) { return found; }
-  // Not by its norm: the squares of a tiny direction vanish.
-  if ((question.direction.array() == 0).all()) {
-    return "direction " + words(question.direction) + " has no direction";
-  }
-  return length_fault(question.length_m, "length");
-}
-
-std::optional<std::string> fault(const SphereQuestion& question) {
-  auto found = finite_fault(question.center, "center");
-  return found ? found : size_fault(question.radius_m, "radius");
-}
-
-std::optional<std::string> fault(const BoxQuestion& question) {
-  if (auto found = finite_fault(question.center, "center")) { return found; }
-  if (!question.half_m.allFinite() || !(question.half_m.array() >= 0).all()) {
-    return "half size " + words(question.half_m) + ": allowed 0 or more, and finite";
-  }
-  return rotation_fault(question.rotation);
-}
-
-std::optional<std::string> fault(const NearQuestion& question) {
-  auto found = finite_fault(question.point, "point");
-  return found ? found : length_fault(question.within_m, "largest distance");
-}
-
-std::optional<std::string> fault(const SweepQuestion& question) {
-  for (const auto& [pose, name] : {std::pair(&question.from, "from"), std::pair(&question.to, "to")}) {
-    auto found = finite_fault(pose->position, name);
-    if (!found) found = rotation_fault(pose->rotation);
-    if (found) return found;
-  }
-  return std::nullopt;
-}
-
-void encode(const RayQuestion& question, double* numbers) {
-  put(numbers, question.origin);
-  put(numbers, question.direction);
-  *numbers = question.length_m;
-}
-
-void encode(const SphereQuestion& question, double* numbers) {
-  put(numbers, question.center);
-  *numbers = question.radius_m;
-}
-
-void encode(const BoxQuestion& question, double* numbers) {
-  put(numbers, question.center);
-  put(numbers, question.half_m);
-  put(numbers, question.rotation);
-}
-
-void encode(const SweepQuestion& question, double* numbers) {
-  for (const Pose* pose : {&question.from, &question.to}) {
-    put(numbers, pose->position);
-    put(numbers, pose->rotation);
-  }
-}
-
-void encode(const NearQuestion& question, double* numbers) {
-  put(numbers, question.point);
-  *numbers = question.within_m;
+  const double numbers[] = {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+  return fault({"rotation", 0, 4, NumberRule::rotation}, numbers);
 }
 
 }  // namespace collided::client

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -8,6 +9,7 @@
 
 #include "collided/client.hpp"
 #include "idl/instant.hpp"
+#include "idl/question_rules.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::client {
@@ -25,24 +27,28 @@ struct QuestionWire<RayQuestion> {
   static constexpr auto kind = wire_contract::QueryKind::ray;
   static constexpr std::uint32_t number_count = wire_contract::kRayNumbers;
   static constexpr const char* noun = "ray";
+  static constexpr const auto& fields = wire_contract::kRayFields;
 };
 template <>
 struct QuestionWire<SphereQuestion> {
   static constexpr auto kind = wire_contract::QueryKind::sphere;
   static constexpr std::uint32_t number_count = wire_contract::kSphereNumbers;
   static constexpr const char* noun = "sphere";
+  static constexpr const auto& fields = wire_contract::kSphereFields;
 };
 template <>
 struct QuestionWire<BoxQuestion> {
   static constexpr auto kind = wire_contract::QueryKind::box;
   static constexpr std::uint32_t number_count = wire_contract::kBoxNumbers;
   static constexpr const char* noun = "box";
+  static constexpr const auto& fields = wire_contract::kBoxFields;
 };
 template <>
 struct QuestionWire<NearQuestion> {
   static constexpr auto kind = wire_contract::QueryKind::near;
   static constexpr std::uint32_t number_count = wire_contract::kNearNumbers;
   static constexpr const char* noun = "near";
+  static constexpr const auto& fields = wire_contract::kNearFields;
 };
 
 template <>
@@ -50,34 +56,63 @@ struct QuestionWire<SweepQuestion> {
   static constexpr auto kind = wire_contract::QueryKind::sweep;
   static constexpr std::uint32_t number_count = wire_contract::kSweepNumbers;
   static constexpr const char* noun = "sweep";
+  static constexpr const auto& fields = wire_contract::kSweepFields;
 };
 
-/// Why a question cannot be asked, such as "direction 0 0 0 has no direction"; nothing: it can.
-std::optional<std::string> fault(const RayQuestion& question);
-std::optional<std::string> fault(const SphereQuestion& question);
-std::optional<std::string> fault(const BoxQuestion& question);
-std::optional<std::string> fault(const NearQuestion& question);
-std::optional<std::string> fault(const SweepQuestion& question);
-
-/// Whether a question can be asked, quicker than by fault(). Written so that a question with NaN cannot.
-inline bool can_be_asked(const RayQuestion& question) {
-  const Vec3& d = question.direction;
-  return question.origin.allFinite() && d.allFinite() && (d[0] != 0 || d[1] != 0 || d[2] != 0) &&
-         question.length_m >= 0;
+inline void put(double*& numbers, const Vec3& value) { numbers = std::copy_n(value.data(), 3, numbers); }
+inline void put(double*& numbers, const Quat& rotation) {
+  *numbers++ = rotation.w();
+  put(numbers, Vec3(rotation.vec()));
 }
-template <class Question>
-bool can_be_asked(const Question& question) {
-  return !fault(question);
+inline void put(double*& numbers, double value) { *numbers++ = value; }
+inline void put(double*& numbers, const Pose& pose) {
+  put(numbers, pose.position);
+  put(numbers, pose.rotation);
 }
 
 /// Writes a question as QuestionWire::number_count numbers.
-void encode(const RayQuestion& question, double* numbers);
-void encode(const SphereQuestion& question, double* numbers);
-void encode(const BoxQuestion& question, double* numbers);
-void encode(const NearQuestion& question, double* numbers);
-void encode(const SweepQuestion& question, double* numbers);
+inline void encode(const RayQuestion& question, double* numbers) {
+  put(numbers, question.origin);
+  put(numbers, question.direction);
+  put(numbers, question.length_m);
+}
+inline void encode(const SphereQuestion& question, double* numbers) {
+  put(numbers, question.center);
+  put(numbers, question.radius_m);
+}
+inline void encode(const BoxQuestion& question, double* numbers) {
+  put(numbers, question.center);
+  put(numbers, question.half_m);
+  put(numbers, question.rotation);
+}
+inline void encode(const NearQuestion& question, double* numbers) {
+  put(numbers, question.point);
+  put(numbers, question.within_m);
+}
+inline void encode(const SweepQuestion& question, double* numbers) {
+  put(numbers, question.from);
+  put(numbers, question.to);
+}
 
-/// Why a value is not acceptable; nothing: it is. A rotation has norm 1 within kUnitQuaternionSlack.
+/// Why a field's numbers break its rule, such as "direction 0 0 0 has no direction"; nothing: they keep it.
+///
+/// row  of the question that has the field
+std::optional<std::string> fault(const wire_contract::NumberField& field, const double* row);
+
+/// Why a question cannot be asked; nothing: it can.
+template <class Question>
+std::optional<std::string> fault(const Question& question) {
+  using Wire = QuestionWire<Question>;
+  std::array<double, Wire::number_count> row;
+  encode(question, row.data());
+  if (wire_contract::keeps_rules<Wire::fields>(row.data())) { return std::nullopt; }
+  for (const wire_contract::NumberField& field : Wire::fields) {
+    if (auto found = fault(field, row.data())) { return found; }
+  }
+  return std::nullopt;
+}
+
+/// Why a value is not acceptable; nothing: it is.
 std::optional<std::string> rotation_fault(const Quat& rotation);
 std::optional<std::string> finite_fault(const Vec3& value, const char* name);
 /// A size is finite and not negative.

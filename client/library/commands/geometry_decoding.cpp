@@ -5,6 +5,7 @@
 
 #include "idl/geometry_generated.h"
 #include "idl/topics.hpp"
+#include "idl/unit_quaternion.hpp"
 
 namespace collided::client {
 namespace {
@@ -34,7 +35,10 @@ class Verified {
   }
   const Table* operator->() const { return root_; }
   const Table& operator*() const { return *root_; }
-  const void* begin() const { return words_.data(); }
+  /// Where a byte of the copy stands in the text.
+  std::size_t offset_of(const std::uint8_t* byte) const {
+    return static_cast<std::size_t>(byte - reinterpret_cast<const std::uint8_t*>(words_.data()));
+  }
 
  private:
   std::vector<std::uint64_t> words_;
@@ -49,8 +53,7 @@ Vec3 vector_of(const format::Vec3& from) {
 
 Quat rotation_of(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
-  if (!(std::abs(rotation.norm() - 1) <= wire_contract::kUnitQuaternionSlack))
-    throw Flaw{"a quaternion is not of unit length"};
+  if (!wire_contract::is_unit_quaternion(rotation)) throw Flaw{"a quaternion is not of unit length"};
   return rotation;
 }
 
@@ -252,10 +255,9 @@ auto unless_flawed(std::string& flaw, const Work& work) -> std::optional<decltyp
 std::optional<Page> decode_page(std::string_view text, std::string& flaw) {
   return unless_flawed(flaw, [&] {
     const Verified<format::Page> page(text);
-    const auto* bytes = reinterpret_cast<const char*>(page->bytes()->Data());
     // The same bytes in the text, which outlives the copy.
-    const auto offset = static_cast<std::size_t>(bytes - reinterpret_cast<const char*>(page.begin()));
-    return Page{page->transfer(), page->total(), page->first(), text.substr(offset, page->bytes()->size())};
+    const std::string_view bytes = text.substr(page.offset_of(page->bytes()->Data()), page->bytes()->size());
+    return Page{page->transfer(), page->total(), page->first(), bytes};
   });
 }
 

@@ -12,6 +12,7 @@
 #include "client/library/connection/connection.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/machine_findings.hpp"
+#include "idl/clocks.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -22,11 +23,6 @@ using client::Connection;
 using client::words;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
-
-std::int64_t since_1970_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<nanoseconds>(now).count();
-}
 
 nanoseconds rounded(nanoseconds time) {
   // Such a measurement is good for three digits at most.
@@ -39,7 +35,7 @@ nanoseconds rounded(nanoseconds time) {
 /// two.
 class Servers {
  public:
-  struct Server {
+  struct SeenServer {
     std::uint32_t pid = 0;
     std::string version;
     std::uint32_t heard = 0;
@@ -58,27 +54,27 @@ class Servers {
     // DDS may still deliver the last status of a server that has ended.
     std::erase_if(servers_, [](const auto& entry) { return entry.second.heard < 2; });
   }
-  const std::map<std::uint64_t, Server>& all() const { return servers_; }
+  const std::map<std::uint64_t, SeenServer>& all() const { return servers_; }
 
  private:
   void take() {
     dds::Sample<wire::Status> status;
     while (reader_.take(status)) {
       if (!status.info().valid_data) continue;
-      Server& server = servers_[status->server];
+      SeenServer& server = servers_[status->server];
       server.pid = status->pid;
       server.version = status->server_version;
       // The first one may have been sent long before it was received here.
       if (++server.heard > 1)
-        server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
+        server.skew_ns = std::min(server.skew_ns, wire_contract::since_1970_ns() - status.info().source_timestamp);
     }
   }
   dds::Topic<wire::Status> topic_;
   dds::Reader<wire::Status> reader_;
-  std::map<std::uint64_t, Server> servers_;
+  std::map<std::uint64_t, SeenServer> servers_;
 };
 
-Finding server_finding(const std::map<std::uint64_t, Servers::Server>& servers, const ConnectOptions& options,
+Finding server_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers, const ConnectOptions& options,
                        nanoseconds found_in) {
   if (servers.size() <= 1) {
     const std::string pid = servers.empty() ? "" : " (pid " + std::to_string(servers.begin()->second.pid) + ')';
@@ -98,7 +94,7 @@ Finding no_server_finding(const Error& error) {
   return {Health::fail, "server", error.message, remedy};
 }
 
-std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::Server>& servers) {
+std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
   if (servers.size() != 1 || servers.begin()->second.skew_ns == std::numeric_limits<std::int64_t>::max())
     return std::nullopt;
   constexpr nanoseconds kNoticed = milliseconds(20);  // ages and times of events are shown to the millisecond
@@ -145,7 +141,7 @@ std::optional<Finding> publisher_clocks_finding(Connection& connection) {
                      std::to_string(apart_ns / 1'000'000 + 1) + "ms"};
 }
 
-std::optional<Finding> version_finding(const std::map<std::uint64_t, Servers::Server>& servers) {
+std::optional<Finding> version_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
   for (const auto& [number, server] : servers) {
     if (server.version == library_version()) continue;
     return Finding{Health::warn, "versions",

@@ -7,6 +7,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/wait_until.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
+#include "idl/clocks.hpp"
 
 namespace collided {
 
@@ -24,10 +25,6 @@ constexpr nanoseconds kWordPeriod = kLease / 5;
 // Longer than the time between two poses of a moving object.
 constexpr nanoseconds kAtRest = kLease;
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
-
-std::int64_t since_1970_ns() {
-  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 std::optional<std::string> pose_fault(const Pose& pose) {
   auto found = client::finite_fault(pose.position, "position");
@@ -63,7 +60,7 @@ Result<void> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return 
 Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name)
     : connection_(std::move(connection)),
       publisher_(client::random_number()),
-      incarnation_(static_cast<std::uint64_t>(since_1970_ns())),
+      incarnation_(static_cast<std::uint64_t>(wire_contract::since_1970_ns())),
       server_(connection_->pulse().server()),
       outages_(connection_->pulse().outages()),
       last_word_(Clock::now()),
@@ -183,7 +180,9 @@ Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
   const std::lock_guard lock(mutex_);
   if (auto error = say_alive()) { return *error; }
   has_own_clock_ = source_time.count() == 0;
-  if (auto error = send_waiting(has_own_clock_ ? since_1970_ns() : source_time.count())) { return *error; }
+  if (auto error = send_waiting(has_own_clock_ ? wire_contract::since_1970_ns() : source_time.count())) {
+    return *error;
+  }
   return sequence_;
 }
 
@@ -197,7 +196,7 @@ void Publisher::State::stream() {
 /// now.
 std::optional<Error> Publisher::State::say_at_rest() {
   const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
-  return is_due ? write_instant(since_1970_ns()) : std::nullopt;
+  return is_due ? write_instant(wire_contract::since_1970_ns()) : std::nullopt;
 }
 
 Result<void> Publisher::State::keep_alive() {

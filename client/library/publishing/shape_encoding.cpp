@@ -117,7 +117,7 @@ std::optional<std::string> points_fault(const std::vector<Vec3>& points, double 
 std::optional<std::string> part_fault(const CloudShape& cloud) { return points_fault(cloud.points, cloud.radius_m, 1); }
 std::optional<std::string> part_fault(const PolylineShape& line) { return points_fault(line.points, line.radius_m, 2); }
 
-struct Parts {
+struct EncodedParts {
   std::vector<format::Sphere> spheres;
   std::vector<format::Box> boxes;
   std::vector<format::Capsule> capsules;
@@ -184,7 +184,7 @@ flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuil
                                          &field->heights_m);
 }
 
-std::vector<std::uint8_t> build(const Parts& parts, const Vec3& scale) {
+std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale) {
   flatbuffers::FlatBufferBuilder builder;
   const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
@@ -218,7 +218,7 @@ Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& s
   if (!((scale.array() > 0).all() && scale.allFinite())) {
     return bad_input(where + ": its scale must be finite and above 0");
   }
-  Parts parts;
+  EncodedParts parts;
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const auto reason = std::visit([](const auto& part) { return part_fault(part); }, shape[i]);
     if (reason) { return bad_input(where + ": part " + std::to_string(i) + ": " + *reason); }

@@ -7,6 +7,7 @@
 #include "client/library/commands/fetching.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/wait_until.hpp"
+#include "idl/clocks.hpp"
 #include "idl/mcap/reader.hpp"
 
 namespace collided {
@@ -30,11 +31,6 @@ constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic
 /// Matches every client's partition.
 constexpr const char* kAllClients = "client_*";
 
-std::uint64_t since_1970_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-}
-
 }  // namespace
 
 struct Recording::State::Readers {
@@ -55,7 +51,7 @@ dds::ReaderOptions<T> Recording::State::into(Recorded topic, std::string partiti
                 while (true) {
                   const auto loans = taker.take_loans();
                   if (loans.size() == 0) return;
-                  const std::uint64_t now = since_1970_ns();
+                  const auto now = static_cast<std::uint64_t>(wire_contract::since_1970_ns());
                   const std::lock_guard lock(mutex_);
                   for (std::size_t i = 0; i < loans.size(); ++i) {
                     if (!loans.info(i).valid_data) continue;

@@ -45,7 +45,7 @@ struct [[gnu::visibility("hidden")]] Recording::State {
 
   std::shared_ptr<client::Connection> connection_;
   mcap::FileOutput output_;
-  mcap::Writer writer_;
+  mcap::FileWriter writer_;
   client::RecordingQueue queue_;
   std::atomic<bool> stopping_{false};
 

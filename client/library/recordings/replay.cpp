@@ -12,6 +12,7 @@
 #include "client/library/recordings/recorded_run.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 #include "collided/recording.hpp"
+#include "idl/clocks.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -34,11 +35,6 @@ struct ReplayFailure : std::runtime_error {
   explicit ReplayFailure(Error given) : std::runtime_error(given.message), error(std::move(given)) {}
   Error error;
 };
-
-std::int64_t now_since_1970_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
 
 /// What both kinds of replay have in common: publishing recorded samples and giving recorded commands again.
 class Replaying {
@@ -165,7 +161,7 @@ class TimedReplay : public Replaying {
 
   std::uint64_t began_at_ = 0;
   const Clock::time_point began_ = Clock::now();
-  const std::int64_t began_ns_ = now_since_1970_ns();
+  const std::int64_t began_ns_ = wire_contract::since_1970_ns();
   dds::Sample<wire::Status> status_;
 };
 
@@ -233,7 +229,7 @@ class AskedReplay : public Replaying {
       if (found == samples_.end()) continue;
       const auto end = found->second.upper_bound(applied);
       for (auto sample = found->second.begin(); sample != end && go_on(); ++sample)
-        publish(run_.items[sample->second], now_since_1970_ns());
+        publish(run_.items[sample->second], wire_contract::since_1970_ns());
       found->second.erase(found->second.begin(), end);
     }
   }

@@ -1,5 +1,6 @@
 #include "client/library/connection/wait_until.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
+#include "idl/clocks.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -11,16 +12,11 @@ namespace {
 
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
 
-std::uint64_t now_since_1970_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-}
-
 }  // namespace
 
 ReplayedPublishers::Publisher::Publisher(const ReplayedPublishers& owner, std::uint64_t recorded)
     : number(random_number()),
-      incarnation(now_since_1970_ns()),
+      incarnation(static_cast<std::uint64_t>(wire_contract::since_1970_ns())),
       recorded_incarnation(recorded),
       object_writer(owner.object_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}),
       pose_writer(owner.pose_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}) {}

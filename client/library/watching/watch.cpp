@@ -8,6 +8,7 @@
 #include "client/library/recordings/recorded_events.hpp"
 #include "client/library/watching/pair_filter.hpp"
 #include "client/library/watching/watch_decoding.hpp"
+#include "idl/clocks.hpp"
 
 namespace collided {
 
@@ -97,7 +98,7 @@ std::optional<Error> Watch::State::wait_for_server() const {
 }
 
 std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since) {
-  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  const std::chrono::nanoseconds now = wire_contract::since_1970();
   const auto last =
       now - std::clamp<std::chrono::nanoseconds>(since, now - kLongestRecording + kClockMargin, now) + kClockMargin;
   Result<std::vector<std::byte>> bytes = client::fetch_recorded(*connection_, last);

@@ -57,31 +57,31 @@ float round_up(double value) {
   return static_cast<double>(nearest) < value ? std::nextafter(nearest, kInfinity) : nearest;
 }
 
-void* allocate_pages(std::size_t bytes) {
+std::span<std::byte> allocate_pages(std::size_t bytes) {
   if (bytes < kHugePage) {
     void* memory = std::aligned_alloc(kCacheLine, (bytes + kCacheLine) / kCacheLine * kCacheLine);
     if (memory == nullptr) throw std::bad_alloc();
-    return memory;
+    return {static_cast<std::byte*>(memory), bytes};
   }
   // Maps memory of its own: what malloc reuses already has small pages.
   const std::size_t length = mapped_length(bytes);
   void* mapping = mmap(nullptr, length + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapping == MAP_FAILED) throw std::bad_alloc();
-  auto* first = static_cast<char*>(mapping);
+  auto* first = static_cast<std::byte*>(mapping);
   const std::size_t before = (kHugePage - reinterpret_cast<std::uintptr_t>(first) % kHugePage) % kHugePage;
-  char* memory = first + before;
+  std::byte* memory = first + before;
   if (before > 0) munmap(first, before);
   munmap(memory + length, kHugePage - before);
   // Advice only: where the system refuses, the tree is slower, not wrong.
   (void)madvise(memory, length, MADV_HUGEPAGE);
-  return memory;
+  return {memory, bytes};
 }
 
-void free_pages(void* memory, std::size_t bytes) {
-  if (bytes < kHugePage) {
-    std::free(memory);
+void free_pages(std::span<std::byte> memory) {
+  if (memory.size() < kHugePage) {
+    std::free(memory.data());
   } else {
-    munmap(memory, mapped_length(bytes));
+    munmap(memory.data(), mapped_length(memory.size()));
   }
 }
 

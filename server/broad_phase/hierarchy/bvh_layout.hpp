@@ -91,8 +91,8 @@ float round_down(double value);
 float round_up(double value);
 
 /// Memory for PlainArray; long blocks are aligned to huge pages. Throws std::bad_alloc.
-void* allocate_pages(std::size_t bytes);
-void free_pages(void* memory, std::size_t bytes);
+std::span<std::byte> allocate_pages(std::size_t bytes);
+void free_pages(std::span<std::byte> memory);
 
 /// Memory for many plain records, aligned for SIMD; long arrays lie on huge pages, because an incoherent ray touches
 /// pages all over the tree and would otherwise wait for address translation as well as for data. New records are not
@@ -104,7 +104,7 @@ class PlainArray {
  public:
   PlainArray() = default;
   explicit PlainArray(std::size_t size)
-      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T), true}) {}
+      : data_(reinterpret_cast<T*>(allocate_pages(size * sizeof(T)).data()), Free{size * sizeof(T), true}) {}
   /// Read-only records that are stored elsewhere and must outlive this.
   static PlainArray borrowed(std::span<const T> records) {
     PlainArray array;
@@ -123,7 +123,7 @@ class PlainArray {
     std::size_t bytes = 0;
     bool is_own = false;
     void operator()(T* memory) const {
-      if (is_own) free_pages(memory, bytes);
+      if (is_own) free_pages({reinterpret_cast<std::byte*>(memory), bytes});
     }
   };
   std::unique_ptr<T[], Free> data_;

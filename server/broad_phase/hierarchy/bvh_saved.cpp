@@ -16,7 +16,7 @@ constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
 /// Every field is checked before the bytes after the header are read.
-struct Header {
+struct SavedHeader {
   char magic[8] = {};
   std::uint32_t version = kVersion;
   std::uint32_t byte_order = kByteOrder;
@@ -37,19 +37,19 @@ struct Header {
   std::uint8_t spare[68] = {};
   std::uint64_t header_checksum = 0;  // of everything before it
 };
-static_assert(sizeof(Header) == 192 && sizeof(Header) % kSavedAlignment == 0);
+static_assert(sizeof(SavedHeader) == 192 && sizeof(SavedHeader) % kSavedAlignment == 0);
 
 std::uint64_t mesh_checksum(const TriangleMesh& mesh, unsigned threads) {
   return joined_checksum(checksum(std::as_bytes(std::span(mesh.vertices)), threads),
                          checksum(std::as_bytes(std::span(mesh.triangles)), threads));
 }
 
-std::uint64_t header_checksum(const Header& header) {
-  return checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, header_checksum)), 1);
+std::uint64_t header_checksum(const SavedHeader& header) {
+  return checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(SavedHeader, header_checksum)), 1);
 }
 
 /// The flaws that show before anything but the header is read.
-std::string flaw_of_header(const Header& header, const TriangleMesh& mesh, std::size_t byte_count) {
+std::string flaw_of_header(const SavedHeader& header, const TriangleMesh& mesh, std::size_t byte_count) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) return "it does not begin as one";
   if (header.version != kVersion)
     return "it is of version " + std::to_string(header.version) + ", this program reads " + std::to_string(kVersion);
@@ -61,7 +61,7 @@ std::string flaw_of_header(const Header& header, const TriangleMesh& mesh, std::
     return "it is of another mesh";
   }
   if (header.node_count > kIndexMask || header.leaf_count > kIndexMask || header.split_count > header.triangle_count ||
-      byte_count != sizeof(Header) + header.node_count * sizeof(Node) + header.leaf_count * sizeof(Leaf) +
+      byte_count != sizeof(SavedHeader) + header.node_count * sizeof(Node) + header.leaf_count * sizeof(Leaf) +
                         header.split_count * sizeof(Split)) {
     return "its length is not what its header says";
   }
@@ -80,7 +80,7 @@ PlainArray<Record> borrowed(std::span<const std::byte> bytes) {
   return PlainArray<Record>::borrowed({reinterpret_cast<const Record*>(bytes.data()), bytes.size() / sizeof(Record)});
 }
 
-void place(const Header& header, std::span<const std::byte> payload, std::shared_ptr<const void> keeper,
+void place(const SavedHeader& header, std::span<const std::byte> payload, std::shared_ptr<const void> keeper,
            Layout& layout) {
   const auto nodes = payload.first(header.node_count * sizeof(Node));
   const auto leaves = payload.subspan(nodes.size(), header.leaf_count * sizeof(Leaf));
@@ -99,7 +99,7 @@ void place(const Header& header, std::span<const std::byte> payload, std::shared
 }  // namespace
 
 std::vector<std::byte> save(const Layout& layout, const TriangleMesh& mesh) {
-  Header header;
+  SavedHeader header;
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.has_corners = layout.has_corners ? 1 : 0;
   header.triangle_count = mesh.triangles.size();
@@ -111,7 +111,8 @@ std::vector<std::byte> save(const Layout& layout, const TriangleMesh& mesh) {
   std::copy_n(layout.root_low, 3, header.root_low);
   std::copy_n(layout.root_high, 3, header.root_high);
   std::vector<std::byte> bytes;
-  bytes.reserve(sizeof(Header) + layout.nodes.bytes() + layout.leaves.bytes() + layout.splits.size() * sizeof(Split));
+  bytes.reserve(sizeof(SavedHeader) + layout.nodes.bytes() + layout.leaves.bytes() +
+                layout.splits.size() * sizeof(Split));
   const auto append = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
   append(std::as_bytes(std::span(&header, 1)));
   append(std::as_bytes(std::span(layout.nodes.data(), layout.nodes.size())));
@@ -122,23 +123,23 @@ std::vector<std::byte> save(const Layout& layout, const TriangleMesh& mesh) {
 }
 
 void seal(std::span<std::byte> saved, const TriangleMesh& mesh) {
-  if (saved.size() < sizeof(Header)) return;
+  if (saved.size() < sizeof(SavedHeader)) return;
   const unsigned threads = thread_count(0);
-  Header header;
-  std::memcpy(&header, saved.data(), sizeof(Header));
+  SavedHeader header;
+  std::memcpy(&header, saved.data(), sizeof(SavedHeader));
   header.mesh_checksum = mesh_checksum(mesh, threads);
-  header.payload_checksum = checksum(saved.subspan(sizeof(Header)), threads);
+  header.payload_checksum = checksum(saved.subspan(sizeof(SavedHeader)), threads);
   header.header_checksum = header_checksum(header);
-  std::memcpy(saved.data(), &header, sizeof(Header));
+  std::memcpy(saved.data(), &header, sizeof(SavedHeader));
 }
 
 std::string load(const TriangleMesh& mesh, std::span<const std::byte> bytes, std::shared_ptr<const void> keeper,
                  unsigned threads, Layout& layout, BvhReport& report) {
-  Header header;
-  if (bytes.size() < sizeof(Header)) return "it is cut short";
-  std::memcpy(&header, bytes.data(), sizeof(Header));
+  SavedHeader header;
+  if (bytes.size() < sizeof(SavedHeader)) return "it is cut short";
+  std::memcpy(&header, bytes.data(), sizeof(SavedHeader));
   if (std::string flaw = flaw_of_header(header, mesh, bytes.size()); !flaw.empty()) return flaw;
-  const std::span<const std::byte> payload = bytes.subspan(sizeof(Header));
+  const std::span<const std::byte> payload = bytes.subspan(sizeof(SavedHeader));
   if (checksum(payload, threads) != header.payload_checksum) return "its checksum is not that of its bytes";
   if (mesh_checksum(mesh, threads) != header.mesh_checksum) return "it is of another mesh";
   const MeshFrame found = mesh_frame(mesh, threads);

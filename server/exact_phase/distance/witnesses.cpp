@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/exact_phase/arithmetic/value.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 /// A unit vector without the components that are rounding: in axis-aligned scenes the true direction has none.
 Vec3 squared_up(const Vec3& n) {
   Vec3 result = unit(n);
-  for (double& x : result) x = std::abs(x) < 1e-7 ? 0 : x;
+  for (double& x : result) x = std::abs(x) < kSquaredUp ? 0 : x;
   return unit(result);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
@@ -16,8 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double sum_down(double a, double b) {
   const double sum = a + b;
-  const double b_part = sum - a;
-  return (a - (sum - b_part)) + (b - b_part) < 0 ? std::nextafter(sum, -kInfinity) : sum;
+  return lost_in_sum(a, b, sum) < 0 ? std::nextafter(sum, -kInfinity) : sum;
 }
 double sum_up(double a, double b) { return -sum_down(-a, -b); }
 
@@ -71,8 +71,7 @@ Bounded moved(double origin, double t, double direction) {
   const double motion = t * direction;
   const double way_lost = std::fma(t, direction, -motion);
   const double sum = origin + motion;
-  const double way_part = sum - origin;
-  const double rest = ((origin - (sum - way_part)) + (motion - way_part)) + way_lost;
+  const double rest = lost_in_sum(origin, motion, sum) + way_lost;
   const double value = sum + rest;
   if (rest == 0 && std::abs(motion) > kSmallestPlain) return value;
   return {value, 2 * kRoundoff * (std::abs(value) + std::abs(rest)) + kUnderflow};

@@ -16,6 +16,10 @@ inline Vec3 normalized_weights(double a, double b, double c) {
   return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
 }
 
+/// Of corners scaled to 1: an area or product below this is roundings for the most part (a few 1e-16 each, three digits
+/// are to be left). Weights alone depend on it.
+inline constexpr double kFlat = 1e-12;
+
 /// Barycentric weights of a point of the triangle, for a ray that gives none: it lies in the plane, or there is no
 /// plane.
 inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
@@ -27,7 +31,7 @@ inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
   const Vec3 c = corner[2] / scale;
   const double area[3] = {b.cross(c).norm(), c.cross(a).norm(), a.cross(b).norm()};
   const double sum = area[0] + area[1] + area[2];
-  if (sum > 1e-12) return normalized_weights(area[0], area[1], area[2]);
+  if (sum > kFlat) return normalized_weights(area[0], area[1], area[2]);
   // On an edge of a triangle without area: interpolate between the pair of corners around the point.
   const Vec3 span[3] = {a, b, c};
   Vec3 best(1, 0, 0);
@@ -36,7 +40,7 @@ inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
     const Vec3& p = span[i];
     const Vec3& q = span[(i + 1) % 3];
     const double length = (q - p).norm();
-    if (length <= best_length || p.dot(q) > 1e-12) continue;
+    if (length <= best_length || p.dot(q) > kFlat) continue;
     best_length = length;
     best = Vec3::Zero();
     const double part = length > 0 ? std::clamp(p.norm() / length, 0.0, 1.0) : 0.0;

@@ -22,7 +22,7 @@ namespace {
 constexpr int kMostRounds = 8;
 
 /// What a round finds in the mesh as it is then.
-struct Found {
+struct SeamRound {
   std::vector<std::uint32_t> point_of;
   EdgeTable edges;
   std::vector<Seam> seams;
@@ -30,8 +30,8 @@ struct Found {
   std::uint64_t boundary_edge_count = 0;
 };
 
-Found look(const TriangleMesh& mesh, const SeamReach& reach, const Aabb& bounds) {
-  Found found;
+SeamRound look(const TriangleMesh& mesh, const SeamReach& reach, const Aabb& bounds) {
+  SeamRound found;
   found.point_of = first_equal_vertices(mesh.vertices);
   std::vector<bool> is_flat(mesh.triangles.size());
   for (std::uint32_t i = 0; i < is_flat.size(); ++i) is_flat[i] = has_zero_area(mesh.triangle(i));
@@ -46,7 +46,7 @@ Found look(const TriangleMesh& mesh, const SeamReach& reach, const Aabb& bounds)
 }
 
 /// Moves points beside each other to the first of them, smallest gaps first; no point goes farther than crack_m.
-bool join_points(const Found& found, double crack_m, TriangleMesh& mesh, MendReport& report) {
+bool join_points(const SeamRound& found, double crack_m, TriangleMesh& mesh, MendReport& report) {
   std::vector<const Seam*> pairs;
   for (const Seam& seam : found.seams) {
     if (seam.kind == Seam::Kind::beside_point) pairs.push_back(&seam);
@@ -104,7 +104,7 @@ void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
   }
 }
 
-bool cut_edges(const Found& found, MendedMesh& mended) {
+bool cut_edges(const SeamRound& found, MendedMesh& mended) {
   std::map<std::uint32_t, EdgeCut> cuts;  // sorted by triangle, so that pieces follow the order of the file
   MendReport& report = mended.report;
   for (const Seam& seam : found.seams) {
@@ -172,7 +172,7 @@ MendedMesh mend(TriangleMesh mesh, double crack_m) {
   for (const Vec3& vertex : mended.mesh.vertices) bounds.extend(vertex);
   const SeamReach reach = seam_reach(mended.mesh, bounds, crack_m);
   mended.report.crack_m = reach.crack_m;
-  Found found = look(mended.mesh, reach, bounds);
+  SeamRound found = look(mended.mesh, reach, bounds);
   mended.report.boundary_edges_before = found.boundary_edge_count;
   for (int round = 0; round < kMostRounds && !found.seams.empty(); ++round) {
     // Edges are cut only in a round that moves no point.

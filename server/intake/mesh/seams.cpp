@@ -75,15 +75,15 @@ class SeamSearch {
   double allowed_m(std::uint32_t point) const { return std::min(reach_.crack_m, kCrackShare * shortest_m_[point]); }
 
   /// The nearest other point and the nearest edge of the border, where they are near enough.
-  struct Nearest {
+  struct NearestSeam {
     Seam to_point{.kind = Seam::Kind::beside_point};
     Seam to_edge{.kind = Seam::Kind::beside_edge};
     bool has_point = false;
     bool has_edge = false;
   };
 
-  Nearest look_around(std::uint32_t point, const SegmentGrid& grid) {
-    Nearest found;
+  NearestSeam look_around(std::uint32_t point, const SegmentGrid& grid) {
+    NearestSeam found;
     found.to_point.point = found.to_edge.point = point;
     found.to_point.gap_m = allowed_m(point);
     found.to_edge.gap_m = std::min(std::max(reach_.crack_m, reach_.on_edge_m), kCrackShare * shortest_m_[point]);
@@ -98,7 +98,7 @@ class SeamSearch {
     return found;
   }
 
-  void weigh_point(const Border& border, std::uint32_t end, Nearest& found) const {
+  void weigh_point(const Border& border, std::uint32_t end, NearestSeam& found) const {
     Seam& best = found.to_point;
     const double gap_m = (at(end) - at(best.point)).norm();
     if (!(gap_m <= std::min(best.gap_m, allowed_m(end)))) return;
@@ -109,7 +109,7 @@ class SeamSearch {
     found.has_point = true;
   }
 
-  void weigh_edge(const Border& border, Nearest& found) const {
+  void weigh_edge(const Border& border, NearestSeam& found) const {
     Seam& best = found.to_edge;
     const double gap_m = gap_to_inside(border, best.point);
     if (!(gap_m <= best.gap_m) || (found.has_edge && gap_m == best.gap_m && border.half >= best.edge)) return;
@@ -123,11 +123,11 @@ class SeamSearch {
   std::vector<Seam> told() const {
     std::vector<Seam> seams;
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const Nearest& own = nearest_[i];
+      const NearestSeam& own = nearest_[i];
       if (own.has_point) {
         // Two points usually find each other; such a pair is reported once.
         const auto other = std::lower_bound(points_.begin(), points_.end(), own.to_point.other_point) - points_.begin();
-        const Nearest& its = nearest_[static_cast<std::size_t>(other)];
+        const NearestSeam& its = nearest_[static_cast<std::size_t>(other)];
         const bool is_mutual = its.has_point && its.to_point.other_point == points_[i];
         if (!is_mutual || points_[i] < own.to_point.other_point) seams.push_back(own.to_point);
       } else if (own.has_edge) {
@@ -158,7 +158,7 @@ class SeamSearch {
   std::vector<Border> borders_;
   std::vector<double> shortest_m_;     // of the edges at each point
   std::vector<std::uint32_t> points_;  // of the border, ascending
-  std::vector<Nearest> nearest_;       // of each
+  std::vector<NearestSeam> nearest_;   // of each
   std::uint64_t test_count_ = 0;
 };
 

@@ -42,7 +42,7 @@ class Pieces {
  private:
   static constexpr std::uint32_t kRing = 0xffffffff;
 
-  struct Way {
+  struct NeighbourVertex {
     std::uint32_t to;
     std::uint32_t diagonal;
   };
@@ -70,7 +70,7 @@ class Pieces {
     std::vector<std::uint32_t> other(diagonals.size(), kRing);
     for (std::uint32_t i = 0; i < rings_.points.size(); ++i) {
       std::sort(motions_.begin() + first_motion_[i] + 1, motions_.begin() + first_motion_[i + 1],
-                [&](const Way& a, const Way& b) { return comes_before(i, a.to, b.to); });
+                [&](const NeighbourVertex& a, const NeighbourVertex& b) { return comes_before(i, a.to, b.to); });
       for (std::uint32_t w = first_motion_[i]; w < first_motion_[i + 1]; ++w) {
         starts_[w] = i;
         if (motions_[w].diagonal == kRing) continue;
@@ -89,7 +89,7 @@ class Pieces {
 
   const PolygonRings& rings_;
   std::vector<std::uint32_t> first_motion_;  // by point
-  std::vector<Way> motions_;
+  std::vector<NeighbourVertex> motions_;
   std::vector<std::uint32_t> starts_;  // by motion: the point it leaves
   std::vector<std::uint32_t> twin_;    // by motion: for a diagonal, the opposite direction
 };

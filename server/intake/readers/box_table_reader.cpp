@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "idl/unit_quaternion.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/readers/reading.hpp"
@@ -152,7 +153,7 @@ class BoxTableReader {
     const Quat q(number(cells, (*turn_)[0]), number(cells, (*turn_)[1]), number(cells, (*turn_)[2]),
                  number(cells, (*turn_)[3]));
     const double norm = q.norm();
-    if (!(std::abs(norm - 1) <= kUnitNormSlack))
+    if (!wire_contract::is_unit_quaternion(q))
       complain(fmt::format("quaternion norm {}, allowed 1 +- {}", norm, kUnitNormSlack));
     return std::abs(q.squaredNorm() - 1) > kNormalizedSlack ? Quat(q.coeffs() / norm) : q;
   }

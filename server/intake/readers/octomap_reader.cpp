@@ -33,7 +33,7 @@ class OctomapReader {
   }
 
  private:
-  struct Node {
+  struct OctreeNode {
     int depth = 0;
     std::int64_t x = 0, y = 0, z = 0;  // its low corner, in cells from the origin
   };
@@ -70,9 +70,9 @@ class OctomapReader {
   void walk() {
     if (reported_nodes_ == 0) return;
     constexpr std::int64_t kHalf = std::int64_t{1} << (kDepth - 1);
-    std::vector<Node> waiting{{0, -kHalf, -kHalf, -kHalf}};
+    std::vector<OctreeNode> waiting{{0, -kHalf, -kHalf, -kHalf}};
     while (!waiting.empty()) {
-      const Node node = waiting.back();
+      const OctreeNode node = waiting.back();
       waiting.pop_back();
       if (reading_.bytes.size() - at_ < 2) refuse_byte(reading_, at_, "the tree breaks off");
       const unsigned bits = static_cast<std::uint8_t>(reading_.bytes[at_]) |
@@ -86,10 +86,10 @@ class OctomapReader {
     }
   }
 
-  void take_child(const Node& node, unsigned child, bool is_inner, std::vector<Node>& waiting) {
+  void take_child(const OctreeNode& node, unsigned child, bool is_inner, std::vector<OctreeNode>& waiting) {
     const std::int64_t cells = std::int64_t{1} << (kDepth - node.depth - 1);  // its side
-    const Node place{node.depth + 1, node.x + (child & 1 ? cells : 0), node.y + (child & 2 ? cells : 0),
-                     node.z + (child & 4 ? cells : 0)};
+    const OctreeNode place{node.depth + 1, node.x + (child & 1 ? cells : 0), node.y + (child & 2 ? cells : 0),
+                           node.z + (child & 4 ? cells : 0)};
     if (is_inner) {
       if (place.depth == kDepth) refuse_byte(reading_, at_ - 2, fmt::format("a tree of more than {} levels", kDepth));
       waiting.push_back(place);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "idl/scene_generated.h"
+#include "idl/unit_quaternion.hpp"
 #include "server/geometry/convex_hull.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/limits.hpp"
@@ -111,7 +112,7 @@ class SceneDecoder {
   Quat rotation(const format::Quat& from, std::string_view what) const {
     Quat rotation(from.w(), from.x(), from.y(), from.z());
     const double norm = rotation.norm();
-    if (!(std::abs(norm - 1) <= kUnitNormSlack)) {
+    if (!wire_contract::is_unit_quaternion(rotation)) {
       throw Flaw{fmt::format("{} has quaternion norm {}, allowed 1 +- {}", what, norm, kUnitNormSlack)};
     }
     if (std::abs(rotation.squaredNorm() - 1) > kNormalizedSlack) { rotation.coeffs() /= norm; }

@@ -128,10 +128,10 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
 /// Bytes at an address aligned for doubles: the given ones if they are, else a copy.
 class AlignedBytes {
  public:
-  AlignedBytes(const void* data, std::size_t byte_count) : data_(static_cast<const std::uint8_t*>(data)) {
-    if (reinterpret_cast<std::uintptr_t>(data) % alignof(double) != 0) {
-      copy_.resize(byte_count / sizeof(std::uint64_t) + 1);
-      std::memcpy(copy_.data(), data, byte_count);
+  explicit AlignedBytes(std::span<const std::byte> bytes) : data_(reinterpret_cast<const std::uint8_t*>(bytes.data())) {
+    if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(double) != 0) {
+      copy_.resize(bytes.size() / sizeof(std::uint64_t) + 1);
+      std::memcpy(copy_.data(), bytes.data(), bytes.size());
       data_ = reinterpret_cast<const std::uint8_t*>(copy_.data());
     }
   }
@@ -176,19 +176,20 @@ void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_
   if (!fits) throw Flaw{"cut or damaged: its checksum is not that of its bytes"};
 }
 
-Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_t max_triangles) {
-  const AlignedBytes aligned(bytes, byte_count);
-  const auto* root = verified<format::Scene>(aligned.data(), byte_count, format::SceneIdentifier());
+Scene decode_scene_bytes(std::span<const std::byte> bytes, std::uint64_t max_triangles) {
+  const AlignedBytes aligned(bytes);
+  const auto* root = verified<format::Scene>(aligned.data(), bytes.size(), format::SceneIdentifier());
   if (root == nullptr) { throw Flaw{"not a scene file, or a damaged one: its tables do not check out"}; }
-  check_whole(*root, aligned.data(), byte_count);
-  return decode_scene(*root, byte_count, max_triangles);
+  check_whole(*root, aligned.data(), bytes.size());
+  return decode_scene(*root, bytes.size(), max_triangles);
 }
 
 }  // namespace
 
 Scene read_scene_file(const Reading& reading) {
   try {
-    Scene scene = decode_scene_bytes(reading.bytes.data(), table_bytes(reading.bytes), reading.options.max_triangles);
+    const std::span tables = std::as_bytes(std::span(reading.bytes)).first(table_bytes(reading.bytes));
+    Scene scene = decode_scene_bytes(tables, reading.options.max_triangles);
     if (!attach_indexes(reading.bytes, reading.keeper, scene)) {
       reading.report.warnings.emplace_back("the list of saved indexes is damaged; they are built anew");
     }
@@ -197,7 +198,7 @@ Scene read_scene_file(const Reading& reading) {
 }
 
 void seal_scene(std::span<std::byte> tables) {
-  const AlignedBytes aligned(tables.data(), tables.size());
+  const AlignedBytes aligned(tables);
   if (verified<format::Scene>(aligned.data(), tables.size(), format::SceneIdentifier()) == nullptr) return;
   const std::optional<std::size_t> place = checksum_place(aligned.data());
   if (!place) return;
@@ -221,7 +222,7 @@ void save_scene_by(const std::string& name, const Scene& scene, const Put& put) 
   seal_scene(encoder.bytes());
   const std::span<const std::byte> bytes = encoder.bytes();
   try {
-    decode_scene_bytes(bytes.data(), bytes.size(), kMaxVertices);
+    decode_scene_bytes(bytes, kMaxVertices);
   } catch (const Flaw& flaw) { fail(flaw.what); }
   std::vector<std::byte> padding;
   std::vector<std::byte> list;
@@ -244,7 +245,7 @@ DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& l
   if (bytes.size() > limits.max_bytes) {
     return {std::nullopt, fmt::format("{} bytes, limit {}", bytes.size(), limits.max_bytes)};
   }
-  const AlignedBytes aligned(bytes.data(), bytes.size());
+  const AlignedBytes aligned(std::as_bytes(std::span(bytes)));
   const auto* root = verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
   if (root == nullptr) { return {std::nullopt, "not a shape, or a damaged one: its tables do not check out"}; }
   try {

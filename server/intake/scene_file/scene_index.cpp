@@ -31,9 +31,10 @@ static_assert(sizeof(LastRecord) == kBlockBytes);
 
 std::size_t whole_blocks(std::size_t byte_count) { return (byte_count + kBlockBytes - 1) / kBlockBytes * kBlockBytes; }
 
-void append(std::vector<std::byte>& to, const void* data, std::size_t byte_count) {
-  const auto* bytes = static_cast<const std::byte*>(data);
-  to.insert(to.end(), bytes, bytes + byte_count);
+template <class Record>
+void append(std::vector<std::byte>& to, std::span<const Record> records) {
+  const auto bytes = std::as_bytes(records);
+  to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
 bool all_zero(std::span<const char> bytes) {
@@ -85,8 +86,8 @@ std::vector<std::span<const std::byte>> index_section(const Scene& scene, std::s
   LastRecord last{
       .table_bytes = before_bytes, .list_first_byte = at, .entry_count = static_cast<std::uint32_t>(entries.size())};
   std::memcpy(last.magic, kMagic, sizeof(kMagic));
-  append(list, entries.data(), entries.size() * sizeof(IndexEntry));
-  append(list, &last, sizeof(last));
+  append<IndexEntry>(list, entries);
+  append<LastRecord>(list, {&last, 1});
   pieces.push_back(list);
   return pieces;
 }

@@ -89,7 +89,7 @@ class Simplifier {
  private:
   using Neighbour = ShrinkingSurface::Neighbour;
 
-  struct Target {
+  struct CollapseTarget {
     double cost;
     Neighbour kept;
   };
@@ -225,7 +225,7 @@ class Simplifier {
     if (cost < offered_[vertex]) push(vertex, cost);
   }
 
-  static bool by_cost(const Target& a, const Target& b) {
+  static bool by_cost(const CollapseTarget& a, const CollapseTarget& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.kept.vertex < b.kept.vertex;
   }
 
@@ -287,7 +287,7 @@ class Simplifier {
   }
 
   bool turns_too_far() const {
-    for (const Moved& moved : moved_) {
+    for (const MovedVertex& moved : moved_) {
       const UnitNormal after = normal_of(moved.corners);
       const UnitNormal before = normal_of(surface_.corners()[moved.triangle]);
       const UnitNormal& first = normals_[moved.triangle];
@@ -304,7 +304,7 @@ class Simplifier {
     const std::vector<Vec3>& vertices = surface_.vertices();
     moved_sides_.clear();
     moved_bounds_.clear();
-    for (const Moved& moved : moved_) {
+    for (const MovedVertex& moved : moved_) {
       Aabb& bounds = moved_bounds_.emplace_back();
       for (const std::uint32_t corner : moved.corners) bounds.extend(vertices[corner]);
       moved_sides_.emplace_back(vertices, moved.corners);
@@ -344,7 +344,7 @@ class Simplifier {
     offer(kept, ring_);
   }
 
-  struct Moved {
+  struct MovedVertex {
     std::uint32_t triangle;
     TriangleCorners corners;
   };
@@ -372,8 +372,8 @@ class Simplifier {
   std::vector<std::uint32_t> ring_;
   std::vector<Neighbour> neighbours_;
   std::vector<Neighbour> changed_;
-  std::vector<Target> targets_;
-  std::vector<Moved> moved_;
+  std::vector<CollapseTarget> targets_;
+  std::vector<MovedVertex> moved_;
   std::vector<TriangleSides> moved_sides_;  // of those
   std::vector<Aabb> moved_bounds_;          // and theirs
   std::vector<GrowingTree::Meeting> near_;

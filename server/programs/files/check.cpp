@@ -97,9 +97,9 @@ json mesh_json(const CheckedMesh& checked) {
   if (checked.silhouette_edge_count) object["silhouette_edges"] = *checked.silhouette_edge_count;
   if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) object["unit_doubt"] = doubt;
   json worst = json::object();
-  for (const Finding& finding : findings_of(checked, kWorstInJson)) {
+  for (const MeshFinding& finding : findings_of(checked, kWorstInJson)) {
     json places = json::array();
-    for (const Place& place : finding.worst) {
+    for (const FindingPlace& place : finding.worst) {
       json one{{"object", place.object}, {"triangle", place.triangle}, {"detail", place.detail}};
       if (place.with) one["with"] = {{"object", place.with->object}, {"triangle", place.with->triangle}};
       places.push_back(std::move(one));
@@ -140,9 +140,9 @@ std::string surface_text(const MeshHealth& health) {
 }
 
 /// Prints the result for people, line by line. Without `full` it fits a screen.
-class Report {
+class CheckReport {
  public:
-  Report(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report,
+  CheckReport(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report,
          const CheckOptions& options)
       : scene_(scene), meshes_(meshes), report_(report), full_(options.full), quiet_(options.quiet) {}
 
@@ -220,11 +220,11 @@ class Report {
 
   /// The findings, worst kind first; below each its worst places, as far as the screen goes.
   void print_findings(const CheckedMesh& checked) {
-    const std::vector<Finding> findings = by_weight(findings_of(checked, kWorstInTable));
+    const std::vector<MeshFinding> findings = by_weight(findings_of(checked, kWorstInTable));
     if (findings.empty()) line("  nothing is wrong with it");
     const bool names_objects = checked.parts != nullptr && checked.parts->size() > 1;
     std::size_t kinds_left = findings.size();
-    for (const Finding& finding : findings) {
+    for (const MeshFinding& finding : findings) {
       line(finding_text(finding));
       --kinds_left;
       if (finding.worst.empty()) continue;
@@ -239,7 +239,7 @@ class Report {
 
   /// Of a consequence in several clauses, on a screen that is too narrow for all, the first and the last, which says
   /// what to do.
-  std::string finding_text(const Finding& finding) {
+  std::string finding_text(const MeshFinding& finding) {
     const std::string head = fmt::format("  {:>11}  {:<20} ", grouped(finding.count), finding.what);
     const std::string& all = finding.consequence;
     const std::size_t first = all.find("; ");
@@ -249,10 +249,10 @@ class Report {
     return head + (head.size() + ends.size() <= kScreenColumns ? ends : all.substr(0, first));
   }
 
-  std::string places_text(const Finding& finding, bool names_objects) {
+  std::string places_text(const MeshFinding& finding, bool names_objects) {
     constexpr std::size_t kHead = kIndent + std::string_view("the worst: ").size();
     std::string text;
-    for (const Place& place : finding.worst) {
+    for (const FindingPlace& place : finding.worst) {
       const auto named = [&](const std::string& object, std::uint32_t number) {
         const std::string name = full_ ? object : short_name(object);
         return fmt::format("{}triangle {}", names_objects ? name + " " : "", number);
@@ -288,7 +288,7 @@ class Report {
     std::vector<std::string> sound;
     for (const CheckedMesh& checked : meshes_) {
       std::string kinds;
-      for (const Finding& finding : by_weight(findings_of(checked, 0)))
+      for (const MeshFinding& finding : by_weight(findings_of(checked, 0)))
         kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", grouped(finding.count), finding.what);
       const std::string text =
           fmt::format("  {}  {}, {}", short_name(checked.name), counted(checked.health.triangle_count, "triangle"),
@@ -342,7 +342,7 @@ int check(const FileOptions& file, const CheckOptions& options) {
       check_meshes(scene, scrutiny, [&](double fraction) { line->tell(kLoaded + (1 - kLoaded) * fraction); });
   line.reset();
   if (options.as_json) print_json(scene, meshes, report);
-  else Report(scene, meshes, report, options).print();
+  else CheckReport(scene, meshes, report, options).print();
   if (options.volumes) print_volumes(scene);
   if (options.encodings) print_encodings(scene);
   return report.refused.empty() ? 0 : 1;

@@ -9,6 +9,7 @@
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/intake/scene_file/scene_index.hpp"
 #include "server/programs/files/interrupt.hpp"
@@ -28,14 +29,9 @@ Vec3 middle(const Scene& scene) {
 }
 
 /// a - b; counts the difference where it was rounded.
-///
-/// source  Knuth's TwoSum
 double subtract(double a, double b, std::uint64_t& rounded_count) {
   const double difference = a - b;
-  const double b_part = a - difference;
-  const double a_part = difference + b_part;
-  const bool exact = (a - a_part) + (b_part - b) == 0;
-  if (!exact) ++rounded_count;
+  if (lost_in_sum(a, -b, difference) != 0) ++rounded_count;
   return difference;
 }
 

@@ -24,7 +24,7 @@ std::vector<std::uint32_t> part_numbers(const TriangleMesh& mesh, const std::vec
 }
 
 /// One fault at a triangle, and how bad it is.
-struct Item {
+struct TriangleFault {
   std::uint32_t triangle = 0;
   double size_m = 0;
   std::string detail{};
@@ -35,7 +35,7 @@ class Findings {
  public:
   Findings(const CheckedMesh& checked, std::size_t worst_count) : c_(checked), worst_count_(worst_count) {}
 
-  std::vector<Finding> all() {
+  std::vector<MeshFinding> all() {
     add_edges();
     add_triangles();
     add_seams();
@@ -60,31 +60,33 @@ class Findings {
     return {part.name, part.cut.told(triangle - part.first_triangle, part.triangle_count)};
   }
 
-  Place place(const Item& item) const {
+  FindingPlace place(const TriangleFault& item) const {
     NamedTriangle at = named(item.triangle);
-    Place place{std::move(at.object), at.triangle, item.detail};
+    FindingPlace place{std::move(at.object), at.triangle, item.detail};
     if (item.with) place.with = named(*item.with);
     return place;
   }
 
-  void add(const char* key, const char* what, std::uint64_t count, std::vector<Item> items, std::string consequence) {
+  void add(const char* key, const char* what, std::uint64_t count, std::vector<TriangleFault> items,
+           std::string consequence) {
     if (count == 0) return;
     const std::size_t kept = std::min(items.size(), worst_count_);
-    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.size_m > b.size_m; });
-    Finding finding{key, what, count, {}, std::move(consequence)};
+    std::stable_sort(items.begin(), items.end(),
+                     [](const TriangleFault& a, const TriangleFault& b) { return a.size_m > b.size_m; });
+    MeshFinding finding{key, what, count, {}, std::move(consequence)};
     for (std::size_t i = 0; i < kept; ++i) finding.worst.push_back(place(items[i]));
     findings_.push_back(std::move(finding));
   }
 
-  std::vector<Item> sides(const std::vector<HalfEdge>& halves) const {
-    std::vector<Item> items;
+  std::vector<TriangleFault> sides(const std::vector<HalfEdge>& halves) const {
+    std::vector<TriangleFault> items;
     for (const HalfEdge half : halves) {
       items.push_back({triangle_of(half), length_m(half), fmt::format("side {}", half - 3 * triangle_of(half))});
     }
     return items;
   }
-  std::vector<Item> triangles(const std::vector<std::uint32_t>& numbers) const {
-    std::vector<Item> items;
+  std::vector<TriangleFault> triangles(const std::vector<std::uint32_t>& numbers) const {
+    std::vector<TriangleFault> items;
     for (const std::uint32_t number : numbers) items.push_back({number, longest_m(number)});
     return items;
   }
@@ -95,7 +97,7 @@ class Findings {
         "kept; the surface is open: nothing is inside");
     add("nonmanifold_edges", "edges of 3 and more", h.nonmanifold_edge_count, sides(h.nonmanifold_edges),
         "kept; each triangle answers by itself");
-    std::vector<Item> twice;
+    std::vector<TriangleFault> twice;
     for (std::size_t i = 0; i < h.edges.size(); ++i) {
       if (!h.edges.is_inconsistent(i)) continue;
       const HalfEdge half = h.edges.uses_of(i)[0];
@@ -104,7 +106,7 @@ class Findings {
     add("inconsistent_edges", "run along twice", h.inconsistent_edge_count, std::move(twice),
         "kept; triangles are met from both sides");
     add("unorientable", "one-sided pieces", h.unorientable_count, {}, "kept; no side of it is outside");
-    std::vector<Item> pinched;
+    std::vector<TriangleFault> pinched;
     for (const std::uint32_t point : h.pinched_points)
       pinched.push_back({triangle_at(point), 0, fmt::format("vertex {}", point)});
     add("pinched_points", "pinched points", h.pinched_points.size(), std::move(pinched),
@@ -128,7 +130,7 @@ class Findings {
     add("zero_area", "without area", h.zero_area_count, triangles(h.zero_area),
         "kept as the segments or points they are");
     add("duplicates", "repeat another", h.duplicate_count, triangles(h.duplicates), "kept; the first of them is named");
-    std::vector<Item> crossings;
+    std::vector<TriangleFault> crossings;
     for (const TrianglePair& pair : c_.crossings.pairs) {
       if (crossings.size() == worst_count_) break;
       crossings.push_back({pair.a, 0, {}, pair.b});
@@ -139,8 +141,8 @@ class Findings {
   }
 
   void add_seams() {
-    std::vector<Item> t_vertices;
-    std::vector<Item> cracks;
+    std::vector<TriangleFault> t_vertices;
+    std::vector<TriangleFault> cracks;
     for (const Seam& seam : c_.health.seams) {
       const std::uint32_t triangle = triangle_of(seam.edge);
       const std::string detail =
@@ -158,7 +160,7 @@ class Findings {
 
   const CheckedMesh& c_;
   std::size_t worst_count_;
-  std::vector<Finding> findings_;
+  std::vector<MeshFinding> findings_;
   std::vector<std::uint32_t> first_triangles_;
 };
 
@@ -201,20 +203,20 @@ CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::ve
   return checked;
 }
 
-std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count) {
+std::vector<MeshFinding> findings_of(const CheckedMesh& checked, std::size_t worst_count) {
   return Findings(checked, worst_count).all();
 }
 
-std::vector<Finding> by_weight(std::vector<Finding> findings) {
+std::vector<MeshFinding> by_weight(std::vector<MeshFinding> findings) {
   constexpr std::string_view kHeaviestFirst[] = {
       "cracks",       "t_vertices",     "flipped",           "inconsistent_edges",
       "unorientable", "boundary_edges", "nonmanifold_edges", "zero_area",
       "duplicates",   "pinched_points", "self_intersections"};
-  const auto weight = [&](const Finding& finding) {
+  const auto weight = [&](const MeshFinding& finding) {
     return std::find(std::begin(kHeaviestFirst), std::end(kHeaviestFirst), finding.key);
   };
   std::stable_sort(findings.begin(), findings.end(),
-                   [&](const Finding& a, const Finding& b) { return weight(a) < weight(b); });
+                   [&](const MeshFinding& a, const MeshFinding& b) { return weight(a) < weight(b); });
   return findings;
 }
 

@@ -46,7 +46,7 @@ struct NamedTriangle {
 };
 
 /// Where a finding is: a triangle, in `detail` a side or a point, where there is one, and the triangle that it meets.
-struct Place {
+struct FindingPlace {
   std::string object;
   std::uint32_t triangle = 0;
   std::string detail;
@@ -54,18 +54,18 @@ struct Place {
 };
 
 /// One kind of fault of a mesh.
-struct Finding {
+struct MeshFinding {
   const char* key;   // its name in JSON
   const char* what;  // its name in the table
   std::uint64_t count = 0;
-  std::vector<Place> worst;  // worst first
-  std::string consequence;   // what the service does about it
+  std::vector<FindingPlace> worst;  // worst first
+  std::string consequence;          // what the service does about it
 };
 
 /// The faults that the mesh has, in a fixed order, each with at most worst_count places.
-std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
+std::vector<MeshFinding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
 
 /// The same findings, what spoils answers first and what is usual last.
-std::vector<Finding> by_weight(std::vector<Finding> findings);
+std::vector<MeshFinding> by_weight(std::vector<MeshFinding> findings);
 
 }  // namespace collided::engine::files

@@ -148,37 +148,38 @@ void Commands::load_one(Load load) {
 /// BadCommand, and then nothing was added.
 json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   World& world = with_.loop.world();
+  const Scene& scene = loaded.indexed.scene;
   const auto& scenes = world.newest()->scenes;
   const bool there =
-      std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
+      std::any_of(scenes.begin(), scenes.end(), [&](const auto& other) { return other->name == scene.name; });
   if (there && !load.replace) {
-    throw BadCommand(fmt::format("scene {} is loaded already", printable(loaded.scene.name)),
+    throw BadCommand(fmt::format("scene {} is loaded already", printable(scene.name)),
                      "--replace it, or load under another --name");
   }
   if (there) {
-    if (const std::optional<Refusal> refusal = world.refusal_of(loaded.scene, true)) throw BadCommand(refusal->reason);
+    if (const std::optional<Refusal> refusal = world.refusal_of(scene, true)) throw BadCommand(refusal->reason);
     with_.loop.step_now();
-    world.remove_scene(loaded.scene.name);
+    world.remove_scene(scene.name);
     with_.loop.note_change();
   }
-  loaded.indexed->source = load.ask.text;
-  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  loaded.indexed.geometry->source = load.ask.text;
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
-  if (!load.covers.empty()) world.state_covers(loaded.scene.name, load.covers);
+  if (!load.covers.empty()) world.state_covers(scene.name, load.covers);
   if (with_.durable != nullptr) {
-    with_.durable->scene_loaded(loaded.scene.name, load.ask);
+    with_.durable->scene_loaded(scene.name, load.ask);
     if (!load.covers.empty()) with_.durable->covers_stated();
   }
-  keep_upload(loaded.scene.name, load.path);
+  keep_upload(scene.name, load.path);
   const std::uint64_t version = step();
   json left_out = json::array();
   for (const PlanRow& row : plan_of(*world.newest(), with_.loop.contacts_wanted())) {
     if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
   }
-  return {{"scene", loaded.scene.name},
+  return {{"scene", scene.name},
           {"triangles", loaded.triangles},
-          {"parts", loaded.scene.parts.size()},
-          {"objects", loaded.scene.objects.size()},
+          {"parts", scene.parts.size()},
+          {"objects", scene.objects.size()},
           {"seconds", loaded.seconds},
           {"placed", loaded.report.placed},
           {"notes", loaded.report.notes},

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "idl/clocks.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/world/world.hpp"
@@ -13,10 +14,10 @@ namespace {
 constexpr double kReadingShare = 0.5;
 
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
-  LoadedScene loaded{.scene = std::move(scene), .indexed = nullptr, .report = std::move(report)};
-  loaded.triangles = loaded.scene.mesh.triangles.size();
+  LoadedScene loaded{.indexed = {}, .report = std::move(report)};
+  loaded.triangles = scene.mesh.triangles.size();
   Aabb bounds;
-  for (const Vec3& vertex : loaded.scene.mesh.vertices) bounds.extend(vertex);  // before the index takes them
+  for (const Vec3& vertex : scene.mesh.vertices) bounds.extend(vertex);  // before the index takes them
   const std::string unit_doubt = unit_suspicion(bounds);
   BvhOptions bvh;
   if (options.progress) {
@@ -24,13 +25,14 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   }
   bvh.cancelled = options.cancelled;
   bvh.form = BvhForm::best;
-  loaded.indexed = World::index_scene(loaded.scene, bvh);
+  loaded.indexed = World::index_scene(std::move(scene), bvh);
   if (options.cancelled && options.cancelled())
-    throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
+    throw LoadError(loaded.indexed.scene.name + ": the load was called off. Nothing was loaded.");
+  const std::vector<std::string>& of_indexes = loaded.indexed.geometry->warnings;
   std::vector<std::string>& warnings = loaded.report.warnings;
-  warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
+  warnings.insert(warnings.end(), of_indexes.begin(), of_indexes.end());
   if (!unit_doubt.empty()) warnings.push_back(unit_doubt);
-  loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
+  loaded.seconds = static_cast<double>(steady_ns() - started_ns) * wire_contract::kNanosecond_s;
   return loaded;
 }
 
@@ -54,9 +56,10 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
 LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
-  std::string text = fmt::format("{}: {} in {}, {}, {:.0f} ms", loaded.scene.name,
-                                 counted(loaded.triangles, "triangle"), counted(loaded.scene.parts.size(), "part"),
-                                 counted(loaded.scene.objects.size(), "object"), loaded.seconds * 1e3);
+  const Scene& scene = loaded.indexed.scene;
+  std::string text = fmt::format("{}: {} in {}, {}, {:.0f} ms", scene.name, counted(loaded.triangles, "triangle"),
+                                 counted(scene.parts.size(), "part"), counted(scene.objects.size(), "object"),
+                                 loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
   for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;

@@ -5,14 +5,13 @@
 #include <string>
 
 #include "server/intake/scene.hpp"
-#include "server/world/objects/object.hpp"
+#include "server/world/world.hpp"
 
 namespace collided::engine::service {
 
-/// A scene ready to become part of a world.
+/// A scene read and indexed, with what there is to say about the load.
 struct LoadedScene {
-  Scene scene;  // without its triangles, which are in `indexed`
-  std::shared_ptr<StaticScene> indexed;
+  IndexedScene indexed;
   LoadReport report;
   std::uint64_t triangles = 0;
   double seconds = 0;  // that reading and indexing took

@@ -1,4 +1,5 @@
 #include "server/service/durability/epoch.hpp"
+#include "idl/clocks.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -150,9 +151,9 @@ void close_epoch(const Epoch& epoch) {
 
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,
                  const std::function<const char*(const char*)>& environment) {
-  const auto clock = std::chrono::system_clock::now().time_since_epoch();
   Epoch epoch;
-  epoch.value = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(clock).count());
+  epoch.value =
+      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(wire_contract::since_1970()).count());
   const fs::path dir = state_dir.empty() ? default_dir(environment) : fs::path(state_dir);
   if (dir.empty()) {
     epoch.problem = "no home folder is known";

@@ -11,14 +11,14 @@ namespace collided::engine::service {
 namespace {
 
 /// An open file, closed by the destructor.
-class File {
+class JournalFile {
  public:
-  File(const std::string& path, int flags) : number_(open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
-  ~File() {
+  JournalFile(const std::string& path, int flags) : number_(open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
+  ~JournalFile() {
     if (number_ >= 0) close(number_);
   }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
+  JournalFile(const JournalFile&) = delete;
+  JournalFile& operator=(const JournalFile&) = delete;
 
   bool is_open() const { return number_ >= 0; }
   int number() const { return number_; }
@@ -41,7 +41,7 @@ class PosixDisk final : public Disk {
   explicit PosixDisk(std::string folder) : folder_(std::move(folder)) {}
 
   std::optional<std::vector<std::byte>> read(const std::string& name) override {
-    const File file(path(name), O_RDONLY);
+    const JournalFile file(path(name), O_RDONLY);
     struct stat about {};
     if (!file.is_open() || fstat(file.number(), &about) != 0 || !S_ISREG(about.st_mode)) return std::nullopt;
     std::vector<std::byte> bytes(static_cast<std::size_t>(about.st_size));
@@ -55,26 +55,28 @@ class PosixDisk final : public Disk {
     bytes.resize(got);
     return bytes;
   }
-  bool create(const std::string& name) override { return File(path(name), O_WRONLY | O_CREAT | O_TRUNC).is_open(); }
+  bool create(const std::string& name) override {
+    return JournalFile(path(name), O_WRONLY | O_CREAT | O_TRUNC).is_open();
+  }
   bool append(const std::string& name, std::span<const std::byte> bytes) override {
-    const File file(path(name), O_WRONLY | O_APPEND);
+    const JournalFile file(path(name), O_WRONLY | O_APPEND);
     return file.is_open() && file.write_all(bytes);
   }
   bool overwrite(const std::string& name, std::uint64_t at, std::span<const std::byte> bytes) override {
-    const File file(path(name), O_WRONLY);
+    const JournalFile file(path(name), O_WRONLY);
     return file.is_open() && lseek(file.number(), static_cast<off_t>(at), SEEK_SET) >= 0 && file.write_all(bytes);
   }
   bool cut(const std::string& name, std::uint64_t bytes) override {
     return truncate(path(name).c_str(), static_cast<off_t>(bytes)) == 0;
   }
   bool sync(const std::string& name) override {
-    const File file(path(name), O_WRONLY);
+    const JournalFile file(path(name), O_WRONLY);
     return file.is_open() && fsync(file.number()) == 0;
   }
   bool rename(const std::string& from, const std::string& to) override {
     if (::rename(path(from).c_str(), path(to).c_str()) != 0) return false;
     // A rename survives a loss of power only once its folder is synced.
-    const File folder(folder_, O_RDONLY | O_DIRECTORY);
+    const JournalFile folder(folder_, O_RDONLY | O_DIRECTORY);
     return folder.is_open() && fsync(folder.number()) == 0;
   }
   bool remove(const std::string& name) override { return unlink(path(name).c_str()) == 0 || errno == ENOENT; }
@@ -82,7 +84,7 @@ class PosixDisk final : public Disk {
     return remove(second) && ::link(path(name).c_str(), path(second).c_str()) == 0;
   }
   bool reserve(const std::string& name, std::uint64_t bytes) override {
-    const File file(path(name), O_WRONLY);
+    const JournalFile file(path(name), O_WRONLY);
     struct stat about {};
     return file.is_open() && fstat(file.number(), &about) == 0 &&
            // Where the file system cannot say, the write will.

@@ -62,12 +62,10 @@ std::vector<std::byte> encode(const Journal::Entry& entry, bool is_erased) {
   std::vector<std::byte> record(bytes_of(entry));
   std::memcpy(record.data(), &head, sizeof head);
   auto to = record.begin() + sizeof head;
-  const auto append = [&](const void* data, std::size_t bytes) {
-    to = std::copy_n(static_cast<const std::byte*>(data), bytes, to);
-  };
-  append(entry.key.data(), entry.key.size());
-  append(entry.text.data(), entry.text.size());
-  append(entry.blob.data(), entry.blob.size());
+  const auto append = [&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); };
+  append(std::as_bytes(std::span(entry.key)));
+  append(std::as_bytes(std::span(entry.text)));
+  append(entry.blob);
   seal(record);
   return record;
 }

@@ -252,7 +252,6 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.with_.clock.now_ns() - posed_ns) : -1;
   client.note_told(snapshot.version);
   while (filler.fill(columns_)) {
-    columns_.of_sweeps = static_cast<QueryKind>(query.kind) == QueryKind::sweep;
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;

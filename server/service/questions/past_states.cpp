@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "idl/clocks.hpp"
+
 namespace collided::engine::service {
 namespace {
 
@@ -12,7 +14,7 @@ std::int64_t time_of(const AskedInstant& instant, const Snapshot& newest) {
   return instant.kind == AskedInstant::Kind::at ? instant.ns : newest.world_time_ns - instant.ns;
 }
 
-double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+double seconds(std::int64_t ns) { return wire_contract::kNanosecond_s * static_cast<double>(ns); }
 
 }  // namespace
 

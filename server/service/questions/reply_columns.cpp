@@ -2,29 +2,38 @@
 
 #include <algorithm>
 
-#include "idl/columns.hpp"
+#include "idl/topics.hpp"
 
 namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
+constexpr std::size_t kBytesPerNotCovered = 4 + 4 * 8;
 constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
 // The rest is for the fixed fields, the lengths of the sequences and what DDS puts around a message.
 constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
+
+// -0 is reported as 0.
+void put(std::vector<double>& column, double value) { column.push_back(value + 0.0); }
+void put(std::vector<double>& column, const Vec3& value) {
+  for (const double x : value) put(column, x);
+}
 
 }  // namespace
 
 void ReplyColumns::clear() {
   for (auto* column : {&answers, &reasons, &levels, &hit_flags}) column->clear();
   for (auto* column : {&hit_counts, &nodes, &exact_tests, &triangles}) column->clear();
+  for (auto* column : {&distances, &distance_errors, &exits, &sweep_ends, &sweep_widths, &sweep_begins, &points,
+                       &normals, &weights, &point_errors, &uncovered_points, &uncovered_distances}) {
+    column->clear();
+  }
   objects.clear();
-  numbers.clear();
   uncovered_questions.clear();
-  uncovered.clear();
   named.clear();
 }
 
-void ReplyColumns::lend(wire::Reply& reply) {
+void ReplyColumns::lend(wire::Reply& reply) const {
   dds::borrow(reply.answers, answers);
   dds::borrow(reply.reasons, reasons);
   dds::borrow(reply.levels, levels);
@@ -34,16 +43,19 @@ void ReplyColumns::lend(wire::Reply& reply) {
   dds::borrow(reply.objects, objects);
   dds::borrow(reply.triangles, triangles);
   dds::borrow(reply.hit_flags, hit_flags);
-  // A hit has either the columns of sweeps or those of other questions; the others stay empty.
-  for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths,
-                       &reply.sweep_begins}) {
-    dds::borrow(*column, std::span<const double>());
-  }
-  const wire::Columns<wire::Reply> columns =
-      of_sweeps ? wire::Columns<wire::Reply>(wire::kSweepHitColumns) : wire::kHitColumns;
-  wire::lend_columns(numbers, columns, hit_memory_, reply);
+  dds::borrow(reply.distances, distances);
+  dds::borrow(reply.distance_errors, distance_errors);
+  dds::borrow(reply.exits, exits);
+  dds::borrow(reply.sweep_ends, sweep_ends);
+  dds::borrow(reply.sweep_widths, sweep_widths);
+  dds::borrow(reply.sweep_begins, sweep_begins);
+  dds::borrow(reply.points, points);
+  dds::borrow(reply.normals, normals);
+  dds::borrow(reply.weights, weights);
+  dds::borrow(reply.point_errors, point_errors);
   dds::borrow(reply.uncovered_questions, uncovered_questions);
-  wire::lend_columns<wire::Reply>(uncovered, wire::kUncoveredColumns, uncovered_memory_, reply);
+  dds::borrow(reply.uncovered_points, uncovered_points);
+  dds::borrow(reply.uncovered_distances, uncovered_distances);
   dds::borrow(reply.named_ids, named.ids);
   dds::borrow(reply.names, named.names);
 }
@@ -80,13 +92,22 @@ std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
   return kBytesPerHit + (named ? 0 : sizeof(ObjectId) + name_of(hit.object).size() + 1);
 }
 
-void ReplyFiller::add_uncovered(const AnswerHit& entry, ReplyColumns& columns) {
-  columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
-  columns.uncovered.insert(columns.uncovered.end(), entry.point.begin(), entry.point.end());
-  columns.uncovered.push_back(entry.distance_m);
+bool ReplyFiller::leaves_covered() const {
+  return not_covered_ < answers_.not_covered.size() && answers_.not_covered[not_covered_].question == question_;
 }
 
-void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
+/// Says where the question leaves the covered space, if it does. An answer that is cut has another reason.
+void ReplyFiller::add_not_covered(bool is_cut, ReplyColumns& columns) {
+  if (!leaves_covered()) return;
+  const NotCovered& entry = answers_.not_covered[not_covered_++];
+  if (is_cut) return;
+  columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
+  put(columns.uncovered_points, entry.leaving.point);
+  put(columns.uncovered_distances, entry.leaving.covered_m);
+}
+
+void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
+  const AnswerHit& hit = answers_.hits[index];
   const std::uint32_t slot = slot_of(hit.object);
   if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
@@ -97,44 +118,47 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   const ObjectInfo* info = info_of(hit.object);
   columns.triangles.push_back(info ? info->reported_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
-  const std::size_t end = columns.numbers.size();
-  columns.numbers.resize(end + wire_contract::kHitNumbers);
-  double* number = &columns.numbers[end];
-  const auto add = [&](double value) { *number++ = value + 0.0; };  // -0 is reported as 0
-  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) add(value);
-  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) std::for_each(vector->begin(), vector->end(), add);
-  add(hit.point_error_m);
+  if (answers_.brackets.empty()) {
+    put(columns.distances, hit.distance_m);
+    put(columns.distance_errors, hit.error_m);
+    put(columns.exits, hit.exit_m);
+  } else {
+    const TimeBracket& bracket = answers_.brackets[index];
+    put(columns.sweep_ends, bracket.high);
+    put(columns.sweep_widths, bracket.high - bracket.low);
+    put(columns.sweep_begins, bracket.low);
+  }
+  put(columns.points, hit.point);
+  put(columns.normals, hit.normal);
+  put(columns.weights, hit.weights);
+  put(columns.point_errors, hit.point_error_m);
 }
 
 /// False: this question has no room beside those before it and starts the next reply.
 bool ReplyFiller::add_question(ReplyColumns& columns) {
   const std::size_t hit_count = answers_.hit_counts[question_];
   // An upper bound: a name that repeats within the question is counted each time.
-  std::size_t bytes = kBytesPerAnswer;
+  const std::size_t own_bytes = kBytesPerAnswer + (leaves_covered() ? kBytesPerNotCovered : 0);
+  std::size_t bytes = own_bytes;
   for (std::size_t i = 0; i < hit_count; ++i) bytes += bytes_of(answers_.hits[hit_ + i]);
   const bool alone = columns.answers.empty();
   const bool fits = bytes_ + bytes <= kRoom && columns.objects.size() + hit_count <= wire_contract::kMaxHitsPerChunk;
   if (!fits && !alone) return false;
-  bytes_ += kBytesPerAnswer;
-  std::size_t kept = 0, hits = 0;
+  bytes_ += own_bytes;
+  std::size_t kept = 0;
   for (; kept < hit_count && kept < wire_contract::kMaxHitsPerChunk; ++kept) {
-    const AnswerHit& hit = answers_.hits[hit_ + kept];
-    const std::size_t more = bytes_of(hit);
+    const std::size_t more = bytes_of(answers_.hits[hit_ + kept]);
     if (bytes_ + more > kRoom) break;
     bytes_ += more;
-    if ((hit.flags & kUncovered) != 0) {
-      add_uncovered(hit, columns);
-    } else {
-      add_hit(hit, columns);
-      ++hits;
-    }
+    add_hit(hit_ + kept, columns);
   }
   const bool cut = kept < hit_count;
+  add_not_covered(cut, columns);
   const Verdict answer = cut ? Verdict::undecided : answers_.answers[question_];
   columns.answers.push_back(static_cast<std::uint8_t>(answer));
   columns.reasons.push_back(static_cast<std::uint8_t>(cut ? UndecidedReason::truncated : answers_.reasons[question_]));
   columns.levels.push_back(answers_.levels[question_]);
-  columns.hit_counts.push_back(static_cast<std::uint32_t>(hits));
+  columns.hit_counts.push_back(static_cast<std::uint32_t>(kept));
   columns.nodes.push_back(answers_.nodes[question_]);
   columns.exact_tests.push_back(answers_.exact_tests[question_]);
   if (answer == Verdict::undecided) ++undecided_;

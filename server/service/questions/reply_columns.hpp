@@ -16,18 +16,17 @@ struct ReplyColumns {
   std::vector<std::uint64_t> objects;
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint8_t> hit_flags;
-  std::vector<double> numbers;  // rows of kHitColumns or kSweepHitColumns
-  bool of_sweeps = false;       // numbers are rows of kSweepHitColumns
+  // A hit has either the first three of these or the sweep's three; the others stay empty.
+  std::vector<double> distances, distance_errors, exits;
+  std::vector<double> sweep_ends, sweep_widths, sweep_begins;
+  std::vector<double> points, normals, weights, point_errors;
   std::vector<std::uint32_t> uncovered_questions;
-  std::vector<double> uncovered;  // rows of kUncoveredColumns
+  std::vector<double> uncovered_points, uncovered_distances;
   NameTable named;
 
   void clear();
   /// Lets the message's sequences point into this, without a copy; valid until the next change here.
-  void lend(wire::Reply& reply);
-
- private:
-  std::vector<double> hit_memory_, uncovered_memory_;
+  void lend(wire::Reply& reply) const;
 };
 
 /// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
@@ -56,9 +55,11 @@ class ReplyFiller {
  private:
   void start(ReplyColumns& columns);
   bool add_question(ReplyColumns& columns);
+  /// The next question has an entry in Answers::not_covered.
+  bool leaves_covered() const;
   std::size_t bytes_of(const AnswerHit& hit);
-  void add_hit(const AnswerHit& hit, ReplyColumns& columns);
-  void add_uncovered(const AnswerHit& entry, ReplyColumns& columns);
+  void add_hit(std::size_t index, ReplyColumns& columns);
+  void add_not_covered(bool is_cut, ReplyColumns& columns);
   const ObjectInfo* info_of(ObjectId id) const;
   std::string_view name_of(ObjectId id) const;
 
@@ -66,10 +67,11 @@ class ReplyFiller {
   const Answers& answers_;
   std::vector<std::uint64_t>& named_in_;
   std::uint64_t& reply_number_;
-  std::size_t first_ = 0;     // first question of this reply
-  std::size_t question_ = 0;  // the next one
-  std::size_t hit_ = 0;       // its first hit
-  std::size_t bytes_ = 0;     // of this reply so far
+  std::size_t first_ = 0;        // first question of this reply
+  std::size_t question_ = 0;     // the next one
+  std::size_t hit_ = 0;          // its first hit
+  std::size_t not_covered_ = 0;  // the next of those
+  std::size_t bytes_ = 0;        // of this reply so far
   std::uint64_t undecided_ = 0;
 };
 

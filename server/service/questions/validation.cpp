@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "idl/question_rules.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::engine::service {
@@ -44,13 +45,9 @@ std::size_t printable_length(std::string_view text) {
 }  // namespace
 
 bool read_pose(const double* numbers, Pose& pose) {
-  double nothing = 0;  // x - x is 0 for a finite x, else NaN
-  for (std::uint32_t i = 0; i < wire_contract::kPoseNumbers; ++i) nothing += numbers[i] - numbers[i];
-  const Quat given(numbers[3], numbers[4], numbers[5], numbers[6]);
-  const double norm = given.norm();
-  if (!(nothing == 0 && std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) return false;
+  if (!wire_contract::keeps_rules<wire_contract::kPoseFields>(numbers)) return false;
   pose.position = {numbers[0], numbers[1], numbers[2]};
-  pose.rotation = given;
+  pose.rotation = Quat(numbers[3], numbers[4], numbers[5], numbers[6]);
   return true;
 }
 

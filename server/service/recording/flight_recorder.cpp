@@ -100,7 +100,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
       .path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
   file.from_ns = file.to_ns - std::min(static_cast<std::uint64_t>(std::max<std::int64_t>(0, last_ns)), window_ns_);
   mcap::FileOutput output(file.path);
-  mcap::Writer writer(output, recording::library_name(), recording::channels_of(name_space_));
+  mcap::FileWriter writer(output, recording::library_name(), recording::channels_of(name_space_));
   {
     // Samples that come meanwhile wait in the ring.
     const std::lock_guard lock(mutex_);

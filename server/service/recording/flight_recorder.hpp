@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "idl/clocks.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "server/service/recording/flight_opening.hpp"
 #include "server/service/recording/flight_ring.hpp"
@@ -56,10 +57,7 @@ class FlightRecorder {
   void write_at_fatal_signals();
 
  private:
-  static std::uint64_t now_ns() {
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-  }
+  static std::uint64_t now_ns() { return static_cast<std::uint64_t>(wire_contract::since_1970_ns()); }
   void run();
   void take_over();
   static void on_fatal_signal(int signal);

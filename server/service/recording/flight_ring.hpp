@@ -66,20 +66,20 @@ class FlightRing {
  private:
   /// Stands before each record. slot_bytes: distance to the next header; 0 until the record is whole. record_bytes:
   /// length of the record; 0: none, since the room up to the end of the ring was too small.
-  struct Header {
+  struct SlotHeader {
     std::uint32_t slot_bytes;
     std::uint32_t record_bytes;
   };
   static constexpr std::size_t kAlignment = 8;  // of headers, so that they can be atomic
   static std::size_t slot_of(std::size_t record_bytes) {
-    return (sizeof(Header) + record_bytes + kAlignment - 1) / kAlignment * kAlignment;
+    return (sizeof(SlotHeader) + record_bytes + kAlignment - 1) / kAlignment * kAlignment;
   }
-  Header& header(std::uint64_t at) const { return *reinterpret_cast<Header*>(&bytes_[at % room_]); }
+  SlotHeader& header(std::uint64_t at) const { return *reinterpret_cast<SlotHeader*>(&bytes_[at % room_]); }
   std::uint32_t ready(std::uint64_t at) const {
     return std::atomic_ref(header(at).slot_bytes).load(std::memory_order_acquire);
   }
   std::span<const std::byte> record_at(std::uint64_t at) const {
-    return {&bytes_[at % room_] + sizeof(Header), header(at).record_bytes};
+    return {&bytes_[at % room_] + sizeof(SlotHeader), header(at).record_bytes};
   }
 
   std::byte* reserve(std::size_t record_bytes) noexcept {
@@ -97,10 +97,10 @@ class FlightRing {
     } while (!reserved_.compare_exchange_weak(at, at + skipped + slot, std::memory_order_relaxed));
     if (skipped > 0)
       std::atomic_ref(header(at).slot_bytes).store(static_cast<std::uint32_t>(skipped), std::memory_order_release);
-    return &bytes_[(at + skipped) % room_] + sizeof(Header);
+    return &bytes_[(at + skipped) % room_] + sizeof(SlotHeader);
   }
   void commit(std::byte* record, std::size_t record_bytes) noexcept {
-    Header& own = *reinterpret_cast<Header*>(record - sizeof(Header));
+    SlotHeader& own = *reinterpret_cast<SlotHeader*>(record - sizeof(SlotHeader));
     own.record_bytes = static_cast<std::uint32_t>(record_bytes);
     std::atomic_ref(own.slot_bytes).store(static_cast<std::uint32_t>(slot_of(record_bytes)), std::memory_order_release);
   }

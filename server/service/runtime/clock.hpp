@@ -1,15 +1,12 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
+
+#include "idl/clocks.hpp"
 
 namespace collided::engine::service {
 
-/// Nanoseconds of a clock that never goes back; deadlines and periods are measured with it.
-inline std::int64_t steady_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
+using wire_contract::steady_ns;
 
 /// The server's clock of world time: nanoseconds since 1970 as the machine had them when the server started, then
 /// steadily on, even if the machine's clock is set.
@@ -18,10 +15,7 @@ class WorldClock {
   std::int64_t now_ns() const { return steady_ns() + offset_ns_; }
 
  private:
-  std::int64_t offset_ns_ =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-          .count() -
-      steady_ns();
+  std::int64_t offset_ns_ = wire_contract::since_1970_ns() - steady_ns();
 };
 
 }  // namespace collided::engine::service

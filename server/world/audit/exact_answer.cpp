@@ -8,6 +8,7 @@
 
 #include "server/exact_phase/exactly.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/world/objects/parts.hpp"
 #include "server/world/query/question_shapes.hpp"
 
@@ -18,22 +19,29 @@ namespace {
 /// The roundings of the comparison itself, relative: a difference that small is no finding.
 constexpr double kComparing = 0x1p-50;
 
+/// Relative margins of what is left out of the exact comparison, each many roundings wide: a part that is kept in vain
+/// costs time alone. Of a box's half diagonal, and of its coordinates.
+constexpr double kPassesByMargin = 1e-6;
+constexpr double kBoundsMargin = 1e-12;
+/// Lengths below this have lost digits to underflow: in doubt.
+constexpr double kLeastSureLength = 1e-100;
+
 /// Surely farther from the line than the box reaches, with a margin of many roundings. False when in doubt.
 bool passes_by(const Ray& ray, const Aabb& box) {
   const Vec3 middle = box.low / 2 + box.high / 2;
   const Vec3 direction = ray.direction / ray.direction.lpNorm<Eigen::Infinity>();
   const Vec3 away = middle - ray.origin;
-  const double radius =
-      (box.high - box.low).norm() * (0.5 + 1e-6) + 1e-9 * (away.norm() + middle.norm() + ray.origin.norm());
+  const double radius = (box.high - box.low).norm() * (0.5 + kPassesByMargin) +
+                        kSearchMargin * (away.norm() + middle.norm() + ray.origin.norm());
   const double across = away.cross(direction).norm() / direction.norm();
-  return across > radius && std::isfinite(across) && std::isfinite(radius) && radius > 1e-100;
+  return across > radius && std::isfinite(across) && std::isfinite(radius) && radius > kLeastSureLength;
 }
 
 /// The least distance from a point to a box, less a margin of many roundings.
 double distance_at_least(const Vec3& point, const Aabb& box) {
   const Vec3 outside = (box.low - point).cwiseMax(point - box.high).cwiseMax(Vec3::Zero());
-  const double distance = outside.norm() * (1 - 1e-9);
-  return std::isfinite(distance) && distance > 1e-100 ? distance : 0;
+  const double distance = outside.norm() * (1 - kSearchMargin);
+  return std::isfinite(distance) && distance > kLeastSureLength ? distance : 0;
 }
 
 /// For the numbers given, by rationals.
@@ -49,7 +57,7 @@ Decision touches(const Primitive& asked, const GivenPart& given_asked, const Sha
 template <class Shape>
 Aabb wide_bounds(const Shape& shape) {
   const Aabb box = bounds(shape);
-  const Vec3 margin = 1e-12 * box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
+  const Vec3 margin = kBoundsMargin * box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
   return {.low = box.low - margin, .high = box.high + margin};
 }
 
@@ -124,7 +132,7 @@ void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
   const double reach_m = question_.numbers[3];
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
-    if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + 1e-9)) return;
+    if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + kSearchMargin)) return;
     if (std::isfinite(reach_m) && exactly::overlaps(Sphere{point, reach_m}, shape) != Decision::yes) return;
     const Closest nearest = exactly::closest(point, shape);
     const Interval at(nearest.distance_m, nearest.distance_error_m);

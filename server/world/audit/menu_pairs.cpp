@@ -9,6 +9,7 @@
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/exactly.hpp"
 #include "server/exact_phase/given/given_overlap.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/world/audit/exact_answer.hpp"
 #include "server/world/audit/menu_table.hpp"
 #include "server/world/query/object_parts.hpp"
@@ -87,7 +88,7 @@ struct ExactPair {
  private:
   void look(const PartWithBounds& a, const PartWithBounds& b) {
     if (touches == Decision::yes) return;
-    const double gap_m = gap_between(a.bounds, b.bounds) * (1 - 1e-9);
+    const double gap_m = gap_between(a.bounds, b.bounds) * (1 - kSearchMargin);
     if (gap_m > distance_m + error_m) return;
     const double size_m = a.bounds.low.cwiseAbs().cwiseMax(a.bounds.high.cwiseAbs()).maxCoeff();
     const Decision here = gap_m > kRoundings * size_m ? Decision::no : decided_by_rationals(a, b);

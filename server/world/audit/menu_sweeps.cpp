@@ -14,6 +14,9 @@
 namespace collided::engine {
 namespace {
 
+/// Relative slack for a place on the way, which is rounded before it is asked about: some thousand roundings.
+constexpr double kPlaceSlack = 1e-12;
+
 /// A ball that goes straight from one point to another: all that it passes through is a capsule, which rationals can decide.
 struct BallSweep {
   Vec3 from;
@@ -33,8 +36,7 @@ struct BallSweep {
 class ExactSweep {
  public:
   ExactSweep(const Snapshot& snapshot, const BallSweep& ball) : ball_(ball) {
-    // A place on the way is rounded before it is asked about.
-    slack_m_ = 1e-12 * (ball.from.norm() + ball.to.norm() + ball.radius_m);
+    slack_m_ = kPlaceSlack * (ball.from.norm() + ball.to.norm() + ball.radius_m);
     const Aabb reach = bounds(ball.until(1, slack_m_));
     visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
       if (overlaps(reach, bounds(shape))) near_.emplace_back(shape);
@@ -44,21 +46,21 @@ class ExactSweep {
 
   Decision whole() const { return whole_; }
   /// The bracket's promise: nothing up to its beginning, contact by its end.
-  bool contradicts(const AnswerHit& hit) const {
+  bool contradicts(const TimeBracket& bracket) const {
     const bool is_met_before =
-        ball_.radius_m > slack_m_ && hit.exit_m > 0 && touching(ball_.until(hit.exit_m, -slack_m_)) == Decision::yes;
-    return is_met_before || touching(ball_.until(hit.distance_m, slack_m_)) == Decision::no;
+        ball_.radius_m > slack_m_ && bracket.low > 0 && touching(ball_.until(bracket.low, -slack_m_)) == Decision::yes;
+    return is_met_before || touching(ball_.until(bracket.high, slack_m_)) == Decision::no;
   }
   /// How far the bracket's end is from the first contact.
-  double error_m(const AnswerHit& hit) const {
+  double error_m(const TimeBracket& bracket) const {
     constexpr int kHalvings = 10;
-    double low = hit.exit_m;
-    double high = hit.distance_m;
+    double low = bracket.low;
+    double high = bracket.high;
     for (int i = 0; i < kHalvings && low < high; ++i) {
       const double middle = low / 2 + high / 2;
       (touching(ball_.until(middle, 0)) == Decision::no ? low : high) = middle;
     }
-    return (hit.distance_m - low) * ball_.length_m();
+    return (bracket.high - low) * ball_.length_m();
   }
 
  private:
@@ -134,18 +136,18 @@ class SweepQuestions {
       if (is_met != (exact.whole() == Decision::yes)) {
         ++row.wrong;
       } else if (is_met && !table_.methods()[m].boxes) {
-        judge_time(exact, given_[m].hits[0], ball.length_m(), row);
+        judge_time(exact, given_[m].brackets[0], ball.length_m(), row);
       }
     }
   }
 
-  static void judge_time(const ExactSweep& exact, const AnswerHit& hit, double length_m, MenuRow& row) {
-    if (exact.contradicts(hit)) {
+  static void judge_time(const ExactSweep& exact, const TimeBracket& bracket, double length_m, MenuRow& row) {
+    if (exact.contradicts(bracket)) {
       ++row.wrong;
       return;
     }
-    row.worst_bound_m = std::max(row.worst_bound_m, hit.error_m * length_m);
-    row.worst_error_m = std::max(row.worst_error_m, exact.error_m(hit));
+    row.worst_bound_m = std::max(row.worst_bound_m, (bracket.high - bracket.low) * length_m);
+    row.worst_error_m = std::max(row.worst_error_m, exact.error_m(bracket));
   }
 
   const Snapshot& snapshot_;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kFormat = 0x31'6e'6f'69'6e'69'70'6fULL;  // "opinion1"
 constexpr std::uint8_t kTriangleKind = std::variant_size_v<Primitive>;
 
-class Writer {
+class RequestWriter {
  public:
   template <class Number>
   void put(Number number) {
@@ -169,7 +169,7 @@ std::vector<ConvexPart> ReplyReader::parts(std::uint32_t count) {
 }  // namespace
 
 std::vector<std::byte> encoded(const OpinionRequest& request) {
-  Writer writer;
+  RequestWriter writer;
   writer.put(kFormat);
   writer.put(static_cast<std::uint32_t>(request.a.size()));
   writer.put(static_cast<std::uint32_t>(request.b.size()));

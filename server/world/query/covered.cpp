@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/geometry/box_union.hpp"
+#include "server/geometry/lost_in_sum.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
@@ -22,10 +23,7 @@ bool sum_is_at_most(double a, double b, double limit) {
   if (limit == kEndless) return !std::isnan(a + b);
   const double sum = a + b;
   if (!std::isfinite(sum)) return sum < limit;
-  // TWO-SUM (Knuth): recovers what the rounded sum left out.
-  const double b_part = sum - a;
-  const double rest = (a - (sum - b_part)) + (b - b_part);
-  return sum < limit || (sum == limit && rest <= 0);
+  return sum < limit || (sum == limit && lost_in_sum(a, b, sum) <= 0);
 }
 
 /// a + b, rounded up to the next double where the exact sum is none.
@@ -104,10 +102,10 @@ QuestionExtent extent_of_box(const double* n) {
 }
 
 /// The sweep up to its contact, where there is one.
-QuestionExtent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
+QuestionExtent extent_of_sweep(const ObjectInfo& mover, const double* n, const std::optional<TimeBracket>& contact) {
   const Vec3 from = point_of(n);
   const Vec3 to = point_of(n + kPoseNumbers);
-  const double part = hits.empty() ? 1 : std::min(1.0, hits.front().exit_m * (1 + kSlack) + kSlack);
+  const double part = contact ? std::min(1.0, contact->low * (1 + kSlack) + kSlack) : 1;
   Aabb motion;
   motion.extend(from);
   motion.extend(part == 1 ? to : Vec3(from + part * (to - from)));
@@ -206,8 +204,10 @@ std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> cove
   return Leaving{.point = ray.origin + covered_m * (ray.direction / length), .covered_m = covered_m};
 }
 
-std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, std::span<const AnswerHit> hits,
-                                      std::span<const Aabb> covers) {
+std::optional<Leaving> leaves_covered(const Question& question, const double* n) {
+  const Questions& asked = question.asked;
+  const std::span<const AnswerHit> hits = question.found;
+  const std::span<const Aabb> covers = *question.snapshot.covers;
   switch (asked.kind) {
     case QuestionKind::ray: {
       if (asked.mode == HitMode::any && !hits.empty()) return std::nullopt;
@@ -218,7 +218,7 @@ std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, s
     case QuestionKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
     case QuestionKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
     case QuestionKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
-    case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, hits), covers);
+    case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, question.bracket), covers);
     default: return std::nullopt;
   }
 }

@@ -7,6 +7,7 @@
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_filter.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/part_index.hpp"
@@ -169,7 +170,7 @@ void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& 
   };
   double reach_m = parts.radius_m / 64;
   for (bool is_last = false; !is_last; reach_m *= 4) {
-    const double known_m = std::sqrt(limit_m2) * (1 + 1e-9);
+    const double known_m = std::sqrt(limit_m2) * (1 + kSearchMargin);
     is_last = !(reach_m < known_m && reach_m < all_m);
     const double half_m = is_last ? std::min(known_m, all_m) : reach_m;
     Aabb cube;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine {
@@ -143,7 +144,8 @@ class ApartSearch {
       const Vec3 far_b = support_of(b, -displacement);
       if (displacement.dot(far_b - far_a) > 0) return keep(displacement, far_a / 2 + far_b / 2, a, b);
       const Vec3 turn = (far_b - far_a) - displacement;
-      const double share = std::clamp(-displacement.dot(turn) / std::max(turn.squaredNorm(), 1e-300), 0.0, 1.0);
+      const double share =
+          std::clamp(-displacement.dot(turn) / std::max(turn.squaredNorm(), kVanishingSquare), 0.0, 1.0);
       on_a += share * (far_a - on_a);
       on_b += share * (far_b - on_b);
     }
@@ -179,7 +181,7 @@ class ApartSearch {
     std::vector<Vec3> normals{apart.normal};
     // In axis-aligned scenes small components of the direction are rounding: also try without them.
     Vec3 squared_up = apart.normal;
-    for (double& x : squared_up) x = std::abs(x) < 1e-7 ? 0 : x;
+    for (double& x : squared_up) x = std::abs(x) < kSquaredUp ? 0 : x;
     normals.push_back(squared_up);
     for (const ConvexPart* part : {&a, &b}) {
       const PartNumbers numbers = numbers_of(*part);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "idl/clocks.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/sources.hpp"
@@ -92,7 +93,7 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
 void PoseMemory::add_move(Life& life, const Move& move) {
   forget(life);
   const double way_m = (move.pose.position - life.last().position).norm();
-  const double motion_s = 1e-9 * static_cast<double>(move.to_ns - move.from_ns);
+  const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(move.to_ns - move.from_ns);
   if (motion_s > 0) life.largest_mps = std::max(life.largest_mps, way_m / motion_s);
   life.moves.push_back(move);
   ++move_count_;

@@ -5,6 +5,8 @@
 #include <functional>
 #include <optional>
 
+#include "idl/clocks.hpp"
+#include "idl/question_rules.hpp"
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -36,16 +38,6 @@ std::uint32_t numbers_of(QuestionKind kind) {
   return 0;
 }
 namespace {
-
-std::int64_t steady_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-bool is_rotation(const double* n) {
-  const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
-  return std::abs(norm - 1) <= kUnitNormSlack;
-}
 
 /// Marks the scenes in which every part may answer, so that no walk need test single parts.
 void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
@@ -115,22 +107,21 @@ void write_answer(Answers& answers, std::size_t place, const Question& question)
   answers.hit_counts[place] = static_cast<std::uint32_t>(question.found.size());
   answers.nodes[place] = question.walk.nodes;
   answers.exact_tests[place] = question.exact_tests;
+  if (question.bracket) answers.brackets.push_back(*question.bracket);
   if (&question.found == &answers.hits) return;
   for (const AnswerHit& hit : question.found) answers.hits.push_back(hit);
 }
 
 /// Turns a miss or a hit into undecided where it claims something about space that is not covered. The hits found stay
-/// in the answer; one more, with the flag kUncovered, marks where the covered space ends.
+/// in the answer.
 void doubt_where_not_covered(Answers& answers, std::size_t place, const Question& question, const double* numbers) {
   const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
   if (!is_claim) return;
-  const std::optional<Leaving> leaving =
-      leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
+  const std::optional<Leaving> leaving = leaves_covered(question, numbers);
   if (!leaving) return;
   answers.answers[place] = Verdict::undecided;
   answers.reasons[place] = UndecidedReason::not_covered;
-  answers.hits.push_back({.flags = kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
-  ++answers.hit_counts[place];
+  answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 
 /// Keeps the oldest pose among the hits.
@@ -146,7 +137,7 @@ void note_age(Answers& answers, const Question& question) {
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
   if (!is_question(asked.kind, numbers)) return Verdict::invalid;
   if (asked.kind == QuestionKind::sweep && asked.mover == nullptr) return Verdict::invalid;
-  if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Verdict::undecided;
+  if (asked.deadline_ns != 0 && wire_contract::steady_ns() > asked.deadline_ns) return Verdict::undecided;
   return std::nullopt;
 }
 
@@ -236,19 +227,14 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
 
 }  // namespace
 
-bool is_question(QuestionKind kind, const double* n) {
-  // A finite number less itself is 0, any other is no number.
-  const auto finite = [&](int from, int to) {
-    double nothing = 0;
-    for (int i = from; i < to; ++i) nothing += n[i] - n[i];
-    return nothing == 0;
-  };
+bool is_question(QuestionKind kind, const double* numbers) {
+  using namespace wire_contract;
   switch (kind) {
-    case QuestionKind::ray: return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
-    case QuestionKind::sphere: return finite(0, 4) && n[3] >= 0;
-    case QuestionKind::box: return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
-    case QuestionKind::near: return finite(0, 3) && n[3] >= 0;
-    case QuestionKind::sweep: return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
+    case QuestionKind::ray: return keeps_rules<kRayFields>(numbers);
+    case QuestionKind::sphere: return keeps_rules<kSphereFields>(numbers);
+    case QuestionKind::box: return keeps_rules<kBoxFields>(numbers);
+    case QuestionKind::near: return keeps_rules<kNearFields>(numbers);
+    case QuestionKind::sweep: return keeps_rules<kSweepFields>(numbers);
     default: return false;
   }
 }
@@ -261,6 +247,8 @@ bool may_answer(const ObjectInfo& info, const Questions& asked) {
 
 void Answers::reset(std::size_t count) {
   hits.clear();
+  brackets.clear();
+  not_covered.clear();
   oldest_pose_ns = -1;
   if (exact_tests.size() == count) return;
   for (auto* column : {&hit_counts, &nodes, &exact_tests}) column->resize(count);

@@ -9,6 +9,7 @@
 
 #include "idl/glob.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
 
@@ -42,9 +43,7 @@ enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recover
 
 /// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`.
-/// kUncovered: the last entry of a question that is not_covered; its point is where the question leaves the covered
-/// space, its distance (of rays) the length up to there.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 
 /// Questions of one kind, and the filter of what may answer them.
 struct Questions {
@@ -63,23 +62,21 @@ struct Questions {
   const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
 };
 
-/// Whether the numbers make a question: finite (a length and a reach may be infinite), a direction, sizes not negative, a
-/// unit quaternion. Written so that NaN fails.
+/// Whether the numbers of one question keep the rules of idl/question_rules.hpp.
 bool is_question(QuestionKind kind, const double* numbers);
 
 /// Whether layers and name patterns let the object answer.
 bool may_answer(const ObjectInfo& info, const Questions& asked);
 
-/// One hit of an answer. Sweeps give times as fractions of the motion in distance_m and exit_m.
+/// One hit of an answer.
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
   std::uint8_t flags = 0;                // HitFlags
-  // along the ray; depth for overlaps; distance for near; for sweeps the end of the time bracket
+  // along the ray; depth for overlaps; distance for near; 0 for sweeps, which have Answers::brackets
   double distance_m = 0;
   double error_m = 0;
-  // Of rays: where they leave the solid; of sweeps: the beginning of the time bracket.
-  double exit_m = 0;
+  double exit_m = 0;  // of rays: where they leave the solid
   Vec3 point = Vec3::Zero();
   /// Of rays and near, metres: how far the point may be from the true one. A contact's point is one of many: infinite.
   double point_error_m = std::numeric_limits<double>::infinity();
@@ -91,6 +88,19 @@ struct AnswerHit {
   bool is_at_start() const { return distance_m == 0 && error_m == 0; }
 };
 
+/// Where a question leaves the covered space, on the line from its beginning (a ray's origin, the centre of a ball or
+/// box, the first pose of a sweep).
+struct Leaving {
+  Vec3 point = Vec3::Zero();
+  double covered_m = 0;  // of rays: the length that is surely covered, metres
+};
+
+/// The end of the covered space for one question of a batch.
+struct NotCovered {
+  std::uint32_t question = 0;
+  Leaving leaving = {};
+};
+
 /// One answer per question, and all hits in question order. Reused between calls so that answering does not allocate.
 struct Answers {
   std::vector<Verdict> answers;
@@ -100,7 +110,10 @@ struct Answers {
   std::vector<std::uint32_t> nodes;
   std::vector<std::uint32_t> exact_tests;
   std::vector<AnswerHit> hits;
-  std::int64_t oldest_pose_ns = -1;  // oldest Snapshot::posed_ns among the hit objects; -1: only static ones
+  // Of sweeps, one for each hit, fractions of the motion: no contact up to `low`, contact by `high`. Else empty.
+  std::vector<TimeBracket> brackets = {};
+  std::vector<NotCovered> not_covered = {};  // one for each answer with that reason, in order of the questions
+  std::int64_t oldest_pose_ns = -1;          // oldest Snapshot::posed_ns among the hit objects; -1: only static ones
 
   /// Without hits, and with room for one answer per question, which the caller writes.
   void reset(std::size_t count);

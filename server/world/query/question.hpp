@@ -21,6 +21,7 @@ struct Question {
   const std::vector<std::uint8_t>& allowed;      // by slot
   const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
   std::vector<AnswerHit>& found;                 // each kind clears it first
+  std::optional<TimeBracket> bracket = {};       // of the hit of a sweep
   WalkCost walk = {};
   Level level = Level::filter;
   std::uint32_t exact_tests = 0;
@@ -68,8 +69,7 @@ void ask_rays(std::span<std::optional<Question>> questions, std::span<const doub
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);
-/// The first contact of asked.mover during its motion: one hit, its distance the end of the time bracket, its exit the
-/// beginning.
+/// The first contact of asked.mover during its motion: one hit, and its bracket.
 void ask_sweep(Question& question, const double* numbers);
 
 }  // namespace collided::engine

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -217,9 +218,9 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
   const double slack_m = 4 * placement_slack(frame, reach_m + ray.origin.lpNorm<1>(), parts.radius_m);
   // The stretch on which the ray is within radius_m of the frame's origin: about its nearest point.
   const double middle = -origin.dot(direction) / direction.squaredNorm();
-  const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + 1e-9);
-  const double first = std::max(0.0, middle - half - 1e-9 * std::abs(middle));
-  const double last = std::min(limit * (1 + 1e-9), middle + half + 1e-9 * std::abs(middle));
+  const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + kSearchMargin);
+  const double first = std::max(0.0, middle - half - kSearchMargin * std::abs(middle));
+  const double last = std::min(limit * (1 + kSearchMargin), middle + half + kSearchMargin * std::abs(middle));
   const bool is_plain = std::isfinite(first) && std::isfinite(last) && std::isfinite(slack_m) && origin.allFinite();
   if (!is_plain) {
     for (std::size_t i = 0; i < count && !over(); ++i) test_one(i);
@@ -234,7 +235,7 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
   for (int piece = 0; piece < kPieces && !over(); ++piece) {
     const double from = first + (last - first) * piece / kPieces;
     const double to = first + (last - first) * (piece + 1) / kPieces;
-    if (!(first <= last) || from > limit * (1 + 1e-9)) return;
+    if (!(first <= last) || from > limit * (1 + kSearchMargin)) return;
     Aabb box;
     box.extend(origin + from * direction);
     box.extend(origin + to * direction);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "idl/clocks.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question_shapes.hpp"
@@ -16,7 +17,7 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 /// The region in which the object may be by now, roundings included.
 Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   const std::int64_t age_ns = std::max<std::int64_t>(0, world_time_ns - object.posed_ns) + kAgeSlackNs;
-  const double way_m = object.speed_mps * static_cast<double>(age_ns) * 1e-9;
+  const double way_m = object.speed_mps * static_cast<double>(age_ns) * wire_contract::kNanosecond_s;
   Aabb region;
   region.extend(object.position);
   const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + way_m;

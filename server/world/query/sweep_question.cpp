@@ -19,18 +19,18 @@ Frame frame_at(const double* n) {
 struct First {
   AnswerHit hit;
   bool any = false;
-  double low = 1;  // no contact in [0, low]
+  TimeBracket bracket = {.low = 1, .high = 1};  // no contact up to `low` with any of them; `high` is the hit's
 
   void take(ObjectId object, std::uint32_t triangle, const SweptTouch& touch, std::uint8_t flags) {
-    low = std::min(low, touch.bracket.low);
     const TimeBracket& found = touch.bracket;
-    const bool earlier = !any || found.high < hit.distance_m || (found.high == hit.distance_m && object < hit.object);
+    bracket.low = std::min(bracket.low, found.low);
+    const bool earlier = !any || found.high < bracket.high || (found.high == bracket.high && object < hit.object);
     if (!earlier) return;
     any = true;
+    bracket.high = found.high;
     hit = {.object = object,
            .triangle = triangle,
            .flags = flags,
-           .distance_m = found.high,
            .point = touch.contact.point,
            .normal = touch.contact.normal};
   }
@@ -74,9 +74,8 @@ void ask_sweep(Question& question, const double* n) {
     question.snapshot.grid->walk_box(bounds(mover, body.motion, reach_of(mover)), candidate, question.walk);
   }
   if (!first.any) return;
-  first.hit.exit_m = std::min(first.low, first.hit.distance_m);
-  first.hit.error_m = first.hit.distance_m - first.hit.exit_m;
   question.found.push_back(first.hit);
+  question.bracket = {.low = std::min(first.bracket.low, first.bracket.high), .high = first.bracket.high};
 }
 
 }  // namespace collided::engine

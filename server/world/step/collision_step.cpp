@@ -1,17 +1,14 @@
-#include <chrono>
-
+#include "idl/clocks.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/step/candidates.hpp"
 #include "server/world/step/inner_edges.hpp"
 #include "server/world/world_state.hpp"
 
 namespace collided::engine {
-namespace {
 
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
+using wire_contract::steady_ns;
+
+namespace {
 
 /// Contacts of removed objects end before anything else, since their slots may be reused from now on.
 void end_removed(std::vector<std::pair<ObjectId, EndReason>>& removed, ContactLedger& ledger) {
@@ -52,7 +49,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   State& s = *state_;
   Snapshot* next = s.ring.writable();
   if (next == nullptr) return false;
-  const std::int64_t started = now_ns();
+  const std::int64_t started = steady_ns();
   s.version += batches;
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
@@ -64,20 +61,20 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   s.rows.stamp_changes(world_time_ns, s.sources);
   s.fill(*next, world_time_ns);
   s.memory.note({s.rows, s.sources, s.scenes, s.stale_objects, *next});
-  const std::int64_t updated = now_ns();
+  const std::int64_t updated = steady_ns();
 
   // Motion, and the index over its bounds.
   s.motion.begin_step(s.sources, s.apart);
   const bool has_open = !s.rows.moved().empty() || s.motion.is_any_open();
   index_motion(s.motion, s.ring.current(), has_open, next->grid);
-  const std::int64_t indexed = now_ns();
+  const std::int64_t indexed = steady_ns();
 
   // Decisions, written to the ledger.
   if (has_open) {
     s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all},
              *next->grid);
   }
-  const std::int64_t decided = now_ns();
+  const std::int64_t decided = steady_ns();
   if (has_open) {
     if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
@@ -97,7 +94,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   s.cost.update_ns = updated - started;
   s.cost.broad_ns = indexed - updated;
   s.cost.exact_ns = decided - indexed;
-  s.cost.events_ns = now_ns() - decided;
+  s.cost.events_ns = steady_ns() - decided;
   return true;
 }
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "idl/clocks.hpp"
 #include "server/exact_phase/motion/ball_motion_filter.hpp"
 #include "server/exact_phase/motion/box_motion_filter.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/world/objects/object_placing.hpp"
 #include "server/world/step/decisions.hpp"
 
@@ -37,7 +39,8 @@ BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& 
   if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
   return BodyMotion(segment->from, segment->to)
-      .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns, length_ns * 1e-9, slack_s);
+      .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns,
+                length_ns * wire_contract::kNanosecond_s, slack_s);
 }
 
 }  // namespace
@@ -270,7 +273,7 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
     ++cost_.contacts;
     ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
   } else if (is_held && !touch.undecided) {
-    const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
+    const double error_s = wire_contract::kNanosecond_s * static_cast<double>(clock_error_ns(a, b));
     ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s,
                   parted.bracket_high_s - error_s);
   } else if (!touch.yes && touch.undecided) {
@@ -311,9 +314,10 @@ SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
     if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
   }
   SweptTouch touch;
-  const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * 1e-9;
-  const SweepOptions options{
-      .width = std::clamp(kSweepWidth_s / length_s, 1e-12, 1e-3), .contacts = true, .most_looks = kSweepLooks};
+  const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * wire_contract::kNanosecond_s;
+  const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
+                             .contacts = true,
+                             .most_looks = kSweepLooks};
   sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options,
         walk_, touch);
   cost_.exact_tests += touch.exact_tests;
@@ -390,7 +394,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.step_options.contacts) {
     found.contact.depth_error_m += placing_error_on(piece, a_triangle, b_triangle);
-    const double slack_s = 1e-9 * static_cast<double>(piece.to_ns - piece.from_ns);
+    const double slack_s = wire_contract::kNanosecond_s * static_cast<double>(piece.to_ns - piece.from_ns);
     set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
                  velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));
   }

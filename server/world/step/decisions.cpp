@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "idl/clocks.hpp"
 #include "server/world/objects/object_placing.hpp"
 
 namespace collided::engine {
@@ -92,7 +93,7 @@ void Decisions::decide_unfound() {
 }
 
 double Decisions::seconds_ago(std::int64_t time_ns) const {
-  return static_cast<double>(step_.world_time_ns - time_ns) * 1e-9;
+  return static_cast<double>(step_.world_time_ns - time_ns) * wire_contract::kNanosecond_s;
 }
 
 bool Decisions::is_timed(std::uint32_t slot) const {
@@ -181,7 +182,7 @@ void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::u
         seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * duration_ns)));
   } else {
     const double end_s = seconds_ago(row.posed_ns);
-    const double motion_s = static_cast<double>(motion_ns) * 1e-9;
+    const double motion_s = static_cast<double>(motion_ns) * wire_contract::kNanosecond_s;
     found.bracket_low_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.low));
     found.bracket_high_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.high));
   }
@@ -228,7 +229,8 @@ BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
   if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
   const BodyMotion path(row.frame_before, row.frame);
-  return path.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(motion_ns) * 1e-9, slack_s);
+  return path.velocity(point, rows_.has_moved(slot) ? time : 1,
+                       static_cast<double>(motion_ns) * wire_contract::kNanosecond_s, slack_s);
 }
 
 }  // namespace collided::engine

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "idl/clocks.hpp"
 #include "server/exact_phase/motion/ball_motion_filter.hpp"
 #include "server/exact_phase/motion/box_motion_filter.hpp"
+#include "server/geometry/guess_tolerance.hpp"
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
@@ -45,8 +47,9 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
 }
 
 SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
-  const double motion_s = static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * 1e-9;
-  return {.width = std::clamp(step_.options.sweep_width_s / motion_s, 1e-12, 1e-3),
+  const double motion_s =
+      static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * wire_contract::kNanosecond_s;
+  return {.width = std::clamp(step_.options.sweep_width_s / motion_s, kNarrowestBracket, kWidestBracket),
           .contacts = step_.step_options.contacts,
           .most_looks = kSweepLooks};
 }

@@ -41,7 +41,7 @@ LinePixels biased_lines(const Buffers& buffers, const draw::Camera& camera, cons
                         double bias_m) {
   LinePixels pixels;
   for (const draw::Piece& piece : drawing.pieces) {
-    const draw::Segment& segment = drawing.segments[piece.segment];
+    const draw::LineSegment& segment = drawing.segments[piece.segment];
     const double length_px = (piece.to - piece.from) * segment.length_px();
     // The ends of a piece are where it goes behind something: what is there is a matter of half pixels.
     for (double s = 1; s < length_px - 1; s += 1) {

@@ -10,9 +10,9 @@ namespace collided::drawing_test {
 namespace {
 
 void for_seen_pixels(const draw::Drawing& drawing, bool silhouettes_only, double from_ends_px,
-                     const std::function<void(double, double, const draw::Segment&)>& use) {
+                     const std::function<void(double, double, const draw::LineSegment&)>& use) {
   for (const draw::Piece& piece : drawing.pieces) {
-    const draw::Segment& s = drawing.segments[piece.segment];
+    const draw::LineSegment& s = drawing.segments[piece.segment];
     if (!piece.is_seen || (silhouettes_only && s.kind != draw::LineKind::silhouette)) continue;
     const double length_px = (piece.to - piece.from) * s.length_px();
     for (double along = from_ends_px; along <= length_px - from_ends_px; along += 1) {
@@ -59,7 +59,7 @@ Mask edge_image(const Buffers& buffers, const draw::Camera& camera, double creas
 Agreement agreement(const Mask& mask, const draw::Drawing& drawing) {
   Agreement result;
   Mask lines(mask.width, mask.height);
-  for_seen_pixels(drawing, false, 0.5, [&](double x, double y, const draw::Segment&) {
+  for_seen_pixels(drawing, false, 0.5, [&](double x, double y, const draw::LineSegment&) {
     if (!(x >= 0 && y >= 0 && x < mask.width && y < mask.height)) return;
     lines.black[static_cast<std::size_t>(y) * mask.width + static_cast<std::size_t>(x)] = 1;
     ++result.line_pixels;
@@ -87,9 +87,9 @@ double Widths::spread() const {
 Widths widths_across_silhouette(const Mask& mask, const draw::Drawing& drawing, double from_ends_px, double reach_px) {
   constexpr double kStep_px = 0.1;
   Widths widths;
-  const draw::Segment* line = nullptr;
+  const draw::LineSegment* line = nullptr;
   std::size_t on_line = 0;
-  for_seen_pixels(drawing, true, from_ends_px, [&](double x, double y, const draw::Segment& s) {
+  for_seen_pixels(drawing, true, from_ends_px, [&](double x, double y, const draw::LineSegment& s) {
     const double length = s.length_px();
     const double nx = (s.image_b.y - s.image_a.y) / length;
     const double ny = (s.image_a.x - s.image_b.x) / length;
@@ -112,7 +112,7 @@ Widths widths_across_silhouette(const Mask& mask, const draw::Drawing& drawing, 
 double widest_gap_px(const Mask& mask, const Buffers& buffers, const draw::Drawing& drawing, double radius_px) {
   constexpr int kSteps = 720;
   double widest = 0;
-  for (const draw::Segment& s : drawing.segments) {
+  for (const draw::LineSegment& s : drawing.segments) {
     if (s.kind != draw::LineKind::silhouette) continue;
     for (const draw::ImagePoint& end : {s.image_a, s.image_b}) {
       int run = 0;

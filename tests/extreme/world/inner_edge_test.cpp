@@ -104,7 +104,7 @@ void load_tiles(extreme::Stage& stage, const Floor&) {
     }
   }
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(stage.world.add_scene(scene, indexed)));
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(stage.world.add_scene(indexed)));
 }
 
 TEST(ExtremeInnerEdge, TheyFeelOneFloorOfManyMeshParts) {

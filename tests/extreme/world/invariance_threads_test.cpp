@@ -114,7 +114,7 @@ TEST(ExtremeInvarianceBuild, TheNumberOfBuildingThreadsDoesNotShow) {
     World world{WorldOptions{}};
     Scene scene{.name = "scene", .mesh = mesh};
     scene.parts = {{.name = "scene", .first_triangle = 0, .triangle_count = 60}};
-    world.add_scene(scene, World::index_scene(scene, {.threads = threads, .progress = {}, .cancelled = {}}));
+    world.add_scene(World::index_scene(scene, {.threads = threads, .progress = {}, .cancelled = {}}));
     world.step(1, 1, {});
     Questions questions;
     questions.mode = HitMode::all;

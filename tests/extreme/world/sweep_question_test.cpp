@@ -48,17 +48,17 @@ TEST(ExtremeSweepQuestion, TheFirstOfThreeIsToldAndWhoIsLeftOutIsNot) {
   ASSERT_TRUE(extreme::is_hit(all));
   EXPECT_EQ(name_of(stage, all.hits[0]), "wall");
   const double truth = (4 - 0x1p-11 - 0.5) / 16;
-  EXPECT_LE(all.hits[0].exit_m, truth);
-  EXPECT_GE(all.hits[0].distance_m, truth);
-  EXPECT_LE(all.hits[0].distance_m - all.hits[0].exit_m, 1e-6);
+  EXPECT_LE(all.brackets[0].low, truth);
+  EXPECT_GE(all.brackets[0].high, truth);
+  EXPECT_LE(all.brackets[0].high - all.brackets[0].low, 1e-6);
   EXPECT_NEAR(all.hits[0].normal.x(), 1, 1e-6) << "from the shape to what it meets";
   EXPECT_EQ(name_of(stage, sweep_of(stage, &cube, from, to, "wall").hits.at(0)), "post");
   EXPECT_EQ(name_of(stage, sweep_of(stage, &cube, from, to, "[wp]*").hits.at(0)), "lamp");
   EXPECT_TRUE(extreme::is_miss(sweep_of(stage, &cube, from, extreme::at({0, 16, 0}))));
   const Answers inside = sweep_of(stage, &cube, extreme::at({4, 0, 0}), to);
   ASSERT_TRUE(extreme::is_hit(inside));
-  EXPECT_EQ(inside.hits[0].distance_m, 0);
-  EXPECT_EQ(inside.hits[0].exit_m, 0);
+  EXPECT_EQ(inside.brackets[0].high, 0);
+  EXPECT_EQ(inside.brackets[0].low, 0);
 }
 
 TEST(ExtremeSweepQuestion, WhatIsNoQuestionIsInvalid) {
@@ -109,9 +109,9 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
                                         half.z(), q.w(), q.x(), q.y(), q.z()},
                                        HitMode::any));
     };
-    if (is_hit) { EXPECT_TRUE(touches(found.hits[0].distance_m)) << i; }
+    if (is_hit) { EXPECT_TRUE(touches(found.brackets[0].high)) << i; }
     // The asked box is turned by a rounded quaternion: at the bracket itself they may differ.
-    const double clear = is_hit ? found.hits[0].exit_m - 1e-9 : 1;
+    const double clear = is_hit ? found.brackets[0].low - 1e-9 : 1;
     for (int sample = 0; sample <= clear * kSamples; ++sample) {
       ASSERT_FALSE(touches(static_cast<double>(sample) / kSamples)) << i << " at " << sample;
     }

@@ -38,7 +38,7 @@ struct ServingSide {
   ServingSide() {
     Scene scene = embedded_scene();
     const auto indexed = World::index_scene(scene, {});
-    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     for (std::uint32_t number = 1; number <= kMovers; ++number) define(number);
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();

@@ -115,7 +115,7 @@ bool same(const Scene& a, const Scene& b) {
 
 struct Loaded {
   Scene scene;
-  std::shared_ptr<StaticScene> indexed;
+  IndexedScene indexed;
   LoadReport report;
 };
 
@@ -123,8 +123,7 @@ struct Loaded {
 Loaded load(const std::string& path) {
   Loaded loaded;
   loaded.scene = load_scene(path, {}, loaded.report);
-  Scene indexed = loaded.scene;
-  loaded.indexed = World::index_scene(indexed, {.threads = 2, .progress = {}, .cancelled = {}});
+  loaded.indexed = World::index_scene(loaded.scene, {.threads = 2, .progress = {}, .cancelled = {}});
   return loaded;
 }
 
@@ -262,7 +261,7 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
     try {
       const Loaded loaded = load(path);
       is_bad = !same(loaded.scene, scene);
-      return !loaded.report.warnings.empty() || !loaded.indexed->warnings.empty();
+      return !loaded.report.warnings.empty() || !loaded.indexed.geometry->warnings.empty();
     } catch (const LoadError&) { return true; }
   });
   std::vector<Journal::Entry> entries;

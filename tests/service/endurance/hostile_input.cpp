@@ -150,7 +150,7 @@ class Border {
   Border(std::uint64_t seed, Result& result) : malice_(seed), result_(result) {
     Scene scene = embedded_scene();
     const auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    static_cast<void>(world_.add_scene(scene, indexed));
+    static_cast<void>(world_.add_scene(indexed));
     step();
   }
 

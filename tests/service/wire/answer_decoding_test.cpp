@@ -232,21 +232,24 @@ TEST(AnswerDecoding, WhatIsNotCoveredIsOfItsQuestionAndNoHit) {
   EXPECT_TRUE(answers.answers[2].hits.empty());
 }
 
-// Of a sweep the bracket comes in columns of its own; a program finds it where it always was.
-TEST(AnswerDecoding, ASweepsBracketIsTheDistanceOfItsHit) {
+// Also where the memory of the answers held rays before.
+TEST(AnswerDecoding, ASweepsBracketIsTheTimesOfItsHit) {
   Names names;
-  AnswerCollector collector(3, 3, names);
+  AnswerCollector of_rays(3, 3, names);
   ReplyMessage reply;
-  reply.message();
+  ASSERT_FALSE(of_rays.add(reply.message()));
+  AnswerCollector collector(3, 3, names, of_rays.take());
   for (auto* column : {&reply.reply.distances, &reply.reply.distance_errors, &reply.reply.exits}) *column = {};
   std::vector<double> memory;
   wire::lend_columns<wire::Reply>(reply.numbers, wire::kSweepHitColumns, memory, reply.reply);
   ASSERT_FALSE(collector.add(reply.reply));
   const Answers answers = collector.take();
   ASSERT_EQ(answers.answers[1].hits.size(), 2u);
-  EXPECT_EQ(answers.answers[1].hits[1].distance_m, 113);
-  EXPECT_EQ(answers.answers[1].hits[1].error_m, 114);
-  EXPECT_EQ(answers.answers[1].hits[1].exit_m, 115);
+  EXPECT_EQ(answers.answers[1].hits[1].time_high, 113);
+  EXPECT_EQ(answers.answers[1].hits[1].time_low, 115);
+  EXPECT_EQ(answers.answers[1].hits[1].distance_m, 0);
+  EXPECT_EQ(answers.answers[1].hits[1].error_m, 0);
+  EXPECT_EQ(answers.answers[1].hits[1].exit_m, 0);
   EXPECT_EQ(answers.answers[1].hits[1].point, three(116));
 }
 

@@ -47,7 +47,7 @@ class RecordingFile {
  private:
   std::string path_;
   mcap::FileOutput output_;
-  mcap::Writer writer_;
+  mcap::FileWriter writer_;
 };
 
 class ClientReplay : public testing::Test {

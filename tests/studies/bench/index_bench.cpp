@@ -75,14 +75,14 @@ double cast_all(const Bvh& tree, const TriangleMesh& mesh, const std::vector<Ray
 }
 
 /// From a file on the disk to the first answer, as the server does it.
-double first_answer(const std::string& path, std::shared_ptr<StaticScene>& kept) {
+double first_answer(const std::string& path, IndexedScene& kept) {
   return wall_seconds([&] {
     LoadReport report;
     Scene scene = load_scene(path, {}, report);
-    kept = World::index_scene(scene, {});
+    kept = World::index_scene(std::move(scene), {});
     WalkCost cost;
-    const Vec3 middle = kept->tree.bounds().low / 2 + kept->tree.bounds().high / 2;
-    cast_all(kept->tree, kept->mesh, {{middle + Vec3(0, 0, 1e3), Vec3(0, 0, -1)}}, cost);
+    const Vec3 middle = kept.geometry->tree.bounds().low / 2 + kept.geometry->tree.bounds().high / 2;
+    cast_all(kept.geometry->tree, kept.geometry->mesh, {{middle + Vec3(0, 0, 1e3), Vec3(0, 0, -1)}}, cost);
   });
 }
 

@@ -17,14 +17,15 @@ class SceneAnswers {
   explicit SceneAnswers(const TriangleMesh& mesh) : world_({}) {
     Scene scene{.name = "scene", .mesh = mesh, .parts = {}, .objects = {}};
     scene.parts.push_back({.name = "scene", .triangle_count = static_cast<std::uint32_t>(mesh.triangles.size())});
-    indexed_ = World::index_scene(scene, {.progress = {}, .cancelled = {}, .form = BvhForm::best});
-    world_.add_scene(scene, indexed_);
+    indexed_ = World::index_scene(std::move(scene), {.progress = {}, .cancelled = {}, .form = BvhForm::best});
+    world_.add_scene(indexed_);
     world_.step(0, 1, {});
     snapshot_ = world_.newest();
   }
-  const StaticScene& scene() const { return *indexed_; }
+  const StaticScene& scene() const { return *indexed_.geometry; }
   double bytes_a_triangle() const {
-    return static_cast<double>(indexed_->bytes()) / static_cast<double>(indexed_->mesh.triangles.size());
+    return static_cast<double>(indexed_.geometry->bytes()) /
+           static_cast<double>(indexed_.geometry->mesh.triangles.size());
   }
   /// Valid until the next call.
   const Answers& ask(QuestionKind kind, HitMode mode, std::span<const double> numbers, std::uint32_t max_hits) {
@@ -34,7 +35,7 @@ class SceneAnswers {
 
  private:
   World world_;
-  std::shared_ptr<StaticScene> indexed_;
+  IndexedScene indexed_;
   SnapshotRing::Lease snapshot_;
   Answers answers_;
   QueryScratch scratch_;

@@ -107,7 +107,7 @@ class Crowd {
     scene.parts = {{.name = "hills",
                     .first_triangle = 0,
                     .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
-    world_.add_scene(scene, World::index_scene(scene, {}));
+    world_.add_scene(World::index_scene(std::move(scene), {}));
   }
   void advance_poses() {
     for (std::size_t i = 0; i < poses_.size(); ++i) {

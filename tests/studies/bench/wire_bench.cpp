@@ -123,8 +123,8 @@ class Engine {
                     .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()),
                     .filter = {}}};
     triangles = scene.mesh.triangles.size();
-    const auto indexed = World::index_scene(scene, {});
-    world_.add_scene(scene, indexed);
+    const auto indexed = World::index_scene(std::move(scene), {});
+    world_.add_scene(indexed);
     world_.step(1, 1, {});
   }
   void answer_batches(int count, unsigned thread_count) {

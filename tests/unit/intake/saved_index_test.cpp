@@ -44,8 +44,8 @@ class IntakeSavedIndex : public testing::Test {
   void write(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
   std::shared_ptr<StaticScene> indexed(const LoadOptions& options = {}) {
     report_ = {};
-    Scene scene = load_scene(path_, options, report_);
-    return World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+    return World::index_scene(load_scene(path_, options, report_), {.threads = 1, .progress = {}, .cancelled = {}})
+        .geometry;
   }
 
   std::string path_;
@@ -67,13 +67,13 @@ TEST_F(IntakeSavedIndex, IsUsedWhereItIsAndBuiltWhereItIsNot) {
 TEST_F(IntakeSavedIndex, OutlivesTheScene) {
   const std::string bytes = saved();
   auto scene = std::make_optional(test::load("a.cscene", bytes).scene);
-  const auto kept = World::index_scene(*scene, {.threads = 1, .progress = {}, .cancelled = {}});
+  const auto kept = World::index_scene(std::move(*scene), {.threads = 1, .progress = {}, .cancelled = {}});
   scene.reset();
-  ASSERT_TRUE(kept->tree.report().is_loaded);
+  ASSERT_TRUE(kept.geometry->tree.report().is_loaded);
   WalkCost cost;
   std::uint32_t count = 0;
   const auto take = [&](std::uint32_t) { return ++count > 0; };
-  kept->tree.walk_box(kept->tree.bounds(), take, cost);
+  kept.geometry->tree.walk_box(kept.geometry->tree.bounds(), take, cost);
   EXPECT_EQ(count, 800u);
 }
 

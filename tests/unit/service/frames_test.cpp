@@ -190,7 +190,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   answers.answers = {Verdict::hit, Verdict::miss, Verdict::undecided, Verdict::invalid};
   answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
   answers.levels = {2, 0, 1, 0};
-  answers.hit_counts = {2, 0, 2, 0};
+  answers.hit_counts = {2, 0, 1, 0};
   answers.nodes = {10, 11, 12, 13};
   answers.exact_tests = {20, 21, 22, 23};
   const AnswerHit hit{.object = b,
@@ -203,8 +203,8 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
                       .point_error_m = 13,
                       .normal = {7, 8, 9},
                       .weights = {10, 11, 12}};
-  answers.hits = {
-      hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}, {.flags = kUncovered, .distance_m = 6}};
+  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}};
+  answers.not_covered = {{.question = 2, .leaving = {.point = {7, 8, 9}, .covered_m = 6}}};
   std::vector<std::uint64_t> named_in;
   std::uint64_t reply_number = 0;
   for (int reply = 0; reply < 2; ++reply) {
@@ -223,16 +223,50 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b}));
     EXPECT_EQ(columns.triangles[0], 5U);
     EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{kInside, 0, kStale}));
-    ASSERT_EQ(columns.numbers.size(), 3U * wire_contract::kHitNumbers);
-    for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i)
-      EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
-    EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);
+    EXPECT_EQ(columns.distances, (std::vector<double>{1, 4, 0}));
+    EXPECT_EQ(columns.distance_errors, (std::vector<double>{2, 0, 0}));
+    EXPECT_EQ(columns.exits, (std::vector<double>{3, 0, 0}));
+    EXPECT_TRUE(columns.sweep_ends.empty() && columns.sweep_widths.empty() && columns.sweep_begins.empty());
+    EXPECT_EQ(columns.points, (std::vector<double>{4, 5, 6, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(columns.normals, (std::vector<double>{7, 8, 9, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(columns.weights, (std::vector<double>{10, 11, 12, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(columns.point_errors, (std::vector<double>{13, INFINITY, INFINITY}));
     EXPECT_EQ(columns.uncovered_questions, std::vector<std::uint32_t>{2});
-    EXPECT_EQ(columns.uncovered, (std::vector<double>{0, 0, 0, 6}));
+    EXPECT_EQ(columns.uncovered_points, (std::vector<double>{7, 8, 9}));
+    EXPECT_EQ(columns.uncovered_distances, std::vector<double>{6});
     EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
     EXPECT_EQ(split(columns.named.names), (Names{"right", "left"}));
     EXPECT_FALSE(filler.fill(columns));
   }
+}
+
+// A sweep's bracket has columns of its own, and the columns of distances stay empty; what one reply held is not in the
+// next one.
+TEST_F(ServiceFrames, ASweepsBracketTravelsInColumnsOfItsOwn) {
+  const ObjectId a = define("left", {0, 0, 0});
+  world.step(1, 1, {});
+  Answers answers;
+  answers.answers = {Verdict::miss, Verdict::hit};
+  answers.reasons = {UndecidedReason::none, UndecidedReason::none};
+  answers.levels = {0, 0};
+  answers.hit_counts = {0, 1};
+  answers.nodes = answers.exact_tests = {1, 1};
+  answers.hits = {{.object = a, .point = {4, 5, 6}}};
+  answers.brackets = {{.low = 0.25, .high = 0.75}};
+  std::vector<std::uint64_t> named_in;
+  std::uint64_t reply_number = 0;
+  const auto state = world.newest();
+  ReplyColumns columns;
+  ASSERT_TRUE(ReplyFiller(*state, answers, named_in, reply_number).fill(columns));
+  EXPECT_TRUE(columns.distances.empty() && columns.distance_errors.empty() && columns.exits.empty());
+  EXPECT_EQ(columns.sweep_ends, std::vector<double>{0.75});
+  EXPECT_EQ(columns.sweep_widths, std::vector<double>{0.5});
+  EXPECT_EQ(columns.sweep_begins, std::vector<double>{0.25});
+  EXPECT_EQ(columns.points, (std::vector<double>{4, 5, 6}));
+  answers.brackets.clear();
+  ASSERT_TRUE(ReplyFiller(*state, answers, named_in, reply_number).fill(columns));
+  EXPECT_TRUE(columns.sweep_ends.empty() && columns.sweep_widths.empty() && columns.sweep_begins.empty());
+  EXPECT_EQ(columns.distances, std::vector<double>{0});
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class PublishersTest : public ::testing::Test {
     scene.mesh.triangles = {{0, 1, 2}};
     scene.parts = {{.name = "room/floor", .first_triangle = 0, .triangle_count = 1, .filter = {}}};
     const auto indexed = World::index_scene(scene, {});
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     step();
   }
   static DefinitionSample definition(std::uint32_t number, std::uint64_t sequence, const std::string& name,

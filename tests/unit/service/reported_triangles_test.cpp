@@ -26,7 +26,7 @@ class ServiceToldTriangles : public testing::Test {
     ASSERT_EQ(mend(scene, 0).t_vertex_count, 1u);
     ASSERT_EQ(scene.parts[0].triangle_count, 2u);
     auto indexed = World::index_scene(scene, {});
-    world_.add_scene(scene, std::move(indexed));
+    world_.add_scene(indexed);
     world_.step(1, 1, {});
     panel_ = *world_.find("s/panel");
   }

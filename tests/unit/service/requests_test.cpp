@@ -425,7 +425,8 @@ class ReplyFilling : public ::testing::Test {
     while (filler.fill(columns)) {
       EXPECT_EQ(filler.first(), answered);
       EXPECT_LE(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
-      const std::size_t bytes = columns.numbers.size() * 8 + columns.objects.size() * 13 + columns.named.names.size() +
+      const std::size_t bytes = columns.objects.size() * (8 * wire_contract::kHitNumbers) +
+                                columns.objects.size() * 13 + columns.named.names.size() +
                                 columns.named.ids.size() * 8 + columns.answers.size() * 15;
       EXPECT_LT(bytes, wire_contract::kMaxMessageBytes);
       EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)),

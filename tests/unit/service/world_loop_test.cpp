@@ -413,7 +413,7 @@ TEST_F(WorldLoopTest, TheStatusCountsEverything) {
   scene.mesh.vertices = {{-9, -9, -50}, {9, -9, -50}, {0, 9, -50}};
   scene.mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
   scene.parts = {{.name = "hall/floor", .first_triangle = 0, .triangle_count = 2, .filter = {}}};
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, World::index_scene(scene, {}))));
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(World::index_scene(scene, {}))));
   questions.answered = 31;
   questions.refused = 32;
   questions.undecided = 33;

@@ -27,7 +27,7 @@ class WorldByHand : public testing::Test {
                     .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()),
                     .filter = filter}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
   }
   ObjectId define(const std::string& name, const Vec3& at, const Shape& shape, bool moving = true) {
     ObjectDefinition definition;
@@ -381,7 +381,7 @@ TEST_F(WorldByHand, APieceOfAPlacedObjectsTriangleHasTheNumberOfTheFile) {
   object.cut.piece_of = std::make_shared<const std::vector<std::uint32_t>>(1, 0U);
   scene.objects = {object};
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
   step();
   const auto told = [&](double x, double y) {
     const SnapshotRing::Lease lease = world.newest();

@@ -19,11 +19,15 @@ bool are_same(const AnswerHit& a, const AnswerHit& b) {
          a.normal == b.normal && a.weights == b.weights;
 }
 
+bool are_same(const TimeBracket& a, const TimeBracket& b) { return a.low == b.low && a.high == b.high; }
+
 bool are_same(const Answers& a, const Answers& b) {
   return a.answers == b.answers && a.reasons == b.reasons && a.levels == b.levels && a.hit_counts == b.hit_counts &&
          a.nodes == b.nodes && a.exact_tests == b.exact_tests && a.oldest_pose_ns == b.oldest_pose_ns &&
          std::equal(a.hits.begin(), a.hits.end(), b.hits.begin(), b.hits.end(),
-                    [](const AnswerHit& x, const AnswerHit& y) { return are_same(x, y); });
+                    [](const AnswerHit& x, const AnswerHit& y) { return are_same(x, y); }) &&
+         std::equal(a.brackets.begin(), a.brackets.end(), b.brackets.begin(), b.brackets.end(),
+                    [](const TimeBracket& x, const TimeBracket& y) { return are_same(x, y); });
 }
 
 std::vector<double> numbers_of(QuestionKind kind, MixedWorld& mixed, int count) {

@@ -59,22 +59,23 @@ struct Covered {
   std::int64_t seconds = 0;
 };
 
-/// Undecided for that reason, and where it ends stands behind the hits.
+/// Undecided for that reason, and it is said where the covered space ends.
 void expect_not_covered(const Answers& answers, const Vec3& point, std::size_t hits = 0) {
   EXPECT_EQ(answers.answers[0], Verdict::undecided);
   EXPECT_EQ(answers.reasons[0], UndecidedReason::not_covered);
-  ASSERT_EQ(answers.hits.size(), hits + 1);
-  EXPECT_EQ(answers.hit_counts[0], hits + 1);
-  EXPECT_EQ(answers.hits.back().flags, kUncovered);
-  EXPECT_EQ(answers.hits.back().object, 0U);
-  EXPECT_LT((answers.hits.back().point - point).norm(), 1e-9) << answers.hits.back().point.transpose();
+  EXPECT_EQ(answers.hits.size(), hits);
+  EXPECT_EQ(answers.hit_counts[0], hits);
+  ASSERT_EQ(answers.not_covered.size(), 1U);
+  EXPECT_EQ(answers.not_covered[0].question, 0U);
+  const Vec3& end = answers.not_covered[0].leaving.point;
+  EXPECT_LT((end - point).norm(), 1e-9) << end.transpose();
 }
 
 TEST(Covered, AMissIsOneOnlyWhereAllThatWasAskedIsCovered) {
   Covered world;
   EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 5, 0, 0, 0, 1, 9}), Verdict::miss);
   expect_not_covered(world.ask(QuestionKind::ray, {0, 5, 0, 0, 0, 2, 11}), {0, 5, 10});
-  EXPECT_NEAR(world.ask(QuestionKind::ray, {0, 5, 0, 0, 0, 2, 11}).hits[0].distance_m, 10, 1e-9);
+  EXPECT_NEAR(world.ask(QuestionKind::ray, {0, 5, 0, 0, 0, 2, 11}).not_covered[0].leaving.covered_m, 10, 1e-9);
   expect_not_covered(world.ask(QuestionKind::ray, {0, 5, 0, 3, 4, 0, kInfinity}), {3.75, 10, 0});
   expect_not_covered(world.ask(QuestionKind::ray, {0, 50, 0, 0, 1, 0, 1}), {0, 50, 0});
   EXPECT_EQ(world.verdict(QuestionKind::sphere, {5, 5, 5, 4}), Verdict::miss);
@@ -248,7 +249,7 @@ TEST(Covered, PiecesThatTouchAreAsGoodAsTheWhole) {
       covered += is_covered ? 1 : 0;
       not_covered += is_covered ? 0 : 1;
       if (!is_covered && kind == QuestionKind::ray) {
-        EXPECT_NEAR(of_parts.hits.back().distance_m, of_whole.hits.back().distance_m, 1e-9);
+        EXPECT_NEAR(of_parts.not_covered[0].leaving.covered_m, of_whole.not_covered[0].leaving.covered_m, 1e-9);
       }
     }
   }
@@ -277,7 +278,7 @@ TEST(Covered, SeamsLetNothingThroughAndHoldNothingUp) {
   Covered holed(tiles);
   EXPECT_EQ(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).reasons[0],
             UndecidedReason::not_covered);
-  EXPECT_NEAR(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).hits.back().distance_m,
+  EXPECT_NEAR(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).not_covered[0].leaving.covered_m,
               std::sqrt(3.0), 1e-9);
   EXPECT_EQ(holed.ask(QuestionKind::near, {1.5, 1.5, 3, 0.9}).reasons[0], UndecidedReason::none);
   expect_not_covered(holed.ask(QuestionKind::sphere, {2.5, 2.5, 1.5, 0.75}), {2, 2, 1.5}, 0);

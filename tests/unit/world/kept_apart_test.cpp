@@ -41,7 +41,7 @@ class Drift {
                     .first_triangle = 0,
                     .triangle_count = static_cast<std::uint32_t>(ground_.triangles.size()),
                     .filter = {}}};
-    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(scene, World::index_scene(scene, {}))));
+    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(World::index_scene(scene, {}))));
     for (std::uint64_t i = 0; i < 4; ++i) add(i);
     world_.step(next_ns(), 1, {});
   }

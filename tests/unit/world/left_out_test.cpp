@@ -24,7 +24,7 @@ class WorldLeftOut : public testing::Test {
       Scene scene{.name = "s", .mesh = scenes::terrain(24, 8, 3)};
       scene.parts = {{"s/ground", 0, static_cast<std::uint32_t>(scene.mesh.triangles.size()), {}}};
       auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world->add_scene(scene, std::move(indexed))));
+      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world->add_scene(indexed)));
     }
     const auto rock = std::make_shared<const TriangleMesh>(scenes::icosphere(1, 0.3));
     for (std::size_t i = 0; i < kMovers; ++i) {

@@ -134,12 +134,12 @@ struct LevelledWorld {
     const std::vector<std::uint32_t> ends = ends_of_parts(scene.parts);
     if (with_levels) scene.collapses = simplify(scene.mesh, {.part_ends = ends}, report);
     auto indexed = World::index_scene(scene, {.progress = {}, .cancelled = {}});
-    level_count = indexed->levels.size();
+    level_count = indexed.geometry->levels.size();
     if (level_count > 0) {
-      finest_m = indexed->levels.front()->off_by_m;
-      coarsest_m = indexed->levels.back()->off_by_m;
+      finest_m = indexed.geometry->levels.front()->off_by_m;
+      coarsest_m = indexed.geometry->levels.back()->off_by_m;
     }
-    world.add_scene(scene, indexed);
+    world.add_scene(indexed);
     for (int i = 0; i < 5; ++i) {
       ObjectDefinition ball;
       ball.name = "ball" + std::to_string(i);

@@ -31,8 +31,8 @@ class WorldMenu : public testing::Test {
     scene.parts = {{"hills/all", 0, static_cast<std::uint32_t>(scene.mesh.triangles.size()), {}}};
     const TriangleMesh hills = scene.mesh;
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-    if (with_losses) indexed->tree = index_with_losses(hills);
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(scene, std::move(indexed))));
+    if (with_losses) indexed.geometry->tree = index_with_losses(hills);
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(indexed)));
     for (int i = 0; i < kClouds; ++i) {
       const auto cloud =
           std::make_shared<const TriangleMesh>(scenes::scattered(300, 0.3, static_cast<std::uint64_t>(i)));

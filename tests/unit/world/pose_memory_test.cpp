@@ -218,8 +218,9 @@ TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
   scene.mesh = {{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
   scene.parts = {{.name = "scene/part", .first_triangle = 0, .triangle_count = 1}};
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-  const std::weak_ptr<const StaticScene> seen = indexed;
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, std::move(indexed))));
+  const std::weak_ptr<const StaticScene> seen = indexed.geometry;
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
+  indexed = {};
   say(1, kStart + 2 * kTick, {{a, at(2)}});
   EXPECT_EQ(world.memory().at(kStart + kTick), nullptr);
   EXPECT_EQ(ray_down(kStart + 2 * kTick, -3).answers.at(0), Verdict::hit) << "the scene";

@@ -155,8 +155,8 @@ TEST_P(WorldRaysTogether, GiveTheBitsOfEachAlone) {
                   .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
   World world(WorldOptions{});
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-  const Aabb bounds = indexed->tree.bounds();
-  world.add_scene(scene, indexed);
+  const Aabb bounds = indexed.geometry->tree.bounds();
+  world.add_scene(indexed);
   world.step(0, 1, {});
   const auto state = world.newest();
   ASSERT_GT(state->scenes[0]->tree.report().bytes, 4u << 20);

@@ -261,7 +261,7 @@ TEST(SharedMesh, AFileHoldsItOnce) {
   for (const SceneObject& object : loaded.objects) EXPECT_EQ(object.shape.mesh, loaded.objects[0].shape.mesh);
   Scene to_index = loaded;
   const auto indexed = World::index_scene(to_index, {.threads = 1, .progress = {}, .cancelled = {}});
-  EXPECT_EQ(indexed->object_meshes[0], indexed->object_meshes[49]);
+  EXPECT_EQ(indexed.geometry->object_meshes[0], indexed.geometry->object_meshes[49]);
   std::remove(path.c_str());
 }
 

@@ -21,8 +21,8 @@ class WorldSplitIndex : public testing::Test {
     scenes::append(scene.mesh, scenes::slanted(20, 1, random()));
     scene.parts = {{"s/dust", 0, 600, {}}, {"s/bars", 600, 20, {}}};
     auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}, .form = form});
-    EXPECT_EQ(indexed->tree.report().split_triangles > 0, form == BvhForm::best);
-    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, std::move(indexed))));
+    EXPECT_EQ(indexed.geometry->tree.report().split_triangles > 0, form == BvhForm::best);
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     const auto ball = std::make_shared<const TriangleMesh>(scenes::icosphere(2, 0.4));
     ball_ =
         std::get<ObjectId>(world.define({.name = "ball", .scene = {}, .shape = {{}, ball}, .pose = {}, .filter = {}}));

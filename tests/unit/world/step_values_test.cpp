@@ -122,7 +122,7 @@ TEST_F(WorldStepValues, AStaticPartIsToldWithItsOwnTriangleInBothOrders) {
       scene.parts = {{.name = "hall/cellar", .first_triangle = 0, .triangle_count = 1, .filter = {}},
                      {.name = "hall/floor", .first_triangle = 1, .triangle_count = 2, .filter = {}}};
       const auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(here.add_scene(scene, indexed)));
+      ASSERT_TRUE(std::holds_alternative<std::uint32_t>(here.add_scene(indexed)));
       if (is_part_first) define_ball();
       here.step(1 * kSecond, 1, {});
       here.move(ball, at(3, 1, 1), 2 * kSecond, false);

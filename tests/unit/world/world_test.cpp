@@ -20,7 +20,7 @@ Scene floor_scene(const std::string& name, double height_m) {
 
 void load(World& world, Scene scene) {
   auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
-  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
 }
 
 ObjectDefinition ball(const std::string& name, const Vec3& at, double radius_m) {

@@ -34,7 +34,7 @@ class Hills {
     scene.mesh = scenes::terrain(static_cast<std::uint32_t>(std::sqrt(triangles / 2.0)), kSide_m, seed);
     triangles_ = scene.mesh.triangles.size();
     scene.parts = {{.name = "hills", .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(triangles_)}};
-    world_.add_scene(scene, World::index_scene(scene, {}));
+    world_.add_scene(World::index_scene(std::move(scene), {}));
     world_.step(1, 1, {});
   }
   double triangles() const { return static_cast<double>(triangles_); }

@@ -1,10 +1,10 @@
-#include "client/response/spring_contact.hpp"
+#include "client/extras/response/spring_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "client/response/tolerance.hpp"
+#include "client/extras/response/tolerance.hpp"
 
 namespace collided::response {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/response/spheres.hpp"
+#include "client/extras/response/spheres.hpp"
 
 #include <algorithm>
 #include <cmath>

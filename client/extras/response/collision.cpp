@@ -1,9 +1,9 @@
-#include "client/response/collision.hpp"
+#include "client/extras/response/collision.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/response/tolerance.hpp"
+#include "client/extras/response/tolerance.hpp"
 
 namespace collided::response {
 

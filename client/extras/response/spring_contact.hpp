@@ -1,7 +1,7 @@
 #pragma once
 
-#include "client/response/collision.hpp"
-#include "client/response/damper.hpp"
+#include "client/extras/response/collision.hpp"
+#include "client/extras/response/damper.hpp"
 
 namespace collided::response {
 

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "client/response/collision.hpp"
-#include "client/response/spring_contact.hpp"
+#include "client/extras/response/collision.hpp"
+#include "client/extras/response/spring_contact.hpp"
 
 namespace collided::response {
 

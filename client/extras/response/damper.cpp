@@ -1,11 +1,11 @@
-#include "client/response/damper.hpp"
+#include "client/extras/response/damper.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "client/response/tolerance.hpp"
+#include "client/extras/response/tolerance.hpp"
 
 namespace collided::response {
 namespace {

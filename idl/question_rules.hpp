@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+
+#include "idl/unit_quaternion.hpp"
+
+/// What makes a row of numbers a question. The client refuses by these rules before it sends, the server again on
+/// arrival, since not every client is this library.
+namespace collided::wire_contract {
+
+/// point      finite
+/// direction  finite, and not 0 0 0
+/// size       finite, 0 or more
+/// reach      0 or more; infinite: no end
+/// rotation   a unit quaternion w x y z
+enum class NumberRule : std::uint8_t { point, direction, size, reach, rotation };
+
+/// Numbers of a row that belong together, and the name by which errors call them.
+struct NumberField {
+  const char* name;
+  std::size_t first;
+  std::size_t count;
+  NumberRule rule;
+};
+
+inline constexpr NumberField kRayFields[] = {{"origin", 0, 3, NumberRule::point},
+                                             {"direction", 3, 3, NumberRule::direction},
+                                             {"length", 6, 1, NumberRule::reach}};
+inline constexpr NumberField kSphereFields[] = {{"center", 0, 3, NumberRule::point},
+                                                {"radius", 3, 1, NumberRule::size}};
+inline constexpr NumberField kBoxFields[] = {{"center", 0, 3, NumberRule::point},
+                                             {"half size", 3, 3, NumberRule::size},
+                                             {"rotation", 6, 4, NumberRule::rotation}};
+inline constexpr NumberField kNearFields[] = {{"point", 0, 3, NumberRule::point},
+                                              {"largest distance", 3, 1, NumberRule::reach}};
+inline constexpr NumberField kSweepFields[] = {{"from", 0, 3, NumberRule::point},
+                                               {"rotation", 3, 4, NumberRule::rotation},
+                                               {"to", 7, 3, NumberRule::point},
+                                               {"rotation", 10, 4, NumberRule::rotation}};
+inline constexpr NumberField kPoseFields[] = {{"position", 0, 3, NumberRule::point},
+                                              {"rotation", 3, 4, NumberRule::rotation}};
+
+/// Whether the field's numbers keep its rule. NaN never does. Calls with a constant field become a few comparisons.
+///
+/// numbers  the field's own
+constexpr bool is_kept(const NumberField& field, const double* numbers) {
+  if (field.rule == NumberRule::rotation) return is_unit_quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
+  double nothing = 0;  // a finite number less itself is 0, any other is no number
+  bool any_not_zero = false;
+  bool none_negative = true;
+  for (std::size_t i = 0; i < field.count; ++i) {
+    nothing += numbers[i] - numbers[i];
+    any_not_zero = any_not_zero || numbers[i] != 0;
+    none_negative = none_negative && numbers[i] >= 0;
+  }
+  switch (field.rule) {
+    case NumberRule::point: return nothing == 0;
+    case NumberRule::direction: return nothing == 0 && any_not_zero;
+    case NumberRule::size: return nothing == 0 && none_negative;
+    case NumberRule::reach: return none_negative;
+    default: return false;
+  }
+}
+
+/// Whether a row keeps all rules; kFields is one of the lists above.
+template <const auto& kFields>
+bool keeps_rules(const double* row) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    return (is_kept(kFields[i], row + kFields[i].first) && ...);
+  }
+  (std::make_index_sequence<std::size(kFields)>());
+}
+
+}  // namespace collided::wire_contract

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# check.sh finds what it is there to find: each line below, added to a copy of the tree, is refused for its reason.
+# usage: bites.sh REPOSITORY_ROOT
+set -euo pipefail
+cd "${1:?repository root}"
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+cp -r server client idl tests deploy "$copy"
+missed=0
+expected=()
+# plant FILE LINE REASON: the reason is part of what check.sh says about the file
+plant() {
+  printf '%s\n' "$2" >>"$copy/$1"
+  expected+=("$1"$'\t'"$3")
+}
+plant server/world/query/near_question.cpp 'const double margin = 3 * 1e-9;' 'a bare tolerance'
+plant server/exact_phase/manifold.cpp 'bool is_flat(double x) { return x < 2.5e-12; }' 'a bare tolerance'
+plant server/world/step/candidates.cpp 'const double margin = 1 + 0x1p-40;' 'a bare tolerance'
+plant server/geometry/pose.cpp '#include "server/world/world.hpp"' 'server/geometry may include only'
+plant client/library/client.cpp '#include "server/geometry/pose.hpp"' 'client may include only'
+plant server/world/world.cpp '#include <dds/dds.h>' 'past its door'
+plant idl/columns.cpp 'void call(void* context);' 'a callback is a FunctionRef'
+said=$("$copy/tests/layering/check.sh" "$copy" || true)
+for item in "${expected[@]}"; do
+  file=${item%%$'\t'*}
+  reason=${item#*$'\t'}
+  grep -F "$file" <<<"$said" | grep -qF "$reason" || { echo "not found: $file: $reason"; missed=$((missed + 1)); }
+done
+# Named ones, units and text are no tolerances.
+cat >>"$copy/server/world/query/near_question.cpp" <<'END'
+constexpr double kFine = 1e-9;
+// 1e-9 in a comment, "1e-9" in a text
+END
+if "$copy/tests/layering/check.sh" "$copy" | grep -qE 'kFine|1e-9 in a comment'; then
+  echo "a named constant or a comment was refused"
+  missed=$((missed + 1))
+fi
+echo "${#expected[@]} planted, $missed missed"
+[[ $missed -eq 0 ]]
