@@ -5,7 +5,7 @@
 namespace collided::wire {
 namespace {
 
-using wire_contract::QueryKind;
+using wire_contract::RequestKind;
 
 constexpr dds_sequence_double Query::*kQuestionSequences[] = {
     &Query::points,     &Query::directions,   &Query::lengths,    &Query::radii,
@@ -13,13 +13,13 @@ constexpr dds_sequence_double Query::*kQuestionSequences[] = {
 
 }  // namespace
 
-Columns<Query> question_columns(QueryKind kind) {
+Columns<Query> question_columns(RequestKind kind) {
   switch (kind) {
-    case QueryKind::ray: return kRayColumns;
-    case QueryKind::sphere: return kSphereColumns;
-    case QueryKind::box: return kBoxColumns;
-    case QueryKind::near: return kNearColumns;
-    case QueryKind::sweep: return kSweepColumns;
+    case RequestKind::ray: return kRayColumns;
+    case RequestKind::sphere: return kSphereColumns;
+    case RequestKind::box: return kBoxColumns;
+    case RequestKind::near: return kNearColumns;
+    case RequestKind::sweep: return kSweepColumns;
     default: return {};
   }
 }
@@ -30,7 +30,7 @@ Columns<Reply> hit_columns(const Reply& reply) {
 }
 
 std::optional<std::uint32_t> question_count(const Query& query) {
-  const Columns<Query> columns = question_columns(static_cast<QueryKind>(query.kind));
+  const Columns<Query> columns = question_columns(static_cast<RequestKind>(query.kind));
   for (const auto sequence : kQuestionSequences) {
     const bool is_own =
         std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });

@@ -19,14 +19,14 @@ inline constexpr int kLastDomain = 230;
 
 /// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
 /// near: the nearest points of objects. sweep: a shape that moves from pose to pose.
-enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
+enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
 /// The kind must be one of the above.
-inline const char* name_of(QueryKind kind) {
+inline const char* name_of(RequestKind kind) {
   static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 /// Which hits are wanted: the first one, any one, or all of them.
-enum class RayMode : std::uint8_t { closest, any, all };
+enum class HitMode : std::uint8_t { closest, any, all };
 /// How much a question matters while not all can be answered: low ones are refused first, high ones never.
 enum class Importance : std::uint8_t { normal, low, high };
 /// invalid: the question's numbers are none that can be answered.
@@ -84,13 +84,13 @@ inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kSweepNumbers = 14;
 /// Numbers of a question of this kind; 0 for kinds that ask nothing about the world.
-inline constexpr std::uint32_t numbers_of(QueryKind kind) {
+inline constexpr std::uint32_t numbers_of(RequestKind kind) {
   switch (kind) {
-    case QueryKind::ray: return kRayNumbers;
-    case QueryKind::sphere: return kSphereNumbers;
-    case QueryKind::box: return kBoxNumbers;
-    case QueryKind::near: return kNearNumbers;
-    case QueryKind::sweep: return kSweepNumbers;
+    case RequestKind::ray: return kRayNumbers;
+    case RequestKind::sphere: return kSphereNumbers;
+    case RequestKind::box: return kBoxNumbers;
+    case RequestKind::near: return kNearNumbers;
+    case RequestKind::sweep: return kSweepNumbers;
     default: return 0;
   }
 }

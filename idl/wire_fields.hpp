@@ -31,7 +31,7 @@ template <SampleOf<Query> S, class Field>
 void for_each_field(S& s, Field&& field) {
   field(s.client), field(s.request), field(s.chunk_index), field(s.chunk_count), field(s.first_question), field(s.kind);
   field(s.mode), field(s.importance), field(s.instant), field(s.instant_ns), field(s.mask), field(s.max_hits);
-  field(s.deadline_ns), field(s.error_asked), field(s.fence_publisher), field(s.fence_sequence), field(s.only);
+  field(s.deadline_ns), field(s.error_asked), field(s.barrier_publisher), field(s.barrier_sequence), field(s.only);
   field(s.skip), field(s.points), field(s.directions), field(s.lengths), field(s.radii), field(s.half_sizes);
   field(s.orientations), field(s.end_points), field(s.end_orientations), field(s.text), field(s.blob);
 }

@@ -15,14 +15,14 @@ constexpr bool same(Own own, Wire wire) {
 }
 
 #define COLLIDED_SAME(Own, Wire, name) static_assert(same(Own::name, wire_contract::Wire::name))
-COLLIDED_SAME(QuestionKind, QueryKind, ray);
-COLLIDED_SAME(QuestionKind, QueryKind, sphere);
-COLLIDED_SAME(QuestionKind, QueryKind, box);
-COLLIDED_SAME(QuestionKind, QueryKind, near);
-COLLIDED_SAME(QuestionKind, QueryKind, sweep);
-COLLIDED_SAME(HitMode, RayMode, closest);
-COLLIDED_SAME(HitMode, RayMode, any);
-COLLIDED_SAME(HitMode, RayMode, all);
+COLLIDED_SAME(QuestionKind, RequestKind, ray);
+COLLIDED_SAME(QuestionKind, RequestKind, sphere);
+COLLIDED_SAME(QuestionKind, RequestKind, box);
+COLLIDED_SAME(QuestionKind, RequestKind, near);
+COLLIDED_SAME(QuestionKind, RequestKind, sweep);
+COLLIDED_SAME(HitMode, HitMode, closest);
+COLLIDED_SAME(HitMode, HitMode, any);
+COLLIDED_SAME(HitMode, HitMode, all);
 COLLIDED_SAME(Verdict, Verdict, miss);
 COLLIDED_SAME(Verdict, Verdict, hit);
 COLLIDED_SAME(Verdict, Verdict, undecided);

@@ -385,7 +385,7 @@ void WorldLoop::say_skipped_sweeps() {
   counts_.sweeps_skipped += with_.world.cost().sweeps_skipped;
   if (std::bit_width(before) == std::bit_width(counts_.sweeps_skipped)) return;
   with_.notice(
-      "the ways of " + std::to_string(counts_.sweeps_skipped) +
+      "the motions of " + std::to_string(counts_.sweeps_skipped) +
       " pairs could not be followed from pose to pose to their end; contacts between two poses may be missing");
 }
 

@@ -302,12 +302,12 @@ void World::set_stale(ObjectId id, bool is_stale) {
   s.lost.emplace_back(id, is_stale);
   if (!is_stale) return s.forget_stale(id);
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
-  const double way_m = (row.frame.position - row.frame_before.position).norm();
+  const double travel_m = (row.frame.position - row.frame_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
   s.stale_objects.push_back({.id = id,
                              .position = row.frame.position,
                              .reach_m = row.reach_m,
-                             .speed_mps = has_speed ? way_m / motion_s : 0,
+                             .speed_mps = has_speed ? travel_m / motion_s : 0,
                              .posed_ns = row.posed_ns});
 }
 

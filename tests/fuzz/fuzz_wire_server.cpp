@@ -18,7 +18,7 @@ namespace {
 using namespace collided;
 using namespace collided::engine;
 using service::Applied;
-using wire_contract::QueryKind;
+using wire_contract::RequestKind;
 
 class Side {
  public:
@@ -68,9 +68,9 @@ class Side {
   void ask(std::span<const std::byte> bytes) {
     dds::Sample<wire::Query> query;
     if (!wire::read_cdr(bytes, query) || service::why_refused(*query)) return;
-    const auto kind = static_cast<QueryKind>(query->kind);
+    const auto kind = static_cast<RequestKind>(query->kind);
     const std::optional<std::uint32_t> count = wire::question_count(*query);
-    if (count.value_or(0) == 0 || kind == QueryKind::sweep) return;
+    if (count.value_or(0) == 0 || kind == RequestKind::sweep) return;
     // A question may take long where everything is asked of it; many of them teach nothing more.
     if (*count > 4) return;
     std::vector<double> numbers;
@@ -144,10 +144,10 @@ std::vector<std::string> fuzz_seeds() {
   fuzz::append_frame(run, 3, *batch);
   std::string asked = run;
   for (const auto& [kind, values] :
-       std::vector<std::pair<QueryKind, std::vector<double>>>{{QueryKind::ray, {-9, 0, 0, 1, 0, 0, 20}},
-                                                              {QueryKind::sphere, {0, 0, 0, 1}},
-                                                              {QueryKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
-                                                              {QueryKind::near, {5, 0, 0, 9}}}) {
+       std::vector<std::pair<RequestKind, std::vector<double>>>{{RequestKind::ray, {-9, 0, 0, 1, 0, 0, 20}},
+                                                                {RequestKind::sphere, {0, 0, 0, 1}},
+                                                                {RequestKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+                                                                {RequestKind::near, {5, 0, 0, 9}}}) {
     dds::Sample<wire::Query> query;
     query->client = query->request = query->chunk_count = 1;
     query->kind = static_cast<std::uint8_t>(kind);

@@ -29,14 +29,14 @@ std::optional<double> entry(const AxisRay& ray, const PlainBox& box) {
   return std::max(ahead, 0.0);
 }
 
-std::optional<double> first_contact(const PlainBox& moving, int axis, double way_m, const PlainBox& box) {
+std::optional<double> first_contact(const PlainBox& moving, int axis, double travel_m, const PlainBox& box) {
   for (int k = 0; k < 3; ++k) {
     if (k != axis && (moving.low[k] > box.high[k] || box.low[k] > moving.high[k])) return std::nullopt;
   }
-  const double ahead = way_m > 0 ? box.low[axis] - moving.high[axis] : moving.low[axis] - box.high[axis];
-  const double beyond = way_m > 0 ? box.high[axis] - moving.low[axis] : moving.high[axis] - box.low[axis];
-  if (beyond < 0 || ahead > std::abs(way_m)) return std::nullopt;
-  return std::max(ahead, 0.0) / std::abs(way_m);
+  const double ahead = travel_m > 0 ? box.low[axis] - moving.high[axis] : moving.low[axis] - box.high[axis];
+  const double beyond = travel_m > 0 ? box.high[axis] - moving.low[axis] : moving.high[axis] - box.low[axis];
+  if (beyond < 0 || ahead > std::abs(travel_m)) return std::nullopt;
+  return std::max(ahead, 0.0) / std::abs(travel_m);
 }
 
 std::vector<PlainBox> PlainObject::boxes() const {

@@ -39,8 +39,8 @@ struct AxisRay {
   double length_m = INFINITY;
 };
 std::optional<double> entry(const AxisRay& ray, const PlainBox& box);
-/// When a box that moves along an axis by way_m while time runs from 0 to 1 first shares a point with another.
-std::optional<double> first_contact(const PlainBox& moving, int axis, double way_m, const PlainBox& box);
+/// When a box that moves along an axis by travel_m while time runs from 0 to 1 first shares a point with another.
+std::optional<double> first_contact(const PlainBox& moving, int axis, double travel_m, const PlainBox& box);
 
 /// One thing in the world: boxes about an origin. A scene's is flat, and made of triangles.
 struct PlainObject {

@@ -121,7 +121,7 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
           if (!query.info().valid_data) continue;
           const std::lock_guard lock(mutex);
           ++heard;
-          const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
+          const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
           if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->points._length != 0) {
             unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) +
                           " of " + std::to_string(query->chunk_count) + ", points " +
@@ -136,7 +136,7 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
   }));
   const std::lock_guard lock(mutex);
   EXPECT_EQ(unlike,
-            std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::QueryKind::command)) +
+            std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::RequestKind::command)) +
                                        ", chunk 0 of 1, points 0"})
       << "only the server's figures are asked for beside them, once";
 }

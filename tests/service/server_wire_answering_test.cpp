@@ -12,7 +12,7 @@ namespace collided::engine::service {
 namespace {
 
 using namespace std::chrono_literals;
-using wire_contract::QueryKind;
+using wire_contract::RequestKind;
 using wire_contract::UndecidedReason;
 using wire_contract::Verdict;
 
@@ -61,9 +61,9 @@ TEST_F(WireClients, WhoHasLeftIsNoLongerFoundReady) {
   EXPECT_EQ(clients.find_ready(kClient + 1, kAsker), nullptr);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), met.get());
   const std::uint64_t still_there[] = {kAsker + 1, kAsker};
-  clients.sweep(still_there, steady_ns());
+  clients.forget_gone(still_there, steady_ns());
   EXPECT_EQ(clients.find_ready(kClient, kAsker), met.get()) << "its writer lives";
-  clients.sweep(std::span(still_there).first(1), steady_ns());
+  clients.forget_gone(std::span(still_there).first(1), steady_ns());
   EXPECT_EQ(clients.size(), 0U);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), nullptr);
   const std::shared_ptr<Client> again = clients.meet(kClient, kAsker);
@@ -93,7 +93,7 @@ TEST_F(WireClients, ANumberIsItsFirstWritersForAsLongAsThatLives) {
   EXPECT_EQ(clients.meet(kClient, kAsker + 1), nullptr);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), met.get());
   const std::uint64_t newer[] = {kAsker + 1};
-  clients.sweep(newer, steady_ns());
+  clients.forget_gone(newer, steady_ns());
   EXPECT_EQ(clients.size(), 0U);
   EXPECT_NE(clients.meet(kClient, kAsker + 1), nullptr);
 }
@@ -103,7 +103,7 @@ TEST_F(WireClients, OneWriterTakesNotAllNumbers) {
   for (std::uint64_t number = 0; number < 3'000; ++number) met += clients.meet(number + 1, kAsker) ? 1 : 0;
   EXPECT_EQ(met, Clients::kMostOfOne);
   EXPECT_NE(clients.meet(5'000, kAsker + 1), nullptr) << "others are met as before";
-  clients.sweep({}, steady_ns());
+  clients.forget_gone({}, steady_ns());
   EXPECT_EQ(clients.size(), 0U) << "what a writer held goes with it";
 }
 
@@ -118,11 +118,11 @@ TEST_F(WireClients, AsksOfAClientThatDoesNotListenYetWaitInOrderAndNotForEver) {
     ASSERT_TRUE(clients.hold(*met, ask));
   }
   const std::uint64_t there[] = {kAsker};
-  const std::vector<AskPointer> late = clients.sweep(there, now_ns + Clients::kMatchPatienceNs + 5);
+  const std::vector<AskPointer> late = clients.forget_gone(there, now_ns + Clients::kMatchPatienceNs + 5);
   ASSERT_EQ(late.size(), 2U) << "three were dropped, of the rest the first two have waited too long";
   EXPECT_EQ(late[0]->query->request, 3U);
   EXPECT_EQ(late[1]->query->request, 4U);
-  clients.sweep({}, now_ns + Clients::kMatchPatienceNs);
+  clients.forget_gone({}, now_ns + Clients::kMatchPatienceNs);
   EXPECT_EQ(clients.size(), 1U) << "what it asked is not answered yet";
   Ears ears(near_side, kClient);
   ASSERT_TRUE(test::eventually([&] { return listening.load() > 0; }));
@@ -138,17 +138,17 @@ TEST_F(WireClients, WhoNeverListensIsForgottenInTheEnd) {
   const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
   const std::uint64_t there[] = {kAsker};
   const std::int64_t now_ns = steady_ns();
-  clients.sweep(there, now_ns + Clients::kDeafPatienceNs - 1'000'000'000);
+  clients.forget_gone(there, now_ns + Clients::kDeafPatienceNs - 1'000'000'000);
   EXPECT_EQ(clients.size(), 1U);
-  clients.sweep(there, now_ns + Clients::kDeafPatienceNs + 1'000'000'000);
+  clients.forget_gone(there, now_ns + Clients::kDeafPatienceNs + 1'000'000'000);
   EXPECT_EQ(clients.size(), 0U);
 }
 
 TEST_F(WireClients, TheNewestVersionThatWasToldStays) {
   const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
   EXPECT_EQ(met->reported_version(), 0U);
-  met->note_told(5);
-  met->note_told(3);
+  met->note_reported(5);
+  met->note_reported(3);
   EXPECT_EQ(met->reported_version(), 5U);
 }
 
@@ -211,7 +211,7 @@ class WireAnswering : public testing::Test {
   void hello() {
     for (int i = 0; i < 100; ++i) {
       dds::Sample<wire::Query> query;
-      query->kind = static_cast<std::uint8_t>(QueryKind::hello);
+      query->kind = static_cast<std::uint8_t>(RequestKind::hello);
       query->client = kClient;
       query->chunk_count = 1;
       query->request = ++request;
@@ -221,9 +221,9 @@ class WireAnswering : public testing::Test {
   }
   /// The reply to rays.
   const wire::Reply& ask(const std::vector<double>& numbers, double error_m = 0, std::int64_t deadline_ns = 0,
-                         wire_contract::RayMode mode = wire_contract::RayMode::closest) {
+                         wire_contract::HitMode mode = wire_contract::HitMode::closest) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(QueryKind::ray);
+    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
     query->mode = static_cast<std::uint8_t>(mode);
     query->client = kClient;
     query->request = ++request;
@@ -293,7 +293,7 @@ TEST_F(WireAnswering, WhileRecoveringOnlyAHitWhereAnyWillDoIsCertain) {
   AnsweringOptions options;
   options.recovering = [&] { return recovering.load(); };
   answer_with(options);
-  const auto answer_of = [&](const std::vector<double>& ray, wire_contract::RayMode mode) {
+  const auto answer_of = [&](const std::vector<double>& ray, wire_contract::HitMode mode) {
     const wire::Reply& reply = ask(ray, 0, 0, mode);
     return std::pair(static_cast<Verdict>(reply.answers._buffer[0]),
                      static_cast<UndecidedReason>(reply.reasons._buffer[0]));
@@ -301,7 +301,7 @@ TEST_F(WireAnswering, WhileRecoveringOnlyAHitWhereAnyWillDoIsCertain) {
   const std::vector<double> up{0, 0, 60, 0, 0, 1, 20};
   const std::vector<double> nowhere{0, 0, 60, 0, 0, 0, 20};
   const std::pair unknown{Verdict::undecided, UndecidedReason::recovering};
-  using enum wire_contract::RayMode;
+  using enum wire_contract::HitMode;
   EXPECT_EQ(answer_of(down, any), std::pair(Verdict::hit, UndecidedReason::none));
   EXPECT_EQ(answer_of(down, closest), unknown);
   EXPECT_EQ(answer_of(down, all), unknown);
@@ -332,7 +332,7 @@ TEST_F(WireAnswering, AReplySaysWhoseItIsAndWhatItIsAbout) {
   EXPECT_GE(age_ns, before_ns - pose_ns);
   EXPECT_LE(age_ns, clock.now_ns() - pose_ns);
   EXPECT_EQ(ask(grazing).oldest_pose_age_ns, -1) << "the wall does not move";
-  EXPECT_EQ(ask(down, 0, 0, wire_contract::RayMode::any).oldest_pose_age_ns >= age_ns, true) << "and is not left over";
+  EXPECT_EQ(ask(down, 0, 0, wire_contract::HitMode::any).oldest_pose_age_ns >= age_ns, true) << "and is not left over";
 }
 
 // Texts are of no object and no question: what a reply before them had of either is not left over.
@@ -375,7 +375,7 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
 TEST_F(WireAnswering, WhoDoesNotListenYetIsAnsweredOnceItDoes) {
   answer_with({});
   dds::Sample<wire::Query> early;
-  early->kind = static_cast<std::uint8_t>(QueryKind::hello);
+  early->kind = static_cast<std::uint8_t>(RequestKind::hello);
   early->client = kClient + 1;
   early->chunk_count = 1;
   early->request = 1'000;
@@ -400,7 +400,7 @@ TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
   answer_with({});
   const auto send_chunk = [&](std::uint64_t number, std::uint32_t chunk) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(QueryKind::ray);
+    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
     query->client = kClient;
     query->request = number;
     query->chunk_index = chunk;

@@ -23,7 +23,7 @@ constexpr std::size_t kMostAtOnce = 16;
 
 // The questions of one call, whatever their type.
 struct QuestionRequest {
-  wire_contract::QueryKind kind;
+  wire_contract::RequestKind kind;
   const char* noun;
   std::uint32_t number_count;  // per question
   std::size_t question_count;
@@ -62,7 +62,7 @@ std::optional<Error> options_fault(const QuestionRequest& request, const AskOpti
 
 // Fills in everything but the questions. All of it is set, since the sample may hold what another request left.
 void fill_header(wire::Query& query, const QuestionRequest& request, const AskOptions& options,
-                 const WriteBarrier& fence) {
+                 const WriteBarrier& barrier) {
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
@@ -71,11 +71,11 @@ void fill_header(wire::Query& query, const QuestionRequest& request, const AskOp
   query.instant = static_cast<std::uint8_t>(options.as_of.kind);
   query.instant_ns = options.as_of.time.count();
   query.mask = options.mask;
-  query.max_hits = options.max_hits.value_or(request.kind == wire_contract::QueryKind::near ? 1 : 1'000);
+  query.max_hits = options.max_hits.value_or(request.kind == wire_contract::RequestKind::near ? 1 : 1'000);
   query.deadline_ns = options.deadline.count();
   query.error_asked = options.error_m;
-  query.fence_publisher = fence.publisher;
-  query.fence_sequence = fence.sequence;
+  query.barrier_publisher = barrier.publisher;
+  query.barrier_sequence = barrier.sequence;
   static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
   static_cast<void>(dds::set_text(query.skip, options.skip));
   query.text[0] = 0;
@@ -142,7 +142,8 @@ std::optional<Error> run_once(Connection& connection, const QuestionRequest& req
 }
 
 // A server that has no room says when it will have some: the request waits as long as its timeout allows.
-Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options, Answers&& earlier) {
+Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options,
+                    Answers&& earlier) {
   if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
   Answers answers = std::move(earlier);

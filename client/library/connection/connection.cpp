@@ -74,7 +74,7 @@ bool Connection::greet(Clock::time_point deadline) {
   query = {};
   query.request = hello->number();
   query.chunk_count = 1;
-  query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
+  query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
   std::uint32_t matched = 0;
   Clock::time_point next_hello = Clock::now();
   const Clock::time_point matched_deadline = std::max(deadline, Clock::now() + kMatchedPatience);
@@ -159,13 +159,13 @@ Connection::Waited Connection::wait(Requests::Running& request, Clock::time_poin
 }
 
 WriteBarrier Connection::last_write() const {
-  const std::lock_guard lock(fence_mutex_);
+  const std::lock_guard lock(barrier_mutex_);
   return last_write_;
 }
 
-void Connection::note_write(const WriteBarrier& fence) {
-  const std::lock_guard lock(fence_mutex_);
-  last_write_ = fence;
+void Connection::note_write(const WriteBarrier& barrier) {
+  const std::lock_guard lock(barrier_mutex_);
+  last_write_ = barrier;
 }
 
 }  // namespace collided::client

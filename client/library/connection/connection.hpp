@@ -59,7 +59,7 @@ class Connection {
   Error disconnected() const;
   /// The newest message of any of this connection's publishers, as note_write() was told.
   WriteBarrier last_write() const;
-  void note_write(const WriteBarrier& fence);
+  void note_write(const WriteBarrier& barrier);
 
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
@@ -77,7 +77,7 @@ class Connection {
   dds::Sample<wire::Status> incoming_status_;
   std::mutex greeting_mutex_;
   std::atomic<std::uint64_t> greeted_server_{0};
-  mutable std::mutex fence_mutex_;
+  mutable std::mutex barrier_mutex_;
   WriteBarrier last_write_;
 
   // Last, so that they are destroyed first: their callbacks use the members above.

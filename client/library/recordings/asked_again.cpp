@@ -132,7 +132,7 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
       queries[sent]->request = running->number();
       // The world is as it was then, so the answer need not wait for a publisher's message, and must not depend on
       // time.
-      queries[sent]->fence_publisher = 0;
+      queries[sent]->barrier_publisher = 0;
       queries[sent]->deadline_ns = 0;
       if (auto error = connection.send(*queries[sent])) return error;
     }

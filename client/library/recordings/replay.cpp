@@ -259,9 +259,9 @@ class AskedReplay : public Replaying {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
-    const auto asked = static_cast<wire_contract::QueryKind>(queries[0]->kind);
+    const auto asked = static_cast<wire_contract::RequestKind>(queries[0]->kind);
     const char* kind =
-        asked == wire_contract::QueryKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
+        asked == wire_contract::RequestKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
     client::ComparedAnswers answers;
     ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });
     const std::map<std::uint64_t, ComparedAnswer> now = answers.take();

@@ -61,7 +61,8 @@ struct alignas(32) WalkFrame {
 };
 HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
-/// The order in which a walk takes a node's children: near to far, or, where any triangle is enough, likeliest first.
+/// The order in which a walk takes a node's children: near to far, or, where any triangle is enough, those first that
+/// most rays stop at.
 enum class Way { near_first, most_occluding_first };
 
 /// Writes a node's children into the frame and returns those that the ray may meet at a parameter in [0, limit], in the

@@ -13,7 +13,7 @@ using namespace kernel;
 
 /// The mover's translation by time t.
 template <class N, class Shape>
-Vector<N> way_until(const Translated<Shape>& mover, double t) {
+Vector<N> travel_until(const Translated<Shape>& mover, double t) {
   return N(t) * (Vector<N>(mover.to) - Vector<N>(mover.from));
 }
 
@@ -26,7 +26,7 @@ struct SweptBox {
   Vector<N> middle;
 
   SweptBox(const Translated<Box>& mover, double t)
-      : box(mover.start), displacement(way_until<N>(mover, t)), middle(box.center + N(0.5) * displacement) {}
+      : box(mover.start), displacement(travel_until<N>(mover, t)), middle(box.center + N(0.5) * displacement) {}
 };
 
 /// Whether a plane perpendicular to n lies strictly between the two.
@@ -73,7 +73,7 @@ Decision touched(const Translated<Box>& mover, double t, const Triangle& other) 
 template <class N>
 Decision touched(const Translated<Capsule>& mover, double t, const Triangle& other) {
   const Capsule& capsule = mover.start;
-  const Vector<N> displacement = way_until<N>(mover, t);
+  const Vector<N> displacement = travel_until<N>(mover, t);
   const Vector<N> a(capsule.a);
   const Vector<N> b(capsule.b);
   const Vector<N> a_end = a + displacement;

@@ -29,10 +29,10 @@ Decision quickly_overlaps(const Sphere& ball, const Box& box) {
 Decision quickly_overlaps(const Sphere& ball, const Capsule& capsule) {
   const Vec3 from = capsule.a - ball.center;
   const Vec3 displacement = capsule.b - capsule.a;
-  const double way_m2 = displacement.squaredNorm();
-  const double nearest = way_m2 > 0 ? std::clamp(-from.dot(displacement) / way_m2, 0.0, 1.0) : 0.0;
+  const double travel_m2 = displacement.squaredNorm();
+  const double nearest = travel_m2 > 0 ? std::clamp(-from.dot(displacement) / travel_m2, 0.0, 1.0) : 0.0;
   const double reach_m = ball.radius_m + capsule.radius_m;
-  const double largest_m2 = from.squaredNorm() + way_m2 + reach_m * reach_m;
+  const double largest_m2 = from.squaredNorm() + travel_m2 + reach_m * reach_m;
   if (!in_plain_range(largest_m2)) return Decision::undecided;
   const double over_m2 = (from + nearest * displacement).squaredNorm() - reach_m * reach_m;
   if (std::abs(over_m2) <= kBallsApartSlack * largest_m2) return Decision::undecided;

@@ -12,8 +12,8 @@ namespace {
 /// Projections from a box to a segment and back; what these do not decide goes to the ladder.
 constexpr int kProjections = 6;
 
-double nearest_on(const Vec3& point, const Vec3& start, const Vec3& displacement, double way_m2) {
-  return way_m2 > 0 ? std::clamp((point - start).dot(displacement) / way_m2, 0.0, 1.0) : 0.0;
+double nearest_on(const Vec3& point, const Vec3& start, const Vec3& displacement, double travel_m2) {
+  return travel_m2 > 0 ? std::clamp((point - start).dot(displacement) / travel_m2, 0.0, 1.0) : 0.0;
 }
 
 /// gap: from a point of one core to a point of the other; beyond_m2: how far the cores are apart along it, times its
@@ -55,15 +55,15 @@ Decision quickly_overlaps(const Capsule& a, const Capsule& b) {
 Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
   const Vec3 start = capsule.a - box.center;
   const Vec3 displacement = capsule.b - capsule.a;
-  const double way_m2 = displacement.squaredNorm();
+  const double travel_m2 = displacement.squaredNorm();
   const double radius_m2 = capsule.radius_m * capsule.radius_m;
-  const double largest_m2 = 4 * (start.squaredNorm() + way_m2 + box.half_m.squaredNorm()) + radius_m2;
+  const double largest_m2 = 4 * (start.squaredNorm() + travel_m2 + box.half_m.squaredNorm()) + radius_m2;
   // Axes as they come from poses; the ladder handles those that do not span space.
   const bool spans = box.axes.squaredNorm() < 4 && std::abs(box.axes.determinant()) > 0.5;
   if (!in_plain_range(largest_m2) || !spans) return Decision::undecided;
   Vec3 on_box = Vec3::Zero();
   for (int i = 0; i < kProjections; ++i) {
-    const Vec3 on_core = start + nearest_on(on_box, start, displacement, way_m2) * displacement;
+    const Vec3 on_core = start + nearest_on(on_box, start, displacement, travel_m2) * displacement;
     const Vec3 local = (box.axes.transpose() * on_core).cwiseMax(-box.half_m).cwiseMin(box.half_m);
     on_box = box.axes * local;
     const Vec3 gap = on_core - on_box;

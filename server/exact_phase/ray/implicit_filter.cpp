@@ -69,9 +69,9 @@ struct Shifted {
 Bounded moved(double origin, double t, double direction) {
   if (direction == 0) return origin;
   const double motion = t * direction;
-  const double way_lost = std::fma(t, direction, -motion);
+  const double motion_rest = std::fma(t, direction, -motion);
   const double sum = origin + motion;
-  const double rest = lost_in_sum(origin, motion, sum) + way_lost;
+  const double rest = lost_in_sum(origin, motion, sum) + motion_rest;
   const double value = sum + rest;
   if (rest == 0 && std::abs(motion) > kSmallestPlain) return value;
   return {value, 2 * kRoundoff * (std::abs(value) + std::abs(rest)) + kUnderflow};

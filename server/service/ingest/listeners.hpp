@@ -67,7 +67,7 @@ class Listeners {
             Answering& answering, FlightRecorder* flight);
 
   /// Publication handles of the query writers that are matched now.
-  std::vector<std::uint64_t> askers() const { return query_reader_.matched_writer_handles(); }
+  std::vector<std::uint64_t> query_writers() const { return query_reader_.matched_writer_handles(); }
 
   /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
   /// thread.

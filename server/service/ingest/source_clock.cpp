@@ -21,7 +21,7 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   const std::int64_t time_ns = source_ns + offset_ns_;
   if (started_ && !jumped && time_ns < newest_ns_) return {++newest_ns_, StampKind::late};
   started_ = true;
-  note_way(source_ns, received_ns);
+  note_transit(source_ns, received_ns);
   source_ns_ = source_ns;
   received_ns_ = received_ns;
   // World time never falls, not even over a jump: what was reported before it stays valid.
@@ -36,7 +36,7 @@ bool SourceClock::is_ahead_of_time(std::int64_t source_ns, std::int64_t received
   return is_faster && source_ns + offset_ns_ > received_ns + kMostOffNs;
 }
 
-void SourceClock::note_way(std::int64_t source_ns, std::int64_t received_ns) {
+void SourceClock::note_transit(std::int64_t source_ns, std::int64_t received_ns) {
   if (received_ns - window_began_ns_ >= kWindowNs) {
     least_before_ns_ = received_ns - window_began_ns_ < 2 * kWindowNs ? least_ns_ : kNoBatch;
     least_ns_ = kNoBatch;

@@ -50,7 +50,7 @@ class SourceClock {
   static constexpr std::int64_t kWindowNs = 1'000'000'000;
 
   bool is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const;
-  void note_way(std::int64_t source_ns, std::int64_t received_ns);
+  void note_transit(std::int64_t source_ns, std::int64_t received_ns);
 
   bool started_ = false;
   bool is_without_stamps_ = false;

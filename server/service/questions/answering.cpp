@@ -21,8 +21,8 @@
 namespace collided::engine::service {
 
 using wire_contract::Importance;
-using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
+using wire_contract::RequestKind;
 
 namespace {
 constexpr std::size_t kMostQueued = 4'096;
@@ -56,7 +56,7 @@ class Answering::Worker {
   void work(AskPointer ask);
   void work(TextReply text);
   void work(Resume resume);
-  void work(ExpireLeases sweep);
+  void work(ExpireLeases gone);
   void answer_or_throw(Client& client, const Ask& ask);
   void answer_sweeps(Client& client, const Ask& ask);
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
@@ -123,11 +123,11 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
   if (refusal) {
     ++owner_.with_.counts.refused;
     write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal, {}, ask.retry_after_ns));
-  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
+  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::command)) {
     command(query);
-  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
+  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::hello)) {
     write_text(client, query.request, ReplyStatus::ok, {});
-  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::sweep)) {
+  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::sweep)) {
     answer_sweeps(client, ask);
   } else {
     answer_questions(client, ask, nullptr);
@@ -169,8 +169,8 @@ void Answering::Worker::work(Resume resume) {
   for (AskPointer& ask : owner_.clients_.resume(resume.place)) work(std::move(ask));
 }
 
-void Answering::Worker::work(ExpireLeases sweep) {
-  for (AskPointer& ask : owner_.clients_.sweep(sweep.askers, steady_ns())) {
+void Answering::Worker::work(ExpireLeases gone) {
+  for (AskPointer& ask : owner_.clients_.forget_gone(gone.query_writers, steady_ns())) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
   }
@@ -178,7 +178,7 @@ void Answering::Worker::work(ExpireLeases sweep) {
 
 void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
-  wire::gather_rows(query, wire::question_columns(static_cast<QueryKind>(query.kind)), numbers_);
+  wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
   const Questions questions{
       .kind = static_cast<QuestionKind>(query.kind),
@@ -250,7 +250,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->world_time_ns = snapshot.world_time_ns;
   const std::int64_t posed_ns = answers_.oldest_pose_ns;
   reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.with_.clock.now_ns() - posed_ns) : -1;
-  client.note_told(snapshot.version);
+  client.note_reported(snapshot.version);
   while (filler.fill(columns_)) {
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
@@ -408,7 +408,7 @@ void Answering::admit(AskPointer ask) {
 
 Share Answering::share_of(const Ask& ask) {
   const wire::Query& query = *ask.query;
-  const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
+  const bool is_question = wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0;
   return {.client = query.client,
           .owner = ask.participant,
           .cost = cost_of(query),
@@ -457,7 +457,7 @@ std::int64_t Answering::retry_after_ns() {
 /// Whether the overload refuses this question: only those of low importance are.
 bool Answering::leaves_out(const wire::Query& query) const {
   return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
-         wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0 &&
+         wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0 &&
          static_cast<Importance>(query.importance) == Importance::low;
 }
 
@@ -470,7 +470,7 @@ bool Answering::was_pressed() {
 /// The oldest state that may answer. A client never gets an older state than before; after a write barrier it gets the
 /// newest.
 std::uint64_t Answering::least_version(const wire::Query& query) const {
-  if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
+  if (query.barrier_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
   const std::shared_ptr<Client> client = clients_.find(query.client);
   return client ? client->reported_version() : 0;
 }
@@ -492,20 +492,20 @@ void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStat
   queue_.push_own(TextReply{client, request, status, std::move(text)});
 }
 
-void Answering::tick(std::vector<std::uint64_t> askers) {
+void Answering::tick(std::vector<std::uint64_t> query_writers) {
   const std::int64_t now_ns = steady_ns();
   with_.leases.expire(now_ns);
   for (AskPointer& ask : with_.write_barriers.take_overdue(now_ns)) {
     const wire::Query& query = *ask->query;
-    const std::uint64_t applied = with_.write_barriers.applied(query.fence_publisher);
+    const std::uint64_t applied = with_.write_barriers.applied(query.barrier_publisher);
     refuse_later(std::move(ask),
                  applied == 0
                      ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
-                                   query.fence_publisher, query.fence_sequence)
+                                   query.barrier_publisher, query.barrier_sequence)
                      : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
-                                   query.fence_sequence, query.fence_publisher, applied));
+                                   query.barrier_sequence, query.barrier_publisher, applied));
   }
-  queue_.push_own(ExpireLeases{std::move(askers)});
+  queue_.push_own(ExpireLeases{std::move(query_writers)});
 }
 
 void Answering::stop() {

@@ -84,8 +84,8 @@ class Answering {
   /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
   /// forgets clients that are gone.
   ///
-  /// askers  the query writers that are matched now
-  void tick(std::vector<std::uint64_t> askers);
+  /// query_writers  the query writers that are matched now
+  void tick(std::vector<std::uint64_t> query_writers);
   /// Answers what is queued, refuses what waits at barriers, then ends the workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
@@ -104,7 +104,7 @@ class Answering {
     std::uint32_t place = 0;
   };
   struct ExpireLeases {
-    std::vector<std::uint64_t> askers;
+    std::vector<std::uint64_t> query_writers;
   };
   /// What waits for a worker: a question; a text to be written; a place whose clients' asks may go on; leases to
   /// expire.

@@ -14,9 +14,9 @@ namespace collided::engine::service {
 namespace {
 
 using wire_contract::AskedInstant;
+using wire_contract::HitMode;
 using wire_contract::Importance;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
+using wire_contract::RequestKind;
 
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
   using wire_contract::kMaxQuestionsPerRequest;
@@ -53,7 +53,7 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
 
 void Ask::reset() {
   hold = {};
-  passed_fence = false;
+  passed_barrier = false;
   refusal.clear();
   retry_after_ns = 0;
 }
@@ -82,26 +82,26 @@ bool is_single(const wire::Query& query) { return query.chunk_count == 1 && wire
 /// The weights follow the table of times in the guide to accuracy (deploy/docs), where a ray takes 0.3 us; a nearest
 /// point and a time of contact are of another order.
 double cost_of(const wire::Query& query) {
-  const auto kind = static_cast<QueryKind>(query.kind);
+  const auto kind = static_cast<RequestKind>(query.kind);
   const double questions = std::max(1U, wire::question_count(query).value_or(1));
   // The state of a past instant has to be put together first.
   const double state = query.instant != static_cast<std::uint8_t>(AskedInstant::Kind::latest) ? 2'000 : 0;
   switch (kind) {
-    case QueryKind::sphere: return state + 2 * questions;
-    case QueryKind::box: return state + 3 * questions;
-    case QueryKind::near: return state + 25 * questions;
-    case QueryKind::sweep: return state + 45 * questions;
-    case QueryKind::command: return 1'000;
+    case RequestKind::sphere: return state + 2 * questions;
+    case RequestKind::box: return state + 3 * questions;
+    case RequestKind::near: return state + 25 * questions;
+    case RequestKind::sweep: return state + 45 * questions;
+    case RequestKind::command: return 1'000;
     default: return state + questions;
   }
 }
 
 std::optional<std::string> why_refused(const wire::Query& query) {
-  if (query.kind > static_cast<std::uint8_t>(QueryKind::sweep)) {
+  if (query.kind > static_cast<std::uint8_t>(RequestKind::sweep)) {
     return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
-                       static_cast<unsigned>(QueryKind::sweep));
+                       static_cast<unsigned>(RequestKind::sweep));
   }
-  const auto kind = static_cast<QueryKind>(query.kind);
+  const auto kind = static_cast<RequestKind>(query.kind);
   if (wire::question_columns(kind).empty()) return std::nullopt;
   const std::optional<std::uint32_t> count = wire::question_count(query);
   if (!count || *count == 0) {
@@ -109,7 +109,7 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        count ? "empty" : "not of one length, or others are filled too");
   }
   if (auto reason = why_bad_chunk(query, *count)) return reason;
-  if (auto reason = why_unknown("ray mode", query.mode, RayMode::all)) return reason;
+  if (auto reason = why_unknown("hit mode", query.mode, HitMode::all)) return reason;
   if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
   if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {

@@ -17,7 +17,7 @@ struct Ask {
   dds::Sample<wire::Query> query;
   std::int64_t taken_ns = 0;        // when the listener took it, steady clock
   std::uint64_t participant = 0;    // whose it is; 0: it is gone already
-  bool passed_fence = false;        // its write barrier is behind it
+  bool passed_barrier = false;      // its write barrier is behind it
   std::string refusal;              // decided before a worker saw it; empty: none
   std::int64_t retry_after_ns = 0;  // of a refusal: asking again after this long helps; 0: it does not
   SnapshotLeases::Hold hold;        // of the state that all chunks of its request are answered on; none: the newest

@@ -12,7 +12,7 @@ bool Client::write(const wire::Reply& reply) {
   return ready() && place_.writer_->write(reply);
 }
 
-void Client::note_told(std::uint64_t version) {
+void Client::note_reported(std::uint64_t version) {
   std::uint64_t told = reported_version_.load(std::memory_order_relaxed);
   while (told < version && !reported_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {}
 }
@@ -101,7 +101,7 @@ std::vector<AskPointer> Clients::resume(std::uint32_t place) {
   return resumed;
 }
 
-std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns) {
+std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> query_writers, std::int64_t now_ns) {
   std::vector<AskPointer> overdue;
   const std::lock_guard lock(mutex_);
   std::erase_if(clients_, [&](const auto& entry) {
@@ -113,7 +113,7 @@ std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, st
     });
     std::move(late, client.waiting_.end(), std::back_inserter(overdue));
     client.waiting_.erase(late, client.waiting_.end());
-    const bool lives = std::find(askers.begin(), askers.end(), client.asker_) != askers.end();
+    const bool lives = std::find(query_writers.begin(), query_writers.end(), client.asker_) != query_writers.end();
     const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);
     const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;

@@ -45,7 +45,7 @@ class Client {
   /// The newest version of the world that an answer to this client was about. Any thread.
   std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
   /// Raises reported_version() to `version`, where that is greater. Any thread.
-  void note_told(std::uint64_t version);
+  void note_reported(std::uint64_t version);
 
  private:
   friend class Clients;
@@ -94,8 +94,8 @@ class Clients {
   /// Forgets clients whose query writer is gone or that have had no reader for kDeafPatienceNs; returns asks that
   /// waited longer than kMatchPatienceNs.
   ///
-  /// askers  the query writers that are matched now
-  std::vector<AskPointer> sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns);
+  /// query_writers  the query writers that are matched now
+  std::vector<AskPointer> forget_gone(std::span<const std::uint64_t> query_writers, std::int64_t now_ns);
   std::size_t size() const;
 
  private:

@@ -6,12 +6,12 @@
 namespace collided::engine::service {
 
 bool WriteBarriers::reached(const wire::Query& query) const {
-  const std::uint64_t applied = applied_locked(query.fence_publisher);
-  return applied != 0 && applied >= query.fence_sequence;
+  const std::uint64_t applied = applied_locked(query.barrier_publisher);
+  return applied != 0 && applied >= query.barrier_sequence;
 }
 
 WriteBarriers::Outcome WriteBarriers::pass(AskPointer& ask) {
-  if ((*ask->query).fence_publisher == 0 || ask->passed_fence) return Outcome::passed;
+  if ((*ask->query).barrier_publisher == 0 || ask->passed_barrier) return Outcome::passed;
   const std::lock_guard lock(mutex_);
   if (reached(*ask->query)) return Outcome::passed;
   if (waiting_.size() >= kMost) return Outcome::full;
@@ -42,7 +42,7 @@ std::vector<AskPointer> WriteBarriers::take_if(Chosen&& chosen) {
 
 std::vector<AskPointer> WriteBarriers::take_ready() {
   std::vector<AskPointer> ready = take_if([&](const Ask& ask) { return reached(*ask.query); });
-  for (AskPointer& ask : ready) ask->passed_fence = true;
+  for (AskPointer& ask : ready) ask->passed_barrier = true;
   return ready;
 }
 

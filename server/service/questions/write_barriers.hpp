@@ -19,7 +19,7 @@ class WriteBarriers {
 
   /// passed: the question may go on. parked: it waits here. full: kMost wait already, and it does not.
   enum class Outcome : std::uint8_t { passed, parked, full };
-  /// Checks the ask's fence, and takes the ask where it is parked.
+  /// Checks the ask's barrier, and takes the ask where it is parked.
   Outcome pass(AskPointer& ask);
 
   /// (publisher, sequence number up to which its samples are in the newest published state), ascending by publisher.

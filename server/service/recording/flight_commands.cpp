@@ -34,7 +34,7 @@ bool truth_of(const json& object, const char* key, bool otherwise) {
 
 std::vector<std::byte> removal_of(const std::string& name) {
   dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
   query->chunk_count = 1;
   static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(
                                                    -1, ' ', false, json::error_handler_t::replace)));
@@ -44,7 +44,7 @@ std::vector<std::byte> removal_of(const std::string& name) {
 }  // namespace
 
 void FlightCommands::asked(const wire::Query& query) {
-  if (query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::command)) return;
+  if (query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
   const std::string what = text_of(json::parse(query.text, nullptr, false), "command");
   if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
   if (query.client == 0) return done(bytes_of(query), json::object(), [](const std::string*, bool) { return false; });

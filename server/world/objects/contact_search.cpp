@@ -42,7 +42,7 @@ Aabb bounds_near(const Placed& a, const Aabb& box) {
   return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
 }
 
-void touch_mesh(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void search_mesh(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = bounds_near(a, b.bounds);
   if (near.empty()) return;
   const IndexedMesh& mesh = *b.info->mesh;
@@ -53,7 +53,7 @@ void touch_mesh(const Primitive& a, const GivenPart& given, const Placed& b, Con
   });
 }
 
-void touch_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
   PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
@@ -66,11 +66,11 @@ void touch_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCo
 }
 
 /// a's mesh against b's primitives: the exact phase takes the primitive first, so the contact is flipped.
-void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void search_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
     turned.wanted = touch.wanted;
-    touch_mesh(place(*b.frame, primitive), b.given(primitive), a, turned, cost);
+    search_mesh(place(*b.frame, primitive), b.given(primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
     touch.level = std::max(touch.level, turned.level);
     touch.undecided = touch.undecided || turned.undecided;
@@ -211,7 +211,7 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
     search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch, {given, given_b});
     return !touch.done();
   });
-  if (!touch.done() && b.info->mesh) touch_mesh(a, given, b, touch, cost);
+  if (!touch.done() && b.info->mesh) search_mesh(a, given, b, touch, cost);
 }
 
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
@@ -221,8 +221,8 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
     return !touch.done();
   });
   if (touch.done() || !a.info->mesh) return;
-  touch_mesh_primitives(a, b, touch, cost);
-  if (!touch.done() && b.info->mesh) touch_meshes(a, b, touch, cost);
+  search_mesh_primitives(a, b, touch, cost);
+  if (!touch.done() && b.info->mesh) search_meshes(a, b, touch, cost);
 }
 
 }  // namespace collided::engine

@@ -10,15 +10,15 @@
 namespace collided::engine {
 
 /// One part of a static scene that was touched, or may have been (where touch.undecided).
-struct PartTouch {
+struct PartContact {
   std::uint32_t part = 0;
   ContactSearch touch;
 };
 
 /// The touched parts of a scene, in the order of their first candidates.
-class PartTouches {
+class PartContacts {
  public:
-  explicit PartTouches(bool contacts_wanted) : wanted_(contacts_wanted) {}
+  explicit PartContacts(bool contacts_wanted) : wanted_(contacts_wanted) {}
 
   void clear(bool contacts_wanted) {
     wanted_ = contacts_wanted;
@@ -28,18 +28,18 @@ class PartTouches {
   ContactSearch& of(std::uint32_t part) {
     // Neighbouring triangles belong to the same part, so it mostly is the last one again.
     if (!list_.empty() && list_.back().part == part) return list_.back().touch;
-    const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartTouch& t) { return t.part == part; });
+    const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartContact& t) { return t.part == part; });
     if (found != list_.end()) return found->touch;
     list_.push_back({.part = part, .touch = {}});
     list_.back().touch.wanted = wanted_;
     return list_.back().touch;
   }
-  const std::vector<PartTouch>& list() const { return list_; }
-  std::vector<PartTouch>& list() { return list_; }
+  const std::vector<PartContact>& list() const { return list_; }
+  std::vector<PartContact>& list() { return list_; }
 
  private:
   bool wanted_;
-  std::vector<PartTouch> list_;
+  std::vector<PartContact> list_;
 };
 
 /// A square that no distance up to this one exceeds, even where the distance is the sum of two.

@@ -13,7 +13,7 @@ namespace {
 
 template <class Part>
 void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
-  SweptTouch& found = sweep.found;
+  SweptContact& found = sweep.found;
   TimeBracket bracket;
   const ExactResult verdict = first_contact(sweep.mover, part, sweep.width, bracket);
   ++found.exact_tests;
@@ -56,7 +56,7 @@ void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
   mesh.tree.walk_box(seen_from(*other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
 }
 
-SweptTouch turned_round(SweptTouch touch) {
+SweptContact turned_round(SweptContact touch) {
   std::swap(touch.a_triangle, touch.b_triangle);
   touch.contact.normal = -touch.contact.normal;
   return touch;

@@ -20,7 +20,7 @@ struct SphereSweep {
   MovingSphere mover;
   // Of the bracket, as a fraction of the motion.
   double width = 0;
-  SweptTouch found = {};  // a is the sphere
+  SweptContact found = {};  // a is the sphere
 };
 
 /// Contains the sphere at every time of its motion.
@@ -32,7 +32,7 @@ void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 
 /// The same contact with a and b exchanged.
-SweptTouch turned_round(SweptTouch touch);
+SweptContact turned_round(SweptContact touch);
 
 /// A distance in metres that no point of the object exceeds from its frame's origin; half-spaces, which never move,
 /// count as 0.

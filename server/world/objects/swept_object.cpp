@@ -33,8 +33,9 @@ struct PartPair {
 /// tested primitive by primitive.
 class SweptSearch {
  public:
-  SweptSearch(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
-      : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of) {}
+  SweptSearch(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost,
+              SweptContactOf touch_of)
+      : a_(a), b_(b), options_(options), cost_(cost), contact_of_(touch_of) {}
 
   /// Every triangle of b belongs to the same touch.
   bool is_one = false;
@@ -53,7 +54,7 @@ class SweptSearch {
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
-    const SweptTouch* touch = touch_of_(b_triangle);
+    const SweptContact* touch = contact_of_(b_triangle);
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
   static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
@@ -65,13 +66,13 @@ class SweptSearch {
   const SweptBody& b_;
   const SweepOptions& options_;
   WalkCost& cost_;
-  TouchOf touch_of_;
+  SweptContactOf contact_of_;
   std::uint32_t looks_ = 0;
 };
 
 void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
                        TimeSpan span) {
-  SweptTouch* touch = touch_of_(b_triangle);
+  SweptContact* touch = contact_of_(b_triangle);
   if (touch == nullptr) return;
   if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
   if (span.high < span.low) return;
@@ -202,7 +203,7 @@ void SweptSearch::meshes() {
 /// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.
 void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground,
                               bool ground_is_a) {
-  SweptTouch* touch = touch_of_(kNoTriangle);
+  SweptContact* touch = contact_of_(kNoTriangle);
   if (touch == nullptr) return;
   const HalfSpace placed = place(holder.motion.to, ground);
   if (has_mesh(body) && !surely_stays_above(body.motion, body.mesh_reach_m, placed)) touch->undecided = true;
@@ -243,7 +244,7 @@ void SweptSearch::run() {
 
 }  // namespace
 
-bool SweptTouch::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
+bool SweptContact::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
   const bool is_first = !yes || found.high < bracket.high ||
                         (found.high == bracket.high && std::pair(a, b) < std::pair(a_triangle, b_triangle));
   // A contact with a later end may begin earlier: the bracket holds the first of all.
@@ -265,7 +266,7 @@ SweptBody::SweptBody(const ObjectInfo& info, const BodyMotion& on) : motion(on),
 
 SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
 
-void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch) {
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch) {
   const auto one = [&](std::uint32_t) { return &touch; };
   SweptSearch search(a, b, options, cost, one);
   search.is_one = true;
@@ -275,7 +276,7 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
 }
 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
-                 TouchOf touch_of) {
+                 SweptContactOf touch_of) {
   SweptSearch search(a, scene, options, cost, touch_of);
   search.run();
   return !search.is_exhausted();

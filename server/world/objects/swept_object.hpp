@@ -25,7 +25,7 @@ struct SweptBody {
 };
 
 /// The first contact found so far. Times are fractions of the motion, 0 to 1.
-struct SweptTouch {
+struct SweptContact {
   bool yes = false;
   /// Some pair of parts, or whatever the search had no room for, is undecided: an earlier contact may exist, or one
   /// where none was found.
@@ -50,20 +50,20 @@ struct SweepOptions {
   std::uint32_t most_looks = 100'000;
 };
 
-/// The SweptTouch that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call
+/// The SweptContact that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call
 /// with a triangle.
-using TouchOf = FunctionRef<SweptTouch*(std::uint32_t triangle)>;
+using SweptContactOf = FunctionRef<SweptContact*(std::uint32_t triangle)>;
 
 /// The first contact of two moving bodies, never late and never missed. Cuts the motion into pieces that are short for
 /// the number of parts near each other; every pair of parts whose bounds may meet in a piece is tested for its first
 /// contact within it (part_motion.hpp).
 ///
 /// threads  any; allocates
-void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch);
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch);
 
 /// The same against a scene whose triangles belong to several touches: the first contact of each. False: the search
 /// stopped early, and touches without a contact are undecided.
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
-                 TouchOf touch_of);
+                 SweptContactOf touch_of);
 
 }  // namespace collided::engine

@@ -60,7 +60,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
          .normal = touch.contact.normal});
   };
   // Reused from question to question, so that no answer allocates once it has grown.
-  thread_local PartTouches touches(true);
+  thread_local PartContacts touches(true);
   for (const auto& scene : question.snapshot.scenes) {
     touches.clear(!any);
     const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
@@ -71,7 +71,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
       return touch;
     };
     meet_scene(asked, near, *scene, any, question.walk, allowed, meet);
-    for (const PartTouch& part : touches.list()) take(scene->part_objects[part.part], part.touch);
+    for (const PartContact& part : touches.list()) take(scene->part_objects[part.part], part.touch);
     if (ended()) return;
   }
   if (!question.snapshot.grid) return;

@@ -92,9 +92,9 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
 
 void PoseMemory::add_move(Life& life, const Move& move) {
   forget(life);
-  const double way_m = (move.pose.position - life.last().position).norm();
+  const double travel_m = (move.pose.position - life.last().position).norm();
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(move.to_ns - move.from_ns);
-  if (motion_s > 0) life.largest_mps = std::max(life.largest_mps, way_m / motion_s);
+  if (motion_s > 0) life.largest_mps = std::max(life.largest_mps, travel_m / motion_s);
   life.moves.push_back(move);
   ++move_count_;
 }

@@ -17,11 +17,11 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 /// The region in which the object may be by now, roundings included.
 Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   const std::int64_t age_ns = std::max<std::int64_t>(0, world_time_ns - object.posed_ns) + kAgeSlackNs;
-  const double way_m = object.speed_mps * static_cast<double>(age_ns) * wire_contract::kNanosecond_s;
+  const double travel_m = object.speed_mps * static_cast<double>(age_ns) * wire_contract::kNanosecond_s;
   Aabb region;
   region.extend(object.position);
-  const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + way_m;
-  return grown(region, object.reach_m + way_m + kBoundSlack * slack_m);
+  const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + travel_m;
+  return grown(region, object.reach_m + travel_m + kBoundSlack * slack_m);
 }
 
 /// A lower bound on where along the ray the region begins, metres; infinite where the ray misses it.
@@ -50,7 +50,7 @@ double least_distance(const Vec3& point, const Aabb& region) {
   return out.norm() * (1 - kBoundSlack);
 }
 
-Aabb way_of(const ObjectInfo& mover, const double* n) {
+Aabb motion_of(const ObjectInfo& mover, const double* n) {
   Aabb motion;
   motion.extend(Vec3(n[0], n[1], n[2]));
   motion.extend(Vec3(n[7], n[8], n[9]));
@@ -76,7 +76,7 @@ bool could_change(const Questions& asked, const double* n, std::span<const Answe
       const double distance = least_distance(point_of(n), region);
       return distance <= n[3] && distance < answered_up_to(asked, hits);
     }
-    case QuestionKind::sweep: return overlaps(way_of(*asked.mover, n), region);
+    case QuestionKind::sweep: return overlaps(motion_of(*asked.mover, n), region);
     default: return false;
   }
 }

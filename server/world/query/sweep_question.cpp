@@ -21,7 +21,7 @@ struct First {
   bool any = false;
   TimeBracket bracket = {.low = 1, .high = 1};  // no contact up to `low` with any of them; `high` is the hit's
 
-  void take(ObjectId object, std::uint32_t triangle, const SweptTouch& touch, std::uint8_t flags) {
+  void take(ObjectId object, std::uint32_t triangle, const SweptContact& touch, std::uint8_t flags) {
     const TimeBracket& found = touch.bracket;
     bracket.low = std::min(bracket.low, found.low);
     const bool earlier = !any || found.high < bracket.high || (found.high == bracket.high && object < hit.object);
@@ -38,7 +38,7 @@ struct First {
 
 /// Sweeps against all of a scene that may answer at once: the first contact is the scene's.
 void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
-  SweptTouch touch;
+  SweptContact touch;
   const auto touch_of = [&](std::uint32_t triangle) {
     return question.allows_part(scene, scene.part_of(triangle)) ? &touch : nullptr;
   };
@@ -62,7 +62,7 @@ void ask_sweep(Question& question, const double* n) {
   const auto candidate = [&](std::uint32_t slot) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
-    SweptTouch touch;
+    SweptContact touch;
     const BodyMotion rest = BodyMotion::resting(question.snapshot.frames[slot]);
     sweep(body, SweptBody(other, rest), {.width = kAskedWidth}, question.walk, touch);
     question.exact_tests += touch.exact_tests;

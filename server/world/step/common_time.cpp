@@ -159,17 +159,17 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     const ContactEnd end = parting(piece);
     ledger_.parts(a, b, end.reason, end.bracket_low_s, end.bracket_high_s);
   } else if (!is_held) {
-    const SweptTouch sweep = sweep_piece(piece);
+    const SweptContact sweep = sweep_piece(piece);
     ++cost_.swept;
     if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
     if (!touch.yes && !sweep.yes) doubt_piece(piece, touch, sweep);
-    else if (may_begin()) begin_on_way(piece, touch, sweep);
+    else if (may_begin()) begin_in_motion(piece, touch, sweep);
   }
   return ledger_.is_open(a, b);
 }
 
 /// The pair was found neither to touch nor to be apart, at the piece's end or within it; or an earlier doubt is over.
-void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
+void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep) {
   FoundContact found{.a = rows_.info(piece.a)->id,
                      .b = rows_.info(piece.b)->id,
                      .contact = {},
@@ -187,7 +187,7 @@ void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, 
 }
 
 /// A contact begins within the piece; if it is apart at the end, it also ends there.
-void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
+void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
   if (touch.yes || touch.undecided) {
@@ -211,7 +211,7 @@ void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch,
 
 /// When the pair parted: the piece's last contact is the first one of the reversed motion.
 ContactEnd Decisions::parting(const PairPiece& piece) {
-  const SweptTouch back = sweep_piece(turned_back(piece));
+  const SweptContact back = sweep_piece(turned_back(piece));
   const TimeBracket bracket = back.yes ? TimeBracket{1 - back.bracket.high, 1 - back.bracket.low} : TimeBracket{0, 1};
   const PieceBracket found = in_seconds(piece, bracket, back.contact.normal);
   return {.reason = EndReason::separated, .bracket_low_s = found.low_s, .bracket_high_s = found.high_s};
@@ -306,14 +306,14 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
 
 /// The first contact within a piece. A sphere against an object that does not rotate is swept exactly along its motion
 /// relative to the other; all else by the general sweep.
-SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
+SweptContact Decisions::sweep_piece(const PairPiece& piece) {
   if (piece.b_motion.turn_rad == 0) {
-    if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, true)) return *found;
+    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, true)) return *found;
   }
   if (piece.a_motion.turn_rad == 0) {
-    if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
+    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
   }
-  SweptTouch touch;
+  SweptContact touch;
   const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * wire_contract::kNanosecond_s;
   const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
                              .contacts = true,
@@ -325,7 +325,7 @@ SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
 }
 
 /// The exact sweep of one object's sphere against the other; nothing where that object is no lone sphere.
-std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
+std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
   const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
   const BodyMotion& others = a_is_sphere ? piece.b_motion : piece.a_motion;

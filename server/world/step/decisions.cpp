@@ -103,7 +103,7 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 
 /// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
 /// step, or nothing new.
-void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep,
+void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
                        std::uint32_t mover) {
   if (sweep != nullptr) {
     ++cost_.swept;
@@ -155,11 +155,11 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
 }
 
 /// The pair was found neither to touch nor to be apart, at the step's end or on the way there.
-void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep,
+void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
                              std::uint32_t mover) {
   FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
-  const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
-  if (!touch.undecided && !is_on_way) return;
+  const bool is_swept_undecided = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
+  if (!touch.undecided && !is_swept_undecided) return;
   set_bracket(found, nullptr, mover);
   found.parted_low_s = found.bracket_low_s;
   found.parted_high_s = found.bracket_high_s;
@@ -169,7 +169,7 @@ void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch,
 
 /// Sets when a contact began: from the swept mover's motion where the sweep found a time, else from all that the two
 /// did in this step. Exact to the nanosecond where the publisher gives instants, so it does not depend on the steps.
-void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
+void Decisions::set_bracket(FoundContact& found, const SweptContact* sweep, std::uint32_t mover) const {
   const ObjectRow& row = rows_[mover];
   const std::int64_t motion_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
   if (sweep == nullptr || !sweep->yes) {

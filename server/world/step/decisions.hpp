@@ -32,12 +32,12 @@ struct StepView {
 /// The first contact of a mover with one part of a static scene during its motion.
 struct PartSweep {
   std::uint32_t part = 0;
-  SweptTouch touch;
+  SweptContact touch;
 };
 
 /// Lists reused from step to step, so that deciding does not allocate.
 struct DecisionLists {
-  PartTouches part_touches{true};
+  PartContacts part_touches{true};
   std::vector<PartSweep> part_sweeps;
   std::vector<std::int64_t> cuts;
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
@@ -99,9 +99,9 @@ class Decisions {
 
  private:
   // decisions.cpp: turns findings into calls of the ledger
-  void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
-  void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
-  void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
+  void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover);
+  void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover);
+  void set_bracket(FoundContact& found, const SweptContact* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
   BodyMotion::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
   void decide_unfound();
@@ -116,13 +116,13 @@ class Decisions {
   void sweep_parts(std::uint32_t mover, const StaticScene& scene);
   void sweep_sphere_parts(const MovingSphere& path, const ObjectInfo& mover, const StaticScene& scene);
   bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
-  SweptTouch& part_sweep(std::uint32_t part);
+  SweptContact& part_sweep(std::uint32_t part);
 
   // pair_decisions.cpp
   bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
-  std::optional<SweptTouch> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
-  std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
-  SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);
+  std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
+  std::optional<SweptContact> sweep_sphere(std::uint32_t mover, std::uint32_t other);
+  SweptContact sweep_bodies(std::uint32_t first, std::uint32_t second);
   SweepOptions sweep_options(std::uint32_t mover) const;
 
   // common_time.cpp: pairs of several publishers
@@ -133,10 +133,10 @@ class Decisions {
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
   ContactSearch touch_at_end(const PairPiece& piece);
-  SweptTouch sweep_piece(const PairPiece& piece);
-  std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
+  SweptContact sweep_piece(const PairPiece& piece);
+  std::optional<SweptContact> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
   bool surely_stay_apart(const PairPiece& piece) const;
-  void begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
+  void begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep);
   ContactEnd parting(const PairPiece& piece);
   double placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const;
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
@@ -148,7 +148,7 @@ class Decisions {
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
   std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
-  void doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
+  void doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep);
 
   // kept_apart.cpp: pairs of meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;

@@ -38,7 +38,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   touch.wanted = step_.step_options.contacts;
   if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
-  std::optional<SweptTouch> sweep;
+  std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
   if (!is_held) sweep = sweep_between(first, second, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
@@ -84,20 +84,20 @@ bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second) cons
 
 /// The first contact of the two motions. A lone sphere is swept exactly against anything that does not rotate; `mover`
 /// becomes the object whose motion the time refers to.
-std::optional<SweptTouch> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
+std::optional<SweptContact> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
   if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
   if (!motion_.turns(first) && !motion_.turns(second)) {
-    if (std::optional<SweptTouch> found = sweep_sphere(first, second)) return found;
+    if (std::optional<SweptContact> found = sweep_sphere(first, second)) return found;
     mover = second;
-    if (const std::optional<SweptTouch> found = sweep_sphere(second, first)) return turned_round(*found);
+    if (const std::optional<SweptContact> found = sweep_sphere(second, first)) return turned_round(*found);
   }
   mover = motion_.is_swept(first) ? first : second;
   if (!motion_.is_swept(mover)) return std::nullopt;
   return sweep_bodies(first, second);
 }
 
-SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
-  SweptTouch touch;
+SweptContact Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
+  SweptContact touch;
   const SweptBody a(*rows_.info(first), motion_.body_motion(first));
   const SweptBody b(*rows_.info(second), motion_.body_motion(second));
   sweep(a, b, sweep_options(motion_.is_swept(first) ? first : second), walk_, touch);
@@ -106,7 +106,7 @@ SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
 
 /// Sweeps the mover's sphere relative to the other object in its last orientation: the other's displacement is
 /// subtracted.
-std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
+std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
   const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
   if (!sphere) return std::nullopt;
   const bool other_moved = rows_.motion(other) == Motion::moved;

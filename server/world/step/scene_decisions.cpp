@@ -16,7 +16,7 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   const Placed a = placed(mover);
   touch_scene(a, scene);
   sweep_through(mover, scene);
-  for (PartTouch& found : lists_.part_touches.list()) {
+  for (PartContact& found : lists_.part_touches.list()) {
     cost_.exact_tests += found.touch.exact_tests;
     const auto sweep = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
                                     [&](const PartSweep& of) { return of.part == found.part; });
@@ -67,7 +67,7 @@ bool Decisions::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, 
 }
 
 /// The sweep of a part, begun if there is none; the reference is valid until the next call.
-SweptTouch& Decisions::part_sweep(std::uint32_t part) {
+SweptContact& Decisions::part_sweep(std::uint32_t part) {
   if (lists_.part_sweeps.empty() || lists_.part_sweeps.back().part != part) {
     const auto found = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
                                     [&](const PartSweep& sweep) { return sweep.part == part; });

@@ -45,7 +45,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
       bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
     }
     set_ball(slot, path);
-    count_way(slot, apart);
+    count_motion(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
     if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr)
@@ -136,7 +136,7 @@ void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>&
 }
 
 /// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
-void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
+void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const {
   const ObjectInfo* info = rows_.info(slot);
   if (info == nullptr || !is_bare_mesh(*info)) return;
   if (rows_.motion(slot) != Motion::moved) {

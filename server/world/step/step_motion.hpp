@@ -73,7 +73,7 @@ class StepMotion {
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& motion);
   void remember(std::uint32_t slot, const Source& source);
   void begin_anew(const Sources& sources);
-  void count_way(std::uint32_t slot, SeparationCache& apart) const;
+  void count_motion(std::uint32_t slot, SeparationCache& apart) const;
 
   const ObjectRows& rows_;
   std::vector<Aabb> bounds_;

@@ -19,7 +19,7 @@ namespace collided::engine::service {
 namespace {
 
 using test::Counts;
-using wire_contract::QueryKind;
+using wire_contract::RequestKind;
 
 constexpr std::uint64_t kClient = 0x77;
 constexpr std::uint64_t kPublisher = 7;
@@ -105,11 +105,11 @@ class Allocation : public ::testing::Test {
     test::never_count_this_thread();
     ASSERT_TRUE(test::eventually([this] {
       return query_writer_.matched_readers() > 0 && pose_writer_.matched_readers() > 0 &&
-             ask(QueryKind::hello, {}, 100);
+             ask(RequestKind::hello, {}, 100);
     }));
   }
   /// Sends it and waits for the reply.
-  bool ask(QueryKind kind, const std::vector<double>& numbers, int patience_ms = 5'000) {
+  bool ask(RequestKind kind, const std::vector<double>& numbers, int patience_ms = 5'000) {
     wire::Query& query = *query_;
     query.client = kClient;
     query.request = ++request_;
@@ -121,23 +121,23 @@ class Allocation : public ::testing::Test {
     return query_writer_.write(query) &&
            test::eventually([&] { return answered_.load() == request_; }, std::chrono::milliseconds(patience_ms));
   }
-  static std::vector<double> questions(QueryKind kind, std::size_t count, unsigned seed) {
+  static std::vector<double> questions(RequestKind kind, std::size_t count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> x(0, 9), z(0, 3), turn(-1, 1);
     std::vector<double> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       for (const double at : {x(random), x(random), z(random)}) numbers.push_back(at);
-      if (kind == QueryKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
-      if (kind == QueryKind::sphere) numbers.push_back(0.5);
-      if (kind == QueryKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
-      if (kind == QueryKind::near) numbers.push_back(1);
+      if (kind == RequestKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
+      if (kind == RequestKind::sphere) numbers.push_back(0.5);
+      if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
+      if (kind == RequestKind::near) numbers.push_back(1);
     }
     return numbers;
   }
   /// What the serving side did for a message of questions asked so many times, once every thread that answers such a
   /// message has answered as many: a busy machine makes the reading thread pass single questions on for a while, and
   /// its memory is then still that of no question at all.
-  Counts count(QueryKind kind, const std::vector<double>& numbers, int times) {
+  Counts count(RequestKind kind, const std::vector<double>& numbers, int times) {
     const bool single = numbers.size() <= 10;
     std::vector<double> batch;
     while (batch.size() < 20 * numbers.size()) batch.insert(batch.end(), numbers.begin(), numbers.end());
@@ -156,7 +156,7 @@ class Allocation : public ::testing::Test {
   }
   /// The same of three rounds, the one with the fewest allocations: on a busy machine a worker's first answers may still
   /// be among those that were counted. What each question, or each hundredth, allocates is there every time.
-  Counts count_settled(QueryKind kind, const std::vector<double>& numbers, int times) {
+  Counts count_settled(RequestKind kind, const std::vector<double>& numbers, int times) {
     constexpr int kRounds = 3;
     Counts fewest = count(kind, numbers, times);
     for (int round = 1; round < kRounds && fewest.allocations > 0; ++round) {
@@ -194,7 +194,7 @@ class Allocation : public ::testing::Test {
 };
 
 TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
-  for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near}) {
+  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near}) {
     const Counts counts = count_settled(kind, questions(kind, 1, 1), 200);
     say(wire_contract::name_of(kind), counts);
     EXPECT_EQ(counts.allocations, 0U) << wire_contract::name_of(kind);
@@ -206,7 +206,7 @@ TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {
-  const Counts counts = count_settled(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20);
+  const Counts counts = count_settled(RequestKind::ray, questions(RequestKind::ray, 1'000, 1), 20);
   say("1,000 rays", counts);
   EXPECT_EQ(counts.allocations, 0U);
   EXPECT_EQ(counts.worker_writes, 20U) << "a batch is answered by a worker";
@@ -216,8 +216,8 @@ TEST_F(Allocation, NoneForABatchOfAThousandRays) {
 // The count above would be zero as well if nothing was counted.
 TEST_F(Allocation, APlantedOneIsCounted) {
   serving_.planted.store(true);
-  EXPECT_EQ(count_settled(QueryKind::ray, questions(QueryKind::ray, 1, 1), 200).allocations, 200U);
-  EXPECT_EQ(count_settled(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20).allocations, 20U);
+  EXPECT_EQ(count_settled(RequestKind::ray, questions(RequestKind::ray, 1, 1), 200).allocations, 200U);
+  EXPECT_EQ(count_settled(RequestKind::ray, questions(RequestKind::ray, 1'000, 1), 20).allocations, 20U);
 }
 
 // As many requests in chunks as may be open, each from its first chunk on.

@@ -38,7 +38,7 @@ namespace {
 using namespace std::chrono_literals;
 using service::DefinitionSample;
 using service::PoseSample;
-using wire_contract::QueryKind;
+using wire_contract::RequestKind;
 
 constexpr double kMostCall_us = 10'000;
 /// A step looks at all that has moved; longer than this, and the server would be taken for dead.
@@ -253,7 +253,7 @@ class Border {
     query->error_asked = malice_.chance(0.9) ? 0 : malice_.number();
     query->deadline_ns = malice_.chance(0.95) ? 0 : static_cast<std::int64_t>(malice_.any_bits());
     static_cast<void>(dds::set_text(query->only, malice_.chance(0.9) ? "" : malice_.name()));
-    const std::uint32_t stride = wire_contract::numbers_of(static_cast<QueryKind>(query->kind));
+    const std::uint32_t stride = wire_contract::numbers_of(static_cast<RequestKind>(query->kind));
     std::vector<double> numbers(malice_.chance(0.9) ? stride : malice_.below(30));
     for (double& number : numbers) number = malice_.number();
     test::put_questions(*query, numbers);
@@ -415,7 +415,7 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       query->max_hits = 10;
       query->chunk_count = static_cast<std::uint32_t>(malice.chance(0.7) ? 1 : malice.below(5));
       query->chunk_index = static_cast<std::uint32_t>(malice.chance(0.7) ? 0 : malice.below(5));
-      query->fence_publisher = malice.chance(0.9) ? 0 : malice.below(50);
+      query->barrier_publisher = malice.chance(0.9) ? 0 : malice.below(50);
       query->importance = static_cast<std::uint8_t>(malice.below(256));
       query->instant = static_cast<std::uint8_t>(malice.below(256));
       query->instant_ns = static_cast<std::int64_t>(malice.any_bits());
@@ -440,7 +440,7 @@ bool server_crashes(const std::string& server_path, std::uint64_t seed, std::uin
   if (!asker.greet()) return true;
   const auto is_well = [&] {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(QueryKind::ray);
+    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
     query->mask = 0xffffffff;
     query->max_hits = 10;
     static_cast<void>(dds::set_text(query->only, "warehouse/*"));

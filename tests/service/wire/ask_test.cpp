@@ -164,7 +164,7 @@ TEST_F(ClientAsk, OptionsTravel) {
                            .importance = Importance::high};
   ASSERT_TRUE(client_->ask(ray_from(1), options));
   const wire::Query query = server_.last_query();
-  EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::RayMode::all));
+  EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::HitMode::all));
   EXPECT_EQ(query.importance, static_cast<std::uint8_t>(wire_contract::Importance::high));
   EXPECT_EQ(query.mask, 6u);
   EXPECT_STREQ(query.only, "pallet_*");

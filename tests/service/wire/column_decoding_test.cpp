@@ -97,8 +97,9 @@ TEST(WireColumns, AMessageWithOneShortColumnIsRefused) {
 }
 
 TEST(WireColumns, RowsComeBackAsTheyWere) {
-  using wire_contract::QueryKind;
-  for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep}) {
+  using wire_contract::RequestKind;
+  for (const RequestKind kind :
+       {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near, RequestKind::sweep}) {
     const wire::Columns<wire::Query> columns = wire::question_columns(kind);
     ASSERT_EQ(wire::width_of(columns), wire_contract::numbers_of(kind));
     dds::Sample<wire::Query> query;
@@ -109,7 +110,7 @@ TEST(WireColumns, RowsComeBackAsTheyWere) {
     EXPECT_EQ(test::rows_of(*query, columns), rows);
     std::vector<double> memory;
     const std::vector<double> none;
-    for (const QueryKind other : {QueryKind::ray, QueryKind::box, QueryKind::sphere, QueryKind::sweep}) {
+    for (const RequestKind other : {RequestKind::ray, RequestKind::box, RequestKind::sphere, RequestKind::sweep}) {
       for (const wire::Column<wire::Query>& column : wire::question_columns(other)) {
         const bool is_own = std::any_of(columns.begin(), columns.end(),
                                         [&](const auto& own) { return own.sequence == column.sequence; });

@@ -204,9 +204,9 @@ class FakeServer {
   void take_queries(const dds::Taker<wire::Query>& taker) {
     while (taker.take(query_)) {
       if (!query_.info().valid_data || !answering) { continue; }
-      const auto kind = static_cast<wire_contract::QueryKind>(query_->kind);
+      const auto kind = static_cast<wire_contract::RequestKind>(query_->kind);
       const std::string only = query_->only;
-      if (kind == wire_contract::QueryKind::hello) {
+      if (kind == wire_contract::RequestKind::hello) {
         const std::lock_guard lock(mutex);
         hellos_.push_back({query_->client, query_->request});
         continue;
@@ -235,7 +235,7 @@ class FakeServer {
   void answer(const dds::Sample<wire::Query>& query) {
     dds::Writer<wire::Reply>* const writer = reply_writer(query->client);
     if (writer == nullptr) { return; }
-    if (static_cast<wire_contract::QueryKind>(query->kind) == wire_contract::QueryKind::command) {
+    if (static_cast<wire_contract::RequestKind>(query->kind) == wire_contract::RequestKind::command) {
       answer_command(*query, *writer);
     } else {
       answer_questions(*query, *writer);

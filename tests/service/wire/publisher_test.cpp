@@ -160,10 +160,10 @@ TEST_F(ClientPublish, FreshQuestionsNameTheLastWrite) {
   ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
   const Result<std::uint64_t> sequence = publisher_->flush();
   ASSERT_TRUE(client_->ask(RayQuestion{{1, 0, 0}, {0, 0, 1}}, {.fresh = true}));
-  EXPECT_EQ(server_.last_query().fence_sequence, *sequence);
-  EXPECT_NE(server_.last_query().fence_publisher, 0u);
+  EXPECT_EQ(server_.last_query().barrier_sequence, *sequence);
+  EXPECT_NE(server_.last_query().barrier_publisher, 0u);
   ASSERT_TRUE(client_->ask(RayQuestion{{1, 0, 0}, {0, 0, 1}}));
-  EXPECT_EQ(server_.last_query().fence_publisher, 0u);
+  EXPECT_EQ(server_.last_query().barrier_publisher, 0u);
 }
 
 // Whoever was silent for longer than the lease is forgotten with all its objects: it must say everything anew, at the

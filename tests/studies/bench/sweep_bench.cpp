@@ -53,7 +53,7 @@ std::vector<BodyMotion> motions(bool turn, std::mt19937_64& random) {
 }
 
 /// Whether poses of the way say the same: none touches before the bracket, and that at its end does.
-bool agrees(const ObjectInfo& mover, const BodyMotion& motion, const StaticScene& scene, const SweptTouch& found) {
+bool agrees(const ObjectInfo& mover, const BodyMotion& motion, const StaticScene& scene, const SweptContact& found) {
   const auto touches = [&](double t) {
     const Frame frame = motion.at(t);
     bool yes = false;
@@ -89,7 +89,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
   std::vector<double> spent_us;
   std::size_t hits = 0, equal = 0, compared = 0, tests = 0;
   for (std::size_t i = 0; i < kWays; ++i) {
-    SweptTouch touch;
+    SweptContact touch;
     WalkCost cost;
     const double start = thread_seconds();
     sweep(SweptBody(mover, motion[i]), ground, {}, cost, touch);
@@ -108,7 +108,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
                                .run =
                                    [&] {
                                      for (const BodyMotion& on : motion) {
-                                       SweptTouch touch;
+                                       SweptContact touch;
                                        WalkCost cost;
                                        sweep(SweptBody(mover, on), ground, {}, cost, touch);
                                      }

@@ -334,19 +334,19 @@ TEST_F(SnapshotLeasesTest, BeyondTheLimitARequestIsToBeAskedAgain) {
   EXPECT_EQ(take(SnapshotLeases::kMostRequests + 1, 0, 1), Taken::pinned);
 }
 
-AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {
+AskPointer behind_barrier(std::uint64_t request, std::uint64_t sequence) {
   auto ask = std::make_unique<Ask>();
   ask->query->request = request;
-  ask->query->fence_publisher = 7;
-  ask->query->fence_sequence = sequence;
+  ask->query->barrier_publisher = 7;
+  ask->query->barrier_sequence = sequence;
   return ask;
 }
 
 TEST(WriteBarriers, LetPassInOrderOnceTheSampleIsIn) {
   WriteBarriers write_barriers;
-  AskPointer first = fenced(1, 5);
-  AskPointer second = fenced(2, 4);
-  AskPointer third = fenced(3, 9);
+  AskPointer first = behind_barrier(1, 5);
+  AskPointer second = behind_barrier(2, 4);
+  AskPointer third = behind_barrier(3, 9);
   EXPECT_EQ(write_barriers.pass(first), WriteBarriers::Outcome::parked);
   EXPECT_EQ(write_barriers.pass(second), WriteBarriers::Outcome::parked);
   EXPECT_EQ(write_barriers.pass(third), WriteBarriers::Outcome::parked);
@@ -355,7 +355,7 @@ TEST(WriteBarriers, LetPassInOrderOnceTheSampleIsIn) {
   ASSERT_EQ(ready.size(), 2U);
   EXPECT_EQ(ready[0]->query->request, 1U);
   EXPECT_EQ(ready[1]->query->request, 2U);
-  AskPointer fourth = fenced(4, 5);
+  AskPointer fourth = behind_barrier(4, 5);
   EXPECT_EQ(write_barriers.pass(fourth), WriteBarriers::Outcome::passed);
   EXPECT_EQ(write_barriers.take_overdue(WriteBarriers::kPatienceNs + 1).size(), 1U);
   EXPECT_TRUE(write_barriers.empty());
@@ -367,7 +367,7 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
   const auto refusal = [&](const std::function<void(wire::Query&)>& change) {
     Ask ask;
     wire::Query& query = *ask.query;
-    query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
+    query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
     query.chunk_count = 1;
     query.max_hits = 1;
     test::put_questions(query, ray);

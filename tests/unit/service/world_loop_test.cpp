@@ -246,12 +246,12 @@ TEST_F(WorldLoopTest, ContactsPersistAndEnd) {
   EXPECT_TRUE(books.wait([&] { return books.ended_count == 1; }));
 }
 
-TEST_F(WorldLoopTest, AFenceOpensWhenTheSampleIsInAState) {
+TEST_F(WorldLoopTest, ABarrierOpensWhenTheSampleIsInAState) {
   define(1, {0, 0, 0});
   start();
   auto ask = std::make_unique<Ask>();
-  ask->query->fence_publisher = 7;
-  ask->query->fence_sequence = 2;
+  ask->query->barrier_publisher = 7;
+  ask->query->barrier_sequence = 2;
   EXPECT_TRUE(write_barriers.pass(ask) == WriteBarriers::Outcome::parked);
   move(1, {1, 0, 0});
   EXPECT_TRUE(books.wait([&] { return admitted.load() == 1; }));

@@ -6,11 +6,11 @@
 namespace collided::engine::service {
 namespace {
 
-AskPointer fenced(std::uint64_t publisher, std::uint64_t sequence, std::int64_t taken_ns = 0,
-                  std::int64_t deadline_ns = 0) {
+AskPointer behind_barrier(std::uint64_t publisher, std::uint64_t sequence, std::int64_t taken_ns = 0,
+                          std::int64_t deadline_ns = 0) {
   auto ask = std::make_unique<Ask>();
-  ask->query->fence_publisher = publisher;
-  ask->query->fence_sequence = sequence;
+  ask->query->barrier_publisher = publisher;
+  ask->query->barrier_sequence = sequence;
   ask->query->deadline_ns = deadline_ns;
   ask->taken_ns = taken_ns;
   return ask;
@@ -27,7 +27,8 @@ constexpr std::int64_t kMillisecond = 1'000'000;
 // Who allows 5 ms for the answer is told after 5 ms that the sample has not come, not after a second.
 TEST(WriteBarriers, AQuestionWaitsNoLongerThanItsOwnDeadline) {
   WriteBarriers write_barriers;
-  ASSERT_EQ(pass(write_barriers, fenced(7, 5, 100 * kMillisecond, 5 * kMillisecond)), WriteBarriers::Outcome::parked);
+  ASSERT_EQ(pass(write_barriers, behind_barrier(7, 5, 100 * kMillisecond, 5 * kMillisecond)),
+            WriteBarriers::Outcome::parked);
   EXPECT_EQ(overdue(write_barriers, 105 * kMillisecond), 0U);
   EXPECT_EQ(overdue(write_barriers, 105 * kMillisecond + 1), 1U);
   EXPECT_TRUE(write_barriers.empty());
@@ -36,7 +37,8 @@ TEST(WriteBarriers, AQuestionWaitsNoLongerThanItsOwnDeadline) {
 TEST(WriteBarriers, ALongDeadlineOrNoneBuysTheUsualPatienceOnly) {
   for (const std::int64_t deadline_ns : {std::int64_t{0}, 60'000 * kMillisecond}) {
     WriteBarriers write_barriers;
-    ASSERT_EQ(pass(write_barriers, fenced(7, 5, 100 * kMillisecond, deadline_ns)), WriteBarriers::Outcome::parked);
+    ASSERT_EQ(pass(write_barriers, behind_barrier(7, 5, 100 * kMillisecond, deadline_ns)),
+              WriteBarriers::Outcome::parked);
     EXPECT_EQ(overdue(write_barriers, 100 * kMillisecond + WriteBarriers::kPatienceNs), 0U);
     EXPECT_EQ(overdue(write_barriers, 100 * kMillisecond + WriteBarriers::kPatienceNs + 1), 1U);
   }
@@ -45,7 +47,8 @@ TEST(WriteBarriers, ALongDeadlineOrNoneBuysTheUsualPatienceOnly) {
 TEST(WriteBarriers, OnlyWhatIsOverdueIsTakenAndTheRestGoesOnWaiting) {
   WriteBarriers write_barriers;
   for (const std::int64_t deadline_ns : {9, 3, 6}) {
-    ASSERT_EQ(pass(write_barriers, fenced(7, 5, 0, deadline_ns * kMillisecond)), WriteBarriers::Outcome::parked);
+    ASSERT_EQ(pass(write_barriers, behind_barrier(7, 5, 0, deadline_ns * kMillisecond)),
+              WriteBarriers::Outcome::parked);
   }
   const std::vector<AskPointer> late = write_barriers.take_overdue(7 * kMillisecond);
   ASSERT_EQ(late.size(), 2U);
@@ -57,8 +60,8 @@ TEST(WriteBarriers, OnlyWhatIsOverdueIsTakenAndTheRestGoesOnWaiting) {
 
 TEST(WriteBarriers, WhoNamesNoPublisherPassesAndWhoHasPassedDoesAgain) {
   WriteBarriers write_barriers;
-  EXPECT_EQ(pass(write_barriers, fenced(0, 5)), WriteBarriers::Outcome::passed);
-  EXPECT_EQ(pass(write_barriers, fenced(7, 0)), WriteBarriers::Outcome::parked) << "nothing is known of it yet";
+  EXPECT_EQ(pass(write_barriers, behind_barrier(0, 5)), WriteBarriers::Outcome::passed);
+  EXPECT_EQ(pass(write_barriers, behind_barrier(7, 0)), WriteBarriers::Outcome::parked) << "nothing is known of it yet";
   write_barriers.update({{7, 1}});
   std::vector<AskPointer> ready = write_barriers.take_ready();
   ASSERT_EQ(ready.size(), 1U);
@@ -71,11 +74,11 @@ TEST(WriteBarriers, WhoNamesNoPublisherPassesAndWhoHasPassedDoesAgain) {
 TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
   WriteBarriers write_barriers;
   for (const std::uint64_t publisher : {6, 7, 8})
-    ASSERT_EQ(pass(write_barriers, fenced(publisher, 5)), WriteBarriers::Outcome::parked);
+    ASSERT_EQ(pass(write_barriers, behind_barrier(publisher, 5)), WriteBarriers::Outcome::parked);
   write_barriers.update({{6, 4}, {8, 100}, {9, 100}});
   const std::vector<AskPointer> ready = write_barriers.take_ready();
   ASSERT_EQ(ready.size(), 1U);
-  EXPECT_EQ(ready[0]->query->fence_publisher, 8U);
+  EXPECT_EQ(ready[0]->query->barrier_publisher, 8U);
   EXPECT_EQ(write_barriers.applied(6), 4U);
   EXPECT_EQ(write_barriers.applied(7), 0U);
   EXPECT_EQ(write_barriers.applied(8), 100U);
@@ -87,11 +90,12 @@ TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
 TEST(WriteBarriers, SoManyWaitAndNoMore) {
   WriteBarriers write_barriers;
   for (std::size_t i = 0; i < WriteBarriers::kMost; ++i)
-    ASSERT_EQ(pass(write_barriers, fenced(7, 5)), WriteBarriers::Outcome::parked);
-  AskPointer one_more = fenced(7, 5);
+    ASSERT_EQ(pass(write_barriers, behind_barrier(7, 5)), WriteBarriers::Outcome::parked);
+  AskPointer one_more = behind_barrier(7, 5);
   EXPECT_EQ(write_barriers.pass(one_more), WriteBarriers::Outcome::full);
   EXPECT_TRUE(one_more) << "whoever is turned away is to be told";
-  EXPECT_EQ(pass(write_barriers, fenced(0, 0)), WriteBarriers::Outcome::passed) << "who need not wait needs no room";
+  EXPECT_EQ(pass(write_barriers, behind_barrier(0, 0)), WriteBarriers::Outcome::passed)
+      << "who need not wait needs no room";
   EXPECT_EQ(write_barriers.take_all().size(), WriteBarriers::kMost);
   EXPECT_EQ(write_barriers.pass(one_more), WriteBarriers::Outcome::parked);
 }

@@ -27,8 +27,8 @@ ObjectInfo primitive_object(const Primitive& primitive) {
 
 Frame at(const Vec3& position) { return {Mat3::Identity(), position}; }
 
-TEST(SweptTouch, TheEarliestContactWinsAndOfEqualOnesThatWithTheLowestNumbers) {
-  SweptTouch touch;
+TEST(SweptContact, TheEarliestContactWinsAndOfEqualOnesThatWithTheLowestNumbers) {
+  SweptContact touch;
   EXPECT_TRUE(touch.take({0.5, 0.75}, 5, 5));
   EXPECT_FALSE(touch.take({0.25, 0.75}, 5, 6));
   EXPECT_FALSE(touch.take({0.25, 0.75}, 6, 0));
@@ -48,9 +48,9 @@ struct Scene {
     scene.tree = Bvh::build(mesh);
     scene.mesh = std::move(mesh);
   }
-  SweptTouch ask(const ObjectInfo& info, const Frame& from, const Frame& to, const SweepOptions& options = {}) const {
+  SweptContact ask(const ObjectInfo& info, const Frame& from, const Frame& to, const SweepOptions& options = {}) const {
     WalkCost cost;
-    SweptTouch touch;
+    SweptContact touch;
     sweep(SweptBody(info, BodyMotion(from, to)), SweptBody(scene), options, cost, touch);
     return touch;
   }
@@ -69,8 +69,8 @@ TEST(WorldSweptObject, ABoxAndTheMeshOfItsSidesMeetAScanAtTheSameTime) {
     const Vec3 from = 3 * point().normalized();
     Frame to = at(point());
     if (i % 2 == 1) to.rotation = Eigen::AngleAxisd(place(generator), point().normalized()).toRotationMatrix();
-    const SweptTouch one = scene.ask(box, at(from), to);
-    const SweptTouch other = scene.ask(mesh, at(from), to);
+    const SweptContact one = scene.ask(box, at(from), to);
+    const SweptContact other = scene.ask(mesh, at(from), to);
     ASSERT_FALSE(one.undecided || other.undecided);
     ASSERT_EQ(one.yes, other.yes) << i;
     if (!one.yes) continue;
@@ -93,7 +93,7 @@ TEST(WorldSweptObject, NoKindOfMoverPassesThroughASheet) {
                                  primitive_object(Ellipsoid{.center = Vec3::Zero(), .half_m = half_m}),
                                  primitive_object(Sphere{Vec3::Zero(), 0x1p-10}), mesh_object(scenes::box(half_m))}) {
     const double truth = (5 - 0x1p-10) * 0x1p-20;
-    const SweptTouch touch = sheet.ask(info, at(Vec3::Zero()), to, {.width = 1e-9});
+    const SweptContact touch = sheet.ask(info, at(Vec3::Zero()), to, {.width = 1e-9});
     ASSERT_TRUE(touch.yes);
     EXPECT_LE(touch.bracket.low, truth);
     EXPECT_GE(touch.bracket.high, truth);
@@ -108,12 +108,12 @@ TEST(WorldSweptObject, ATurningBladeMeetsAWireHalfWay) {
   const ObjectInfo blade = mesh_object({{{0, 0, -0.5}, {1, 0, 0}, {0, 0, 0.5}}, {{0, 1, 2}}});
   const ObjectInfo rod = primitive_object(Box{.center = {0.5, 0, 0}, .half_m = {0.5, 1e-3, 1e-3}});
   const Frame to{Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix(), Vec3::Zero()};
-  const SweptTouch cut = wire.ask(blade, at(Vec3::Zero()), to, {.width = 1e-9});
+  const SweptContact cut = wire.ask(blade, at(Vec3::Zero()), to, {.width = 1e-9});
   // They share points for an instant, which no pose but the one half way would show.
   ASSERT_TRUE(cut.yes);
   EXPECT_NEAR(cut.bracket.high, 0.5, 1e-9);
   EXPECT_LE(cut.bracket.low, 0.5);
-  const SweptTouch hit = wire.ask(rod, at(Vec3::Zero()), to, {.width = 1e-9});
+  const SweptContact hit = wire.ask(rod, at(Vec3::Zero()), to, {.width = 1e-9});
   ASSERT_TRUE(hit.yes);
   // The rod's side is 1 mm ahead of its axis.
   EXPECT_NEAR(hit.bracket.high, 0.5 - std::asin(1e-3 / std::sqrt(0.5)) / (M_PI / 2), 1e-8);
@@ -127,14 +127,14 @@ TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold
                                     {5, -side, -1}, {5, -side, 1}, {5, -1.5 * side, 0}};
     const Scene both{{corners, {{0, 1, 2}, {3, 4, 5}}}};
     const Scene first{{corners, {{0, 1, 2}}}};
-    const SweptTouch touch = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
-    const SweptTouch alone = first.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
+    const SweptContact touch = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
+    const SweptContact alone = first.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
     ASSERT_TRUE(touch.yes && alone.yes);
     EXPECT_EQ(touch.b_triangle, 0u);
     EXPECT_EQ(touch.contact.point, alone.contact.point);
     EXPECT_GE(side * touch.contact.point.y(), 1 - 1e-9);
     EXPECT_NEAR((touch.contact.normal - Vec3(1, 0, 0)).norm(), 0, 1e-9);
-    const SweptTouch bare = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}), {.contacts = false});
+    const SweptContact bare = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}), {.contacts = false});
     EXPECT_TRUE(bare.yes);
     EXPECT_EQ(bare.bracket.high, touch.bracket.high);
     EXPECT_EQ(bare.contact.point, Contact{}.point) << "nobody asked where";
@@ -144,7 +144,7 @@ TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold
 TEST(WorldSweptObject, ASearchWithoutRoomSaysSo) {
   const Scene scene{scenes::icosphere(4, 1)};
   const ObjectInfo mesh = mesh_object(scenes::icosphere(2, 0.5));
-  const SweptTouch touch = scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0}), {.most_looks = 3});
+  const SweptContact touch = scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0}), {.most_looks = 3});
   EXPECT_TRUE(touch.undecided);
   EXPECT_TRUE(scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0})).yes);
 }
