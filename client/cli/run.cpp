@@ -47,7 +47,10 @@ void refuse_leftovers(CLI::App& app) {
     if (word == leftover && word.starts_with("-")) {
       throw bad_use(fmt::format("unknown option '{}'{}", word, did_you_mean(word, option_names(app))));
     }
-    throw bad_use(fmt::format("'{}' has no meaning here", word));
+    constexpr std::string_view kProgram = "collide ";
+    const std::string& name = app.get_name();
+    const std::string help = name.starts_with(kProgram) ? "collide help " + name.substr(kProgram.size()) : "";
+    throw bad_use(fmt::format("'{}' has no meaning here", word), help);
   }
 }
 

@@ -285,6 +285,16 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
   return scene;
 }
 
+/// The program that unpacks a file of this name; nothing where it is not packed.
+std::string unpacker_of(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  for (const auto& [packed, tool] : {std::pair(".gz", "gunzip"), std::pair(".xz", "unxz"), std::pair(".bz2", "bunzip2"),
+                                     std::pair(".zst", "unzstd"), std::pair(".zip", "unzip")}) {
+    if (ending == packed) return tool;
+  }
+  return {};
+}
+
 }  // namespace
 
 bool is_read_here(const std::string& path) { return format_of(path).read != nullptr; }
@@ -299,6 +309,9 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   const FileFormat& format = format_of(path);
   if (!options.srdf.empty() && format.read != &read_urdf)
     throw LoadError(fmt::format("{}: --srdf is for .urdf robots. Nothing was loaded.", file_name(path)));
+  if (const std::string tool = unpacker_of(path); format.read == nullptr && !tool.empty())
+    throw LoadError(
+        fmt::format("{}: it is packed; unpack it first, by {}. Nothing was loaded.", file_name(path), tool));
   Scene scene;
   if (format.read == nullptr) {
     scene = load_converted(path, options, report);

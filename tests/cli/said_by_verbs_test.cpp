@@ -91,8 +91,8 @@ TEST_F(SaidByVerbs, APathsObjectHasTheLayersAndTheMaskThatWereGiven) {
 }
 
 TEST_F(SaidByVerbs, AWordTooManyIsNoOption) {
-  EXPECT_EQ(collide("version now").err, "error: version: 'now' has no meaning here\n");
-  EXPECT_EQ(collide("version -5").err, "error: version: '-5' has no meaning here\n");
+  EXPECT_EQ(collide("version now").err, "error: version: 'now' has no meaning here\n       collide help version\n");
+  EXPECT_EQ(collide("version -5").err, "error: version: '-5' has no meaning here\n       collide help version\n");
   EXPECT_EQ(collide("version --servr").err, "error: version: unknown option '--servr'; did you mean '--server'?\n");
 }
 

@@ -125,7 +125,7 @@ answer=$(in_root /usr/bin/env COLLIDED_DOMAIN=230 collide ray 0 0 5  0 0 -1 --fi
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the packages' programs answer '$answer'"
 # The helpers run with the libraries that the packages ask for.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$clean/tmp/one.obj"
-(in_root /usr/bin/collide check /tmp/one.obj) | grep -q '1 triangles' || fail "collide does not find collided-files"
+(in_root /usr/bin/collide check /tmp/one.obj) | grep -q '1 triangle' || fail "collide does not find collided-files"
 for program in "$clean"/usr/libexec/collided/*; do
   missing=$( (in_root /usr/bin/ldd "${program#"$clean"}") | grep 'not found') && fail "$program: $missing"
 done

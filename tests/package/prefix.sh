@@ -74,7 +74,7 @@ done
 answer=$("$prefix/bin/collide" ray 0 0 5  0 0 -1 --fields answer,object) || { cat "$scratch/server.out"; fail "no answer"; }
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the installed programs answer '$answer'"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$scratch/one.obj"
-"$prefix/bin/collide" check "$scratch/one.obj" | grep -q '1 triangles' || fail "collide does not find collided-files"
+"$prefix/bin/collide" check "$scratch/one.obj" | grep -q '1 triangle' || fail "collide does not find collided-files"
 
 # The library by pkg-config; which prefix it lies in is known from the .pc file alone.
 for module in collided collided-vcollide; do

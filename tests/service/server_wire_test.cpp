@@ -107,7 +107,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
   };
   const std::vector<Bad> all{
       {"kind", [](wire::Query& q) { q.kind = 99; }, "question kind 99"},
-      {"mode", [](wire::Query& q) { q.mode = 7; }, "ray mode 7"},
+      {"mode", [](wire::Query& q) { q.mode = 7; }, "hit mode 7"},
       {"columns", [&](wire::Query& q) { dds::borrow(q.directions, eight); }, "not of one length"},
       {"no questions", [&](wire::Query& q) { test::put_questions(q, none); }, "are empty"},
       {"too many", [&](wire::Query& q) { test::put_questions(q, many); }, "1001 questions"},

@@ -13,7 +13,6 @@
 
 namespace collided::cli {
 
-namespace wire = wire_contract::command;
 namespace {
 
 /// What the verbs of the four questions have in common: one question from the words, a batch from a file, or a question

@@ -258,7 +258,7 @@ class LoadCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (path_.empty()) throw bad_use("which file?");
+    if (path_.empty()) throw bad_use("which file?", "collide load FILE");
     nlohmann::json arguments{
         {"name", name_},
         {"unit_m", unit_in_metres()},

@@ -8,6 +8,7 @@
 
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/mixed.hpp"
+#include "server/intake/readers/robot_packages.hpp"
 #include "server/intake/readers/reading.hpp"
 #include "server/intake/readers/srdf.hpp"
 #include "server/intake/readers/text_cursor.hpp"
@@ -34,7 +35,7 @@ struct Joint {
 /// source    ROS URDF specification, wiki.ros.org/urdf/XML; units and axes: REP 103
 class UrdfReader {
  public:
-  explicit UrdfReader(const Reading& reading) : reading_(reading) {}
+  explicit UrdfReader(const Reading& reading) : reading_(reading), packages_(reading.folder) {}
 
   Scene read() {
     pugi::xml_document document;
@@ -45,8 +46,10 @@ class UrdfReader {
     place_links(robot);
     for (const pugi::xml_node link : robot.children("link")) add_link(link);
     if (!missing_.empty()) {
-      refuse(reading_, fmt::format("{} mesh files are not there, the first is {}", missing_.size(),
-                                   quoted(std::string_view(missing_[0]))));
+      refuse(reading_,
+             fmt::format("{} not there, the first is {}; {}",
+                         missing_.size() == 1 ? "1 mesh file is" : fmt::format("{} mesh files are", missing_.size()),
+                         quoted(std::string_view(missing_[0])), packages_.advice(missing_[0])));
     }
     if (scene_.objects.empty()) refuse(reading_, "no link has a collision shape");
     set_filters(robot.attribute("name").value());
@@ -164,7 +167,7 @@ class UrdfReader {
 
   void add_mesh(const pugi::xml_node& node, const Pose& pose, TriangleMesh& mesh) {
     const std::string name = node.attribute("filename").value();
-    const fs::path path = find_file(name);
+    const fs::path path = packages_.find(name);
     if (path.empty()) {
       missing_.push_back(name);
       return;
@@ -197,32 +200,6 @@ class UrdfReader {
     }
   }
 
-  /// The path of a file. Files of a package are searched from the robot's folder upwards, with and without the
-  /// package's name.
-  fs::path find_file(const std::string& name) const {
-    if (reading_.folder.empty()) return {};
-    std::string rest = name;
-    std::string package;
-    constexpr std::string_view kPackage = "package://";
-    if (rest.starts_with(kPackage)) {
-      const std::size_t slash = rest.find('/', kPackage.size());
-      if (slash == std::string::npos) return {};
-      package = rest.substr(kPackage.size(), slash - kPackage.size());
-      rest = rest.substr(slash + 1);
-    }
-    const fs::path relative = fs::path(rest).lexically_normal();
-    if (relative.empty() || relative.is_absolute() || *relative.begin() == "..") return {};
-    constexpr int kMostLevels = 4;
-    fs::path folder = fs::absolute(reading_.folder);
-    for (int level = 0; level < kMostLevels; ++level, folder = folder.parent_path()) {
-      for (const fs::path& candidate : {folder / relative, folder / package / relative}) {
-        std::error_code error;
-        if (fs::is_regular_file(candidate, error)) return candidate;
-      }
-    }
-    return {};
-  }
-
   void set_filters(const std::string& robot) {
     LoadReport& report = reading_.report;
     if (moving_joint_count_ > 0)
@@ -248,6 +225,7 @@ class UrdfReader {
   }
 
   const Reading& reading_;
+  RobotPackages packages_;
   std::unordered_map<std::string, Pose> poses_;
   std::vector<std::string> missing_;
   std::uint64_t moving_joint_count_ = 0;

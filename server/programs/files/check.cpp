@@ -143,7 +143,7 @@ std::string surface_text(const MeshHealth& health) {
 class CheckReport {
  public:
   CheckReport(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report,
-         const CheckOptions& options)
+              const CheckOptions& options)
       : scene_(scene), meshes_(meshes), report_(report), full_(options.full), quiet_(options.quiet) {}
 
   void print() {

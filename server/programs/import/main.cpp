@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -109,6 +110,8 @@ int main(int argument_count, char** argument_list) {
   }
   // A file may name others, in its own folder.
   const std::string folder = std::filesystem::absolute(arguments.input).parent_path().string();
+  // Robots' packages elsewhere cannot be opened from here.
+  for (const char* variable : {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}) ::unsetenv(variable);
   if (const std::string why = collided::engine::enter_sandbox(output, {arguments.input, folder}); !why.empty()) {
     std::fprintf(stderr, "%s\n", why.c_str());
     return 1;

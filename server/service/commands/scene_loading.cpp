@@ -57,9 +57,9 @@ LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
 
 std::string describe(const LoadedScene& loaded) {
   const Scene& scene = loaded.indexed.scene;
-  std::string text = fmt::format("{}: {} in {}, {}, {:.0f} ms", scene.name, counted(loaded.triangles, "triangle"),
-                                 counted(scene.parts.size(), "part"), counted(scene.objects.size(), "object"),
-                                 loaded.seconds * 1e3);
+  std::string text =
+      fmt::format("{}: {} in {}, {}, {:.0f} ms", scene.name, counted(loaded.triangles, "triangle"),
+                  counted(scene.parts.size(), "part"), counted(scene.objects.size(), "object"), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
   for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;

@@ -94,6 +94,9 @@ class Answering {
   bool was_pressed();
 
  private:
+  static constexpr std::size_t kMostQueued = 4'096;
+  static constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
+
   struct TextReply {
     std::uint64_t client = 0;
     std::uint64_t request = 0;

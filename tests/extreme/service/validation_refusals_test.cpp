@@ -157,7 +157,7 @@ TEST_F(ExtremeBorderChunk, Codes) {
   expect_refused("question kind 7 is not known; allowed 0 to 6");
   query.kind = 1;
   query.mode = 3;
-  expect_refused("ray mode 3 is not known; allowed 0 to 2");
+  expect_refused("hit mode 3 is not known; allowed 0 to 2");
   query.mode = 2;
   query.importance = 3;
   expect_refused("importance 3 is not known; allowed 0 to 2");

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -49,7 +50,7 @@ TEST(IntakeUrdf, LinksStandWhereTheirJointsAtZeroPutThem) {
   EXPECT_EQ(upper.shape.primitives.size(), 2u);
   // Two along the turned x axis, then three up.
   EXPECT_NEAR((find(loaded.scene, "arm/hand").pose.position - Vec3(1, 2, 3)).norm(), 0, 1e-15);
-  EXPECT_EQ(loaded.report.placed.at(0), "1 joints stand at 0");
+  EXPECT_EQ(loaded.report.placed.at(0), "1 joint stands at 0");
 }
 
 TEST(IntakeUrdf, WithoutAnSrdfFileLinksNeverMeetAndThatIsSaid) {
@@ -95,7 +96,53 @@ TEST(IntakeUrdf, ARobotThatMissesAMeshIsRefusedAsAWhole) {
       complaint(
           "r.urdf",
           R"(<robot name="r"><link name="l"><collision><geometry><mesh filename="package://p/a.stl"/></geometry></collision></link></robot>)"),
-      "r.urdf: 1 mesh files are not there, the first is 'package://p/a.stl'. Nothing was loaded.");
+      "r.urdf: 1 mesh file is not there, the first is 'package://p/a.stl'; what does not come from a folder has no "
+      "other "
+      "files. Nothing was loaded.");
+}
+
+// Where packages lie is said by the variables that ROS has for it.
+TEST(IntakeUrdf, PackagesAreFoundWhereRosSaysTheyAre) {
+  namespace fs = std::filesystem;
+  const fs::path root = fs::path(testing::TempDir()) / ("urdf_ros_" + std::to_string(::getpid()));
+  fs::create_directories(root / "a/b/c/d/robot");
+  fs::create_directories(root / "sources/arm_description/meshes");
+  fs::create_directories(root / "prefix/share/arm_description/meshes");
+  const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::ofstream(root / "sources/arm_description/meshes/t.obj") << triangle;
+  std::ofstream(root / "prefix/share/arm_description/meshes/u.obj") << triangle;
+  const std::string robot = (root / "a/b/c/d/robot/r.urdf").string();
+  const auto write = [&](const std::string& mesh) {
+    std::ofstream(robot) << "<robot name='r'><link name='l'><collision><geometry><mesh filename='" << mesh
+                         << "'/></geometry></collision></link></robot>";
+  };
+  const auto complaint_about = [&](const std::string& mesh) -> std::string {
+    write(mesh);
+    LoadReport report;
+    try {
+      load_scene(robot, {}, report);
+      return "";
+    } catch (const LoadError& error) { return error.what(); }
+  };
+  const std::string in_sources = "package://arm_description/meshes/t.obj";
+  EXPECT_EQ(
+      complaint_about(in_sources),
+      "r.urdf: 1 mesh file is not there, the first is 'package://arm_description/meshes/t.obj'; looked in the "
+      "robot's folder and the 3 above it; set ROS_PACKAGE_PATH, where the server starts, to the folder that holds "
+      "arm_description. Nothing was loaded.");
+  ::setenv("ROS_PACKAGE_PATH", ("/nowhere:" + (root / "sources").string()).c_str(), 1);
+  EXPECT_EQ(complaint_about(in_sources), "");
+  ::setenv("ROS_PACKAGE_PATH", (root / "sources/arm_description").string().c_str(), 1);
+  EXPECT_EQ(complaint_about(in_sources), "") << "a package's own folder will do";
+  const std::string in_prefix = "package://arm_description/meshes/u.obj";
+  EXPECT_NE(complaint_about(in_prefix).find("and in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH"), std::string::npos);
+  ::setenv("AMENT_PREFIX_PATH", (root / "prefix").string().c_str(), 1);
+  EXPECT_EQ(complaint_about(in_prefix), "");
+  EXPECT_NE(complaint_about("package://arm_description/../../prefix/share/arm_description/meshes/u.obj"), "");
+  EXPECT_NE(complaint_about("package://../sources/arm_description/meshes/t.obj"), "");
+  ::unsetenv("ROS_PACKAGE_PATH");
+  ::unsetenv("AMENT_PREFIX_PATH");
+  fs::remove_all(root);
 }
 
 TEST(IntakeUrdf, ComplaintsSayWhat) {

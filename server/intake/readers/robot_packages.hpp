@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace collided::engine {
+
+/// Finds the files that a robot's description names, as "FILE" or "package://NAME/FILE". Looked at, in this order: the
+/// robot's folder and the three above it, for FILE and for NAME/FILE; the folders of $ROS_PACKAGE_PATH, for NAME/FILE,
+/// and for FILE where the folder itself is called NAME; those of $AMENT_PREFIX_PATH, for share/NAME/FILE.
+///
+/// source  ROS wiki, "Environment Variables"; REP 122 for share/
+class RobotPackages {
+ public:
+  /// folder  of the robot; empty: nothing is found
+  explicit RobotPackages(std::string folder) : folder_(std::move(folder)) {}
+  /// The path of a file that is there, or nothing. A name that leads out of where it is looked for is not found.
+  std::filesystem::path find(const std::string& name) const;
+  /// For a message: where a file was looked for in vain, and what to set.
+  std::string advice(const std::string& name) const;
+
+ private:
+  std::string folder_;
+};
+
+}  // namespace collided::engine

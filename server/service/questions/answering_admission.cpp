@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "idl/columns.hpp"
+#include "server/service/questions/answering.hpp"
+#include "server/service/runtime/clock.hpp"
+
+// Which questions Answering takes into its queue, and what it says to those that it does not take.
+
+namespace collided::engine::service {
+
+using wire_contract::Importance;
+using wire_contract::RequestKind;
+
+void Answering::admit(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  if (query.chunk_count <= 1 || query.chunk_index >= query.chunk_count) return enqueue(std::move(ask));
+  // What is refused is refused whole, before any work is done on it.
+  if (query.chunk_index == 0 && !queue_.has_room_for(share_of(*ask))) return refuse_for_now(std::move(ask));
+  switch (with_.leases.take(ask, least_version(query), steady_ns())) {
+    case SnapshotLeases::Taken::pinned: return enqueue(std::move(ask));
+    case SnapshotLeases::Taken::waits: return;
+    case SnapshotLeases::Taken::gone:
+      return refuse_later(std::move(ask),
+                          "the state that this request is answered on is no longer kept: the first chunk comes first, "
+                          "and others that wait for a state do so for 2 s at most while none of its chunks is here");
+    case SnapshotLeases::Taken::full: return refuse_for_now(std::move(ask));
+  }
+}
+
+Share Answering::share_of(const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const bool is_question = wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0;
+  return {.client = query.client,
+          .owner = ask.participant,
+          .cost = cost_of(query),
+          .bytes = wire::bytes_of(query),
+          .is_kept = !is_question || static_cast<Importance>(query.importance) == Importance::high,
+          .is_begun = static_cast<bool>(ask.hold)};
+}
+
+/// Puts a question into the queue, or refuses it where its client has too much there already. Commands, hellos and
+/// questions of high importance may fill more of the queue than others (Share::is_kept).
+void Answering::enqueue(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  if (leaves_out(query)) {
+    refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
+    return;
+  }
+  const Share share = share_of(*ask);
+  Work work(std::move(ask));
+  if (queue_.push(share, work)) return;
+  refuse_for_now(std::move(std::get<AskPointer>(work)));
+}
+
+/// Refuses for want of room, and says when there will be some.
+void Answering::refuse_for_now(AskPointer ask) {
+  refuse_later(std::move(ask),
+               fmt::format("{} requests of {:.1f} MB wait already, and too many of them are this client's",
+                           queue_.waiting(), static_cast<double>(queue_.waiting_bytes()) / 1e6),
+               retry_after_ns());
+}
+
+/// A moving mean over some sixteen questions.
+void Answering::note_cost(double cost, std::int64_t took_ns) {
+  const double before = ns_per_cost_.load(std::memory_order_relaxed);
+  ns_per_cost_.store(before + (static_cast<double>(took_ns) / cost - before) / 16, std::memory_order_relaxed);
+}
+
+/// About how long the workers need for half of what waits.
+std::int64_t Answering::retry_after_ns() {
+  constexpr double kLeastNs = 10e6;
+  constexpr double kMostNs = 5e9;
+  const double all_ns = queue_.waiting_cost() * ns_per_cost_.load(std::memory_order_relaxed);
+  const double threads = static_cast<double>(std::max<std::size_t>(1, threads_.size()));
+  return static_cast<std::int64_t>(std::clamp(all_ns / threads / 2, kLeastNs, kMostNs));
+}
+
+/// Whether the overload refuses this question: only those of low importance are.
+bool Answering::leaves_out(const wire::Query& query) const {
+  return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
+         wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0 &&
+         static_cast<Importance>(query.importance) == Importance::low;
+}
+
+bool Answering::was_pressed() {
+  const std::uint64_t refused = queue_.refused();
+  const bool turned_away = refused != std::exchange(refused_before_, refused);
+  return turned_away || queue_.waiting() > kMostQueued / 2;
+}
+
+/// The oldest state that may answer. A client never gets an older state than before; after a write barrier it gets the
+/// newest.
+std::uint64_t Answering::least_version(const wire::Query& query) const {
+  if (query.barrier_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
+  const std::shared_ptr<Client> client = clients_.find(query.client);
+  return client ? client->reported_version() : 0;
+}
+
+void Answering::refuse_later(AskPointer ask, std::string reason, std::int64_t retry_after_ns) {
+  // A client that asks faster than refusals can be written gets none.
+  if (!queue_.has_room_for_own()) {
+    ++with_.counts.unanswerable;
+    pool_.put(std::move(ask));
+    return;
+  }
+  ask->refusal = std::move(reason);
+  ask->retry_after_ns = retry_after_ns;
+  queue_.push_own(std::move(ask));
+}
+
+}  // namespace collided::engine::service
