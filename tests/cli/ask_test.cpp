@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "client/cli/output/wrapping.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {

@@ -8,7 +8,7 @@
 #include "client/draw/drawing/outlines.hpp"
 #include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 
 namespace collided::draw {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/output/wrapping.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

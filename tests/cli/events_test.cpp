@@ -5,8 +5,8 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/library/recordings/recorded_events.hpp"
-#include "tests/cli/event_recording.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/event_recording.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

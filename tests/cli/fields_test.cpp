@@ -1,7 +1,7 @@
 // Every field of every record is compared, each with a number that no other field has.
 #include <gtest/gtest.h>
 
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {

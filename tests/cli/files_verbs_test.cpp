@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

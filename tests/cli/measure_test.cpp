@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {

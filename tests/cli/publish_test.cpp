@@ -6,7 +6,7 @@
 
 #include "client/cli/failure.hpp"
 #include "client/cli/publish/path.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

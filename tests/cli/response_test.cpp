@@ -7,7 +7,7 @@
 
 #include "client/cli/failure.hpp"
 #include "client/cli/publish/bounce.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided::cli {

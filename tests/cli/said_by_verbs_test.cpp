@@ -9,7 +9,7 @@
 
 #include "client/cli/output/progress.hpp"
 #include "client/cli/run.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

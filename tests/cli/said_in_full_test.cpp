@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/publish/bounce.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided::cli {

@@ -15,7 +15,7 @@
 #include "client/view/foxglove_scene.hpp"
 #include "client/view/page_feed.hpp"
 #include "client/view/page_messages.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "client/view/figures.hpp"
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {

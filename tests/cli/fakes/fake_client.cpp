@@ -1,4 +1,4 @@
-#include "tests/cli/fake_client.hpp"
+#include "tests/cli/fakes/fake_client.hpp"
 
 #include <memory>
 #include <span>
