@@ -9,6 +9,7 @@
 
 #include "idl/clocks.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/pair_report.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -143,6 +144,66 @@ std::vector<CostlyQuestion> costly_questions() {
 
 INSTANTIATE_TEST_SUITE_P(EveryKind, CostlyQuestions, testing::ValuesIn(costly_questions()),
                          [](const auto& given) { return given.param.name; });
+
+/// Two shells a millimetre apart, so that every triangle has others near it, or one in the other's surface.
+class CostlyPairs : public testing::TestWithParam<bool> {
+ protected:
+  static ObjectDefinition shell(const std::string& name, double radius_m) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(kShellLevels, radius_m));
+    definition.moving = true;
+    return definition;
+  }
+  void SetUp() override {
+    inner_ = std::get<ObjectId>(world_.define(shell("inner", 0.999)));
+    outer_ = std::get<ObjectId>(world_.define(shell("outer", GetParam() ? 0.9989 : 1)));
+    ASSERT_TRUE(
+        world_.move(outer_, {.position = {GetParam() ? 0.001 : 0, 0, 0}, .rotation = Quat::Identity()}, 1, false));
+    ASSERT_TRUE(world_.step(1'000'000'000, 1, {}));
+  }
+  std::int64_t examine(std::int64_t within_ns) {
+    const SnapshotRing::Lease state = world_.newest();
+    const std::int64_t start_ns = wire_contract::steady_ns();
+    report_ = report_pair(*state, inner_, outer_,
+                          {.triangles = true, .deadline_ns = within_ns == 0 ? 0 : start_ns + within_ns});
+    return wire_contract::steady_ns() - start_ns;
+  }
+
+  World world_{WorldOptions{}};
+  ObjectId inner_ = 0;
+  ObjectId outer_ = 0;
+  PairReport report_;
+};
+
+TEST_P(CostlyPairs, EndAtTheirDeadlineAndSaySo) {
+  const std::int64_t whole_ns = examine(0);
+  const PairReport whole = report_;
+  EXPECT_EQ(whole.touches, GetParam() ? Decision::yes : Decision::no);
+  EXPECT_FALSE(whole.is_late);
+  // A deadline that falls into each of the report's parts.
+  for (const std::int64_t share : {64, 8, 4, 2}) {
+    std::int64_t fastest_ns = whole_ns;
+    for (int i = 0; i < 3; ++i) {
+      fastest_ns = std::min(fastest_ns, examine(whole_ns / share));
+      if (share < 8 && !report_.is_late) continue;  // it had become faster
+      ASSERT_TRUE(report_.is_late);
+      ASSERT_EQ(report_.touches, Decision::undecided);
+      ASSERT_TRUE(report_.manifold.empty());
+      ASSERT_TRUE(report_.crossings.empty());
+    }
+    EXPECT_LE(fastest_ns, 2 * (whole_ns / share)) << "of " << whole_ns << " ns without a deadline";
+  }
+  examine(3'600'000'000'000);
+  EXPECT_EQ(report_.touches, whole.touches);
+  EXPECT_EQ(report_.contact.depth_m, whole.contact.depth_m);
+  EXPECT_EQ(report_.separation.distance_m, whole.separation.distance_m);
+  EXPECT_EQ(report_.separation.error_m, whole.separation.error_m);
+  EXPECT_EQ(report_.contained, whole.contained);
+  EXPECT_EQ(report_.crossing_count, whole.crossing_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(ApartAndTouching, CostlyPairs, testing::Bool());
 
 }  // namespace
 }  // namespace collided::engine
