@@ -85,9 +85,10 @@ inline constexpr const char* kProbe = "probe";
 inline constexpr const char* kProbes = "probes";
 
 /// a, b (names), certificate, triangles, most (triangle pairs reported; 10,000), as_of (as in instant.hpp; absent:
-/// latest), opinion ("fcl": that library is asked too, in a process of its own; absent: it is not)
+/// latest), opinion ("fcl": that library is asked too, in a process of its own; absent: it is not), deadline_ns (from
+/// when the server takes the command; the answer is then undecided and late; absent: none)
 /// -> answer (hit, miss, undecided), version, stale (true: one of the two is where a lost publisher said last; absent:
-///    neither), and
+///    neither), late (true: the deadline was over, and nothing else is told), and
 ///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound,
 ///          a_triangle, b_triangle]]
 ///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)

@@ -1,6 +1,9 @@
 // Pairs of objects and probes through the library and a real server.  // A25 A46 B3
+#include <atomic>
+#include <fstream>
 #include <random>
 #include <set>
+#include <thread>
 
 #include "tests/service/server_fixture.hpp"
 
@@ -136,7 +139,6 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
   std::printf("%d touching, %d apart (%d by one plane), all proved here\n", touching, apart, with_one_plane);
 }
 
-// Such a name is nobody's, and must not become another one's on the way.
 // FCL runs in a process of its own beside the server, and only where it was asked for.
 TEST_F(ServerPairs, FclsOpinionComesWhereItIsAskedFor) {
   start();
@@ -161,6 +163,103 @@ TEST_F(ServerPairs, FclsOpinionComesWhereItIsAskedFor) {
   EXPECT_NE(refused.error().message.find("allowed: fcl"), std::string::npos) << refused.error().message;
 }
 
+/// A ball's surface as 4 rings (rings - 1) triangles.
+void write_shell(const std::string& path, int rings, double radius_m) {
+  std::ofstream file(path);
+  file.precision(17);
+  const int around = 2 * rings;
+  for (int i = 0; i <= rings; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const double down = M_PI * i / rings;
+      const double turn = M_PI * j / rings;
+      file << "v " << radius_m * std::sin(down) * std::cos(turn) << ' ' << radius_m * std::sin(down) * std::sin(turn)
+           << ' ' << radius_m * std::cos(down) << '\n';
+    }
+  }
+  for (int i = 0; i < rings; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const int here = i * around + j + 1;
+      const int next = i * around + (j + 1) % around + 1;
+      if (i > 0) file << "f " << here << ' ' << here + around << ' ' << next << '\n';
+      if (i < rings - 1) file << "f " << next << ' ' << here + around << ' ' << next + around << '\n';
+    }
+  }
+}
+
+/// Two shells a millimetre apart, of 68,120 triangles each: examining them takes a second or more.
+class ServerCostlyPairs : public ServerPairs {
+ protected:
+  void load_shells(Client& client) {
+    for (const auto& [name, radius_m] : {std::pair("inner", 0.999), std::pair("outer", 1.0)}) {
+      const std::string path = folder_.path() + "/" + name + ".obj";
+      write_shell(path, 131, radius_m);
+      const Result<Loaded> loaded = client.load(path, {.name = name});
+      ASSERT_TRUE(loaded) << loaded.error().message;
+    }
+  }
+  static double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+};
+
+TEST_F(ServerCostlyPairs, EndAtTheirDeadline) {
+  start();
+  Client client = connect();
+  load_shells(client);
+  auto start = std::chrono::steady_clock::now();
+  const PairAnswer whole = pair(client, "inner", "outer", {.timeout = 60s});
+  const double whole_ms = ms_since(start);
+  EXPECT_EQ(whole.verdict, Verdict::miss);
+  double fastest_ms = whole_ms;
+  for (int i = 0; i < 5; ++i) {
+    start = std::chrono::steady_clock::now();
+    const PairAnswer late = pair(client, "inner", "outer", {.deadline = 5ms, .timeout = 60s});
+    fastest_ms = std::min(fastest_ms, ms_since(start));
+    EXPECT_EQ(late.verdict, Verdict::undecided);
+    EXPECT_EQ(late.reason, UndecidedReason::deadline);
+  }
+  std::printf("pair of two shells: %.1f ms, with a deadline of 5 ms %.1f ms\n", whole_ms, fastest_ms);
+  EXPECT_LT(fastest_ms, whole_ms / 10);
+  EXPECT_EQ(pair(client, "inner", "outer", {.deadline = 10min, .timeout = 60s}).distance_m, whole.distance_m);
+}
+
+// The costly ones of eight clients take turns on a thread of their own.
+TEST_F(ServerCostlyPairs, AnothersCheapPairDoesNotWaitBehindThem) {
+  start();
+  Client client = connect();
+  load_shells(client);
+  for (const double x : {40.0, 43.0})
+    ASSERT_TRUE(
+        client.add({.name = x < 41 ? "left" : "right", .shape = {BoxShape{.half_m = {1, 1, 1}}}, .pose = at(x, 0, 0)}));
+  const auto cheap_ms = [&] {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(pair(client, "left", "right", {.timeout = 60s}).verdict, Verdict::miss);
+    return ms_since(start);
+  };
+  double alone_ms = cheap_ms();
+  for (int i = 0; i < 4; ++i) alone_ms = std::min(alone_ms, cheap_ms());
+  std::vector<Client> askers;
+  for (int i = 0; i < 8; ++i) askers.push_back(connect());
+  std::atomic<int> answered{0};
+  std::vector<std::thread> threads;
+  for (Client& asker : askers) {
+    threads.emplace_back([&] {
+      const Result<PairAnswer> answer = asker.pair("inner", "outer", {.timeout = 100s});
+      EXPECT_TRUE(answer) << answer.error().message;
+      ++answered;
+    });
+  }
+  const auto give_up = std::chrono::steady_clock::now() + 60s;
+  while (answered.load() == 0 && std::chrono::steady_clock::now() < give_up) std::this_thread::sleep_for(1ms);
+  double beside_ms = cheap_ms();
+  for (int i = 0; i < 4; ++i) beside_ms = std::min(beside_ms, cheap_ms());
+  EXPECT_LT(answered.load(), 8) << "none was left to wait behind";
+  for (std::thread& thread : threads) thread.join();
+  std::printf("cheap pair: alone %.1f ms, beside eight costly ones %.1f ms\n", alone_ms, beside_ms);
+  EXPECT_LT(beside_ms, 100);
+}
+
+// Such a name is nobody's, and must not become another one's on the way.
 TEST_F(ServerPairs, NamesThatAreNotTextAreRefusedBeforeAnythingIsSent) {
   start();
   Client client = connect();

@@ -130,6 +130,7 @@ class PairCommand : public Command {
     app.add_option(
         "--as-of", as_of_,
         "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
+    app.add_option("--deadline", deadline_, "An answer that takes longer is undecided: 100ms");
     app.add_option("--opinion", opinion_, "Ask another library too: fcl, run by the server in a process of its own");
     app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
   }
@@ -145,6 +146,7 @@ class PairCommand : public Command {
         .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
         .as_of = parse_instant(as_of_),
         .opinion = opinion_,
+        .deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_),
         .timeout = timeout_of(globals, std::chrono::seconds(30))};
     const PairAnswer pair = ask(session, globals, options);
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
@@ -229,6 +231,7 @@ class PairCommand : public Command {
   bool certificate_ = false;
   std::string most_ = "10000";
   std::string as_of_;
+  std::string deadline_;
   std::string opinion_;
 };
 

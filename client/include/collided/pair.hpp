@@ -22,6 +22,7 @@ struct PairOptions {
   std::uint32_t most_triangle_pairs = 10'000;  // reported; at most 100,000
   Instant as_of = {};                          // of both objects; latest: each at its newest pose
   std::string opinion = {};                    // "fcl": what the library FCL says about the pair too; empty: nothing
+  std::chrono::nanoseconds deadline{0};        // on the server; undecided where more is needed; 0: none but the timeout
   std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
 

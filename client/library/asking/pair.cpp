@@ -100,7 +100,9 @@ PairAnswer read(const json& answer) {
   pair.verdict = word == "hit" ? Verdict::hit : word == "miss" ? Verdict::miss : Verdict::undecided;
   pair.stale = answer.value("stale", false);
   if (pair.verdict == Verdict::undecided)
-    pair.reason = pair.stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
+    pair.reason = answer.value("late", false) ? UndecidedReason::deadline
+                  : pair.stale                ? UndecidedReason::stale_object
+                                              : UndecidedReason::numeric;
   pair.version = answer.at("version");
   if (pair.verdict != Verdict::undecided) {
     pair.normal = vector_of(answer.at("normal"));
@@ -125,6 +127,14 @@ PairAnswer read(const json& answer) {
   return pair;
 }
 
+/// When nobody waits for the answer any longer, so that the server need not work on it. A little later than the
+/// timeout: whoever waits is told of that, not of an undecided answer.
+std::chrono::nanoseconds given_up_after(const PairOptions& options) {
+  constexpr std::chrono::hours kLongest{24};
+  return std::clamp<std::chrono::nanoseconds>(options.timeout, std::chrono::nanoseconds(0), kLongest) +
+         std::chrono::milliseconds(100);
+}
+
 }  // namespace
 
 Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b,
@@ -132,12 +142,17 @@ Result<PairAnswer> pair(Connection& connection, const std::string& a, const std:
   if (options.as_of.time.count() < 0) {
     return bad_input("pair: the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
   }
+  if (options.deadline.count() < 0) {
+    return bad_input("pair: the deadline is " + std::to_string(options.deadline.count()) +
+                     " ns; allowed 0 (none) and more");
+  }
   json arguments{{"a", a},
                  {"b", b},
                  {"certificate", options.certificate},
                  {"triangles", options.triangles},
                  {"most", options.most_triangle_pairs},
-                 {"as_of", wire_contract::text_of(instant_of(options.as_of))}};
+                 {"as_of", wire_contract::text_of(instant_of(options.as_of))},
+                 {"deadline_ns", (options.deadline.count() > 0 ? options.deadline : given_up_after(options)).count()}};
   if (!options.opinion.empty())
     arguments["opinion"] = options.opinion;  // a server that is older refuses what it does not know
   return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read);

@@ -34,6 +34,7 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
     : with_(with),
       slow_jobs_(kMostSlowJobs),
       pair_jobs_(kMostPairJobs),
+      costly_jobs_(kMostPairJobs),
       geometry_(with.loop.world(), [this](const CommandAsk& ask, ReplyStatus status,
                                           std::string text) { send(ask, status, std::move(text)); }),
       uploads_(
@@ -42,13 +43,14 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
           [this](CommandAsk ask, const std::string& path, std::uint32_t checksum) {
             load_upload(std::move(ask), path, checksum);
           }) {
-  const auto work = [](const char* name, WorkQueue<SlowJob>& jobs) {
+  const auto work = [](const char* name, auto& jobs) {
     return named_thread(name, [&jobs] {
       while (std::optional<SlowJob> job = jobs.pop()) (*job)();
     });
   };
   slow_thread_ = work("loads", slow_jobs_);
   pair_thread_ = work("pairs", pair_jobs_);
+  costly_thread_ = work("costly pairs", costly_jobs_);
 }
 
 Commands::~Commands() { stop(); }
@@ -59,10 +61,13 @@ void Commands::stop() {
   { const std::unique_lock alone(gate_); }
   geometry_.stop();
   uploads_.stop();
-  for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
-  for (auto* thread : {&slow_thread_, &pair_thread_}) {
-    if (thread->joinable()) thread->join();
-  }
+  slow_jobs_.close();
+  if (slow_thread_.joinable()) slow_thread_.join();
+  pair_jobs_.close();
+  if (pair_thread_.joinable()) pair_thread_.join();
+  // Closed only now: the thread for pairs may have passed one on until it ended.
+  costly_jobs_.close();
+  if (costly_thread_.joinable()) costly_thread_.join();
   forget_recordings();
 }
 

@@ -20,9 +20,11 @@
 #include "server/service/ingest/inbox.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/background_audit.hpp"
+#include "server/service/runtime/fair_queue.hpp"
 #include "server/service/runtime/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 #include "server/world/audit/menu.hpp"
+#include "server/world/query/pair_report.hpp"
 
 namespace collided::engine::service {
 
@@ -60,8 +62,8 @@ class Commands {
   void stop();
 
  private:
-  static constexpr std::size_t kMostSlowJobs = 4;  // waiting
-  static constexpr std::size_t kMostPairJobs = 64;
+  static constexpr std::size_t kMostSlowJobs = 4;    // waiting
+  static constexpr std::size_t kMostPairJobs = 128;  // waiting, half of them at most by one client alone
   static constexpr std::size_t kMostRecordings = 4;  // files kept to be fetched
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   /// A `load` command, parsed.
@@ -110,8 +112,26 @@ class Commands {
   std::uint64_t step();
   std::uint32_t ended_count() const;
 
-  // On threads of their own, one job after the other: loads and menus on one, pairs and recordings on the other.
+  // On threads of their own, one job after the other: loads and menus on one, pairs on the second. A pair that costs
+  // much goes on to the third, where recordings are written, so that no other waits behind it.
   using SlowJob = std::function<void()>;
+  /// A `pair` command: what it asks, and when nobody needs the answer any more (steady clock).
+  struct PairJob {
+    CommandAsk ask;
+    std::int64_t deadline_ns = 0;
+  };
+  /// Two objects of one state, what is asked about them, and about how many triangles that has to look at.
+  struct AskedPair {
+    SnapshotRing::Lease newest;
+    std::shared_ptr<const Snapshot> past;  // null: the newest is asked about
+    ObjectId a = 0;
+    ObjectId b = 0;
+    PairAsk options = {};
+    bool is_fcl_asked = false;
+    double cost = 0;
+
+    const Snapshot& state() const { return past ? *past : *newest; }
+  };
   void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
@@ -119,7 +139,11 @@ class Commands {
   void load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(const MenuOptions& options) const;
+  static void push_fairly(const char* what, FairQueue<SlowJob>& jobs, const Share& share, SlowJob job);
   void pair_later(CommandAsk ask, const Arguments& arguments);
+  void pair_in_its_turn(const std::shared_ptr<PairJob>& job);
+  AskedPair asked_pair(const PairJob& job) const;
+  nlohmann::json examined(const AskedPair& asked) const;
   std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
   void tell_flight_recorder(const CommandAsk& ask);
   void recording_later(CommandAsk ask, const Arguments& arguments);
@@ -135,7 +159,8 @@ class Commands {
   std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
-  WorkQueue<SlowJob> pair_jobs_;
+  FairQueue<SlowJob> pair_jobs_;
+  FairQueue<SlowJob> costly_jobs_;
   GeometryService geometry_;
   UploadReceiver uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // path by scene; used by the world's thread alone
@@ -143,6 +168,7 @@ class Commands {
   std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;
   std::thread pair_thread_;
+  std::thread costly_thread_;
 };
 
 }  // namespace collided::engine::service

@@ -50,6 +50,11 @@ void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const
   if (!jobs.has_room()) throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
 }
 
+void Commands::push_fairly(const char* what, FairQueue<SlowJob>& jobs, const Share& share, SlowJob job) {
+  if (!jobs.push(share, job))
+    throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
+}
+
 namespace {
 
 /// The questions that came with the command; BadCommand names the first that is none.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/geometry/mesh.hpp"
@@ -95,6 +96,7 @@ json described(const PairReport& report, const PairAsk& ask) {
   if (report.touches == Decision::yes) describe_touching(report, answer);
   if (report.touches == Decision::no) describe_apart(report, answer);
   if (report.is_stale) answer["stale"] = true;
+  if (report.is_late) answer["late"] = true;
   if (ask.triangles) {
     answer["pair_count"] = report.crossing_count;
     answer["cut"] = report.crossing_count > report.crossings.size();
@@ -137,9 +139,20 @@ bool wants_opinion(const Arguments& asked) {
   return !whose.empty();
 }
 
-bool has_parts(const ObjectInfo& info) {
-  return !info.primitives.empty() || (info.mesh && !info.mesh->mesh->triangles.empty()) || info.part_triangles > 0;
+double part_count(const ObjectInfo& info) {
+  const std::size_t own_triangles = info.mesh ? info.mesh->mesh->triangles.size() : 0;
+  return static_cast<double>(info.primitives.size() + std::max<std::size_t>(own_triangles, info.part_triangles));
 }
+
+bool has_parts(const ObjectInfo& info) { return part_count(info) > 0; }
+
+/// A pair up to this cost takes some milliseconds at most where its surfaces are not everywhere near each other, and
+/// some 50 ms where they are; what costs more has a thread of its own, where only its like waits for it.
+constexpr double kCheapCost = 4'000;
+/// Certificates and lists of triangles take this many times longer; another library's opinion, in a process of its own,
+/// takes as long as about so many triangles.
+constexpr double kDetailCost = 8;
+constexpr double kOpinionCost = 100'000;
 
 }  // namespace
 
@@ -153,42 +166,73 @@ std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, co
   return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
 }
 
-/// Checks the arguments at once and examines the pair on the thread for pairs.
-void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
-  const auto work = [this](const Arguments& asked) -> json {
-    if (stopping_.load()) throw BadCommand("pair: the server is stopping");
-    const SnapshotRing::Lease newest = with_.loop.world().newest();
-    const std::shared_ptr<const Snapshot> past = past_state(asked.text("as_of"), *newest);
-    const Snapshot* const state = past ? past.get() : &*newest;
-    const ObjectId a = find_shown(*state, asked.text("a"));
-    const ObjectId b = find_shown(*state, asked.text("b"));
-    if (a == b)
-      throw BadCommand(fmt::format("pair: both are {}", printable(asked.text("a"))), "two objects are needed");
-    for (const ObjectId id : {a, b}) {
-      const ObjectInfo& info = *(*state->objects)[slot_of(id)];
-      if (!has_parts(info)) throw BadCommand(fmt::format("pair: object {} has no part", printable(info.name)));
-    }
-    const PairAsk options{
-        .certificate = asked.truth("certificate", false),
-        .triangles = asked.truth("triangles", false),
-        .most_crossings = static_cast<std::uint32_t>(asked.whole("most", 10'000, wire_contract::kMaxTrianglePairs))};
-    const bool is_fcl_asked = wants_opinion(asked);
-    const PairReport report = report_pair(*state, a, b, options);
-    json answer = described(report, options);
-    if (is_fcl_asked)
-      answer["opinion"] = described(fcl_opinion(*state, a, b, report, [this] { return stopping_.load(); }));
-    answer["version"] = state->version;
-    return answer;
-  };
-  try {
-    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion"});
-    make_room("pair", pair_jobs_);
-  } catch (const BadCommand& bad) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-    return;
+/// Finds what the command names; throws BadCommand.
+Commands::AskedPair Commands::asked_pair(const PairJob& job) const {
+  if (stopping_.load()) throw BadCommand("pair: the server is stopping");
+  const Arguments arguments(job.ask.text);
+  AskedPair asked{.newest = with_.loop.world().newest(), .past = nullptr};
+  asked.past = past_state(arguments.text("as_of"), *asked.newest);
+  asked.a = find_shown(asked.state(), arguments.text("a"));
+  asked.b = find_shown(asked.state(), arguments.text("b"));
+  if (asked.a == asked.b)
+    throw BadCommand(fmt::format("pair: both are {}", printable(arguments.text("a"))), "two objects are needed");
+  asked.options = {
+      .certificate = arguments.truth("certificate", false),
+      .triangles = arguments.truth("triangles", false),
+      .most_crossings = static_cast<std::uint32_t>(arguments.whole("most", 10'000, wire_contract::kMaxTrianglePairs)),
+      .deadline_ns = job.deadline_ns};
+  asked.is_fcl_asked = wants_opinion(arguments);
+  for (const ObjectId id : {asked.a, asked.b}) {
+    const ObjectInfo& info = *(*asked.state().objects)[slot_of(id)];
+    if (!has_parts(info)) throw BadCommand(fmt::format("pair: object {} has no part", printable(info.name)));
+    asked.cost += part_count(info);
   }
-  const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  pair_jobs_.push([this, shared, work] { answer(*shared, [&] { return work(Arguments(shared->text)); }); });
+  if (asked.options.certificate || asked.options.triangles) asked.cost *= kDetailCost;
+  if (asked.is_fcl_asked) asked.cost += kOpinionCost;
+  return asked;
+}
+
+json Commands::examined(const AskedPair& asked) const {
+  const PairReport report = report_pair(asked.state(), asked.a, asked.b, asked.options);
+  json answer = described(report, asked.options);
+  if (asked.is_fcl_asked) {
+    const auto cancelled = [this] { return stopping_.load(); };
+    answer["opinion"] = described(fcl_opinion(asked.state(), asked.a, asked.b, report, cancelled));
+  }
+  answer["version"] = asked.state().version;
+  return answer;
+}
+
+/// Answers on the thread for pairs, or passes the pair on to the one for costly pairs.
+void Commands::pair_in_its_turn(const std::shared_ptr<PairJob>& job) {
+  const auto refuse = [&](const std::string& error, const std::string& hint) {
+    send(job->ask, ReplyStatus::refused, refusal_text(error, hint));
+  };
+  std::optional<AskedPair> asked;
+  try {
+    asked.emplace(asked_pair(*job));
+    if (asked->cost > kCheapCost) {
+      return push_fairly("pair", costly_jobs_, {.client = job->ask.client, .cost = asked->cost},
+                         [this, job] { answer(job->ask, [&] { return examined(asked_pair(*job)); }); });
+    }
+  } catch (const BadCommand& bad) { return refuse(bad.what(), bad.hint); } catch (const std::exception& failed) {
+    return refuse(failed.what(), "");
+  }
+  answer(job->ask, [&] { return examined(*asked); });
+}
+
+/// Checks the arguments at once and examines the pair on a thread for pairs.
+void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
+  const auto job = std::make_shared<PairJob>();
+  job->ask = std::move(ask);
+  try {
+    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion", "deadline_ns"});
+    const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns", 0, std::uint64_t{1} << 60));
+    job->deadline_ns = within_ns > 0 ? steady_ns() + within_ns : 0;
+    push_fairly("pair", pair_jobs_, {.client = job->ask.client}, [this, job] { pair_in_its_turn(job); });
+  } catch (const BadCommand& bad) {
+    answering_->send_text(job->ask.client, job->ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+  }
 }
 
 }  // namespace collided::engine::service

@@ -28,7 +28,7 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
 
 }  // namespace
 
-/// Writes a recording on the thread for pairs; a page of one is read and sent at once.
+/// Writes a recording on the thread for costly pairs; a page of one is read and sent at once.
 void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
   try {
     arguments.allow_only({"last_s", "number", "offset"});
@@ -42,10 +42,12 @@ void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
     }
     const double last_s = arguments.number("last_s", 30);
     if (!(last_s >= 0 && last_s <= 86'400)) throw BadCommand("recording: last_s is a time from 0 to a day");
-    make_room("recording", pair_jobs_);
-    const auto shared = std::make_shared<CommandAsk>(std::move(ask));
+    // About as long as a pair of so many triangles.
+    constexpr double kCost = 100'000;
+    const auto shared = std::make_shared<CommandAsk>(ask);
     const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
-    pair_jobs_.push([this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
+    push_fairly("recording", costly_jobs_, {.client = shared->client, .cost = kCost},
+                [this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
   } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
 }
 

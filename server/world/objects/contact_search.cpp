@@ -70,6 +70,7 @@ void search_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& tou
   visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
     turned.wanted = touch.wanted;
+    turned.deadline = touch.deadline;
     search_mesh(place(*b.frame, primitive), b.given(primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
     touch.level = std::max(touch.level, turned.level);

@@ -13,6 +13,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
+#include "server/world/objects/deadline.hpp"
 #include "server/world/objects/object.hpp"
 #include "server/world/objects/part_index.hpp"
 
@@ -47,9 +48,10 @@ struct ContactSearch {
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
+  Deadline* deadline = nullptr;  // null: none
 
-  /// No further pair can change the answer.
-  bool done() const { return yes && !wanted; }
+  /// No further pair can change the answer, or the time is over.
+  bool done() const { return (yes && !wanted) || (deadline != nullptr && deadline->is_over()); }
 };
 
 /// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle. Where their placing rounds

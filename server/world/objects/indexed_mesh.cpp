@@ -24,12 +24,13 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
   return indexed;
 }
 
-ObjectInfo without_world(const Shape& shape) {
+ObjectInfo without_world(const Shape& shape, const std::function<bool()>& cancelled) {
   ObjectInfo info;
   info.primitives = shape.primitives;
   info.parts = index_parts(info.primitives);
   if (shape.mesh) {
-    info.mesh = indexed_mesh(shape.mesh, Bvh::build(*shape.mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+    info.mesh =
+        indexed_mesh(shape.mesh, Bvh::build(*shape.mesh, {.threads = 1, .progress = {}, .cancelled = cancelled}));
   }
   return info;
 }

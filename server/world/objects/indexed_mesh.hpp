@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "server/geometry/shape.hpp"
@@ -10,7 +11,10 @@ namespace collided::engine {
 /// Bundles a mesh with the index built of it, and measures its radius.
 std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, Bvh tree);
 
-/// A shape that is in no world, as an object without name or pose. cost  indexes a mesh on the calling thread
-ObjectInfo without_world(const Shape& shape);
+/// A shape that is in no world, as an object without name or pose.
+///
+/// cancelled  called now and then; true leaves the index of the mesh empty
+/// cost       indexes a mesh on the calling thread
+ObjectInfo without_world(const Shape& shape, const std::function<bool()>& cancelled = {});
 
 }  // namespace collided::engine

@@ -40,7 +40,7 @@ class SweptSearch {
   /// Every triangle of b belongs to the same touch.
   bool is_one = false;
 
-  bool is_exhausted() const { return looks_ >= options_.most_looks; }
+  bool is_exhausted() const { return looks_ >= options_.most_looks || is_late(); }
 
   /// Tests all of a against all of b; touch_of gets b's triangles, and kNoTriangle for its primitives.
   void run();
@@ -53,6 +53,7 @@ class SweptSearch {
   void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
+  bool is_late() const { return options_.deadline != nullptr && options_.deadline->is_over(); }
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
     const SweptContact* touch = contact_of_(b_triangle);
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
@@ -73,7 +74,7 @@ class SweptSearch {
 void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
                        TimeSpan span) {
   SweptContact* touch = contact_of_(b_triangle);
-  if (touch == nullptr) return;
+  if (touch == nullptr || is_late()) return;
   if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
   if (span.high < span.low) return;
   ++touch->exact_tests;
@@ -102,6 +103,7 @@ void SweptSearch::look(const TimeSpan& span, std::size_t few, double motion_m, d
   }
   // Too many pairs even for the shortest piece: the search counts as exhausted.
   if (!is_all) looks_ = options_.most_looks;
+  if (is_late()) return;
   // A split that clips triangles has one in two leaves.
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -157,7 +159,7 @@ void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBod
     box.high += motion;
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle) {
-      return is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle});
+      return !is_late() && (is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle}));
     };
     other.tree->walk_box(seen_from(other.motion.at(middle), box, other.mesh_reach_m), candidate, cost_);
     return listing.is_all;
@@ -184,7 +186,7 @@ void SweptSearch::meshes() {
     const Vec3 motion = half_motion(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m, span.high - span.low);
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle_b, std::uint32_t triangle_a) {
-      return is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b});
+      return !is_late() && (is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b}));
     };
     const Mat3 back = b.rotation.transpose();
     const Vec3 between = a.position - b.position;
@@ -209,6 +211,7 @@ void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, co
   if (has_mesh(body) && !surely_stays_above(body.motion, body.mesh_reach_m, placed)) touch->undecided = true;
   for (const Primitive& own : body.primitives) {
     if (std::holds_alternative<HalfSpace>(own)) continue;
+    if (is_late()) return;
     ++looks_;
     ++touch->exact_tests;
     const PartMotion part(part_of(own), body.motion);

@@ -6,6 +6,7 @@
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/exact_phase/motion/part_motion.hpp"
 #include "server/geometry/mesh.hpp"
+#include "server/world/objects/deadline.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
@@ -30,7 +31,7 @@ struct SweptContact {
   /// Some pair of parts, or whatever the search had no room for, is undecided: an earlier contact may exist, or one
   /// where none was found.
   bool undecided = false;
-  bool is_cut_short = false;  // the search stopped at most_looks
+  bool is_cut_short = false;  // the search stopped at most_looks or its deadline
   std::uint32_t exact_tests = 0;
   /// No contact in [0, low]; contact at high by the exact test.
   TimeBracket bracket;
@@ -48,6 +49,7 @@ struct SweepOptions {
   bool contacts = true;  // compute the contact, not only its time
   /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
+  Deadline* deadline = nullptr;  // null: none; what is open when it is over is undecided
 };
 
 /// The SweptContact that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call

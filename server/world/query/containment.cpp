@@ -13,10 +13,11 @@ namespace {
 
 /// Every edge has exactly two triangles, which run along it in opposite directions; vertices with equal coordinates
 /// count as one.
-bool is_closed(const TriangleMesh& mesh) {
+bool is_closed(const TriangleMesh& mesh, Deadline& deadline) {
   std::map<std::array<double, 3>, std::uint32_t> points;
   std::vector<std::uint32_t> of_vertex;
   for (const Vec3& v : mesh.vertices) {
+    if (deadline.is_over()) return false;
     // Adding 0 turns -0 into 0: both are one place.
     of_vertex.push_back(
         points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size()))
@@ -25,6 +26,7 @@ bool is_closed(const TriangleMesh& mesh) {
   // by edge: number of triangles, and the sum of their directions
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;
   for (const auto& triangle : mesh.triangles) {
+    if (deadline.is_over()) return false;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t from = of_vertex[triangle[i]];
       const std::uint32_t to = of_vertex[triangle[(i + 1) % 3]];
@@ -128,17 +130,19 @@ std::vector<Vec3> points_of(const Placed& object) {
 }
 
 /// The inner object lies within the outer one's closed mesh; the two surfaces must not touch.
-bool lies_in(const Placed& inner, const Placed& outer) {
-  if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds) || !is_closed(*outer.info->mesh->mesh)) return false;
+bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
+  if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
+  if (!is_closed(*outer.info->mesh->mesh, deadline)) return false;
   const std::vector<Vec3> points = points_of(inner);
-  return std::all_of(points.begin(), points.end(), [&](const Vec3& point) { return is_within(outer, point); });
+  return std::all_of(points.begin(), points.end(),
+                     [&](const Vec3& point) { return !deadline.is_over() && is_within(outer, point); });
 }
 
 }  // namespace
 
-Contained containment(const Placed& a, const Placed& b) {
-  if (lies_in(a, b)) return Contained::a_in_b;
-  return lies_in(b, a) ? Contained::b_in_a : Contained::none;
+Contained containment(const Placed& a, const Placed& b, Deadline& deadline) {
+  if (lies_in(a, b, deadline)) return Contained::a_in_b;
+  return lies_in(b, a, deadline) ? Contained::b_in_a : Contained::none;
 }
 
 }  // namespace collided::engine

@@ -29,6 +29,8 @@ struct NearWalk {
   double wanted_m = within_m;       // parts farther than this cannot change the answer
   double off_by_m = 0;              // how far the walked surface may be from the one it stands for, metres
 
+  /// The deadline has ended the search: every walk stops at a negative limit.
+  bool is_over() const { return limit_m2 < 0; }
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
   /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for parts that
   /// are kept.
@@ -59,6 +61,10 @@ constexpr auto kNotPlaced = [] { return 0.0; };
 
 template <class Part, class PlacingError>
 void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
+  if (question.deadline.is_over()) {
+    limit_m2 = -1;
+    return;
+  }
   if constexpr (std::is_same_v<Part, Triangle>) {
     // Most triangles of a leaf are surely farther than the limit, and proving that costs less than the distance itself.
     if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
@@ -166,10 +172,10 @@ void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& 
   const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
   const auto candidate = [&](std::uint32_t number) {
     test_one(number);
-    return true;
+    return !is_over();
   };
   double reach_m = parts.radius_m / 64;
-  for (bool is_last = false; !is_last; reach_m *= 4) {
+  for (bool is_last = false; !is_last && !is_over(); reach_m *= 4) {
     const double known_m = std::sqrt(limit_m2) * (1 + kSearchMargin);
     is_last = !(reach_m < known_m && reach_m < all_m);
     const double half_m = is_last ? std::min(known_m, all_m) : reach_m;
@@ -192,7 +198,7 @@ void NearWalk::walk_object(std::uint32_t slot) {
   if (info.parts) {
     walk_parts(*info.parts, frame, test_primitive);
   } else {
-    for (std::size_t i = 0; i < info.primitives.size(); ++i) test_primitive(i);
+    for (std::size_t i = 0; i < info.primitives.size() && !is_over(); ++i) test_primitive(i);
   }
   if (!info.mesh) return;
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {

@@ -12,21 +12,25 @@ using kernel::reported_at_most;
 
 /// Offers every triangle that the box may meet; where any will do, stops at the first that it meets.
 template <class Allowed, class Meet>
-void meet_scene(const Box&, const Aabb& near, const StaticScene& scene, bool any, WalkCost& cost,
-                const Allowed& allowed, const Meet& meet) {
-  visit_scene(scene, near, cost, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
-    return !(meet(triangle, part, corners).yes && any);
-  });
+void meet_scene(const Box&, const Aabb& near, const StaticScene& scene, Question& question, const Allowed& allowed,
+                const Meet& meet) {
+  const bool any = question.asked.mode == HitMode::any;
+  visit_scene(scene, near, question.walk, allowed,
+              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                return !question.deadline.is_over() && !(meet(triangle, part, corners).yes && any);
+              });
 }
 
 /// The deepest contact of a ball is with the nearest triangle, so in a scene of one part nothing farther than the
 /// deepest known needs a test.
 template <class Allowed, class Meet>
-void meet_scene(const Sphere& asked, const Aabb&, const StaticScene& scene, bool any, WalkCost& cost,
-                const Allowed& allowed, const Meet& meet) {
+void meet_scene(const Sphere& asked, const Aabb&, const StaticScene& scene, Question& question, const Allowed& allowed,
+                const Meet& meet) {
+  const bool any = question.asked.mode == HitMode::any;
   double limit_m2 = square_up(asked.radius_m);
-  visit_scene_near(scene, asked.center, limit_m2, cost, allowed,
+  visit_scene_near(scene, asked.center, limit_m2, question.walk, allowed,
                    [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                     if (question.deadline.is_over()) return -1.0;
                      const ContactSearch& touch = meet(triangle, part, corners);
                      if (touch.yes && any) return -1.0;
                      if (touch.yes && scene.parts.size() == 1) {
@@ -44,7 +48,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
   question.found.clear();
   const bool any = question.asked.mode == HitMode::any;
   const double asked_placing_m = given.pose != nullptr ? given.placing_error_m(0) : 0;
-  const auto ended = [&] { return any && !question.found.empty(); };
+  const auto ended = [&] { return (any && !question.found.empty()) || question.deadline.was_over(); };
   const auto take = [&](ObjectId object, const ContactSearch& touch) {
     question.exact_tests += touch.exact_tests;
     question.level = std::max(question.level, touch.level);
@@ -70,7 +74,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
                    {given, GivenPart{}});
       return touch;
     };
-    meet_scene(asked, near, *scene, any, question.walk, allowed, meet);
+    meet_scene(asked, near, *scene, question, allowed, meet);
     for (const PartContact& part : touches.list()) take(scene->part_objects[part.part], part.touch);
     if (ended()) return;
   }
@@ -80,6 +84,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
     if (!question.allows(question.object(slot).id)) return true;
     ContactSearch touch;
     touch.wanted = !any;
+    touch.deadline = &question.deadline;
     const Placed object = question.placed(slot);
     search_object(primitive, given, object, touch, question.walk);
     if (touch.yes && touch.wanted)

@@ -19,7 +19,7 @@ struct PlacedObject {
   Aabb reach;             // bounds of every pose it may have
   bool is_stale = false;  // its publisher is lost, and its pose within reach is unknown
 
-  PlacedObject(const Snapshot& snapshot, ObjectId id) {
+  PlacedObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline) {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
     frame = snapshot.frames[slot_of(id)];
     placed = {.info = &info,
@@ -33,8 +33,8 @@ struct PlacedObject {
     }
     if (info.scene_part == kNoScenePart) return;
     Shape shape;
-    shape.mesh = mesh_of_part(snapshot, info);
-    own = without_world(shape);
+    shape.mesh = mesh_of_part(snapshot, info, deadline);
+    own = without_world(shape, [&deadline] { return deadline.is_over(); });
     frame = Frame();
     placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
     reach = placed.bounds;
@@ -42,12 +42,13 @@ struct PlacedObject {
   PlacedObject(const PlacedObject&) = delete;
   PlacedObject& operator=(const PlacedObject&) = delete;
 
-  static std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const ObjectInfo& info) {
+  static std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const ObjectInfo& info,
+                                                          Deadline& deadline) {
     auto mesh = std::make_shared<TriangleMesh>();
     for (const auto& scene : snapshot.scenes) {
       if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != info.id) continue;
       const Part& part = scene->parts[info.scene_part];
-      for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
+      for (std::uint32_t i = 0; i < part.triangle_count && !deadline.is_over(); ++i) {
         const Triangle t = scene->mesh.triangle(part.first_triangle + i);
         const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
         mesh->vertices.insert(mesh->vertices.end(), {t.a, t.b, t.c});
@@ -64,12 +65,13 @@ Decision decision_of(const ContactSearch& touch) {
 }
 
 /// Finds every pair of triangles that share a point; counts all, keeps the first in order.
-void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost) {
+void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost,
+                    Deadline& deadline) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
     const bool two_triangles = of_a.triangle != kNoTriangle && of_b.triangle != kNoTriangle;
     if (two_triangles && overlaps(of_a.part, of_b.part).yes()) pairs.emplace_back(of_a.triangle, of_b.triangle);
-    return true;
+    return !deadline.is_over();
   };
   visit_part_pairs(a, b, 0, visit, cost);
   std::sort(pairs.begin(), pairs.end());
@@ -84,14 +86,25 @@ void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairRe
   }
 }
 
-PairReport report_in_order(const PlacedObject& first, const PlacedObject& second, const PairAsk& ask) {
+PairReport late() {
+  PairReport report;
+  report.touches = Decision::undecided;
+  report.is_late = true;
+  report.no_proof = "the deadline was over";
+  return report;
+}
+
+PairReport report_in_order(const PlacedObject& first, const PlacedObject& second, const PairAsk& ask,
+                           Deadline& deadline) {
   const Placed& a = first.placed;
   const Placed& b = second.placed;
   PairReport report;
   report.is_stale = first.is_stale || second.is_stale;
   WalkCost cost;
   ContactSearch touch;
+  touch.deadline = &deadline;
   search_objects(a, b, touch, cost);
+  if (deadline.was_over()) return late();
   report.touches = decision_of(touch);
   if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach))
     report.touches = Decision::undecided;
@@ -100,15 +113,16 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
     report.contact.depth_error_m += placing_error_m(a, touch.a_triangle, b, touch.b_triangle);
     report.a_triangle = touch.a_triangle;
     report.b_triangle = touch.b_triangle;
-    report.manifold = manifold_of(a, b, touch.contact, cost);
-    if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost);
+    report.manifold = manifold_of(a, b, touch.contact, cost, deadline);
+    if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost, deadline);
   } else if (report.touches == Decision::no) {
-    report.separation = distance_between(a, b, cost);
+    report.separation = distance_between(a, b, cost, deadline);
     const double placing_m = placing_error_m(a, kNoTriangle, b, kNoTriangle);
     report.separation.error_m += placing_m;
     report.separation.point_error_m += placing_m;
-    report.contained = containment(a, b);
+    report.contained = containment(a, b, deadline);
   }
+  if (deadline.was_over()) return late();
   if (!ask.certificate) return report;
   if (report.touches == Decision::undecided) report.no_proof = "the answer is undecided";
   else report.proof = proof_of(a, b, touch.yes, report.no_proof, cost);
@@ -139,12 +153,14 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   const OwnFloatEnvironment own_floats;
   const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
   const bool turned = order(b) < order(a);
-  const PlacedObject first(snapshot, turned ? b : a);
-  const PlacedObject second(snapshot, turned ? a : b);
+  Deadline deadline(ask.deadline_ns);
+  const PlacedObject first(snapshot, turned ? b : a, deadline);
+  const PlacedObject second(snapshot, turned ? a : b, deadline);
+  if (deadline.is_over()) return late();
   PairAsk without_proof = ask;
   without_proof.certificate = ask.certificate && !turned;
-  PairReport report = report_in_order(first, second, without_proof);
-  if (!turned) return report;
+  PairReport report = report_in_order(first, second, without_proof, deadline);
+  if (!turned || report.is_late) return report;
   turn_round(report);
   if (ask.certificate && report.touches != Decision::undecided) {
     WalkCost cost;
@@ -153,11 +169,13 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   return report;
 }
 
-std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost) {
+std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost,
+                                       Deadline& deadline) {
   // Parts whose normals differ by more than 26 degrees are corners and edges of surfaces that bear elsewhere.
   constexpr double kSameWay = 0.9;
   std::vector<ManifoldPoint> points;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+    if (deadline.is_over()) return false;
     if (!overlaps(of_a.part, of_b.part).yes()) return true;
     const Contact here = engine::contact(of_a.part, of_b.part);
     if (here.normal.dot(contact.normal) < kSameWay) return true;

@@ -8,6 +8,7 @@
 #include "server/exact_phase/manifold.hpp"
 #include "server/exact_phase/overlap/triangle_crossing.hpp"
 #include "server/exact_phase/proof.hpp"
+#include "server/world/objects/deadline.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/part_pairs.hpp"
 
@@ -20,6 +21,7 @@ struct PairAsk {
   // Every pair of triangles that touch, of two meshes.
   bool triangles = false;
   std::uint32_t most_crossings = 10'000;
+  std::int64_t deadline_ns = 0;  // steady clock; 0: none
 };
 
 /// Two triangles that share a point, and what they share.
@@ -38,6 +40,8 @@ struct PairReport {
   // One of the two is stale: its publisher is lost and it may have moved on. `touches` is `no` only where neither can
   // have reached the other.
   bool is_stale = false;
+  // The deadline was over before all was done: `touches` is undecided and nothing else is said.
+  bool is_late = false;
   // For yes: the contact of the deepest pair of parts, as in events. The depth of two meshes is that of two of their
   // triangles: the shortest translation that separates these, not the whole meshes.
   Contact contact;
@@ -62,15 +66,17 @@ struct PairReport {
 /// threads  any
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask);
 
-// The report's parts, each implemented in a file of its own.
+// The report's parts, each implemented in a file of its own. Where the deadline ends one, what it returns is wrong.
 
 /// The least distance between two objects that do not touch.
-Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost);
+Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline);
 /// Whether one object lies within the other's mesh, if that is closed; the two must not touch.
-Contained containment(const Placed& a, const Placed& b);
+Contained containment(const Placed& a, const Placed& b, Deadline& deadline);
 /// At most four points for the contact, from all parts that touch along its normal.
-std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost);
-/// A proof that the two touch, or that they do not; nothing: `why_not` says why there is none.
+std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost,
+                                       Deadline& deadline);
+/// A proof that the two touch, or that they do not; nothing: `why_not` says why there is none. It looks at
+/// no deadline: the number of parts that it takes is bounded.
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost);
 
 }  // namespace collided::engine

@@ -89,13 +89,30 @@ void write_plain(Answers& answers, std::size_t place, Verdict answer, UndecidedR
   answers.exact_tests[place] = 0;
 }
 
+/// The search ended at its deadline, and what it found does not answer alone.
+bool is_cut_short(const Question& question) {
+  if (!question.deadline.was_over()) return false;
+  const QuestionKind kind = question.asked.kind;
+  const bool one_is_enough =
+      question.asked.mode == HitMode::any && kind != QuestionKind::near && kind != QuestionKind::sweep;
+  return !one_is_enough || question.found.empty();
+}
+
 /// A miss needs every test to have said no. In mode `any` one certain hit is enough; in other modes a single undecided
 /// test leaves the whole answer undecided.
-void write_answer(Answers& answers, std::size_t place, const Question& question) {
+void write_answer(Answers& answers, std::size_t place, Question& question) {
+  const bool is_late = is_cut_short(question);
+  if (is_late) {
+    // What was found so far need not be the nearest or the deepest: its bounds would be wrong.
+    question.found.clear();
+    question.bracket.reset();
+  }
   UndecidedReason reason = UndecidedReason::none;
   Verdict answer = question.found.empty() ? Verdict::miss : Verdict::hit;
   const bool one_is_enough = question.asked.mode == HitMode::any;
-  if (question.undecided && (answer == Verdict::miss || !one_is_enough)) {
+  if (is_late) {
+    reason = UndecidedReason::deadline;
+  } else if (question.undecided && (answer == Verdict::miss || !one_is_enough)) {
     reason = UndecidedReason::numeric;
   } else if (question.truncated) {
     reason = UndecidedReason::truncated;
@@ -154,7 +171,7 @@ struct QuestionBatch {
   std::uint32_t stride;
 
   const double* numbers_of(std::size_t place) const { return asked.numbers.data() + place * stride; }
-  void finish(const Question& question, std::size_t place) const {
+  void finish(Question& question, std::size_t place) const {
     write_answer(answers, place, question);
     note_age(answers, question);
     if (snapshot.covers) doubt_where_not_covered(answers, place, question, numbers_of(place));
@@ -169,7 +186,8 @@ struct QuestionBatch {
                       .asked = asked,
                       .allowed = scratch.allowed,
                       .open_scenes = scratch.open_scenes,
-                      .found = asked.numbers.size() == stride ? answers.hits : scratch.found};
+                      .found = asked.numbers.size() == stride ? answers.hits : scratch.found,
+                      .deadline = Deadline(asked.deadline_ns)};
     ask(question, numbers);
     finish(question, place);
   }
@@ -188,7 +206,12 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
       write_at_once(answers, place, *at_once);
       continue;
     }
-    group[size].emplace(Question{snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]});
+    group[size].emplace(Question{.snapshot = snapshot,
+                                 .asked = asked,
+                                 .allowed = scratch.allowed,
+                                 .open_scenes = scratch.open_scenes,
+                                 .found = scratch.found_by_ray[size],
+                                 .deadline = Deadline(asked.deadline_ns)});
     places[size++] = place;
   }
   if (size == 0) return;

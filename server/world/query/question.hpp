@@ -8,6 +8,7 @@
 #include <span>
 
 #include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/world/objects/deadline.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/query.hpp"
 
@@ -21,6 +22,7 @@ struct Question {
   const std::vector<std::uint8_t>& allowed;      // by slot
   const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
   std::vector<AnswerHit>& found;                 // each kind clears it first
+  Deadline deadline = {};                        // each kind asks it at every test
   std::optional<TimeBracket> bracket = {};       // of the hit of a sweep
   WalkCost walk = {};
   Level level = Level::filter;

@@ -128,6 +128,10 @@ void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, co
     if (is_best(object, triangle)) return;
     corners = &part;
   }
+  if (question.deadline.is_over()) {
+    limit = -1;
+    return;
+  }
   RayHit hit;
   const ExactResult verdict = cast_ray(ray, part, hit);
   question.count(verdict);

@@ -36,13 +36,15 @@ struct First {
   }
 };
 
+SweepOptions options_of(Question& question) { return {.width = kAskedWidth, .deadline = &question.deadline}; }
+
 /// Sweeps against all of a scene that may answer at once: the first contact is the scene's.
 void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
   SweptContact touch;
   const auto touch_of = [&](std::uint32_t triangle) {
     return question.allows_part(scene, scene.part_of(triangle)) ? &touch : nullptr;
   };
-  const bool is_whole = sweep_scene(body, SweptBody(scene), {.width = kAskedWidth}, question.walk, touch_of);
+  const bool is_whole = sweep_scene(body, SweptBody(scene), options_of(question), question.walk, touch_of);
   question.exact_tests += touch.exact_tests;
   question.undecided = question.undecided || touch.undecided || !is_whole;
   if (!touch.yes) return;
@@ -64,11 +66,11 @@ void ask_sweep(Question& question, const double* n) {
     if (!question.allows(other.id)) return true;
     SweptContact touch;
     const BodyMotion rest = BodyMotion::resting(question.snapshot.frames[slot]);
-    sweep(body, SweptBody(other, rest), {.width = kAskedWidth}, question.walk, touch);
+    sweep(body, SweptBody(other, rest), options_of(question), question.walk, touch);
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;
     if (touch.yes) first.take(other.id, touch.b_triangle, touch, question.flags_of(other.id));
-    return true;
+    return !question.deadline.was_over();
   };
   if (question.snapshot.grid) {
     question.snapshot.grid->walk_box(bounds(mover, body.motion, reach_of(mover)), candidate, question.walk);
