@@ -6,7 +6,8 @@
 /// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
 /// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
 /// that is said. A command that changes the world takes durable (true: it is refused where it would not outlive a crash
-/// of the server), and its answer has not_kept (why it does not) where that is so. Before each command below stand its arguments, an arrow, and the members of its answer.
+/// of the server), and its answer has not_kept (why it does not) where that is so, and keeps_nothing (true) where the
+/// server has no folder to keep anything in. Before each command below stand its arguments, an arrow, and the members of its answer.
 namespace collided::wire_contract::command {
 
 /// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, foreign,
@@ -62,7 +63,7 @@ inline constexpr const char* kCovers = "covers";
 inline constexpr const char* kAudit = "audit";
 
 /// What the server has done since its start; the difference of two answers gives rates and quantiles
-/// -> up_ns, version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
+/// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
 ///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),

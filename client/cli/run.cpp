@@ -110,9 +110,11 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
     }
     const Exit code = command->run(session, globals);
     session.io.out.flush();
+    session.warn_of_strangers();
     return code;
   } catch (const Failure& failure) {
     session.io.out.flush();
+    session.warn_of_strangers();
     if (failure.code != Exit::bad_use) throw;
     // A message of the library's may begin with the name of its call, which is that of the verb.
     const std::string prefix = fmt::format("{}: ", verb.name);

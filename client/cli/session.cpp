@@ -47,6 +47,17 @@ Client& Session::client(const Globals& globals) {
   return *client_;
 }
 
+void Session::warn_of_strangers() {
+  if (!client_ || has_warned_) return;
+  const Strangers strangers = client_->strangers();
+  if (!strangers.speak_now) return;
+  has_warned_ = true;
+  print_warning(io,
+                fmt::format("a second server speaks on this namespace, or somebody who plays one: {} of its messages "
+                            "came, none was taken (collide doctor)",
+                            strangers.samples));
+}
+
 bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal) {
   if (globals.color == "always") return true;
   if (globals.color == "never") return false;

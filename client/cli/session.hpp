@@ -43,11 +43,14 @@ class Session {
 
   /// The client, connected on first use. Throws Failure (no_server) where no server answers.
   Client& client(const Globals& globals);
+  /// Warns, once, where another process speaks in the server's place.
+  void warn_of_strangers();
 
   Io& io;
 
  private:
   std::optional<Client> client_;
+  bool has_warned_ = false;
 };
 
 /// A printer in the form that the options say, else COLLIDE_OUTPUT, else a table on a terminal and plain elsewhere.

@@ -137,6 +137,8 @@ Result<ServerStatus> Client::status() {
   return state_->connection->disconnected();
 }
 
+Strangers Client::strangers() const { return state_->connection->strangers(); }
+
 std::string_view library_version() { return COLLIDED_VERSION; }
 
 }  // namespace collided

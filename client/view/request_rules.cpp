@@ -1,6 +1,10 @@
 #include "client/view/request_rules.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <stdexcept>
 
 namespace collided::view {
 namespace {
@@ -32,7 +36,73 @@ std::string_view name_of(std::string_view host) {
   return name;
 }
 
+constexpr std::string_view kTokenParameter = "token=";
+
+/// Calls visit(part) for the parts of a text between separators, without the spaces before each.
+template <class Visit>
+void for_each_part(std::string_view text, char separator, Visit&& visit) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(separator), text.size());
+    std::string_view part = text.substr(0, end);
+    part.remove_prefix(std::min(part.find_first_not_of(' '), part.size()));
+    visit(part);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
+std::string_view query_of(std::string_view target) {
+  const std::size_t mark = target.find('?');
+  return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
+}
+
+/// Looks at every character, whichever is the first that differs: the time must not lead a guesser along.
+bool is_token(std::string_view given, std::string_view token) {
+  if (given.size() != token.size()) return false;
+  unsigned char differences = 0;
+  for (std::size_t i = 0; i < token.size(); ++i)
+    differences = static_cast<unsigned char>(differences | (given[i] ^ token[i]));
+  return differences == 0;
+}
+
 }  // namespace
+
+std::string new_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getentropy(bytes.data(), bytes.size()) != 0) throw std::runtime_error("the system has no random numbers");
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += kDigits[byte / 16];
+    token += kDigits[byte % 16];
+  }
+  return token;
+}
+
+Admission admission_of(std::string_view target, std::string_view cookies, std::string_view cookie_name,
+                       const RequestRules& rules) {
+  if (rules.token.empty()) return Admission::by_cookie;
+  Admission admission = Admission::none;
+  for_each_part(cookies, ';', [&](std::string_view cookie) {
+    if (!cookie.starts_with(cookie_name)) return;
+    cookie.remove_prefix(cookie_name.size());
+    if (cookie.starts_with('=') && is_token(cookie.substr(1), rules.token)) admission = Admission::by_cookie;
+  });
+  for_each_part(query_of(target), '&', [&](std::string_view parameter) {
+    if (parameter.starts_with(kTokenParameter) && is_token(parameter.substr(kTokenParameter.size()), rules.token))
+      admission = Admission::by_query;
+  });
+  return admission;
+}
+
+std::string without_token(std::string_view target) {
+  std::string kept;
+  for_each_part(query_of(target), '&', [&](std::string_view parameter) {
+    if (parameter.starts_with(kTokenParameter)) return;
+    kept += kept.empty() ? '?' : '&';
+    kept += parameter;
+  });
+  return std::string(target.substr(0, target.find('?'))) + kept;
+}
 
 bool may_be_called(std::string_view host, std::string_view own_address, bool is_loopback, const RequestRules& rules) {
   const std::string_view name = name_of(host);

@@ -11,7 +11,11 @@ namespace collided::view {
 struct RequestRules {
   std::vector<std::string> hosts{};    // host names that are accepted, besides the address of the socket itself
   std::vector<std::string> origins{};  // of other pages that may connect, such as "https://app.foxglove.dev"
+  std::string token{};                 // a request must bring it; empty: none is needed
 };
+
+/// A token that nobody guesses: 128 random bits in hexadecimal. Throws std::runtime_error where the system has none.
+std::string new_token();
 
 /// Whether a Host header is accepted: it must be the address that the connection was made to, localhost for a loopback
 /// address, or one of the rules' names. Any port is accepted, since ports may be forwarded.
@@ -20,5 +24,18 @@ bool may_be_called(std::string_view host, std::string_view own_address, bool is_
 /// Whether a page may connect: its origin is the requested host or one of the rules', or there is none, as for programs
 /// that are not browsers. Check may_be_called first.
 bool may_connect(std::string_view origin, std::string_view host, const RequestRules& rules);
+
+/// How a request shows that it may see what is served.
+enum class Admission { none, by_cookie, by_query };
+
+/// Whether the request brings the rules' token: as `token` in the query of its target, or in a cookie of that name. All
+/// are let in (by_cookie) where the rules have none. The time it takes says nothing of the token.
+///
+/// cookies  the Cookie header
+Admission admission_of(std::string_view target, std::string_view cookies, std::string_view cookie_name,
+                       const RequestRules& rules);
+
+/// The target without `token` in its query.
+std::string without_token(std::string_view target);
 
 }  // namespace collided::view

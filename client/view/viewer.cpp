@@ -18,6 +18,12 @@ std::string hello_text(const ViewerOptions& options) {
   return hello.dump();
 }
 
+RequestRules rules_of(const ViewerOptions& options) {
+  RequestRules rules = options.rules;
+  if (rules.token.empty() && !is_loopback(options.address)) rules.token = new_token();
+  return rules;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Viewer>> Viewer::start(Client& client, const ViewerOptions& options) {
@@ -32,14 +38,15 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Client& client, const ViewerOption
 }
 
 Viewer::Viewer(Client& client, const ViewerOptions& options)
-    : hello_(hello_text(options)),
+    : rules_(rules_of(options)),
+      hello_(hello_text(options)),
       feed_([this](const WebMessage& message) { tell_pages(message); }),
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
   for (const Asset& asset : assets())
     assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
   asker_ = std::make_unique<Asker>(client);
   drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
-  web_ = std::make_unique<WebServer>(options.address, options.rules, options.limits, handlers());
+  web_ = std::make_unique<WebServer>(options.address, rules_, options.limits, handlers());
 }
 
 Viewer::~Viewer() {

@@ -25,7 +25,8 @@ struct ViewerOptions {
 };
 
 /// Shows a server live in browsers and to programs that speak Foxglove's protocol. It follows the server as a client,
-/// serves the page, and passes the page's questions on. It runs on its own threads until it is destroyed.
+/// serves the page, and passes the page's questions on. It runs on its own threads until it is destroyed. At an address
+/// that other machines reach it shows itself only to requests that bring its token.
 class Viewer {
  public:
   /// client  must outlive it
@@ -37,6 +38,8 @@ class Viewer {
 
   std::uint16_t port() const { return web_->port(); }
   const WebCounts& counts() const { return web_->counts(); }
+  /// That of the options, or one made for an address that other machines reach; empty where none is needed.
+  const std::string& token() const { return rules_.token; }
 
  private:
   using Connection = WebServer::Connection;
@@ -68,6 +71,7 @@ class Viewer {
   void pass_on(Connection page, std::string_view text);
   void tell_pages(const WebMessage& message);
 
+  const RequestRules rules_;
   const std::string hello_;
   std::map<std::string, WebPage, std::less<>> assets_;
   mutable std::mutex mutex_;

@@ -54,6 +54,8 @@ class WebServer::Running {
   }
   std::uint16_t port() const { return port_; }
   const WebCounts& counts() const { return counts_; }
+  /// A browser sends the cookies of one host to all of its ports, so each viewer of a machine has a name of its own.
+  std::string cookie_name() const { return "collided_view_" + std::to_string(port_); }
   asio::io_context& context() { return context_; }
   void send(Connection to, WebMessage message);
 
@@ -268,11 +270,19 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     if (!may_connect(view_of(request[http::field::origin]), host, owner_.rules_)) {
       return forbid("pages of that origin may not ask this viewer; collide view --origin URL allows one\n");
     }
+    const std::string_view target = view_of(request.target());
+    switch (admission_of(target, view_of(request[http::field::cookie]), owner_.cookie_name(), owner_.rules_)) {
+      case Admission::none:
+        return forbid("this viewer shows itself only under the address that collide view printed, with its token\n");
+      case Admission::by_query: sets_cookie_ = true; break;
+      case Admission::by_cookie: sets_cookie_ = false; break;
+    }
+    target_ = owner_.rules_.token.empty() ? std::string(target) : without_token(target);
     if (websocket::is_upgrade(request)) return upgrade(request);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return respond(http::status::method_not_allowed, "text/plain", make_bytes("only GET\n"));
     }
-    const std::optional<WebPage> page = owner_.handlers_.page(view_of(request.target()));
+    const std::optional<WebPage> page = owner_.handlers_.page(target_);
     if (!page) return respond(http::status::not_found, "text/plain", make_bytes("no such page\n"));
     respond(http::status::ok, page->type, page->body);
   }
@@ -285,7 +295,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
 
   void upgrade(const http::request<http::empty_body>& request) {
     const std::vector<std::string> offered = list_of(request[http::field::sec_websocket_protocol]);
-    const std::optional<std::string> protocol = owner_.handlers_.protocol(view_of(request.target()), offered);
+    const std::optional<std::string> protocol = owner_.handlers_.protocol(target_, offered);
     if (!protocol) {
       keeps_ = false;
       return respond(http::status::not_found, "text/plain", make_bytes("none of these protocols is spoken here\n"));
@@ -313,6 +323,10 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     response_->set("Cross-Origin-Resource-Policy", "same-origin");
     response_->set("Referrer-Policy", "no-referrer");
     response_->set("X-Content-Type-Options", "nosniff");
+    // What the page fetches, and its socket, then bring the token by themselves.
+    if (std::exchange(sets_cookie_, false))
+      response_->set(http::field::set_cookie,
+                     owner_.cookie_name() + '=' + owner_.rules_.token + "; Path=/; HttpOnly; SameSite=Strict");
     response_->keep_alive(keeps_);
     response_->content_length(body_->size());
     if (request.method() != http::verb::head) response_->body() = beast::span<const char>(body_->data(), body_->size());
@@ -337,6 +351,8 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   std::string own_address_;
   bool is_loopback_ = false;
   bool keeps_ = false;
+  bool sets_cookie_ = false;
+  std::string target_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<http::response<http::span_body<const char>>> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
@@ -429,6 +445,12 @@ WebServer::WebServer(const WebAddress& address, const RequestRules& rules, const
 WebServer::~WebServer() = default;
 
 void WebServer::start() { running_->start(); }
+
+bool is_loopback(const WebAddress& address) {
+  error_code failed;
+  const auto parsed = asio::ip::make_address(address.address, failed);
+  return !failed && parsed.is_loopback();
+}
 
 std::uint16_t WebServer::port() const { return running_->port(); }
 

@@ -25,6 +25,9 @@ struct WebAddress {
   std::uint16_t port = 0;  // 0: any that is free
 };
 
+/// Whether only programs of this machine reach the address.
+bool is_loopback(const WebAddress& address);
+
 /// What clients may use at most.
 struct WebLimits {
   std::size_t connections = 64;           // of all kinds together; further ones are refused with a message
@@ -71,7 +74,7 @@ class WebServer {
  public:
   using Connection = std::uint64_t;  // the number of a WebSocket connection; never reused
 
-  /// What the server calls, on its own thread. None may wait.
+  /// What the server calls, on its own thread. None may wait. Targets come without the rules' token.
   struct Handlers {
     /// The page for a path with its query; nothing: 404.
     std::function<std::optional<WebPage>(std::string_view target)> page;

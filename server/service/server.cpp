@@ -184,6 +184,7 @@ bool Server::Parts::has_crashed() const { return epoch.past == PastEnd::running 
 std::unique_ptr<DurableState> Server::Parts::keep() {
   if (epoch.kept_in.empty()) {
     say_unwritten();
+    log->warn("nothing is kept: what commands do is lost with a crash, and --durable refuses it");
     return nullptr;
   }
   const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");

@@ -39,6 +39,17 @@ TEST_F(Errors, ABadLineOfABatchIsNamedAndTheRestIsAnswered) {
       "error: stdin line 4812: 'NaN' in column dz; 4 810 rays answered, this one refused (--stop-on-error to stop)\n");
 }
 
+// Each line of a pipe would say it again.
+TEST_F(Errors, ASecondServerIsWarnedOfOnce) {
+  EXPECT_EQ(collide("ls").err.find("second server"), std::string::npos);
+  fake::server().strangers = {.samples = 5, .speak_now = true};
+  const std::string said = collide("-", {.in = "status\nstatus\n"}).err;
+  const std::size_t at =
+      said.find("warning: a second server speaks on this namespace, or somebody who plays one: 5 of ");
+  ASSERT_NE(at, std::string::npos) << said;
+  EXPECT_EQ(said.find("a second server", at + 20), std::string::npos) << said;
+}
+
 TEST_F(Errors, NoServerSaysWhatWasSeen) {
   fake::server().connect_error =
       Error{ErrorCode::no_server, "no collided answered in 2 s on domain 0, namespace 'collided'",

@@ -46,6 +46,22 @@ TEST_F(View, SaysWhereItsPageIs) {
   EXPECT_EQ(ran.err.substr(0, 14), "0 connections;");
 }
 
+// To an address that other machines may reach belongs a token, in both addresses that are printed.
+TEST_F(View, OpenToTheNetworkItPrintsAToken) {
+  const Ran ran = collide("view --bind 0.0.0.0 --port 0 --for 20ms --json");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  const nlohmann::json said = nlohmann::json::parse(ran.out);
+  const std::string url = said["url"];
+  const std::size_t at = url.find("/?token=");
+  ASSERT_NE(at, std::string::npos) << url;
+  EXPECT_EQ(url.size() - at, 8U + 32U) << url;
+  EXPECT_TRUE(said["foxglove"].get<std::string>().ends_with(url.substr(at))) << said;
+  EXPECT_NE(ran.err.find("warning: anybody on the network who reaches 0.0.0.0 and has the token may watch"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_EQ(collide("view --port 0 --for 20ms --json").out.find("token"), std::string::npos);
+}
+
 TEST_F(View, BadUseIsSaidBeforeAnythingIsServed) {
   EXPECT_EQ(collide("view --port 65536").err.substr(0, 47), "error: view: --port 65536; allowed: 0 to 65535\n");
   EXPECT_EQ(collide("view --up x").err, "error: view: --up x; allowed: y, z\n");

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <list>
 
 #include "server/service/durability/journal.hpp"
 #include "tests/model/random_world.hpp"
@@ -73,7 +74,7 @@ TEST(JournalTwin, WhatIsReadBackIsWhatWasPutWhileItSaidNoProblem) {
   bool fails = false;
   const auto open = [&] { return std::make_unique<Journal>(std::make_unique<FlakyDisk>(files, fails), "state"); };
   std::unique_ptr<Journal> journal = open();
-  std::vector<Journal::Entry> plain;
+  std::list<Journal::Entry> plain;
   const auto find = [&](const std::string& key) {
     return std::find_if(plain.begin(), plain.end(), [&](const Journal::Entry& entry) { return entry.key == key; });
   };

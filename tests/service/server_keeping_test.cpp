@@ -180,7 +180,8 @@ TEST_F(ServerKeeping, AnUploadThatChangedOnTheDiskIsALoss) {
   EXPECT_EQ(client.status()->state, "recovering");
 }
 
-// Nothing can be written at all: what is done is done, and the answer says that it does not last.
+// Nothing can be written at all: what is done is done, and the answer says that it does not last. People are told once,
+// at the start, and whoever looks.
 TEST_F(ServerKeeping, WhatIsNotKeptIsToldAndRefusedWhereItMustBe) {
   ChildProcess server({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", "/proc/1/nothing"},
                       folder_.path(), "keeps_nothing");
@@ -196,6 +197,32 @@ TEST_F(ServerKeeping, WhatIsNotKeptIsToldAndRefusedWhereItMustBe) {
   EXPECT_NE(refused.error().message.find("it cannot be kept"), std::string::npos) << refused.error().message;
   EXPECT_EQ(names(client, "safe"), Names{});
   EXPECT_EQ(names(client, "crate"), Names{"crate"});
+
+  EXPECT_NE(server.errors().find("nothing is kept: what commands do is lost with a crash"), std::string::npos)
+      << server.errors();
+  const auto collide = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{COLLIDED_CLI, "--domain", std::to_string(domain_)};
+    all.insert(all.end(), words.begin(), words.end());
+    ChildProcess process(all, folder_.path(), "collide");
+    EXPECT_EQ(process.wait(20s), 0) << process.errors();
+    return std::pair(process.output(), process.errors());
+  };
+  const auto [added_line, warned] = collide({"add", "ball", "sphere", "0.1", "--json"});
+  EXPECT_EQ(warned, "") << "not with every command";
+  EXPECT_NE(json::parse(added_line).value("not_kept", ""), "") << added_line;
+  EXPECT_NE(collide({"status", "--table"}).first.find("keeps nothing: what commands do is lost with a crash"),
+            std::string::npos);
+  EXPECT_EQ(json::parse(collide({"status", "--json"}).first).value("keeps_nothing", false), true);
+  EXPECT_NE(collide({"plan", "--table"}).first.find("left out  journal: no folder to keep it in"), std::string::npos);
+}
+
+TEST_F(ServerKeeping, AServerThatKeepsDoesNotSayThatItDoesNot) {
+  start();
+  Client client = connect();
+  const json added = add(client, "crate", 70);
+  EXPECT_FALSE(added.contains("not_kept") || added.contains("keeps_nothing")) << added;
+  EXPECT_EQ(done(client, "figures", json::object()).value("keeps_nothing", true), false);
+  EXPECT_EQ(done(client, "plan", json::object()).dump().find("journal"), std::string::npos);
 }
 
 }  // namespace

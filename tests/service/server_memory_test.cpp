@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -26,10 +27,12 @@ class ServerMemory : public testing_support::ServerTest {
     ASSERT_NE(static_cast<void*>(name_), MAP_FAILED);
   }
   void TearDown() override { munmap(name_, 16); }
-  std::unique_ptr<testing_support::ChildProcess> start_starvable(const std::vector<std::string>& options = {}) {
+  std::unique_ptr<testing_support::ChildProcess> start_starvable(const std::vector<std::string>& options = {},
+                                                                 std::size_t from_bytes = 0) {
     std::vector<std::string> words{"/usr/bin/env",
                                    "LD_PRELOAD=" COLLIDED_NO_MEMORY,
                                    "COLLIDED_NO_MEMORY=" + path_,
+                                   "COLLIDED_NO_MEMORY_FROM=" + std::to_string(from_bytes),
                                    COLLIDED_SERVER,
                                    "--domain",
                                    std::to_string(domain_),
@@ -76,6 +79,43 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   EXPECT_EQ(other.ask(RayQuestion{.origin = {3, 3, 12}, .direction = {0, 0, -1}})->hits.at(0).object, "crate");
   EXPECT_EQ(other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}})->hits.at(0).object, "ball");
   EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
+}
+
+// A file that clients sent is read again after a crash. One that found no memory then is told as a loss, and kept for a
+// start that does.
+TEST_F(ServerMemory, AnUploadThatFindsNoneAtOneStartIsThereAtTheNext) {
+  start({}, "first");
+  {
+    Client client = connect();
+    const std::string_view hall = "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n";
+    ASSERT_TRUE(client.upload(std::as_bytes(std::span(hall)), "hall.obj"));
+  }
+  servers_.back()->signal(SIGKILL);
+  servers_.back()->wait(5s);
+  const auto becomes = [](Client& client, const std::string& state) {
+    return test::eventually([&] { return client.status() && client.status()->state == state; }, 15s);
+  };
+  const RayQuestion down{.origin = {50.2, 0.2, 12}, .direction = {0, 0, -1}};
+  starve("loads");
+  {
+    const std::unique_ptr<testing_support::ChildProcess> short_of_it = start_starvable({}, 1 << 16);
+    Client client = connect();
+    const auto losses = [&] {
+      const Result<std::string> answer = client.command("accept_loss", R"({"show": true})");
+      return answer ? json::parse(*answer)["losses"] : json::array();
+    };
+    ASSERT_TRUE(test::eventually([&] { return !losses().empty(); }, 15s)) << short_of_it->errors();
+    EXPECT_NE(losses()[0].get<std::string>().find("not enough memory"), std::string::npos) << losses();
+    EXPECT_TRUE(becomes(client, "recovering"));
+    EXPECT_EQ(client.ask(down)->reason, UndecidedReason::recovering);
+    short_of_it->signal(SIGKILL);
+    short_of_it->wait(5s);
+  }
+  starve("");
+  start({}, "third");
+  Client client = connect();
+  EXPECT_TRUE(becomes(client, "ready"));
+  EXPECT_EQ(client.ask(down)->verdict, Verdict::hit);
 }
 
 // The flight recorder lets go of what it would have recorded, and records again once it can.

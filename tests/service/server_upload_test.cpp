@@ -1,6 +1,7 @@
 // Files that clients send: pieces, checksums, one commit, a process that may do nothing else, and what a crash leaves.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <random>
@@ -138,6 +139,36 @@ TEST_F(ServerUploads, ACrashLosesNone) {
   start({}, "third");
   Client client = connect();
   EXPECT_FALSE(is_there(client, 50.5)) << "a stop in order forgets";
+}
+
+// Another scene has taken its name at one start: it is told as missing, and is there once the name is free again.
+TEST_F(ServerUploads, WhatCannotBeLoadedAtOneStartIsKeptForTheNext) {
+  start({}, "first");
+  {
+    Client client = connect();
+    ASSERT_TRUE(client.upload(bytes_of(tents(3)), "hall.obj"));
+  }
+  const auto kill = [&] {
+    servers_.back()->signal(SIGKILL);
+    servers_.back()->wait(5s);
+  };
+  const auto state_is = [](Client& client, const std::string& state) {
+    return test::eventually([&] { return client.status() && client.status()->state == state; }, 15s);
+  };
+  kill();
+  start({folder_.write("hall.obj", "v 80 0 0\nv 81 0 0\nv 80 1 0\nf 1 2 3\n")}, "second");
+  {
+    Client client = connect();
+    const auto losses = [&] { return json::parse(*client.command("accept_loss", R"({"show": true})"))["losses"]; };
+    ASSERT_TRUE(test::eventually([&] { return !losses().empty(); }, 15s));
+    EXPECT_NE(losses()[0].get<std::string>().find("is loaded already"), std::string::npos) << losses();
+    EXPECT_FALSE(is_there(client, 50.5));
+  }
+  kill();
+  start({}, "third");
+  Client client = connect();
+  ASSERT_TRUE(state_is(client, "ready"));
+  EXPECT_TRUE(is_there(client, 50.5));
 }
 
 }  // namespace

@@ -110,6 +110,54 @@ TEST_F(WebServerTest, AnotherNameOrOriginIsForbidden) {
   EXPECT_EQ(server->counts().forbidden, 5U);
 }
 
+// Every page, every socket: by the address that was printed, or by the cookie that its page has set.
+TEST_F(WebServerTest, WithATokenNobodyIsLetInWithoutIt) {
+  const std::string token = new_token();
+  start({}, {.token = token});
+  const std::string name = "collided_view_" + std::to_string(server->port());
+  const auto cookie = [&](const std::string& value) { return "Cookie: theme=dark; " + name + '=' + value + "\r\n"; };
+  const std::string kForbidden = "HTTP/1.1 403";
+  std::string last_wrong = token;
+  last_wrong.back() = token.back() == '0' ? '1' : '0';
+  for (const std::string& wrong : {std::string(), std::string("0"), last_wrong, token + "0", token.substr(1)}) {
+    EXPECT_EQ(asked(LoudClient::get("/?token=" + wrong, host)), kForbidden) << wrong;
+    EXPECT_EQ(asked(LoudClient::get("/", host, cookie(wrong))), kForbidden) << wrong;
+    EXPECT_EQ(asked(LoudClient::upgrade("/live?token=" + wrong, host)), kForbidden) << wrong;
+    EXPECT_EQ(asked(LoudClient::upgrade("/live", host, cookie(wrong))), kForbidden) << wrong;
+  }
+  for (const char* path : {"/", "/large", "/nowhere", "/?x=1", "/?nottoken="})
+    EXPECT_EQ(asked(LoudClient::get(path, host)), kForbidden) << path;
+  EXPECT_EQ(asked(LoudClient::get("/", host, "Cookie: other=" + token + "\r\n")), kForbidden);
+  EXPECT_EQ(asked("HEAD / HTTP/1.1\r\nHost: " + host + "\r\n\r\n"), kForbidden);
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host)), kForbidden);
+  EXPECT_EQ(server->counts().forbidden, 28U);
+  EXPECT_TRUE(open.empty());
+
+  const LoudClient one = client();
+  one.send(LoudClient::get("/?x=1&token=" + token, host));
+  EXPECT_EQ(one.read_until("\r\n\r\n").substr(0, 12), "HTTP/1.1 404") << "the page handler sees /?x=1";
+  const LoudClient other = client();
+  other.send(LoudClient::get("/?token=" + token, host));
+  const std::string page = other.read_until("a page");
+  EXPECT_EQ(page.substr(0, 15), "HTTP/1.1 200 OK");
+  EXPECT_NE(page.find("Set-Cookie: " + name + '=' + token + "; Path=/; HttpOnly; SameSite=Strict\r\n"),
+            std::string::npos)
+      << page;
+  EXPECT_EQ(asked(LoudClient::get("/", host, cookie(token))), "HTTP/1.1 200");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host, cookie(token))), "HTTP/1.1 101");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live?token=" + token, host)), "HTTP/1.1 101");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live?token=" + token, host, "Origin: http://evil.example\r\n")), kForbidden);
+}
+
+TEST_F(WebServerTest, TokensDifferAndAreLong) {
+  EXPECT_EQ(new_token().size(), 32U);
+  EXPECT_NE(new_token(), new_token());
+  EXPECT_TRUE(is_loopback({.address = "127.0.0.1"}));
+  EXPECT_TRUE(is_loopback({.address = "::1"}));
+  for (const char* reachable : {"0.0.0.0", "::", "10.0.0.1", "nowhere", "::ffff:127.0.0.1"})
+    EXPECT_FALSE(is_loopback({.address = reachable})) << reachable;
+}
+
 TEST_F(WebServerTest, WhatIsNoRequestIsRefusedAndCounted) {
   start();
   EXPECT_EQ(asked("\x16\x03\x01 this is TLS\r\n\r\n"), "HTTP/1.1 400");

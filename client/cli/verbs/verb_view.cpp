@@ -19,7 +19,7 @@ class ViewCommand : public Command {
   void declare(CLI::App& app) override {
     app.add_option("--port", port_, "0: any that is free (8765)");
     app.add_option("--bind", options_.address.address,
-                   "Address to be reached at; others than 127.0.0.1 open it to the network");
+                   "Address to be reached at; others than 127.0.0.1 open it to who has the token that it prints");
     app.add_option("--host", options_.rules.hosts,
                    "A name that it may be asked under, beside that address and localhost");
     app.add_option("--origin", options_.rules.origins, "Another page that may connect, https://app.foxglove.dev");
@@ -46,12 +46,16 @@ class ViewCommand : public Command {
     const std::string& address = options_.address.address;
     const bool is_long = address.find(':') != std::string::npos;
     const std::string host = fmt::format("{}{}{}:{}", is_long ? "[" : "", address, is_long ? "]" : "", viewer->port());
-    if (!address.starts_with("127.") && address != "::1")
-      print_warning(session.io, "anybody on the network who reaches " + address + " may watch");
+    const std::string query = viewer->token().empty() ? "" : "/?token=" + viewer->token();
+    if (!query.empty())
+      print_warning(session.io, "anybody on the network who reaches " + address +
+                                    " and has the token may watch; it goes over the network in the clear");
     Printer printer = make_printer(session.io, globals);
+    const std::string url = "http://" + host + query;
+    const std::string foxglove = "ws://" + host + query;
     if (printer.human())
-      printer.line(fmt::format("http://{}  (Foxglove or Lichtblick: ws://{})        Ctrl-C ends", host, host));
-    else printer.record({{"url", "http://" + host}, {"foxglove", "ws://" + host}});
+      printer.line(fmt::format("{}  (Foxglove or Lichtblick: {})        Ctrl-C ends", url, foxglove));
+    else printer.record({{"url", url}, {"foxglove", foxglove}});
     session.io.out.flush();
     static_cast<void>(sleep_until(until.end()));
     const view::WebCounts& counts = viewer->counts();

@@ -24,11 +24,13 @@ namespace {
 
 namespace wire = wire_contract::command;
 
-/// Warns where what the server did is lost with a crash, and adds that to the record.
+/// Warns where what the server did is lost with a crash, and adds that to the record. Of a server that keeps nothing at
+/// all `status` and `plan` say so: a warning with every command would be read by nobody.
 void tell_not_kept(Session& session, const nlohmann::json& answer, Record& record) {
   const std::string why = text_of(answer, "not_kept");
   if (why.empty()) return;
   record.push_back({"not_kept", why});
+  if (flag_of(answer, "keeps_nothing")) return;
   print_warning(session.io, "done, not kept: " + printable(why) + ". A crash of the server undoes it");
 }
 

@@ -30,7 +30,9 @@ class StatusCommand : public Command {
     const ConnectOptions options = connect_options(session.io, globals);
     const ServerStatus status = take(session.client(globals).status());
     const nlohmann::json covers = covers_of(session.client(globals));
-    const nlohmann::json in_doubt = in_doubt_of(session.client(globals));
+    const nlohmann::json figures = figures_of(session.client(globals));
+    const nlohmann::json in_doubt = in_doubt_of(figures);
+    const bool keeps_nothing = figures.is_object() && flag_of(figures, "keeps_nothing");
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
       print_text(printer, status, options.domain);
@@ -39,10 +41,13 @@ class StatusCommand : public Command {
                                                      " pairs in doubt: neither known to touch nor to be apart"));
       }
       print_covers(printer, covers);
+      if (keeps_nothing)
+        printer.line(printer.paint(Paint::doubt, "keeps nothing: what commands do is lost with a crash (--state-dir)"));
       if (status.state == "recovering") print_losses(printer, session.client(globals));
     } else {
       Record all = record(status, options.domain);
       all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
+      all.push_back({"keeps_nothing", keeps_nothing});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
       printer.record(all);
@@ -69,11 +74,14 @@ class StatusCommand : public Command {
       printer.line(printer.paint(Paint::doubt, "missing: " + printable(loss) + " (collide accept-loss)"));
   }
 
-  static nlohmann::json in_doubt_of(Client& client) {
+  /// No object where the server does not answer.
+  static nlohmann::json figures_of(Client& client) {
     const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
-    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
-    const bool is_told = parsed.is_object() && parsed.contains("pairs") && parsed["pairs"].is_object();
-    return is_told ? parsed["pairs"].value("in_doubt", nlohmann::json()) : nlohmann::json();
+    return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+  }
+  static nlohmann::json in_doubt_of(const nlohmann::json& figures) {
+    const bool is_told = figures.is_object() && figures.contains("pairs") && figures["pairs"].is_object();
+    return is_told ? figures["pairs"].value("in_doubt", nlohmann::json()) : nlohmann::json();
   }
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {

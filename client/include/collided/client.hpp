@@ -80,6 +80,14 @@ struct ServerStatus {
   std::chrono::nanoseconds age{0};        // of this status
 };
 
+/// What processes other than the server wrote on the server's topics, so that they seem to be it: a second server on the
+/// namespace, or somebody who forges what a server says.
+struct Strangers {
+  std::uint64_t samples =
+      0;                   // replies, events, contacts, probes and statuses of theirs, of which this client took none
+  bool speak_now = false;  // the server was heard after one of them: it has not been replaced, there are two
+};
+
 /// A connection to one server. When the server is silent, calls fail with disconnected; when it is back or replaced by
 /// another one, the connection resumes by itself.
 ///
@@ -225,6 +233,8 @@ class Client {
 
   /// The newest status heard. Right after connecting it waits for the first one, up to 240 ms.
   Result<ServerStatus> status();
+  /// Whether others speak in the server's place, as far as this connection has heard. Waits for nothing.
+  Strangers strangers() const;
 
  private:
   struct State;

@@ -17,7 +17,7 @@ enum class Health { ok, warn, fail };
 struct Finding {
   Health health = Health::ok;
   /// What was checked, as a fixed word for programs: configuration, interface, buffer, places, server, versions, clock,
-  /// publisher_clocks, round_trip or losses.
+  /// publisher_clocks, round_trip, strangers or losses.
   std::string about;
   std::string text;    // what was found, one sentence for people
   std::string remedy;  // what to do; empty where nothing is to be done

@@ -90,6 +90,8 @@ bool Connection::greet(Clock::time_point deadline) {
       const std::uint64_t server = (**replies.front()).server;
       known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);
       pulse_.greeted(server);
+      // Of two that answered, the first one counts.
+      for (const auto& reply : replies) static_cast<void>(is_from_server(reply_reader_, reply->info()));
       greeted_server_.store(server, std::memory_order_release);
       return true;
     }

@@ -42,6 +42,9 @@ class Connection {
     return known_server_.admits(reader.get(), info.publication_handle, pulse_.silent());
   }
 
+  /// What others wrote on the server's topics.
+  Strangers strangers() const { return {.samples = known_server_.refused(), .speak_now = known_server_.has_rival()}; }
+
   /// Makes sure that questions can be asked: greets a server that is new to this client. The error where none answers.
   std::optional<Error> ready(Clock::time_point deadline);
   /// Sets this client's number and sends. The error where the server takes no more messages.

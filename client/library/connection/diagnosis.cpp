@@ -185,6 +185,15 @@ Finding losses_finding(std::uint64_t dropped) {
           "larger receive buffers, fewer programs, or smaller batches"};
 }
 
+/// Two servers that say so are found by their statuses; this finds also who only answers in the server's place.
+std::optional<Finding> strangers_finding(const Strangers& strangers, std::size_t servers) {
+  if (servers != 1 || !strangers.speak_now) return std::nullopt;
+  return Finding{Health::warn, "strangers",
+                 std::to_string(strangers.samples) +
+                     " replies, events or statuses came from a process that is not the server; none was taken",
+                 "see who is on the domain: anybody who reaches it can write there"};
+}
+
 void ask_server(Connection& connection, nanoseconds found_in, std::vector<Finding>& findings) {
   const std::optional<std::uint64_t> dropped_before = client::dropped_datagrams();
   const Servers servers(connection);
@@ -195,6 +204,7 @@ void ask_server(Connection& connection, nanoseconds found_in, std::vector<Findin
     if (auto finding = publisher_clocks_finding(connection)) findings.push_back(*finding);
   }
   findings.push_back(round_trip_finding(connection));
+  if (auto finding = strangers_finding(connection.strangers(), servers.all().size())) findings.push_back(*finding);
   const std::optional<std::uint64_t> dropped = client::dropped_datagrams();
   if (dropped && dropped_before) findings.push_back(losses_finding(*dropped - *dropped_before));
 }

@@ -6,13 +6,23 @@ namespace collided::client {
 
 bool KnownServer::admits(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent) {
   const std::uint64_t server = server_.load(std::memory_order_acquire);
-  if (server == 0 || is_silent || participant_of(reader, writer) == server) return true;
+  if (server == 0) return true;
+  const std::uint64_t participant = participant_of(reader, writer);
+  if (participant == server) {
+    if (is_rival_due_.load(std::memory_order_relaxed)) has_rival_.store(true, std::memory_order_relaxed);
+    return true;
+  }
+  if (is_silent) return true;
   refused_.fetch_add(1, std::memory_order_relaxed);
+  // Of a writer that is gone by now nobody knows whose it was.
+  if (participant != 0) is_rival_due_.store(true, std::memory_order_relaxed);
   return false;
 }
 
 void KnownServer::greeted(dds_entity_t reader, dds_instance_handle_t writer) {
-  server_.store(participant_of(reader, writer), std::memory_order_release);
+  const std::uint64_t participant = participant_of(reader, writer);
+  if (server_.exchange(participant, std::memory_order_acq_rel) != participant)
+    is_rival_due_.store(false, std::memory_order_relaxed);
 }
 
 std::uint64_t KnownServer::participant_of(dds_entity_t reader, dds_instance_handle_t writer) {

@@ -25,6 +25,9 @@ class KnownServer {
   bool is_known() const { return server_.load(std::memory_order_acquire) != 0; }
   /// The participant of a reply to hello, or of an heir's status: from now on the server.
   void greeted(dds_entity_t reader, dds_instance_handle_t writer);
+  /// Whether the server was heard after samples of others came. Where a new server takes the place of one that has ended,
+  /// the old one is never heard again.
+  bool has_rival() const { return has_rival_.load(std::memory_order_relaxed); }
   /// Samples that were not taken.
   std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
 
@@ -33,6 +36,9 @@ class KnownServer {
 
   std::atomic<std::uint64_t> server_{0};
   std::atomic<std::uint64_t> refused_{0};
+  std::atomic<bool> is_rival_due_{
+      false};  // others were refused since the server was known: once it speaks, there are two
+  std::atomic<bool> has_rival_{false};
   std::mutex mutex_;
   std::map<std::pair<dds_entity_t, dds_instance_handle_t>, std::uint64_t> participants_;  // by reader and writer
 };

@@ -193,6 +193,12 @@ json Commands::plan(const Arguments& arguments) const {
   json structures = json::array();
   std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
   rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
+  if (with_.durable == nullptr) {
+    rows.push_back({.structure = "journal",
+                    .built = false,
+                    .reason = "no folder to keep it in, so what commands do is lost with a crash",
+                    .saves = ""});
+  }
   for (const PlanRow& row : rows) {
     structures.push_back(
         {{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});

@@ -136,6 +136,8 @@ class Commands {
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
+  void refuse_load(const Load& load, const std::string& why, const std::string& hint = {});
+  void drop_file_of(const Load& load);
   void load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(const MenuOptions& options) const;

@@ -60,6 +60,7 @@ json Commands::figures(const Arguments& arguments) const {
     if (!row.built) not_built.push_back(row.structure);
   }
   return {{"up_ns", steady_ns() - started_ns_},
+          {"keeps_nothing", with_.durable == nullptr},
           {"version", state->version},
           {"step_period_ns", with_.loop.step_period_ns()},
           {"steps", sums.steps.get()},

@@ -34,6 +34,8 @@ void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json(
     if (!not_kept.empty() && is_durable)
       return send(whose, ReplyStatus::refused, refusal_text("it was done, but is lost with a crash: " + not_kept));
     if (!not_kept.empty()) result["not_kept"] = not_kept;
+    // Said once, at the start and in the plan, and not with every command.
+    if (with_.durable == nullptr) result["keeps_nothing"] = true;
     answer(whose, [&] { return result; });
   };
   with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);

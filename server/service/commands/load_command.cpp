@@ -95,7 +95,6 @@ void Commands::load_upload(CommandAsk ask, const std::string& path, std::uint32_
 /// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.
 void Commands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
-  const std::string path = load.path;
   std::atomic<std::int64_t> reported_ns{steady_ns()};
   load.options.cancelled = [this] { return stopping_.load(); };
   load.options.progress = [&](double fraction) {
@@ -107,21 +106,13 @@ void Commands::load_one(Load load) {
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
-    if (load.checksum && checksum_of(path) != load.checksum)
-      throw LoadError(path + ": the file is not what was uploaded. Nothing was loaded.");
+    if (load.checksum && checksum_of(load.path) != load.checksum)
+      throw LoadError(load.path + ": the file is not what was uploaded. Nothing was loaded.");
     *loaded = load_and_index(load.path, load.options);
-  } catch (const LoadError& failed) {
-    uploads_.forget(path);
-    send(ask, ReplyStatus::refused, refusal_text(failed.what()));
-    return;
-  } catch (const std::bad_alloc&) {
-    uploads_.forget(path);
-    send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
-    return;
+  } catch (const LoadError& failed) { return refuse_load(load, failed.what()); } catch (const std::bad_alloc&) {
+    return refuse_load(load, load.path + ": not enough memory. Nothing was loaded.");
   } catch (const std::exception& failed) {
-    uploads_.forget(path);
-    send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
-    return;
+    return refuse_load(load, fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what()));
   }
   load.options = {};  // its functions refer to locals
   const auto shared = std::make_shared<Load>(std::move(load));
@@ -135,13 +126,20 @@ void Commands::load_one(Load load) {
           return answer;
         },
         shared->is_durable);
-    if (!is_added) uploads_.forget(shared->path);
+    if (!is_added) drop_file_of(*shared);
   });
-  if (!taken) {
-    uploads_.forget(path);
-    send(shared->ask, ReplyStatus::refused,
-         refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
-  }
+  if (!taken) refuse_load(*shared, "too many commands wait already. Nothing was loaded", "ask again");
+}
+
+void Commands::refuse_load(const Load& load, const std::string& why, const std::string& hint) {
+  drop_file_of(load);
+  send(load.ask, ReplyStatus::refused, refusal_text(why, hint));
+}
+
+/// Removes the uploaded file of a load that was not done. A load that is carried out again keeps it: the journal still
+/// names it, and the next start may find the memory, or the name free. The next start removes it once nothing names it.
+void Commands::drop_file_of(const Load& load) {
+  if (load.ask.client != 0) uploads_.forget(load.path);
 }
 
 /// Puts a loaded scene into the world, where asked in place of the one of its name. On the world's thread; throws

@@ -124,8 +124,10 @@ void DurableState::note_erased(const std::string& key) {
   if (is_restoring_) erased_.insert(key);
 }
 
-/// Those, too, that a crashed process left and that could not be carried out again.
-void DurableState::erase_members(const std::string& scene) {
+/// Erases what is kept of a scene's members, those, too, that a crashed process left and that could not be carried out
+/// again, and changes the rest in the same write: a crash must not find the one without the other.
+void DurableState::change_without_members(const std::string& scene, std::vector<std::string> erased,
+                                          std::vector<Journal::Entry> put) {
   const std::vector<std::string> stems{member_key(kGone, scene, ""), member_key(kMemberMoved, scene, "")};
   const auto is_one = [stems](const std::string& key) {
     return std::ranges::any_of(stems, [&](const std::string& stem) { return key.starts_with(stem); });
@@ -139,13 +141,18 @@ void DurableState::erase_members(const std::string& scene) {
     for (const std::string& key : keys_left_) {
       if (is_one(key)) note_erased(key);
     }
+    for (const std::string& key : erased) note_erased(key);
+    for (const Journal::Entry& entry : put) {
+      keys_.insert(entry.key);
+      losses_.erase(entry.key);
+    }
+    has_losses_.store(!losses_.empty());
   }
-  jobs_.push([this, is_one] {
-    std::vector<std::string> gone;
-    for (const Journal::Entry& entry : journal_.entries()) {
+  jobs_.push([this, is_one, gone = std::move(erased), put = std::move(put)]() mutable {
+    for (const auto& entry : journal_.entries()) {
       if (is_one(entry.key)) gone.push_back(entry.key);
     }
-    journal_.erase(gone, Journal::Sync::now);
+    journal_.change(gone, put, Journal::Sync::now);
     say_problem();
   });
 }
@@ -198,18 +205,18 @@ void DurableState::note_restored() {
 void DurableState::scene_loaded(const std::string& scene, const CommandAsk& ask) {
   // What had been taken out of a scene that this one replaces, and moved in it, is there again. That a crashed process
   // left is still to be carried out again.
-  if (!is_carried_out_again(ask)) erase_members(scene);
-  change({}, {{.key = key(kScene, scene), .text = ask.text, .blob = {}}});
+  std::vector<Journal::Entry> put{{.key = key(kScene, scene), .text = ask.text, .blob = {}}};
+  if (is_carried_out_again(ask)) change({}, std::move(put));
+  else change_without_members(scene, {}, std::move(put));
 }
 
 void DurableState::scene_removed(const std::string& scene) {
-  erase_members(scene);
   std::vector<Journal::Entry> put;
   if (start_scenes_.contains(scene)) {
     const nlohmann::json again{{"command", wire_contract::command::kClear}, {"scene", scene}};
     put.push_back({.key = key(kCleared, scene), .text = again.dump(), .blob = {}});
   }
-  change({key(kScene, scene)}, std::move(put));
+  change_without_members(scene, {key(kScene, scene)}, std::move(put));
 }
 
 void DurableState::removed(const std::vector<Removed>& gone) {

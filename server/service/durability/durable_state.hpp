@@ -105,7 +105,8 @@ class DurableState {
   void read_left();
   void change(std::vector<std::string> erased, std::vector<Journal::Entry> put,
               Journal::Sync sync = Journal::Sync::now);
-  void erase_members(const std::string& scene);
+  void change_without_members(const std::string& scene, std::vector<std::string> erased,
+                              std::vector<Journal::Entry> put);
   void note_erased(const std::string& key);
   void lose(const std::string& key, const std::string& why);
   void say_problem();

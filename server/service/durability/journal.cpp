@@ -27,6 +27,7 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
 }  // namespace
 
 Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move(disk)), name_(std::move(name)) {
+  live_bytes_ = layout::kHeadBytes;
   read();
   is_worth_keeping_ = may_have_lost_;
 }
@@ -98,19 +99,32 @@ bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
   return true;
 }
 
-std::vector<Journal::Entry>::iterator Journal::find(const std::string& key) {
-  return std::ranges::find(entries_, key, &Entry::key);
+const Journal::Entry* Journal::find(const std::string& key) const {
+  const auto place = places_.find(key);
+  return place == places_.end() ? nullptr : &*place->second;
 }
 
+/// Without memory it throws and leaves the entries as they were.
 void Journal::apply(Entry entry, bool is_erased) {
-  const auto known = find(entry.key);
-  if (is_erased) {
-    if (known != entries_.end()) entries_.erase(known);
-  } else if (known != entries_.end()) {
-    *known = std::move(entry);
-  } else {
-    entries_.push_back(std::move(entry));
+  const auto place = places_.find(entry.key);
+  const bool is_known = place != places_.end();
+  const std::uint64_t before = is_known ? layout::bytes_of(*place->second) : 0;
+  const std::uint64_t after = is_erased ? 0 : layout::bytes_of(entry);
+  if (is_erased && is_known) {
+    const std::list<Entry>::iterator known = place->second;
+    places_.erase(place);
+    entries_.erase(known);
+  } else if (is_known) {
+    // The known key stays where it is, since places_ refers to it.
+    place->second->text = std::move(entry.text);
+    place->second->blob = std::move(entry.blob);
+  } else if (!is_erased) {
+    std::list<Entry> one;
+    one.push_back(std::move(entry));
+    places_.emplace(one.front().key, one.begin());
+    entries_.splice(entries_.end(), one);
   }
+  live_bytes_ = live_bytes_ - before + after;
 }
 
 void Journal::change(std::span<const std::string> erased, std::span<const Entry> put, Sync sync) {
@@ -124,13 +138,13 @@ void Journal::change(std::span<const std::string> erased, std::span<const Entry>
       apply(entry, is_erased);
     };
     for (const std::string& key : erased) {
-      if (find(key) != entries_.end()) add({.key = key, .text = {}, .blob = {}}, true);
+      if (find(key) != nullptr) add({.key = key, .text = {}, .blob = {}}, true);
     }
     const bool is_all_kept = has_file_ && problem_.empty();
     for (const Entry& entry : put) {
       // What is carried out again after a crash is there already.
-      const auto known = find(entry.key);
-      if (known == entries_.end() || *known != entry || !is_all_kept) add(entry, false);
+      const Entry* const known = find(entry.key);
+      if (known == nullptr || *known != entry || !is_all_kept) add(entry, false);
     }
     if (count > 0) write(records, count, sync);
   } catch (const std::bad_alloc&) { fail_for_memory(); }
@@ -150,7 +164,9 @@ bool Journal::has_room(std::uint64_t bytes) {
 }
 
 void Journal::clear() {
+  places_.clear();
   entries_.clear();
+  live_bytes_ = layout::kHeadBytes;
   damage_.clear();
   may_have_lost_ = is_worth_keeping_ = false;
   static_cast<void>(rewrite());
@@ -165,12 +181,6 @@ void Journal::close() {
     if (!disk_->sync(name_)) return;
     slot_number_ = slot.number;
   }
-}
-
-std::uint64_t Journal::live_bytes() const {
-  std::uint64_t bytes = layout::kHeadBytes;
-  for (const Entry& entry : entries_) bytes += layout::bytes_of(entry);
-  return bytes;
 }
 
 /// Appends the records and, once they are on the disk, writes the slot that counts them. `nothing` leaves the file as
@@ -201,7 +211,7 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
   // What found no room before goes first: the order counts, and a removal must not overtake what it removes.
   waiting_.insert(waiting_.end(), records.begin(), records.end());
   waiting_records_ += count;
-  if (file_bytes_ > kMostStale * live_bytes() + kSmall && rewrite()) return;
+  if (file_bytes_ > kMostStale * live_bytes_ + kSmall && rewrite()) return;
   switch (append(waiting_, waiting_records_, sync)) {
     case Appended::all:
       waiting_.clear();
@@ -211,7 +221,7 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
     case Appended::nothing:
       problem_ = fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
       // A new file may still be the smaller one, and what waits must not grow without limit.
-      if (waiting_.size() > live_bytes() || file_bytes_ > live_bytes()) static_cast<void>(rewrite());
+      if (waiting_.size() > live_bytes_ || file_bytes_ > live_bytes_) static_cast<void>(rewrite());
       return;
     case Appended::unknown: break;
   }
@@ -227,7 +237,7 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
 /// further where the new one found no room. False: problem() says why.
 bool Journal::rewrite() {
   const std::string summand = name_ + ".new";
-  const std::uint64_t bytes = live_bytes();
+  const std::uint64_t bytes = live_bytes_;
   bool done = disk_->create(summand) && disk_->append(summand, std::as_bytes(std::span(layout::kMagic)));
   for (const std::uint64_t number : {0, 1}) {
     done = done && disk_->append(summand, layout::encode(layout::Slot{

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace collided::engine::service {
@@ -67,7 +69,7 @@ class Journal {
   Journal(std::unique_ptr<Disk> disk, std::string name);
 
   /// The live entries, in the order in which their names were first written.
-  const std::vector<Entry>& entries() const { return entries_; }
+  const std::list<Entry>& entries() const { return entries_; }
   /// What was found damaged, as a sentence; empty: nothing.
   const std::string& damage() const { return damage_; }
   /// Whether what was acknowledged may be missing from entries(): damage() says how much.
@@ -91,7 +93,7 @@ class Journal {
  private:
   void read();
   bool read_records(std::span<const std::byte> file, std::size_t from);
-  std::vector<Entry>::iterator find(const std::string& key);
+  const Entry* find(const std::string& key) const;
   void apply(Entry entry, bool is_erased);
   enum class Appended : std::uint8_t { all, nothing, unknown };
   Appended append(std::span<const std::byte> records, std::uint64_t count, Sync sync);
@@ -100,11 +102,11 @@ class Journal {
   void read_slots(std::span<const std::byte> file, bool says_closed);
   void fail_for_memory();
   bool rewrite();
-  std::uint64_t live_bytes() const;
-
   std::unique_ptr<Disk> disk_;
   std::string name_;
-  std::vector<Entry> entries_;
+  std::list<Entry> entries_;
+  std::unordered_map<std::string_view, std::list<Entry>::iterator> places_;  // in entries_, by their keys there
+  std::uint64_t live_bytes_ = 0;  // of the file, if it held these entries and nothing else
   std::uint64_t file_bytes_ = 0;  // these two: what is in the file for certain
   std::uint64_t file_records_ = 0;
   std::uint64_t slot_number_ = 0;   // of the newest slot

@@ -192,6 +192,11 @@ Result<ServerStatus> Client::status() {
   return fake::server().status;
 }
 
+Strangers Client::strangers() const {
+  const std::lock_guard lock(fake::server().mutex);
+  return fake::server().strangers;
+}
+
 Result<Watch> Client::watch(const WatchOptions& options) {
   fake::server().watched_with = options;
   return Watch(std::make_unique<Watch::State>());

@@ -56,6 +56,7 @@ struct Server {
   ReplayOptions replayed_with;
   std::deque<ReplayReport> replays;  // one a call; the last one again and again
   std::vector<Finding> findings;
+  Strangers strangers;
 
   std::uint64_t version = 18204;
   std::uint64_t epoch = 1;

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <list>
 #include <random>
 #include <string>
 #include <vector>
@@ -137,8 +138,8 @@ Outcome keep_journal(const std::string& folder, Failing kind, long n) {
                           .text = "add",
                           .blob = std::vector<std::byte>(static_cast<std::size_t>(size), std::byte{7})};
   };
-  std::vector<std::vector<Journal::Entry>> states;
-  std::vector<Journal::Entry> last;
+  std::vector<std::list<Journal::Entry>> states;
+  std::list<Journal::Entry> last;
   bool failed = false;
   try {
     Journal journal(service::disk_in(folder), "it");
@@ -264,7 +265,7 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
       return !loaded.report.warnings.empty() || !loaded.indexed.geometry->warnings.empty();
     } catch (const LoadError&) { return true; }
   });
-  std::vector<Journal::Entry> entries;
+  std::list<Journal::Entry> entries;
   const std::string journal_path = folder + "/it.journal";
   std::vector<std::size_t> between_records;
   {

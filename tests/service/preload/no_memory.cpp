@@ -8,7 +8,7 @@
 #include <new>
 
 // No memory for the thread whose name stands in the file named by COLLIDED_NO_MEMORY; enough for all others, and for all
-// while the file begins with a zero. C's malloc is left alone: DDS takes a failure of it for its end.
+// while the file begins with a zero. With COLLIDED_NO_MEMORY_FROM only for so many bytes and more at once. C's malloc is left alone: DDS takes a failure of it for its end.
 namespace {
 
 constexpr std::size_t kNameBytes = 16;
@@ -37,8 +37,16 @@ bool is_starved() {
   return true;
 }
 
+std::size_t least_missed() {
+  static const std::size_t bytes = []() -> std::size_t {
+    const char* text = std::getenv("COLLIDED_NO_MEMORY_FROM");
+    return text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
+  }();
+  return bytes;
+}
+
 void* take(std::size_t size) {
-  void* memory = is_starved() ? nullptr : std::malloc(size == 0 ? 1 : size);
+  void* memory = size >= least_missed() && is_starved() ? nullptr : std::malloc(size == 0 ? 1 : size);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }

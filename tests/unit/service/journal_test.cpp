@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
+#include <limits>
+#include <list>
 #include <map>
 #include <random>
 #include <unistd.h>
@@ -17,7 +20,7 @@
 namespace collided::engine::service {
 namespace {
 
-using Entries = std::vector<Journal::Entry>;
+using Entries = std::list<Journal::Entry>;
 using Bytes = std::vector<std::byte>;
 
 /// A disk in memory: what was not synced may be gone, in part, when the power fails.
@@ -322,6 +325,37 @@ TEST(ServiceJournal, StaleRecordsDoNotPileUp) {
   EXPECT_EQ(open(platter).entries(), journal.entries());
 }
 
+/// Seconds of the processor for so many entries, of which every second one is replaced and every fourth one erased.
+double seconds_for(std::uint64_t entries) {
+  Platter platter;
+  Journal journal = open(platter);
+  const std::clock_t before = std::clock();
+  const auto put = [&](std::uint64_t i, const char* text) {
+    journal.put({.key = "object/" + std::to_string(i), .text = text, .blob = {}}, Journal::Sync::now);
+  };
+  for (std::uint64_t i = 0; i < entries; ++i) put(i, "there");
+  for (std::uint64_t i = 0; i < entries; i += 2) put(i, "elsewhere");
+  for (std::uint64_t i = 0; i < entries; i += 4) {
+    const std::string key = "object/" + std::to_string(i);
+    journal.erase(std::span(&key, 1), Journal::Sync::now);
+  }
+  const double seconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  EXPECT_EQ(journal.entries().size(), entries - entries / 4);
+  return seconds;
+}
+
+// A hundred thousand objects are added one at a time. A search through the entries would take four times as long for
+// twice as many.
+TEST(ServiceJournal, TwiceAsManyEntriesTakeTwiceAsLong) {
+  double few = std::numeric_limits<double>::infinity();
+  double many = few;
+  for (int i = 0; i < 5; ++i) {
+    few = std::min(few, seconds_for(20'000));
+    many = std::min(many, seconds_for(40'000));
+  }
+  EXPECT_LT(many / few, 3) << few << " s for 20,000, " << many << " s for 40,000";
+}
+
 TEST(ServiceJournal, AFileOfSomethingElseIsLeftAlone) {
   Platter platter;
   platter.files["it"].content = Bytes(100, std::byte{7});
@@ -345,8 +379,8 @@ TEST(ServiceJournal, RecordsThatAreErasedTogetherAreEachCounted) {
   EXPECT_EQ(next.damage(), "");
   EXPECT_EQ(next.entries(), journal.entries());
   ASSERT_EQ(next.entries().size(), 2U);
-  EXPECT_EQ(next.entries()[0].key, "object/0");
-  EXPECT_EQ(next.entries()[1].key, "object/4");
+  EXPECT_EQ(next.entries().front().key, "object/0");
+  EXPECT_EQ(next.entries().back().key, "object/4");
   // The last record goes: of eight there are seven.
   Platter cut = platter;
   Bytes& shorter = cut.files["it"].content;
