@@ -303,7 +303,7 @@ TEST_F(Fields, OfAStatusAreTheServersOwn) {
       records("--domain 20 status").at(0),
       json::parse(
           R"({"state":"ready","version_text":"v","pid":1,"domain":20,"namespace":"ns","epoch":2,"world":3,"world_time":4.5,"scenes":["s","t"],
-                            "static_triangles":7,"objects":8,"moving":9,"contacts":6,"contacts_truncated":true,"poses_applied":10,"poses_dropped":11,
+                            "static_triangles":7,"objects":8,"moving":9,"contacts":6,"contacts_truncated":true,"keeps_nothing":false,"poses_applied":10,"poses_dropped":11,
                             "questions_answered":12,"questions_refused":13,"undecided_answers":14,"last_event_sequence":5,"age":15.5,
                             "publishers":[{"name":"p","applied_sequence":16,"silent":17.5,"lost":true},{"name":"q","applied_sequence":18,"silent":19.5,"lost":false}]})"));
   const std::string text = at_terminal("--domain 20 status").out;
