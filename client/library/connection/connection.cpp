@@ -15,9 +15,6 @@ using std::chrono::nanoseconds;
 // new match is seen, since then it may succeed, and every 20 ms.
 constexpr milliseconds kHelloPeriod{20};
 constexpr milliseconds kMatchPeriod{1};
-// On a machine with more processes than it can run, a server that is there may need longer than somebody wants to wait
-// for one that is not.
-constexpr milliseconds kMatchedPatience{10'000};
 
 std::string server_words(const ConnectOptions& options) {
   return "domain " + std::to_string(options.domain) + ", namespace '" + options.name_space + '\'';
@@ -60,14 +57,19 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
   try {
     const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
-    if (!connection->greet(deadline)) { return connection->no_server(); }
+    // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
+    // wait for one that is not.
+    constexpr milliseconds kFoundPatience{10'000};
+    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience))) {
+      return connection->no_server();
+    }
     return connection;
   } catch (const std::invalid_argument& wrong) { return bad_input(wrong.what()); } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};
   }
 }
 
-bool Connection::greet(Clock::time_point deadline) {
+bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if_found) {
   const std::unique_ptr<Requests::Running> hello = requests_.begin();
   if (!hello) { return false; }
   wire::Query& query = hello->query();
@@ -77,10 +79,9 @@ bool Connection::greet(Clock::time_point deadline) {
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
   std::uint32_t matched = 0;
   Clock::time_point next_hello = Clock::now();
-  const Clock::time_point matched_deadline = std::max(deadline, Clock::now() + kMatchedPatience);
   do {
     const std::uint32_t matched_now = query_writer_.matched_readers() + reply_reader_.matched_writers();
-    if (matched_now > 0) { deadline = matched_deadline; }
+    if (matched_now > 0) { deadline = deadline_if_found; }
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
       if (send(query)) { return false; }
       next_hello = Clock::now() + kHelloPeriod;
@@ -126,7 +127,9 @@ std::optional<Error> Connection::ready(Clock::time_point deadline) {
   if (pulse_.silent()) { return disconnected(); }
   if (server == greeted_server_.load(std::memory_order_acquire)) { return std::nullopt; }
   const std::lock_guard lock(greeting_mutex_);
-  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline)) { return std::nullopt; }
+  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline, deadline)) {
+    return std::nullopt;
+  }
   return disconnected();
 }
 

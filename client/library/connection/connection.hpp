@@ -66,7 +66,8 @@ class Connection {
 
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
-  bool greet(Clock::time_point deadline);
+  /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
+  bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found);
   bool is_from_server_or_its_heir(const dds_sample_info_t& info);
   Error no_server() const;
 

@@ -115,6 +115,7 @@ class Answering {
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason, std::int64_t retry_after_ns = 0);
+  void refuse_as_left_out(AskPointer ask);
   void refuse_for_now(AskPointer ask);
   void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);

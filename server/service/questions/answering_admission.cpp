@@ -19,14 +19,18 @@ void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
   if (query.chunk_count <= 1 || query.chunk_index >= query.chunk_count) return enqueue(std::move(ask));
   // What is refused is refused whole, before any work is done on it.
-  if (query.chunk_index == 0 && !queue_.has_room_for(share_of(*ask))) return refuse_for_now(std::move(ask));
+  if (query.chunk_index == 0) {
+    if (leaves_out(query)) return refuse_as_left_out(std::move(ask));
+    if (!queue_.has_room_for(share_of(*ask))) return refuse_for_now(std::move(ask));
+  }
   switch (with_.leases.take(ask, least_version(query), steady_ns())) {
     case SnapshotLeases::Taken::pinned: return enqueue(std::move(ask));
     case SnapshotLeases::Taken::waits: return;
     case SnapshotLeases::Taken::gone:
       return refuse_later(std::move(ask),
                           "the state that this request is answered on is no longer kept: the first chunk comes first, "
-                          "and others that wait for a state do so for 2 s at most while none of its chunks is here");
+                          "and others that wait for a state do so for 2 s at most while none of its chunks is here",
+                          retry_after_ns());  // asked anew, it gets another state
     case SnapshotLeases::Taken::full: return refuse_for_now(std::move(ask));
   }
 }
@@ -45,22 +49,22 @@ Share Answering::share_of(const Ask& ask) {
 /// Puts a question into the queue, or refuses it where its client has too much there already. Commands, hellos and
 /// questions of high importance may fill more of the queue than others (Share::is_kept).
 void Answering::enqueue(AskPointer ask) {
-  const wire::Query& query = *ask->query;
-  if (leaves_out(query)) {
-    refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
-    return;
-  }
+  if (!ask->hold && leaves_out(*ask->query)) return refuse_as_left_out(std::move(ask));
   const Share share = share_of(*ask);
   Work work(std::move(ask));
   if (queue_.push(share, work)) return;
   refuse_for_now(std::move(std::get<AskPointer>(work)));
 }
 
+void Answering::refuse_as_left_out(AskPointer ask) {
+  refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
+}
+
 /// Refuses for want of room, and says when there will be some.
 void Answering::refuse_for_now(AskPointer ask) {
   refuse_later(std::move(ask),
-               fmt::format("{} requests of {:.1f} MB wait already, and too many of them are this client's",
-                           queue_.waiting(), static_cast<double>(queue_.waiting_bytes()) / 1e6),
+               fmt::format("there is no room for it now: {} requests of {:.1f} MB wait already", queue_.waiting(),
+                           static_cast<double>(queue_.waiting_bytes()) / 1e6),
                retry_after_ns());
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "idl/columns.hpp"
 #include "server/service/questions/ask.hpp"
 #include "server/service/runtime/clock.hpp"
 
@@ -52,6 +53,10 @@ SnapshotRing::Lease SnapshotLeases::state_for(std::uint64_t least_version, std::
   return will_do ? youngest->state : SnapshotRing::Lease();
 }
 
+bool SnapshotLeases::has_room_for(std::size_t bytes, std::size_t most_bytes) const {
+  return waiting_.size() < kMostWaiting && waiting_bytes_ + bytes <= most_bytes;
+}
+
 void SnapshotLeases::hold(Ask& ask, const Entry& entry) {
   SnapshotLeases::Hold hold;
   hold.book_ = this;
@@ -64,6 +69,7 @@ SnapshotLeases::Taken SnapshotLeases::take(std::unique_ptr<Ask>& ask, std::uint6
                                            std::int64_t now_ns) {
   const wire::Query& query = *ask->query;
   const std::pair key(query.client, query.request);
+  const std::size_t bytes = wire::bytes_of(query);
   const std::lock_guard lock(mutex_);
   auto entry = find(key);
   if (entry == entries_.end()) {
@@ -73,12 +79,15 @@ SnapshotLeases::Taken SnapshotLeases::take(std::unique_ptr<Ask>& ask, std::uint6
     const bool may_pin = waiting_.empty();
     Entry made{.key = key, .chunks_left = query.chunk_count, .least_version = least_version, .pinned_ns = now_ns};
     if (may_pin) made.state = state_for(least_version, now_ns);
-    if (!made.state && waiting_.size() >= kMostWaiting) return Taken::full;
+    // Of a request some chunks are under way at a time, so its first may take no more than its part of the room.
+    constexpr std::size_t kMostFirstBytes = kMostWaitingBytes / wire_contract::kChunksInFlight;
+    if (!made.state && !has_room_for(bytes, kMostFirstBytes)) return Taken::full;
     entry = entries_.insert(entries_.end(), std::move(made));
   }
-  if (!entry->state && waiting_.size() >= kMostWaiting) return Taken::full;
+  if (!entry->state && !has_room_for(bytes, kMostWaitingBytes)) return Taken::full;
   ++entry->at_hand;
   if (!entry->state) {
+    waiting_bytes_ += bytes;
     waiting_.push_back(std::move(ask));
     return Taken::waits;
   }
@@ -115,6 +124,7 @@ std::unique_ptr<Ask> SnapshotLeases::next_ready(std::int64_t now_ns) {
     }
     if (!entry->state) continue;
     std::unique_ptr<Ask> ask = std::move(*at);
+    waiting_bytes_ -= wire::bytes_of(*ask->query);
     waiting_.erase(at);
     hold(*ask, *entry);
     return ask;
@@ -144,6 +154,7 @@ void SnapshotLeases::expire(std::int64_t now_ns) {
 std::vector<std::unique_ptr<Ask>> SnapshotLeases::take_waiting() {
   const std::lock_guard lock(mutex_);
   std::vector<std::unique_ptr<Ask>> waiting = std::exchange(waiting_, {});
+  waiting_bytes_ = 0;
   for (const auto& ask : waiting) {
     const auto entry = find({ask->query->client, ask->query->request});
     if (entry != entries_.end() && !entry->state) entries_.erase(entry);

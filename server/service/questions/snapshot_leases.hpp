@@ -26,6 +26,7 @@ class SnapshotLeases {
   static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates; workers and the writer need the rest
   static constexpr std::size_t kMostRequests = 1'024;
   static constexpr std::size_t kMostWaiting = 4'096;  // chunks of requests without a state
+  static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
   /// How long a request without a chunk at hand may keep others waiting, in all.
   static constexpr std::int64_t kPatienceNs = 2'000'000'000;
   /// How long a request may be without a chunk at hand where nobody waits.
@@ -62,8 +63,8 @@ class SnapshotLeases {
   explicit SnapshotLeases(const World& world);
   ~SnapshotLeases();
 
-  /// Sets who is given the chunks that need wait no longer. To be called before the first take(); `ready` is called on
-  /// any thread.
+  /// Sets who is given the chunks that need wait no longer. To be called while nothing else is; `ready` is called on any
+  /// thread.
   void on_ready(std::function<void(std::unique_ptr<Ask>)> ready) { ready_ = std::move(ready); }
 
   enum class Taken : std::uint8_t {
@@ -98,6 +99,7 @@ class SnapshotLeases {
 
   Entries::iterator find(const std::pair<std::uint64_t, std::uint64_t>& key);
   std::size_t states() const;
+  bool has_room_for(std::size_t bytes, std::size_t most_bytes) const;
   SnapshotRing::Lease state_for(std::uint64_t least_version, std::int64_t now_ns) const;
   void hold(Ask& ask, const Entry& entry);
   void done(const std::pair<std::uint64_t, std::uint64_t>& key);
@@ -109,7 +111,8 @@ class SnapshotLeases {
   mutable std::mutex mutex_;
   Entries entries_;                            // oldest first
   std::vector<std::unique_ptr<Ask>> waiting_;  // oldest first
-  std::int64_t expired_ns_ = 0;                // the last call of expire()
+  std::size_t waiting_bytes_ = 0;
+  std::int64_t expired_ns_ = 0;  // the last call of expire()
 };
 
 }  // namespace collided::engine::service

@@ -51,6 +51,23 @@ TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
   EXPECT_EQ(client.error().hint, "seen on this domain: 1 participant, none of ours; start a server with 'collided'");
 }
 
+// One that is found and has no time yet is waited for longer than one that is not there.
+TEST(ClientConnect, ABusyServerIsWaitedFor) {
+  FakeServer server(test::own_namespace());
+  server.answering = false;
+  ConnectOptions options = here();
+  options.wait = 500ms;
+  std::thread later([&] {
+    std::this_thread::sleep_for(1500ms);  // three times the wait; how long the server has no time is what is tested
+    server.answering = true;
+  });
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Client> client = Client::connect(options);
+  later.join();
+  EXPECT_TRUE(client) << client.error().message;
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 1500ms);
+}
+
 // Variables are the process's: put back as they were.
 class Variables {
  public:
@@ -246,6 +263,19 @@ TEST_F(ClientAsk, RefusalCarriesReasonAndHint) {
   EXPECT_EQ(answer.error().code, ErrorCode::refused);
   EXPECT_EQ(answer.error().message, "server refused: 'box' against 'octree' is not supported");
   EXPECT_EQ(answer.error().hint, "collide plan");
+}
+
+// A server that has no room says when to ask again: that is done within the timeout, and told where it is too short.
+TEST_F(ClientAsk, ABusyServerIsAskedAgain) {
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Answer> hurried = client_->ask(ray_from(1), {.only = "busy", .timeout = 50ms});
+  ASSERT_FALSE(hurried);
+  EXPECT_EQ(hurried.error().code, ErrorCode::refused);
+  EXPECT_EQ(hurried.error().retry_after, 100ms);
+  const Result<Answer> patient = client_->ask(ray_from(1), {.only = "busy", .timeout = 20s});
+  ASSERT_TRUE(patient) << patient.error().message;
+  EXPECT_EQ(patient->verdict, Verdict::hit);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 200ms) << "refused twice more";
 }
 
 TEST_F(ClientAsk, SilenceOfALivingServerIsATimeout) {

@@ -20,7 +20,8 @@ namespace collided::test {
 
 /// Speaks a server's side of the wire with made-up answers, so that the client library is tested without an engine.
 /// A ray from (x, y, z) hits object 7, "wall", at distance x, and misses for x < 0. What a question's `only` says:
-/// "refuse", "silent" (no reply), "late" (reply when told), "twice" (every reply two times), "nonsense".
+/// "refuse", "busy" (three refusals with a time to wait, then answers), "silent" (no reply), "late" (reply when told),
+/// "twice" (every reply two times), "nonsense".
 class FakeServer {
  public:
   static constexpr std::uint64_t kWall = 7 + (std::uint64_t{3} << 32);
@@ -266,6 +267,9 @@ class FakeServer {
     if (only == "refuse") {
       reply_.status = static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused);
       dds::borrow(reply_.text, kRefusal);
+    } else if (only == "busy" && busy_count_++ < 3) {
+      reply_.status = static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused);
+      dds::borrow(reply_.text, kBusy);
     } else {
       lists.put_in(reply_);
     }
@@ -442,6 +446,10 @@ class FakeServer {
     }
   };
 
+  static inline const std::vector<std::uint8_t> kBusy = [] {
+    const std::string text = R"({"error":"there is no room for it now","retry_after_ms":100})";
+    return std::vector<std::uint8_t>(text.begin(), text.end());
+  }();
   static inline const std::vector<std::uint8_t> kRefusal = [] {
     const std::string text = R"({"error":"'box' against 'octree' is not supported","hint":"collide plan"})";
     return std::vector<std::uint8_t>(text.begin(), text.end());
@@ -487,6 +495,7 @@ class FakeServer {
   dds::Reader<wire::Definition> object_reader_;
   dds::Reader<wire::Query> query_reader_;
   std::thread helper_;
+  int busy_count_ = 0;
   std::thread slow_;
 };
 

@@ -326,6 +326,35 @@ TEST_F(SnapshotLeasesTest, SharingAStateNeverGoesBack) {
   EXPECT_EQ(take(102, 0, 1, 102, newest + 1), Taken::waits) << "one that does waits for what is as new";
 }
 
+// Chunks are as large as clients make them; what waits is bounded in bytes.
+TEST_F(SnapshotLeasesTest, WhatWaitsIsBoundedInBytes) {
+  for (std::uint64_t request = 1; request <= SnapshotLeases::kMostStates; ++request) {
+    EXPECT_EQ(take(request, 0, 1), Taken::pinned);
+    step();
+  }
+  std::vector<std::uint8_t> large(std::size_t{1} << 20);
+  const auto take_large = [&](std::uint64_t request, std::uint32_t index) {
+    AskPointer ask = chunk(1, request, index, 4);
+    dds::borrow(ask->query->blob, large);
+    const Taken taken = book.take(ask, 0, 2 * SnapshotLeases::kSharedAgeNs);
+    if (ask) dds::borrow(ask->query->blob, std::span<const std::uint8_t>());
+    return taken;
+  };
+  std::uint64_t request = 100;
+  while (take_large(request, 0) == Taken::waits) ++request;
+  EXPECT_EQ(request - 100, 15U) << "a quarter of the room, for the first chunks of requests";
+  std::size_t chunks = request - 100;
+  for (std::uint64_t one = 100; one < request; ++one) {
+    for (std::uint32_t index = 1; index < 4; ++index) chunks += take_large(one, index) == Taken::waits ? 1 : 0;
+  }
+  EXPECT_EQ(chunks, 60U) << "and all of the others of what was begun";
+  const std::vector<AskPointer> waiting = book.take_waiting();
+  EXPECT_EQ(waiting.size(), chunks);
+  for (const AskPointer& ask : waiting) dds::borrow(ask->query->blob, std::span<const std::uint8_t>());
+  EXPECT_EQ(take_large(request, 0), Taken::waits) << "there is room again";
+  for (const AskPointer& ask : book.take_waiting()) dds::borrow(ask->query->blob, std::span<const std::uint8_t>());
+}
+
 TEST_F(SnapshotLeasesTest, BeyondTheLimitARequestIsToBeAskedAgain) {
   for (std::uint64_t request = 1; request <= SnapshotLeases::kMostRequests; ++request)
     ASSERT_EQ(take(request, 0, 1), Taken::pinned);
