@@ -122,6 +122,12 @@ std::string domain_config(const ParticipantOptions& options) {
   const std::string index = options.role == Role::server ? "auto" : "none";
   // A client waits by itself for what must be delivered. DDS would wait for the reader of a dead server too.
   const std::string linger = options.role == Role::server ? "1s" : "0s";
+  // A writer waits for acknowledgements when its history is full, and they come only after a heartbeat. A client has one
+  // reader to ask; the server's writers have many.
+  const std::string heartbeat =
+      options.role == Role::server
+          ? R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
+          : R"(<HeartbeatInterval min="500us" minsched="500us" max="500ms">1ms</HeartbeatInterval>)";
   return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" + "<ExternalDomainId>" +
          std::to_string(options.domain) + "</ExternalDomainId>" + "<ParticipantIndex>" + index +
          "</ParticipantIndex><MaxAutoParticipantIndex>" + std::to_string(wire_contract::kMaxParticipantIndex) +
@@ -135,10 +141,8 @@ std::string domain_config(const ParticipantOptions& options) {
          R"(<SocketReceiveBufferSize max="8MB"/>)"
          // By default a lost datagram is asked for again after 100 ms; a question should not wait for that.
          "<NackDelay>10ms</NackDelay><PreEmptiveAckDelay>5ms</PreEmptiveAckDelay>"
-         "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
-         R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
-         "<WriterLingerDuration>" +
-         linger +
+         "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>" +
+         heartbeat + "<WriterLingerDuration>" + linger +
          "</WriterLingerDuration>"
          "<Watermarks><WhcHigh>16MB</WhcHigh><WhcHighInit>4MB</WhcHighInit><WhcLow>1MB</WhcLow></Watermarks>"
          "</Internal></Domain>";

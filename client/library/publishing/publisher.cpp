@@ -20,7 +20,7 @@ using std::chrono::nanoseconds;
 namespace {
 
 constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
-// A move() this soon after the last message need not assert again that the publisher is alive.
+// A move() this soon after the last word need not assert again that the publisher is alive.
 constexpr nanoseconds kWordPeriod = kLease / 5;
 // Longer than the time between two poses of a moving object.
 constexpr nanoseconds kAtRest = kLease;

@@ -34,6 +34,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
 
   // Asserts liveliness; where the server has forgotten this publisher or is behind, defines everything again.
   std::optional<Error> say_alive();
+  std::optional<Error> assert_liveliness();
   bool is_forgotten() const;
   bool is_behind() const;
   bool is_applied() const;
@@ -61,7 +62,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   client::Clock::time_point last_instant_;
   client::UnacknowledgedPoses unacknowledged_;
-  client::Clock::time_point last_word_;
+  client::Clock::time_point last_word_;  // when both writers last said that they are alive
   client::Clock::time_point last_sample_;
   client::Clock::time_point defined_all_;
   dds::Sample<wire::Definition> definition_;

@@ -5,6 +5,7 @@
 //   single COUNT              single rays, one after the other
 //   batches SIZE COUNT ASKERS batches of rays, one after the other in each of so many threads
 //   flood SIZE COUNT          single rays while another client has a batch of that size under way all the time
+//   poses FLUSHES EACH        poses of a thousand balls, so many a flush, until the server has applied them all
 #include <unistd.h>
 
 #include <algorithm>
@@ -190,6 +191,34 @@ void flooded(collided::Client& client, const collided::ConnectOptions& connect, 
   flood.join();
 }
 
+/// Wall times in microseconds: until the last flush returned, and until the server had applied it.
+void poses(collided::Client& client, int flushes, int each) {
+  constexpr int kBalls = 1'000;
+  collided::Publisher publisher = must(client.publish("bench_poses"));
+  std::vector<collided::Publisher::Object> balls;
+  for (int i = 0; i < kBalls; ++i) {
+    collided::ObjectOptions options;
+    options.name = "bench_poses/" + std::to_string(i);
+    options.shape = {collided::SphereShape{.radius_m = 0.1}};
+    options.pose.position = {1.0 * i, 0, 200};
+    balls.push_back(must(publisher.add(options)));
+  }
+  must(publisher.wait_applied(std::chrono::seconds(20)));
+  const auto started = Clock::now();
+  int moved = 0;
+  for (int flush = 0; flush < flushes; ++flush) {
+    for (int i = 0; i < each; ++i, ++moved) {
+      const int ball = moved % kBalls;
+      const double height = 200 + 1e-6 * moved;
+      must(publisher.move(balls[static_cast<std::size_t>(ball)], {.position = {1.0 * ball, 0, height}}));
+    }
+    must(publisher.flush());
+  }
+  const double flushed = microseconds(Clock::now() - started);
+  must(publisher.wait_applied(std::chrono::seconds(60)));
+  std::printf("%.3f %.3f\n", flushed, microseconds(Clock::now() - started));
+}
+
 int steps(collided::Client& client, const collided::ConnectOptions& connect) {
   std::string line;
   while (std::getline(std::cin, line)) {
@@ -202,6 +231,7 @@ int steps(collided::Client& client, const collided::ConnectOptions& connect) {
     if (what == "single") say_singles(singles(client, first));
     if (what == "batches") std::printf("%.3f\n", batches(client, first, second, third));
     if (what == "flood") flooded(client, connect, first, second);
+    if (what == "poses") poses(client, first, second);
     std::fflush(stdout);
   }
   return 0;

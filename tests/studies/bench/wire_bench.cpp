@@ -180,6 +180,25 @@ double ddsperf_ns(std::size_t bytes, int domain) {
   return 2e3 * median_us;
 }
 
+/// Poses until the server has applied them, and what they cost the publisher.
+void measure_poses(const bench::Options& options, Asker& asker) {
+  for (const int each : {1, 1'000}) {
+    const int flushes = (options.quick ? 10'000 : 100'000) / (each == 1 ? 1 : 20);
+    const std::string line = "poses " + std::to_string(flushes) + ' ' + std::to_string(each);
+    const double poses = static_cast<double>(flushes) * each;
+    std::vector<Method> methods{
+        {.name = "collided over DDS", .own_ns = [&] { return 1e3 * asker.ask(line)[1] / poses; }},
+        {.name = "flush alone", .own_ns = [&] { return 1e3 * asker.ask(line)[0] / poses; }}};
+    measure(options,
+            {.scene = "terrain",
+             .size = 1'000,
+             .name = "poses, " + std::to_string(each) + " a flush",
+             .questions = static_cast<std::size_t>(poses),
+             .on_the_wall = true},
+            methods);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -228,6 +247,7 @@ int main(int argc, char** argv) {
                 methods);
       }
     }
+    if (threads == 1 && options.wants("terrain", "poses")) measure_poses(options, asker);
     if (options.wants("terrain", "flood")) {
       const std::string count = std::to_string(singles / 5);
       const std::vector<double> alone = asker.ask("single " + count);
