@@ -141,14 +141,14 @@ void run_saved(const TriangleMesh& mesh, std::mt19937_64& random) {
   Repeats without_s;
   Repeats build_s;
   Repeats check_s;
-  std::shared_ptr<StaticScene> mapped;
-  std::shared_ptr<StaticScene> built;
+  IndexedScene mapped;
+  IndexedScene built;
   for (std::size_t i = 0; i < kRepeats; ++i) {
     without_s.s[i] = first_answer(without, built);
     with_s.s[i] = first_answer(with, mapped);
-    build_s.s[i] = built->tree.report().build_s;
-    check_s.s[i] = mapped->tree.report().build_s;
-    if (!mapped->tree.report().is_loaded) std::printf("  NOT LOADED\n");
+    build_s.s[i] = built.geometry->tree.report().build_s;
+    check_s.s[i] = mapped.geometry->tree.report().build_s;
+    if (!mapped.geometry->tree.report().is_loaded) std::printf("  NOT LOADED\n");
   }
   std::printf("  first answer after %.0f ms with, %.0f ms without; of that check %.0f ms, build %.0f ms\n",
               1e3 * with_s.median(), 1e3 * without_s.median(), 1e3 * check_s.median(), 1e3 * build_s.median());
@@ -156,14 +156,14 @@ void run_saved(const TriangleMesh& mesh, std::mt19937_64& random) {
   print_ratio("build over check", build_s, check_s);
   Repeats mapped_s;
   Repeats built_s;
-  const std::vector<Ray> rays = rays_through(built->tree.bounds(), 100'000, random);
+  const std::vector<Ray> rays = rays_through(built.geometry->tree.bounds(), 100'000, random);
   WalkCost cost;
   for (std::size_t i = 0; i < kRepeats; ++i) {
     double start = thread_seconds();
-    const double a = cast_all(mapped->tree, mapped->mesh, rays, cost);
+    const double a = cast_all(mapped.geometry->tree, mapped.geometry->mesh, rays, cost);
     mapped_s.s[i] = thread_seconds() - start;
     start = thread_seconds();
-    const double b = cast_all(built->tree, built->mesh, rays, cost);
+    const double b = cast_all(built.geometry->tree, built.geometry->mesh, rays, cost);
     built_s.s[i] = thread_seconds() - start;
     if (a != b) std::printf("  ANSWERS DIFFER\n");
   }
