@@ -30,7 +30,7 @@ fail() { echo "$*" >&2; exit 1; }
 # The second packing compiles everything anew, under other paths.
 "$source/deploy/package" --build "$build" --output "$work/packages"
 CCACHE_DISABLE=1 "$source/deploy/package" --build "$work/again" --output "$work/packages-again"
-[[ $(find "$work/packages" -name '*.deb' | wc -l) -eq 4 ]] || fail "not four packages"
+[[ $(find "$work/packages" -name '*.deb' | wc -l) -eq 5 ]] || fail "not five packages"
 for package in "$work"/packages/*.deb; do
   cmp "$package" "$work/packages-again/$(basename "$package")" || fail "two packings differ"
 done
@@ -123,6 +123,10 @@ done
 answer=$(in_root /usr/bin/env COLLIDED_DOMAIN=230 collide ray 0 0 5  0 0 -1 --fields answer,object) || {
   cat "$work/server.out"; fail "no answer"; }
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the packages' programs answer '$answer'"
+answer=$(in_root /usr/bin/env COLLIDED_DOMAIN=230 /usr/bin/python3 -c 'import collided
+print(collided.connect().ray((0, 0, 5), (0, 0, -1)).hits[0].object)') || fail "Python has no client"
+[[ $answer == warehouse/shelf_3/top ]] || fail "Python got '$answer'"
+find "$clean/usr/lib/python3" -name __pycache__ -newer "$work/before" -prune -exec rm -r {} +
 # The helpers run with the libraries that the packages ask for.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$clean/tmp/one.obj"
 (in_root /usr/bin/collide check /tmp/one.obj) | grep -q '1 triangle' || fail "collide does not find collided-files"
@@ -136,10 +140,10 @@ server=
 rm "$clean/tmp/one.obj"
 echo "installed, asked: $answer"
 
-as_dpkg --remove collide collided libcollided-dev libcollided1
+as_dpkg --remove collide collided python3-collided libcollided-dev libcollided1
 [[ -e $clean/etc/collided/collided.toml && ! -e $clean/usr/bin/collided ]] ||
   fail "removing does not leave just the configuration"
-as_dpkg --purge collide collided libcollided-dev libcollided1
+as_dpkg --purge collide collided python3-collided libcollided-dev libcollided1
 contents >"$work/after"
 diff "$work/before" "$work/after" || fail "purging leaves the files above"
 ! dpkg-query --admindir="$database" -W 'collide*' 'libcollided*' 2>/dev/null | grep . || fail "dpkg still knows them"

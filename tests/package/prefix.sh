@@ -48,7 +48,9 @@ share/collided/idl/collided.idl
 share/man/man1/collide.1
 share/man/man1/collided.1
 share/man/man7/collided-asking.7
+include/collided.h
 include/collided/client.hpp
+lib/python3/dist-packages/collided/__init__.py
 include/collided/vcollide.hpp
 ${lib#"$prefix"/}/cmake/Collided/CollidedConfig.cmake
 ${lib#"$prefix"/}/pkgconfig/collided.pc
@@ -75,6 +77,15 @@ answer=$("$prefix/bin/collide" ray 0 0 5  0 0 -1 --fields answer,object) || { ca
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the installed programs answer '$answer'"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$scratch/one.obj"
 "$prefix/bin/collide" check "$scratch/one.obj" | grep -q '1 triangle' || fail "collide does not find collided-files"
+
+# The Python client finds the library beside itself.
+if [[ -x /usr/bin/python3 ]]; then
+  answer=$(PYTHONPATH=$prefix/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -c '
+import collided
+with collided.connect() as c:
+    print(c.ray((0, 0, 5), (0, 0, -1)).hits[0].object)') || fail "Python has no client"
+  [[ $answer == warehouse/shelf_3/top ]] || fail "Python got '$answer'"
+fi
 
 # The library by pkg-config; which prefix it lies in is known from the .pc file alone.
 for module in collided collided-vcollide; do

@@ -111,6 +111,8 @@ ObjectDetails details_of(const json& answer) {
 }  // namespace
 
 Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
+  // Without one the server would hear of no shape at all.
+  if (object.shape.empty()) return client::bad_input("add: object '" + object.name + "': its shape has no part");
   const json arguments{{"name", object.name},    {"pose", list_of(object.pose)}, {"layers", object.layers},
                        {"mask", object.mask},    {"group", object.group},        {"scale", list_of(object.scale)},
                        {"moving", object.moving}};

@@ -1,0 +1,357 @@
+#ifndef COLLIDED_H
+#define COLLIDED_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* The C interface of the client of a collision server, for C programs and for other languages' foreign function calls.
+ * It lies over collided/client.hpp, whose texts say what each word means; here is how it is called.
+ *
+ * units    metres, seconds only where a name ends in _s, nanoseconds where it ends in _ns; quaternions w first
+ * errors   calls that return int return COLLIDED_OK (0) or another collided_code, and fill *error unless it is null.
+ *          No exception leaves the library
+ * sizes    the first member of each struct, `size`, is sizeof of the struct as the caller's header has it. The library
+ *          reads and writes no further than that, so a program built with an older header goes on working
+ * memory   what a function makes is given back by the function named beside it; null may be given back too
+ * threads  one client from several threads at once; any other object by one call at a time */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define COLLIDED_API __attribute__((visibility("default")))
+#else
+#define COLLIDED_API
+#endif
+
+typedef struct collided_client collided_client;
+typedef struct collided_answers collided_answers;
+typedef struct collided_watch collided_watch;
+typedef struct collided_publisher collided_publisher;
+
+/* COLLIDED_NOTHING is no error: there was no event in that time. The others are those of collided/result.hpp. */
+typedef enum collided_code {
+  COLLIDED_OK = 0,
+  COLLIDED_NOTHING = 1,
+  COLLIDED_BAD_INPUT = 2,
+  COLLIDED_NO_SERVER = 3,
+  COLLIDED_TIMEOUT = 4,
+  COLLIDED_REFUSED = 5,
+  COLLIDED_DISCONNECTED = 6,
+  COLLIDED_INTERNAL = 7
+} collided_code;
+
+typedef struct collided_error {
+  uint32_t size;
+  int32_t code;
+  int64_t retry_after_ns; /* refused: the server expects to have room after so long; 0: asking again does not help */
+  char message[1024];     /* zero-terminated; where, what, which value and which limit; cut off where it is longer */
+  char hint[512];         /* the next step or the consequence; may be empty */
+} collided_error;
+
+/* The version of the library, such as "0.2.0". */
+COLLIDED_API const char* collided_version(void);
+
+/* ---- Connecting ---- */
+
+/* Zero, null or an empty text: the default of collided::ConnectOptions. */
+typedef struct collided_connect_options {
+  uint32_t size;
+  int32_t domain;
+  const char* name_space;
+  const char* interface_name;
+  int64_t wait_ns;
+  const char* const* peers;
+  size_t peer_count;
+} collided_connect_options;
+
+/* options  null: from the environment, as the command line does
+ * returns  in *client, to be given to collided_close */
+COLLIDED_API int collided_connect(const collided_connect_options* options, collided_client** client,
+                                  collided_error* error);
+/* Waits for calls under way on other threads that hold a watch or publisher of it: those keep the connection. */
+COLLIDED_API void collided_close(collided_client* client);
+
+typedef struct collided_status {
+  uint32_t size;
+  uint32_t pid;
+  char name_space[64];
+  char version_text[32];
+  char state[16]; /* starting, recovering, ready, stopping */
+  uint64_t epoch;
+  uint64_t version;
+  int64_t world_time_ns;
+  uint64_t static_triangles;
+  uint64_t poses_applied;
+  uint64_t poses_dropped;
+  uint64_t questions_answered;
+  uint64_t questions_refused;
+  uint64_t undecided_answers;
+  uint32_t objects;
+  uint32_t moving;
+  uint32_t contacts;
+  int32_t contacts_truncated;
+} collided_status;
+
+/* What the server said of itself last. */
+COLLIDED_API int collided_get_status(collided_client* client, collided_status* status, collided_error* error);
+
+/* ---- Questions ---- */
+
+enum { COLLIDED_CLOSEST = 0, COLLIDED_ANY = 1, COLLIDED_ALL = 2 };                        /* mode */
+enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                        /* importance */
+enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 };   /* instant */
+enum { COLLIDED_MISS = 0, COLLIDED_HIT = 1, COLLIDED_UNDECIDED = 2, COLLIDED_INVALID = 3 }; /* verdict */
+
+/* Zero: the default of collided::AskOptions, but for `mask`, where 0 lets nothing answer: begin with
+ * collided_ask_defaults. */
+typedef struct collided_ask_options {
+  uint32_t size;
+  int32_t mode;
+  uint32_t mask;
+  uint32_t max_hits;
+  const char* only;
+  const char* skip;
+  double error_m;
+  int64_t deadline_ns;
+  int64_t timeout_ns;
+  int32_t fresh;
+  int32_t importance;
+  int32_t instant;
+  int64_t instant_ns;
+} collided_ask_options;
+COLLIDED_API void collided_ask_defaults(collided_ask_options* options, uint32_t size);
+
+/* Each asks 1 to 100,000 questions of one kind about one state of the world.
+ * arrays   row by row, three numbers a point; lengths_m and within_m may be null: unlimited; orientations (w x y z) may
+ *          be null: along the world's axes
+ * options  may be null
+ * answers  *answers is null, or the answers of an earlier call, whose memory is used again; to be given to
+ *          collided_free_answers. After an error it is as it was, or null */
+COLLIDED_API int collided_ask_rays(collided_client* client, size_t count, const double* origins,
+                                   const double* directions, const double* lengths_m,
+                                   const collided_ask_options* options, collided_answers** answers,
+                                   collided_error* error);
+COLLIDED_API int collided_ask_spheres(collided_client* client, size_t count, const double* centers,
+                                      const double* radii_m, const collided_ask_options* options,
+                                      collided_answers** answers, collided_error* error);
+COLLIDED_API int collided_ask_boxes(collided_client* client, size_t count, const double* centers, const double* half_m,
+                                    const double* orientations, const collided_ask_options* options,
+                                    collided_answers** answers, collided_error* error);
+COLLIDED_API int collided_ask_nearest(collided_client* client, size_t count, const double* points,
+                                      const double* within_m, const collided_ask_options* options,
+                                      collided_answers** answers, collided_error* error);
+COLLIDED_API void collided_free_answers(collided_answers* answers);
+
+/* What holds for all answers of a call. */
+typedef struct collided_answers_info {
+  uint32_t size;
+  int32_t has_oldest_pose; /* 0: only static geometry decided */
+  size_t questions;
+  size_t hits; /* of all questions together */
+  uint64_t epoch;
+  uint64_t version;
+  int64_t world_time_ns;
+  int64_t oldest_pose_age_ns;
+  int64_t compute_ns;
+} collided_answers_info;
+COLLIDED_API void collided_get_info(const collided_answers* answers, collided_answers_info* info);
+
+/* The caller's arrays; those that are null are not wanted. The first group has an entry for each question, the second
+ * for each hit, where the hits of a question follow each other, nearest (spheres, boxes: deepest) first. With
+ * first_hits set, the second group has an entry for each question too: its first hit, or NaN, 0 and 0xffffffff. */
+typedef struct collided_columns {
+  uint32_t size;
+  int32_t first_hits;
+  uint8_t* verdict;
+  uint8_t* reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
+  uint32_t* hit_count;
+  uint64_t* object_id;
+  uint32_t* triangle; /* 0xffffffff: none */
+  double* distance_m;
+  double* error_m;
+  double* exit_m;
+  double* point; /* three numbers an entry, as for normal and weights */
+  double* point_error_m;
+  double* normal;
+  double* weights;
+  double* time_low;
+  double* time_high;
+  uint8_t* inside;
+  uint8_t* stale;
+} collided_columns;
+COLLIDED_API void collided_read_columns(const collided_answers* answers, const collided_columns* columns);
+/* The name of the object of hit number `hit`, counted through all questions; valid until the answers are used again or
+ * freed. Null for a number that is too large. */
+COLLIDED_API const char* collided_hit_object(const collided_answers* answers, size_t hit);
+
+/* How two objects stand to each other; see collided::PairAnswer. */
+typedef struct collided_pair_answer {
+  uint32_t size;
+  int32_t verdict;
+  int32_t reason;
+  int32_t stale;
+  int32_t contained; /* 0: no; 1: a lies within b; 2: b within a */
+  uint32_t a_triangle;
+  uint32_t b_triangle;
+  uint64_t version;
+  double distance_m;
+  double depth_m;
+  double error_m;
+  double normal[3];
+  double on_a[3];
+  double on_b[3];
+  double point_error_m;
+  double point[3];
+} collided_pair_answer;
+COLLIDED_API int collided_pair(collided_client* client, const char* a, const char* b, int64_t timeout_ns,
+                               collided_pair_answer* answer, collided_error* error);
+
+/* ---- Objects ---- */
+
+typedef enum collided_kind {
+  COLLIDED_SPHERE = 0,       /* numbers: center 3, radius */
+  COLLIDED_BOX = 1,          /* half 3, center 3, orientation 4 */
+  COLLIDED_CAPSULE = 2,      /* a 3, b 3, radius */
+  COLLIDED_CYLINDER = 3,     /* a 3, b 3, radius */
+  COLLIDED_CONE = 4,         /* apex 3, base 3, radius */
+  COLLIDED_ELLIPSOID = 5,    /* half 3, center 3, orientation 4 */
+  COLLIDED_HALF_SPACE = 6,   /* normal 3, point 3 */
+  COLLIDED_HULL = 7,         /* points */
+  COLLIDED_MESH = 8,         /* points, triangles */
+  COLLIDED_HEIGHT_FIELD = 9, /* columns, spacing x, spacing y; points: one number each, the heights */
+  COLLIDED_CLOUD = 10,       /* radius; points */
+  COLLIDED_POLYLINE = 11     /* radius; points */
+} collided_kind;
+
+typedef struct collided_part {
+  uint32_t size;
+  int32_t kind;
+  double numbers[10];
+  const double* points;
+  size_t point_count;
+  const uint32_t* triangles; /* three point numbers each */
+  size_t triangle_count;
+} collided_part;
+
+/* An object to add: one or more parts that move as one. Begin with collided_object_defaults. */
+typedef struct collided_object {
+  uint32_t size;
+  uint32_t layers;
+  uint32_t mask;
+  uint32_t group;
+  int32_t moving;
+  int32_t lost_policy; /* 0 remove, 1 freeze, 2 hold */
+  const char* name;
+  const collided_part* parts;
+  size_t part_count;
+  double scale[3];
+  double position[3];
+  double orientation[4];
+} collided_object;
+COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
+
+/* Adds an object that stays until it is removed. *object_id may be null. */
+COLLIDED_API int collided_add(collided_client* client, const collided_object* object, uint64_t* object_id,
+                              collided_error* error);
+/* orientation  null: as the world's axes */
+COLLIDED_API int collided_move(collided_client* client, const char* name, const double* position,
+                               const double* orientation, int32_t teleport, collided_error* error);
+/* Removes by name or glob. *removed may be null. */
+COLLIDED_API int collided_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error);
+
+/* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes.
+ * answer  to be given to collided_free_text */
+COLLIDED_API int collided_command(collided_client* client, const char* name, const char* json_arguments,
+                                  int64_t timeout_ns, char** answer, collided_error* error);
+COLLIDED_API void collided_free_text(char* text);
+
+/* ---- Events ---- */
+
+/* News of a contact; see collided::Event. Texts are valid until the next call for this watch, in a callback until it
+ * returns. */
+typedef struct collided_event {
+  uint32_t size;
+  int32_t kind;   /* 0 open, 1 began, 2 persisted, 3 ended */
+  int32_t reason; /* as collided::EndReason */
+  int32_t doubt;  /* as collided::Doubt */
+  int32_t resync;
+  uint32_t a_triangle;
+  uint32_t b_triangle;
+  const char* a;
+  const char* b;
+  uint64_t a_id;
+  uint64_t b_id;
+  uint64_t epoch;
+  uint64_t sequence;
+  uint64_t episode;
+  int64_t world_time_ns;
+  int64_t began_ns;
+  double bracket_low_s;
+  double bracket_high_s;
+  double point[3];
+  double normal[3];
+  double depth_m;
+  double depth_error_m;
+  double relative_velocity[3];
+  double velocity_error;
+} collided_event;
+
+typedef struct collided_watch_options {
+  uint32_t size;
+  int32_t persisted;
+  const char* only;
+  const char* skip;
+  size_t capacity;  /* 0: the default */
+  int64_t since_ns; /* 0: from now on */
+} collided_watch_options;
+
+/* user  is what collided_watch_start was given */
+typedef void (*collided_event_callback)(const collided_event* event, void* user);
+
+/* options   may be null
+ * callback  null: for collided_watch_next. Else it runs on a thread of the library, one event at a time, and must not
+ *           close the watch
+ * returns   in *watch, to be given to collided_watch_close */
+COLLIDED_API int collided_watch_start(collided_client* client, const collided_watch_options* options,
+                                      collided_event_callback callback, void* user, collided_watch** watch,
+                                      collided_error* error);
+/* COLLIDED_NOTHING where no event comes within wait_ns. */
+COLLIDED_API int collided_watch_next(collided_watch* watch, int64_t wait_ns, collided_event* event,
+                                     collided_error* error);
+/* Events dropped since collided_watch_next was not called in time. */
+COLLIDED_API uint64_t collided_watch_lost(const collided_watch* watch);
+/* 1: the watch knows every contact that holds; 0: not yet, or something missed is being made up for. */
+COLLIDED_API int32_t collided_watch_in_step(const collided_watch* watch);
+/* Waits for a callback under way. */
+COLLIDED_API void collided_watch_close(collided_watch* watch);
+
+/* ---- Publishing ---- */
+
+/* returns  in *publisher, to be given to collided_publisher_close, which removes its objects */
+COLLIDED_API int collided_publish(collided_client* client, const char* name, collided_publisher** publisher,
+                                  collided_error* error);
+COLLIDED_API void collided_publisher_close(collided_publisher* publisher);
+COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const collided_object* object, uint32_t* handle,
+                                        collided_error* error);
+COLLIDED_API int collided_publisher_remove(collided_publisher* publisher, uint32_t handle, collided_error* error);
+/* The newest poses of `count` objects, sent by the next flush: positions three numbers each, orientations (w x y z) four,
+ * null: as the world's axes. The first that is refused ends the call; those before it are taken. */
+COLLIDED_API int collided_publisher_move(collided_publisher* publisher, size_t count, const uint32_t* handles,
+                                         const double* positions, const double* orientations, int32_t teleport,
+                                         collided_error* error);
+/* source_time_ns  0: now. *sequence may be null. */
+COLLIDED_API int collided_publisher_flush(collided_publisher* publisher, int64_t source_time_ns, uint64_t* sequence,
+                                          collided_error* error);
+COLLIDED_API int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeout_ns,
+                                                 collided_error* error);
+COLLIDED_API int collided_publisher_keep_alive(collided_publisher* publisher, collided_error* error);
+/* From now on each object moves between its own poses; see collided::Publisher::stream. */
+COLLIDED_API void collided_publisher_stream(collided_publisher* publisher);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,73 @@
+#include "client/library/c/values.hpp"
+
+namespace collided::c {
+
+static_assert(COLLIDED_ALL == static_cast<int>(HitMode::all) && COLLIDED_HIGH == static_cast<int>(Importance::high) &&
+              COLLIDED_BACK == static_cast<int>(Instant::Kind::back) &&
+              COLLIDED_INVALID == static_cast<int>(Verdict::invalid));
+
+namespace {
+
+int code_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::bad_input: return COLLIDED_BAD_INPUT;
+    case ErrorCode::no_server: return COLLIDED_NO_SERVER;
+    case ErrorCode::timeout: return COLLIDED_TIMEOUT;
+    case ErrorCode::refused: return COLLIDED_REFUSED;
+    case ErrorCode::disconnected: return COLLIDED_DISCONNECTED;
+    case ErrorCode::internal: break;
+  }
+  return COLLIDED_INTERNAL;
+}
+
+}  // namespace
+
+int fail(const Error& error, collided_error* target) {
+  collided_error told{};
+  told.code = code_of(error.code);
+  told.retry_after_ns = std::chrono::nanoseconds(error.retry_after).count();
+  put_text(error.message, told.message);
+  put_text(error.hint, told.hint);
+  const int code = told.code;
+  give(told, target);
+  return code;
+}
+
+Error missing(std::string_view what) {
+  return {ErrorCode::bad_input, std::string(what) + " is null", "nothing was sent"};
+}
+
+AskOptions ask_options(const collided_ask_options* options) {
+  collided_ask_options defaults;
+  collided_ask_defaults(&defaults, sizeof defaults);
+  const collided_ask_options given = taken(options, defaults);
+  AskOptions made;
+  made.mode = static_cast<HitMode>(given.mode);
+  made.mask = given.mask;
+  made.only = text(given.only);
+  made.skip = text(given.skip);
+  if (given.max_hits > 0) made.max_hits = given.max_hits;
+  made.error_m = given.error_m;
+  made.deadline = std::chrono::nanoseconds(given.deadline_ns);
+  if (given.timeout_ns != 0) made.timeout = std::chrono::nanoseconds(given.timeout_ns);
+  made.fresh = given.fresh != 0;
+  made.importance = static_cast<Importance>(given.importance);
+  made.as_of = {static_cast<Instant::Kind>(given.instant), std::chrono::nanoseconds(given.instant_ns)};
+  return made;
+}
+
+}  // namespace collided::c
+
+extern "C" {
+
+const char* collided_version(void) { return collided::library_version().data(); }
+
+void collided_ask_defaults(collided_ask_options* options, uint32_t size) {
+  if (!options) return;
+  options->size = size;
+  collided_ask_options defaults{};
+  defaults.mask = 0xffffffff;
+  collided::c::give(defaults, options);
+}
+
+}  // extern "C"

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <string_view>
+
+#include <collided.h>
+#include <collided/client.hpp>
+
+/// What crosses the C interface: structs that may be older than this library, texts that may be null, errors.
+namespace collided::c {
+
+/// The caller's struct as this library knows it: members that the caller's header has not are as in `defaults`.
+template <class T>
+T taken(const T* given, const T& defaults = {}) {
+  T value = defaults;
+  if (given) std::memcpy(&value, given, std::min<std::size_t>(given->size, sizeof value));
+  return value;
+}
+
+/// Writes as much of `value` as the caller's struct has room for.
+template <class T>
+void give(T value, T* target) {
+  if (!target) return;
+  value.size = target->size;
+  std::memcpy(target, &value, std::min<std::size_t>(target->size, sizeof value));
+}
+
+inline std::string text(const char* given) { return given ? given : ""; }
+
+/// Cut off where it is longer than the array; never within a UTF-8 character.
+template <std::size_t N>
+void put_text(std::string_view from, char (&to)[N]) {
+  std::size_t length = std::min(from.size(), N - 1);
+  while (length < from.size() && length > 0 && (static_cast<unsigned char>(from[length]) & 0xc0U) == 0x80) --length;
+  std::copy_n(from.data(), length, to);
+  to[length] = 0;
+}
+
+inline Vec3 vector(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+inline Quat rotation(const double* numbers) {
+  return numbers ? Quat(numbers[0], numbers[1], numbers[2], numbers[3]) : Quat::Identity();
+}
+inline void put(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); }
+
+/// Fills the caller's error and returns its code.
+int fail(const Error& error, collided_error* target);
+Error missing(std::string_view what);
+
+/// Runs a call and turns its Result, or whatever it throws, into a code.
+template <class Call>
+int guarded(collided_error* error, const Call& call) noexcept {
+  try {
+    const auto result = call();
+    return result ? static_cast<int>(COLLIDED_OK) : fail(result.error(), error);
+  } catch (const std::exception& thrown) { return fail({ErrorCode::internal, thrown.what(), ""}, error); } catch (...) {
+    return fail({ErrorCode::internal, "an unknown exception", ""}, error);
+  }
+}
+
+AskOptions ask_options(const collided_ask_options* options);
+/// Error bad_input for parts that cannot be meant.
+Result<ObjectOptions> object_options(const collided_object* object);
+
+}  // namespace collided::c
+
+struct collided_client {
+  collided::Client client;
+};

@@ -1,0 +1,82 @@
+"""Client of a Collided server: what does a ray, a sphere or a box meet, what touches what, and when did it begin.
+
+    import collided
+    with collided.connect() as c:
+        answers = c.rays(origins, directions)      # (n, 3) arrays, metres, world coordinates
+        print(answers.distance, answers.object)
+
+Metres everywhere; quaternions (w, x, y, z); times in seconds as float, world times in nanoseconds since 1970 as int.
+Calls raise a collided.Error, whose text says what to do next. An answer may be *undecided*, which is neither true nor
+false: bool() of it raises. numpy is used where it is installed, and not needed.
+
+It lies over the C interface of the client library (collided.h) by ctypes; nothing is compiled. The library is found as
+libcollided_client.so.1 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
+"""
+
+from ._answers import Answer, Answers, Hit, Undecided, Verdict
+from ._client import Client, PairAnswer, Status, connect
+from ._library import (
+    BadInput,
+    Disconnected,
+    Error,
+    InternalError,
+    NoServer,
+    Refused,
+    Timeout,
+    version,
+)
+from ._publisher import Publisher
+from ._shapes import (
+    Box,
+    Capsule,
+    Cloud,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    HeightField,
+    Hull,
+    Mesh,
+    Polyline,
+    Shape,
+    Sphere,
+)
+from ._watch import Event, Watch
+
+__version__ = version()
+
+__all__ = [
+    "Answer",
+    "Answers",
+    "BadInput",
+    "Box",
+    "Capsule",
+    "Client",
+    "Cloud",
+    "Cone",
+    "Cylinder",
+    "Disconnected",
+    "Ellipsoid",
+    "Error",
+    "Event",
+    "HalfSpace",
+    "HeightField",
+    "Hit",
+    "Hull",
+    "InternalError",
+    "Mesh",
+    "NoServer",
+    "PairAnswer",
+    "Polyline",
+    "Publisher",
+    "Refused",
+    "Shape",
+    "Sphere",
+    "Status",
+    "Timeout",
+    "Undecided",
+    "Verdict",
+    "Watch",
+    "connect",
+    "version",
+]

@@ -1,0 +1,282 @@
+"""Answers: yes, no, or undecided, and what was hit."""
+
+from __future__ import annotations
+
+import array
+import ctypes
+import enum
+from dataclasses import dataclass
+from typing import Any, Iterator
+
+from . import _numbers
+from ._library import AnswersInfo, Columns, Owned, library
+
+
+class Undecided(Exception):
+    """An answer that is neither yes nor no was taken for one of them."""
+
+
+class Verdict(enum.IntEnum):
+    """True or false where it is HIT or MISS. bool() of the others raises Undecided, since "not known to hit" must not be
+    read as "free"."""
+
+    MISS = 0
+    HIT = 1
+    UNDECIDED = 2
+    INVALID = 3
+
+    def __bool__(self) -> bool:
+        if self in (Verdict.UNDECIDED, Verdict.INVALID):
+            raise Undecided(f"the answer is {self.name.lower()}, which is neither a hit nor a miss")
+        return self is Verdict.HIT
+
+
+REASONS = ("", "numeric", "stale_object", "recovering", "truncated", "deadline", "not_covered")
+
+
+@dataclass(frozen=True)
+class Hit:
+    """What one question hit. Metres; |true distance - distance| <= error."""
+
+    object: str
+    triangle: int | None
+    distance: float
+    error: float
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    inside: bool
+    stale: bool
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to one question. As a truth value it is its verdict's."""
+
+    verdict: Verdict
+    reason: str  #: why it is undecided, such as "stale_object"; else empty
+    hits: tuple[Hit, ...]  #: nearest first, of spheres and boxes deepest first
+
+    def __bool__(self) -> bool:
+        return bool(self.verdict)
+
+
+# Name, element and numbers an entry of each column.
+_TYPES = {
+    "verdict": ("u1", "B", 1),
+    "reason": ("u1", "B", 1),
+    "hit_count": ("u4", "I", 1),
+    "object_id": ("u8", "Q", 1),
+    "triangle": ("u4", "I", 1),
+    "distance_m": ("f8", "d", 1),
+    "error_m": ("f8", "d", 1),
+    "exit_m": ("f8", "d", 1),
+    "point": ("f8", "d", 3),
+    "point_error_m": ("f8", "d", 1),
+    "normal": ("f8", "d", 3),
+    "weights": ("f8", "d", 3),
+    "inside": ("u1", "B", 1),
+    "stale": ("u1", "B", 1),
+}
+NO_TRIANGLE = 0xFFFFFFFF
+
+
+class Answers(Owned):
+    """The answers to one call, in the order of its questions, all about one state of the world.
+
+    The columns (distance, point, object and so on) are of each question's first hit; NaN, 0 or None where there is none.
+    They are numpy arrays where numpy is installed, else array.array or lists. hits() has all hits. A column is fetched
+    when it is first asked for. Given as `out=` to a later call, the memory is used again and the columns change.
+    """
+
+    _what = "the answers"
+
+    def __init__(self) -> None:
+        super().__init__(ctypes.c_void_p(), "free_answers")
+        self._columns: dict[tuple[str, bool], Any] = {}
+        self._info = AnswersInfo(size=ctypes.sizeof(AnswersInfo))
+        self._names: dict[int, str] = {}
+
+    def _empty(self) -> ctypes.c_void_p:
+        """Forgets what is there; returns where the next answers go."""
+        self._columns.clear()
+        self._names.clear()
+        self._info = AnswersInfo(size=ctypes.sizeof(AnswersInfo))
+        return self._handle
+
+    def _refill(self) -> None:
+        library.collided_get_info(self._handle, ctypes.byref(self._info))
+
+    def _column(self, name: str, first_hits: bool = True) -> Any:
+        kept = self._columns.get((name, first_hits))
+        if kept is not None:
+            return kept
+        of_question = name in ("verdict", "reason", "hit_count")
+        count = self._info.questions if first_hits or of_question else self._info.hits
+        dtype, code, width = _TYPES[name]
+        if _numbers.numpy is not None:
+            column = _numbers.numpy.empty((count, width) if width > 1 else count, dtype=dtype)
+            address = column.ctypes.data
+        else:
+            column = array.array(code, bytes(array.array(code).itemsize * count * width))
+            address = column.buffer_info()[0]
+        wanted = Columns(size=ctypes.sizeof(Columns), first_hits=1 if first_hits else 0, **{name: address})
+        library.collided_read_columns(self._handle, ctypes.byref(wanted))
+        self._columns[(name, first_hits)] = column
+        return column
+
+    @property
+    def epoch(self) -> int:
+        """Grows with each start of a server."""
+        return int(self._info.epoch)
+
+    @property
+    def version(self) -> int:
+        """Of the state of the world; grows with each change."""
+        return int(self._info.version)
+
+    @property
+    def world_time_ns(self) -> int:
+        """Of that state, since 1970, by the publishers' clocks."""
+        return int(self._info.world_time_ns)
+
+    @property
+    def compute(self) -> float:
+        """Seconds that the server took, summed over its messages."""
+        return float(self._info.compute_ns) * 1e-9
+
+    @property
+    def verdict(self) -> Any:
+        """(n,) of the numbers of Verdict: compare with Verdict.HIT and the others."""
+        return self._column("verdict")
+
+    @property
+    def reason(self) -> Any:
+        """(n,) numbers: 0 decided, 1 numeric, 2 stale_object, 3 recovering, 4 truncated, 5 deadline, 6 not_covered."""
+        return self._column("reason")
+
+    @property
+    def hit_count(self) -> Any:
+        """(n,) numbers of hits."""
+        return self._column("hit_count")
+
+    @property
+    def object_id(self) -> Any:
+        """(n,) the server's numbers of the objects."""
+        return self._column("object_id")
+
+    @property
+    def triangle(self) -> Any:
+        """(n,) numbers of triangles; 4294967295 where it is none."""
+        return self._column("triangle")
+
+    @property
+    def distance(self) -> Any:
+        """(n,) metres: of a ray from its origin, of a sphere or box the depth, of nearest from the point."""
+        return self._column("distance_m")
+
+    @property
+    def error(self) -> Any:
+        """(n,) metres; |true distance - distance| at most."""
+        return self._column("error_m")
+
+    @property
+    def exit(self) -> Any:
+        """(n,) metres: where a ray leaves a convex solid; else 0."""
+        return self._column("exit_m")
+
+    @property
+    def point(self) -> Any:
+        """(n, 3) metres, world coordinates."""
+        return self._column("point")
+
+    @property
+    def normal(self) -> Any:
+        """(n, 3) unit vectors: of rays against the ray, of nearest towards the point."""
+        return self._column("normal")
+
+    @property
+    def object(self) -> list[str | None]:
+        """Names of what was hit first; None where nothing was."""
+        names: list[str | None] = []
+        hit = 0
+        for count, number in zip(self.hit_count, self.object_id):
+            names.append(self._name(hit, int(number)) if count else None)
+            hit += int(count)
+        return names
+
+    def _name(self, hit: int, object_id: int) -> str:
+        name = self._names.get(object_id)
+        if name is None:
+            name = library.collided_hit_object(self._handle, hit).decode("utf-8", "surrogateescape")
+            self._names[object_id] = name
+        return name
+
+    def is_hit(self) -> Any:
+        """(n,) true or false. Raises Undecided where one of the answers is neither."""
+        for verdict in set(self.verdict.tolist()):
+            bool(Verdict(verdict))
+        if _numbers.numpy is not None:
+            return self.verdict == int(Verdict.HIT)
+        return [verdict == int(Verdict.HIT) for verdict in self.verdict]
+
+    def hits(self) -> Any:
+        """All hits of all questions as a structured numpy array: question, object_id, triangle, distance, error, point,
+        normal and so on; without numpy a list of (question, Hit)."""
+        if _numbers.numpy is None:
+            return [(i, hit) for i, answer in enumerate(self) for hit in answer.hits]
+        numpy = _numbers.numpy
+        fields = [name for name in _TYPES if name not in ("verdict", "reason", "hit_count")]
+        layout = [(name.removesuffix("_m"), _TYPES[name][0], (3,) if _TYPES[name][2] == 3 else ()) for name in fields]
+        table = numpy.empty(self._info.hits, dtype=[("question", "u4"), *layout])
+        table["question"] = numpy.repeat(numpy.arange(len(self), dtype="u4"), self.hit_count)
+        for name in fields:
+            table[name.removesuffix("_m")] = self._column(name, first_hits=False)
+        return table
+
+    def __len__(self) -> int:
+        return int(self._info.questions)
+
+    def __getitem__(self, index: int) -> Answer:
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"answer {index} of {len(self)}")
+        index %= len(self)
+        first = int(sum(self.hit_count[:index]))
+        return self._answer(index, first)
+
+    def __iter__(self) -> Iterator[Answer]:
+        first = 0
+        for index in range(len(self)):
+            yield self._answer(index, first)
+            first += int(self.hit_count[index])
+
+    def _answer(self, index: int, first: int) -> Answer:
+        reason = int(self.reason[index])
+        return Answer(
+            Verdict(int(self.verdict[index])),
+            REASONS[reason] if reason < len(REASONS) else str(reason),
+            tuple(self._hit(first + i) for i in range(int(self.hit_count[index]))),
+        )
+
+    def _hit(self, number: int) -> Hit:
+        def value(name: str) -> Any:
+            return self._column(name, first_hits=False)[number]
+
+        def triple(name: str) -> tuple[float, float, float]:
+            column = self._column(name, first_hits=False)
+            three = column[number] if _numbers.numpy is not None else column[3 * number : 3 * number + 3]
+            return float(three[0]), float(three[1]), float(three[2])
+
+        triangle = int(value("triangle"))
+        return Hit(
+            self._name(number, int(value("object_id"))),
+            None if triangle == NO_TRIANGLE else triangle,
+            float(value("distance_m")),
+            float(value("error_m")),
+            triple("point"),
+            triple("normal"),
+            bool(value("inside")),
+            bool(value("stale")),
+        )
+
+    def __bool__(self) -> bool:
+        raise Undecided("many answers are neither true nor false together; is_hit() has one for each question")

@@ -1,0 +1,369 @@
+"""The connection to one server."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import math
+from dataclasses import dataclass
+from typing import Any, Sequence
+
+from . import _numbers
+from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
+from ._library import (
+    AskOptions,
+    BadInput,
+    ConnectOptions,
+    CPairAnswer,
+    CStatus,
+    Owned,
+    WatchOptions,
+    call,
+    encoded,
+    library,
+    nanoseconds,
+)
+from ._numbers import Row, Rows
+from ._publisher import Publisher
+from ._shapes import Shape, encode_object
+from ._watch import Watch
+
+_MODES = {"closest": 0, "any": 1, "all": 2}
+_IMPORTANCES = {"normal": 0, "low": 1, "high": 2}
+
+
+@dataclass(frozen=True)
+class Status:
+    """What the server said of itself last."""
+
+    name_space: str
+    version_text: str
+    pid: int
+    state: str  #: starting, recovering, ready or stopping
+    epoch: int
+    version: int
+    world_time_ns: int
+    static_triangles: int
+    objects: int
+    moving: int
+    contacts: int
+    contacts_truncated: bool
+    poses_applied: int
+    poses_dropped: int
+    questions_answered: int
+    questions_refused: int
+    undecided_answers: int
+
+
+@dataclass(frozen=True)
+class PairAnswer:
+    """How two objects stand to each other. As a truth value it is its verdict's: they touch, or they do not."""
+
+    verdict: Verdict
+    reason: str
+    stale: bool
+    contained: str  #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
+    distance: float  #: of a miss; |truth - distance| <= error
+    depth: float  #: of a hit; |truth - depth| <= error
+    error: float
+    normal: tuple[float, float, float]  #: unit, from a to b
+    on_a: tuple[float, float, float]
+    on_b: tuple[float, float, float]
+    point: tuple[float, float, float]
+    a_triangle: int | None
+    b_triangle: int | None
+    version: int
+
+    def __bool__(self) -> bool:
+        return bool(self.verdict)
+
+
+def _triple(values: ctypes.Array[ctypes.c_double]) -> tuple[float, float, float]:
+    return values[0], values[1], values[2]
+
+
+def _chosen(value: str, known: dict[str, int], what: str) -> int:
+    if value not in known:
+        raise BadInput(f"{what} is {value!r}; known are {', '.join(known)}", "nothing was sent")
+    return known[value]
+
+
+def _set_instant(options: AskOptions, as_of: str | int) -> None:
+    if as_of == "latest":
+        return
+    if as_of == "settled":
+        options.instant = 1
+    elif isinstance(as_of, int) and not isinstance(as_of, bool):
+        options.instant, options.instant_ns = (2, as_of) if as_of >= 0 else (3, -as_of)
+    else:
+        raise BadInput(
+            f"as_of is {as_of!r}; known are 'latest', 'settled', nanoseconds since 1970, and minus the nanoseconds before now",
+            "nothing was sent",
+        )
+
+
+def _ask_options(
+    mode: str = "closest",
+    only: str = "",
+    skip: str = "",
+    mask: int = 0xFFFFFFFF,
+    max_hits: int | None = None,
+    error: float = 0.0,
+    deadline: float = 0.0,
+    timeout: float = 2.0,
+    fresh: bool = False,
+    as_of: str | int = "latest",
+    importance: str = "normal",
+) -> AskOptions:
+    options = AskOptions()
+    library.collided_ask_defaults(ctypes.byref(options), ctypes.sizeof(AskOptions))
+    options.mode = _chosen(mode, _MODES, "mode")
+    options.importance = _chosen(importance, _IMPORTANCES, "importance")
+    options.only = encoded(only, "only")
+    options.skip = encoded(skip, "skip")
+    if not 0 <= mask <= 0xFFFFFFFF:
+        raise BadInput(f"mask is {mask}; allowed are 0 to 4294967295", "nothing was sent")
+    options.mask = mask
+    if max_hits is not None:
+        if not 1 <= max_hits <= 0xFFFFFFFF:
+            raise BadInput(f"max_hits is {max_hits}; allowed from 1 on", "nothing was sent")
+        options.max_hits = max_hits
+    options.error_m = error
+    options.deadline_ns = nanoseconds(deadline, "deadline")
+    options.timeout_ns = nanoseconds(timeout, "timeout")
+    if options.timeout_ns == 0:
+        raise BadInput("timeout is 0 s; allowed above 0", "nothing was sent")
+    options.fresh = 1 if fresh else 0
+    _set_instant(options, as_of)
+    return options
+
+
+class Client(Owned):
+    """A connection to one server, made by connect(). Several threads may call at once.
+
+    Questions take these keywords:
+      mode        "closest" (default), "any" or "all": which hits of rays, spheres and boxes are wanted
+      only, skip  name globs of objects that may answer, and that are left out
+      mask        bits; objects with one of these layers may answer
+      max_hits    of each question; beyond it hits are cut off and the answer is undecided (truncated)
+      error       metres of error allowed in distances; 0: computed exactly where in doubt
+      deadline    seconds on the server; answers after it are undecided; 0: none
+      timeout     seconds that the call waits
+      fresh       answer only after what this client itself wrote last is applied
+      as_of       "latest" (default), "settled", nanoseconds since 1970, or minus nanoseconds before now
+      importance  "normal", "low" or "high"
+      out         Answers of an earlier call, whose memory is used again
+    """
+
+    _what = "the client"
+
+    def __init__(self, handle: ctypes.c_void_p) -> None:
+        super().__init__(handle, "close")
+
+    def _ask(self, name: str, arrays: Sequence[_numbers.Numbers | None], count: int, keywords: dict[str, Any]) -> Answers:
+        out = keywords.pop("out", None)
+        try:
+            options = _ask_options(**keywords)
+        except TypeError as cause:
+            raise BadInput(str(cause).replace("_ask_options()", name), "help(collided.Client) lists the keywords") from None
+        answers: Answers = Answers() if out is None else out
+        pointers = [None if numbers is None else numbers.pointer for numbers in arrays]
+        kept = answers._empty()
+        call(name, self._handle, count, *pointers, ctypes.byref(options), ctypes.byref(kept))
+        answers._refill()
+        return answers
+
+    def rays(self, origins: Rows, directions: Rows, lengths: Rows | Row | float | None = None, **options: Any) -> Answers:
+        """What do rays hit? origins and directions (n, 3), directions of any length but 0; lengths (n,) or one number in
+        metres, None: unlimited. 1 to 100,000 rays."""
+        first = _numbers.rows(origins, 3, "origins")
+        second = _numbers.rows(directions, 3, "directions")
+        third = None if lengths is None else _numbers.repeated(lengths, first.count, "lengths")
+        _numbers.same_length(first, "origins", second, "directions")
+        _numbers.same_length(first, "origins", third, "lengths")
+        return self._ask("ask_rays", (first, second, third), first.count, options)
+
+    def spheres(self, centers: Rows, radii: Rows | Row | float, **options: Any) -> Answers:
+        """What touches spheres, and how deep? centers (n, 3); radii (n,) or one number."""
+        first = _numbers.rows(centers, 3, "centers")
+        second = _numbers.repeated(radii, first.count, "radii")
+        _numbers.same_length(first, "centers", second, "radii")
+        return self._ask("ask_spheres", (first, second), first.count, options)
+
+    def boxes(self, centers: Rows, half: Rows, orientations: Rows | None = None, **options: Any) -> Answers:
+        """What touches boxes, and how deep? centers and half edges (n, 3); orientations (n, 4), w first, from each box's
+        axes to the world."""
+        first = _numbers.rows(centers, 3, "centers")
+        second = _numbers.rows(half, 3, "half")
+        third = None if orientations is None else _numbers.rows(orientations, 4, "orientations")
+        _numbers.same_length(first, "centers", second, "halves")
+        _numbers.same_length(first, "centers", third, "orientations")
+        return self._ask("ask_boxes", (first, second, third), first.count, options)
+
+    def nearest(self, points: Rows, within: Rows | Row | float | None = None, **options: Any) -> Answers:
+        """Which objects are nearest to points? points (n, 3); within (n,) or one number: the largest distance, None:
+        unlimited; max_hits: how many objects, 1 where it is not given."""
+        first = _numbers.rows(points, 3, "points")
+        second = None if within is None else _numbers.repeated(within, first.count, "within")
+        _numbers.same_length(first, "points", second, "within")
+        return self._ask("ask_nearest", (first, second), first.count, options)
+
+    def ray(self, origin: Row, direction: Row, length: float = math.inf, **options: Any) -> Answer:
+        """What does one ray hit?"""
+        return self.rays([list(origin)], [list(direction)], [length], **options)[0]  # type: ignore[arg-type]
+
+    def sphere(self, center: Row, radius: float, **options: Any) -> Answer:
+        """What touches one sphere?"""
+        return self.spheres([list(center)], [radius], **options)[0]  # type: ignore[arg-type]
+
+    def pair(self, a: str, b: str, timeout: float = 10.0) -> PairAnswer:
+        """Do two objects touch, how deep, or how far apart are they?"""
+        told = CPairAnswer(size=ctypes.sizeof(CPairAnswer))
+        names = encoded(a, "the name"), encoded(b, "the name")
+        call("pair", self._handle, *names, nanoseconds(timeout, "timeout"), ctypes.byref(told))
+        contained = ("", "a_in_b", "b_in_a")
+        return PairAnswer(
+            Verdict(told.verdict),
+            REASONS[told.reason] if told.reason < len(REASONS) else str(told.reason),
+            bool(told.stale),
+            contained[told.contained],
+            told.distance_m,
+            told.depth_m,
+            told.error_m,
+            _triple(told.normal),
+            _triple(told.on_a),
+            _triple(told.on_b),
+            _triple(told.point),
+            None if told.a_triangle == NO_TRIANGLE else told.a_triangle,
+            None if told.b_triangle == NO_TRIANGLE else told.b_triangle,
+            told.version,
+        )
+
+    def status(self) -> Status:
+        """What the server said of itself last, twenty times a second."""
+        told = CStatus(size=ctypes.sizeof(CStatus))
+        call("get_status", self._handle, ctypes.byref(told))
+        return Status(
+            told.name_space.decode("utf-8", "replace"),
+            told.version_text.decode("utf-8", "replace"),
+            told.pid,
+            told.state.decode("utf-8", "replace"),
+            told.epoch,
+            told.version,
+            told.world_time_ns,
+            told.static_triangles,
+            told.objects,
+            told.moving,
+            told.contacts,
+            bool(told.contacts_truncated),
+            told.poses_applied,
+            told.poses_dropped,
+            told.questions_answered,
+            told.questions_refused,
+            told.undecided_answers,
+        )
+
+    def add(
+        self,
+        name: str,
+        shape: Shape | Sequence[Shape],
+        position: Row = (0.0, 0.0, 0.0),
+        orientation: Row = (1.0, 0.0, 0.0, 0.0),
+        *,
+        scale: Row = (1.0, 1.0, 1.0),
+        layers: int = 1,
+        mask: int = 0xFFFFFFFF,
+        group: int = 0,
+        moving: bool = True,
+    ) -> int:
+        """Adds an object that stays until it is removed, even when this client has gone. Returns its number."""
+        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, "remove")
+        number = ctypes.c_uint64()
+        call("add", self._handle, ctypes.byref(made.value), ctypes.byref(number))
+        return number.value
+
+    def move(self, name: str, position: Row, orientation: Row = (1.0, 0.0, 0.0, 0.0), *, teleport: bool = False) -> None:
+        """Moves an object that has no living publisher. Contacts on the way count, unless it is teleported."""
+        at = _numbers.vector(position, 3, "position")
+        turned = _numbers.vector(orientation, 4, "orientation")
+        call("move", self._handle, encoded(name, "the name"), at, turned, int(teleport))
+
+    def remove(self, name: str) -> int:
+        """Removes objects by name or glob and returns how many."""
+        removed = ctypes.c_uint64()
+        call("remove", self._handle, encoded(name, "the name"), ctypes.byref(removed))
+        return removed.value
+
+    def load(self, path: str, timeout: float = 600.0, **arguments: Any) -> dict[str, Any]:
+        """Loads a file that the server can read, as a scene: meshes, clouds, tables of boxes, robots (.urdf). The
+        arguments are those of the command `load`, such as name, unit, up and replace."""
+        return self.command("load", timeout=timeout, path=path, **arguments)
+
+    def command(self, name: str, /, timeout: float = 10.0, **arguments: Any) -> dict[str, Any]:
+        """Sends any command; its answer as a dictionary."""
+        text = encoded(json.dumps(arguments), "the arguments")
+        said = ctypes.c_void_p()
+        call("command", self._handle, encoded(name, "the command"), text, nanoseconds(timeout, "timeout"), ctypes.byref(said))
+        try:
+            answer = ctypes.string_at(said) if said else b""
+        finally:
+            library.collided_free_text(said)
+        decoded = json.loads(answer) if answer else {}
+        return decoded if isinstance(decoded, dict) else {"answer": decoded}
+
+    def watch(self, only: str = "", skip: str = "", *, persisted: bool = False, capacity: int = 0, since_ns: int = 0) -> Watch:
+        """Subscribes to contact events. What holds already comes first, as events of kind "open"."""
+        options = WatchOptions(
+            size=ctypes.sizeof(WatchOptions),
+            persisted=int(persisted),
+            only=encoded(only, "only"),
+            skip=encoded(skip, "skip"),
+            capacity=capacity,
+            since_ns=since_ns,
+        )
+        started = ctypes.c_void_p()
+        call("watch_start", self._handle, ctypes.byref(options), None, None, ctypes.byref(started))
+        return Watch(started)
+
+    def publish(self, name: str) -> Publisher:
+        """Becomes a publisher of objects and their poses."""
+        made = ctypes.c_void_p()
+        call("publish", self._handle, encoded(name, "the publisher's name"), ctypes.byref(made))
+        return Publisher(made)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def connect(
+    domain: int | None = None,
+    name_space: str | None = None,
+    interface: str | None = None,
+    *,
+    peers: Sequence[str] = (),
+    wait: float = 2.0,
+) -> Client:
+    """Waits until a server answers, at most `wait` seconds.
+
+    Without arguments it looks where the environment says (COLLIDED_DOMAIN, else ROS_DOMAIN_ID, COLLIDED_NAMESPACE,
+    COLLIDED_INTERFACE), as the command line does; with one, nothing of the environment counts.
+    """
+    made = ctypes.c_void_p()
+    if domain is None and name_space is None and interface is None and not peers and wait == 2.0:
+        call("connect", None, ctypes.byref(made))
+        return Client(made)
+    addresses = (ctypes.c_char_p * len(peers))(*[encoded(peer, "peer") for peer in peers])
+    options = ConnectOptions(
+        size=ctypes.sizeof(ConnectOptions),
+        domain=domain or 0,
+        name_space=encoded(name_space or "", "name_space"),
+        interface_name=encoded(interface or "", "interface"),
+        wait_ns=nanoseconds(wait, "wait"),
+        peers=addresses,
+        peer_count=len(peers),
+    )
+    call("connect", ctypes.byref(options), ctypes.byref(made))
+    return Client(made)

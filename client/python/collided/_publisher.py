@@ -1,0 +1,92 @@
+"""A source of objects and their poses."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Sequence
+
+from . import _numbers
+from ._library import Owned, call, library, nanoseconds
+from ._numbers import Row, Rows
+from ._shapes import Shape, encode_object
+
+
+class Publisher(Owned):
+    """Objects live as long as their publisher, unless removed earlier. move() collects poses, flush() sends them.
+
+    Only calls tell the server that it is alive: after 500 ms without one it counts as lost, and each object's `lost`
+    says what becomes of it. The next call makes everything good again.
+    """
+
+    _what = "the publisher"
+
+    def __init__(self, handle: ctypes.c_void_p) -> None:
+        super().__init__(handle, "publisher_close")
+
+    def add(
+        self,
+        name: str,
+        shape: Shape | Sequence[Shape],
+        position: Row = (0.0, 0.0, 0.0),
+        orientation: Row = (1.0, 0.0, 0.0, 0.0),
+        *,
+        scale: Row = (1.0, 1.0, 1.0),
+        layers: int = 1,
+        mask: int = 0xFFFFFFFF,
+        group: int = 0,
+        moving: bool = True,
+        lost: str = "remove",
+    ) -> int:
+        """Defines an object and returns its handle. lost: "remove", "freeze" or "hold"."""
+        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, lost)
+        handle = ctypes.c_uint32()
+        call("publisher_add", self._handle, ctypes.byref(made.value), ctypes.byref(handle))
+        return handle.value
+
+    def remove(self, handle: int) -> None:
+        """Takes an object out of the world."""
+        call("publisher_remove", self._handle, handle)
+
+    def move(self, handle: int, position: Row, orientation: Row | None = None, *, teleport: bool = False) -> None:
+        """The newest pose of an object. Contacts on the way from its last pose count, unless it is teleported."""
+        handles = (ctypes.c_uint32 * 1)(handle)
+        at = _numbers.vector(position, 3, "position")
+        turned = None if orientation is None else _numbers.vector(orientation, 4, "orientation")
+        call("publisher_move", self._handle, 1, handles, at, turned, int(teleport))
+
+    def move_many(
+        self, handles: Rows | Sequence[int], positions: Rows, orientations: Rows | None = None, *, teleport: bool = False
+    ) -> None:
+        """The same for many: handles (n,), positions (n, 3), orientations (n, 4)."""
+        numbers = _numbers.rows(handles, 1, "handles", "I")
+        at = _numbers.rows(positions, 3, "positions")
+        turned = None if orientations is None else _numbers.rows(orientations, 4, "orientations")
+        _numbers.same_length(numbers, "handles", at, "positions")
+        _numbers.same_length(numbers, "handles", turned, "orientations")
+        pointer = None if turned is None else turned.pointer
+        call("publisher_move", self._handle, numbers.count, numbers.pointer, at.pointer, pointer, int(teleport))
+
+    def flush(self, source_time_ns: int = 0) -> int:
+        """Sends what was moved, and says that what was not moved has rested until then (0: now). Returns the number of
+        the last message."""
+        sequence = ctypes.c_uint64()
+        call("publisher_flush", self._handle, source_time_ns, ctypes.byref(sequence))
+        return sequence.value
+
+    def wait_applied(self, timeout: float = 10.0) -> None:
+        """Waits until the server has applied everything sent so far."""
+        call("publisher_wait_applied", self._handle, nanoseconds(timeout, "timeout"))
+
+    def keep_alive(self) -> None:
+        """Tells the server that this publisher is alive, without moving anything."""
+        call("publisher_keep_alive", self._handle)
+
+    def stream(self) -> None:
+        """From now on a flush says nothing about objects that were not moved: each moves between its own poses."""
+        library.collided_publisher_stream(self._handle)
+
+    def __enter__(self) -> Publisher:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,213 @@
+"""What objects are made of. Metres, in the object's own frame."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, field
+from typing import Any, Sequence, Union
+
+from . import _numbers
+from ._library import BadInput, CObject, CPart, encoded, library
+from ._numbers import Row, Rows
+
+_ORIGIN = (0.0, 0.0, 0.0)
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball."""
+
+    radius: float
+    center: Row = _ORIGIN
+
+
+@dataclass(frozen=True)
+class Box:
+    """half: half of each edge, along the box's own axes."""
+
+    half: Row
+    center: Row = _ORIGIN
+    orientation: Row = _UPRIGHT  # w, x, y, z: from the box's axes to the object's frame
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All points within radius of the segment from a to b."""
+
+    a: Row
+    b: Row
+    radius: float
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A capsule cut flat at a and b."""
+
+    a: Row
+    b: Row
+    radius: float
+
+
+@dataclass(frozen=True)
+class Cone:
+    """The base is a disc of that radius about `base`, at right angles to the axis from the apex."""
+
+    apex: Row
+    base: Row
+    radius: float
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """half: half axes, each above 0."""
+
+    half: Row
+    center: Row = _ORIGIN
+    orientation: Row = _UPRIGHT
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """All points behind a plane: normal . (x - point) <= 0. Its object must not move."""
+
+    normal: Row
+    point: Row = _ORIGIN
+
+
+@dataclass(frozen=True)
+class Hull:
+    """The convex hull of 4 to 4,096 points, (n, 3)."""
+
+    points: Rows
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A surface: vertices (n, 3) and triangles (m, 3) of vertex numbers."""
+
+    vertices: Rows
+    triangles: Rows
+
+
+@dataclass(frozen=True)
+class HeightField:
+    """Heights (rows, columns) over a grid that begins at the origin."""
+
+    heights: Rows
+    spacing_x: float = 1.0
+    spacing_y: float = 1.0
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """A ball about each of many points, (n, 3)."""
+
+    points: Rows
+    radius: float
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """A capsule from each point, (n, 3), to the next."""
+
+    points: Rows
+    radius: float
+
+
+Shape = Union[
+    Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, HalfSpace, Hull, Mesh, HeightField, Cloud, Polyline
+]
+LOST_POLICIES = {"remove": 0, "freeze": 1, "hold": 2}
+
+
+@dataclass
+class EncodedObject:
+    """An object as C takes it, with what it points to."""
+
+    value: CObject
+    kept: list[Any] = field(default_factory=list)
+
+
+def _numbers_of(part: Shape) -> tuple[int, list[float]]:
+    """The kind of a part and the numbers of its fixed size."""
+
+    def three(values: Row, what: str) -> list[float]:
+        return list(_numbers.vector(values, 3, what))
+
+    if isinstance(part, Sphere):
+        return 0, [*three(part.center, "center"), float(part.radius)]
+    if isinstance(part, (Box, Ellipsoid)):
+        turned = list(_numbers.vector(part.orientation, 4, "orientation"))
+        return 1 if isinstance(part, Box) else 5, [*three(part.half, "half"), *three(part.center, "center"), *turned]
+    if isinstance(part, (Capsule, Cylinder)):
+        return 2 if isinstance(part, Capsule) else 3, [*three(part.a, "a"), *three(part.b, "b"), float(part.radius)]
+    if isinstance(part, Cone):
+        return 4, [*three(part.apex, "apex"), *three(part.base, "base"), float(part.radius)]
+    if isinstance(part, HalfSpace):
+        return 6, [*three(part.normal, "normal"), *three(part.point, "point")]
+    if isinstance(part, (Cloud, Polyline)):
+        return 10 if isinstance(part, Cloud) else 11, [float(part.radius)]
+    raise BadInput(f"{type(part).__name__} is no shape", "shapes are collided.Sphere, collided.Box and so on")
+
+
+def _encode_part(part: Shape, kept: list[Any]) -> CPart:
+    encoded_part = CPart(size=ctypes.sizeof(CPart))
+    points: _numbers.Numbers | None = None
+    if isinstance(part, Hull):
+        encoded_part.kind, points = 7, _numbers.rows(part.points, 3, "points")
+    elif isinstance(part, Mesh):
+        encoded_part.kind, points = 8, _numbers.rows(part.vertices, 3, "vertices")
+        triangles = _numbers.rows(part.triangles, 3, "triangles", "I")
+        kept.append(triangles)
+        encoded_part.triangles, encoded_part.triangle_count = triangles.pointer, triangles.count
+    elif isinstance(part, HeightField):
+        heights: Sequence[Any] = part.heights  # type: ignore[assignment]
+        columns = len(heights[0]) if len(heights) > 0 else 0
+        encoded_part.kind = 9
+        encoded_part.numbers[0:3] = [columns, float(part.spacing_x), float(part.spacing_y)]
+        points = _numbers.rows([value for row in heights for value in row], 1, "heights")
+    else:
+        encoded_part.kind, numbers = _numbers_of(part)
+        encoded_part.numbers[0 : len(numbers)] = numbers
+        if isinstance(part, (Cloud, Polyline)):
+            points = _numbers.rows(part.points, 3, "points")
+    if points is not None:
+        kept.append(points)
+        encoded_part.points, encoded_part.point_count = points.pointer, points.count
+    return encoded_part
+
+
+def encode_object(
+    name: str,
+    shape: Shape | Sequence[Shape],
+    position: Row,
+    orientation: Row,
+    scale: Row,
+    layers: int,
+    mask: int,
+    group: int,
+    moving: bool,
+    lost: str,
+) -> EncodedObject:
+    """An object for the functions that add one."""
+    parts: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
+    if lost not in LOST_POLICIES:
+        raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
+    for value, what in ((layers, "layers"), (mask, "mask"), (group, "group")):
+        if not 0 <= value <= 0xFFFFFFFF:
+            raise BadInput(f"{what} is {value}; allowed are 0 to 4294967295", "nothing was sent")
+    made = EncodedObject(CObject())
+    library.collided_object_defaults(ctypes.byref(made.value), ctypes.sizeof(CObject))
+    encoded_parts = (CPart * len(parts))(*[_encode_part(part, made.kept) for part in parts])
+    made.kept.append(encoded_parts)
+    made.value.name = encoded(name, "the name")
+    made.value.parts = ctypes.cast(encoded_parts, ctypes.POINTER(CPart))
+    made.value.part_count = len(parts)
+    made.value.position = _numbers.vector(position, 3, "position")
+    made.value.orientation = _numbers.vector(orientation, 4, "orientation")
+    made.value.scale = _numbers.vector(scale, 3, "scale")
+    made.value.layers, made.value.mask, made.value.group = layers, mask, group
+    made.value.moving = 1 if moving else 0
+    made.value.lost_policy = LOST_POLICIES[lost]
+    return made

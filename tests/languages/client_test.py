@@ -1,0 +1,384 @@
+"""The Python client against a running server: what the command line answers is the judge, as a program of its own.
+
+usage: client_test.py COLLIDE DOMAIN [--without-numpy]
+"""
+
+import asyncio
+import gc
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+COLLIDE, DOMAIN = sys.argv[1], int(sys.argv[2])
+if "--without-numpy" in sys.argv:
+    sys.modules["numpy"] = None  # importing it fails from here on
+SEED = int(os.environ.get("COLLIDED_SEED") or 20261124)
+
+import collided  # noqa: E402
+from collided import Verdict  # noqa: E402
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+def said(question, lines):
+    """What the command line answers to questions: of each one the first line, which is its first hit."""
+    text = "".join(json.dumps(line) + "\n" for line in lines)
+    run = subprocess.run(
+        [COLLIDE, "--domain", str(DOMAIN), question, "-", "--json"], input=text, capture_output=True, text=True, check=False
+    )
+    first = {}
+    for line in map(json.loads, run.stdout.splitlines()):
+        first.setdefault(line["id"], line)
+    return list(first.values())
+
+
+def rays(count, seed=SEED):
+    source = random.Random(seed)
+    origins = [[source.uniform(-8, 8), source.uniform(-6, 6), source.uniform(0, 4)] for _ in range(count)]
+    directions = [[source.gauss(0, 1) for _ in range(3)] for _ in range(count)]
+    return origins, directions
+
+
+class WithServer(unittest.TestCase):
+    def setUp(self):
+        self.client = collided.connect(domain=DOMAIN)
+        self.addCleanup(self.client.close)
+
+
+class Questions(WithServer):
+    def test_rays_equal_the_command_lines(self):
+        origins, directions = rays(500)
+        answers = self.client.rays(origins, directions)
+        judged = said("ray", [{"from": o, "dir": d} for o, d in zip(origins, directions)])
+        self.assertEqual(len(answers), len(judged))
+        self.assertGreater(sum(1 for line in judged if line["answer"] == "hit"), 100)
+        self.assertGreater(sum(1 for line in judged if line["answer"] == "miss"), 10)
+        for answer, line in zip(answers, judged):
+            self.assertEqual(answer.verdict.name.lower(), line["answer"])
+            if answer.verdict == Verdict.HIT:
+                self.assertEqual(answer.hits[0].object, line["object"])
+                self.assertEqual(answer.hits[0].distance, line["distance"])  # to the last bit
+
+    def test_columns_are_of_each_first_hit(self):
+        origins, directions = rays(300, SEED + 1)
+        answers = self.client.rays(origins, directions, mode="all")
+        names = answers.object
+        for i, answer in enumerate(answers):
+            self.assertEqual(int(answers.hit_count[i]), len(answer.hits))
+            if answer.hits:
+                self.assertEqual(float(answers.distance[i]), answer.hits[0].distance)
+                self.assertEqual(names[i], answer.hits[0].object)
+            else:
+                self.assertTrue(math.isnan(float(answers.distance[i])))
+                self.assertIsNone(names[i])
+        self.assertGreater(max(len(answer.hits) for answer in answers), 1)
+        table = answers.hits()
+        self.assertEqual(len(table), sum(len(answer.hits) for answer in answers))
+
+    def test_lengths_cut_rays(self):
+        origins, directions = [[0, 0, 5]] * 3, [[0, 0, -1]] * 3
+        free = self.client.rays(origins, directions)
+        reach = free[0].hits[0].distance
+        cut = self.client.rays(origins, directions, [reach * 0.99, reach * 1.01, math.inf])
+        self.assertEqual([a.verdict for a in cut], [Verdict.MISS, Verdict.HIT, Verdict.HIT])
+        self.assertEqual(self.client.rays(origins, directions, 0.5)[2].verdict, Verdict.MISS)
+
+    def test_spheres_boxes_and_nearest_equal_the_command_lines(self):
+        source = random.Random(SEED + 2)
+        points = [[source.uniform(-8, 8), source.uniform(-6, 6), source.uniform(0, 3)] for _ in range(200)]
+        spheres = self.client.spheres(points, 0.4)
+        judged = said("sphere", [{"center": p, "radius": 0.4} for p in points])
+        self.assertEqual(len(judged), len(points))
+        for answer, line in zip(spheres, judged):
+            self.assertEqual(answer.verdict.name.lower(), line["answer"])
+            if answer.hits:
+                self.assertEqual(answer.hits[0].distance, line["depth"])
+        nearest = self.client.nearest(points)
+        for answer, line in zip(nearest, said("near", [{"point": p} for p in points])):
+            self.assertEqual(answer.hits[0].object, line["object"])
+            self.assertEqual(answer.hits[0].distance, line["distance"])
+        boxes = self.client.boxes(points, [[0.4, 0.4, 0.4]] * len(points))
+        turned = self.client.boxes(points, [[0.4, 0.4, 0.4]] * len(points), [[math.sqrt(0.5), 0, 0, math.sqrt(0.5)]] * len(points))
+        hits = [answer.verdict == Verdict.HIT for answer in boxes]
+        self.assertTrue(any(hits) and not all(hits))
+        # A cube turned by a quarter is the same cube; only where it merely touches may the rounded quaternion matter.
+        self.assertLess(sum(a != (t.verdict == Verdict.HIT) for a, t in zip(hits, turned)), 3)
+
+    def test_memory_of_earlier_answers_is_used_again(self):
+        origins, directions = rays(1000)
+        first = self.client.rays(origins, directions)
+        kept = list(first.distance)
+        second = self.client.rays(origins[:7], directions[:7], out=first)
+        self.assertIs(second, first)
+        self.assertEqual(len(second), 7)
+        self.assertEqual([x for x in second.distance if not math.isnan(x)], [x for x in kept[:7] if not math.isnan(x)])
+        with self.assertRaises(collided.BadInput):
+            self.client.rays([[0, 0, 0]], [[0, 0, 0]], out=first)
+        self.assertEqual(len(first), 0)  # nothing of the earlier ones is passed off as an answer
+
+    def test_undecided_is_neither_true_nor_false(self):
+        origins, directions = rays(200)
+        answers = self.client.rays(origins, directions, mode="all", max_hits=1)
+        cut = [answer for answer in answers if answer.verdict == Verdict.UNDECIDED]
+        self.assertTrue(cut)
+        self.assertEqual(cut[0].reason, "truncated")
+        for doubtful in (cut[0], cut[0].verdict, Verdict.INVALID):
+            with self.assertRaises(collided.Undecided):
+                bool(doubtful)
+        with self.assertRaises(collided.Undecided):
+            answers.is_hit()
+        with self.assertRaises(collided.Undecided):
+            bool(answers)
+
+    def test_pair(self):
+        self.client.add("py_box", collided.Box((0.5, 0.5, 0.5)), (100, 0, 0))
+        self.client.add("py_ball", collided.Sphere(0.5), (102, 0, 0))
+        try:
+            apart = self.client.pair("py_box", "py_ball")
+            self.assertFalse(apart)
+            self.assertAlmostEqual(apart.distance, 1.0, delta=apart.error + 1e-15)
+            self.client.move("py_ball", (100.75, 0, 0))
+            self.assertTrue(self.client.pair("py_box", "py_ball"))
+        finally:
+            self.assertEqual(self.client.remove("py_*"), 2)
+
+    def test_many_threads_ask_one_client(self):
+        origins, directions = rays(400)
+        wanted = self.client.rays(origins, directions).object
+        found = []
+
+        def ask():
+            for _ in range(5):
+                found.append(self.client.rays(origins, directions, timeout=20).object)
+
+        threads = [threading.Thread(target=ask) for _ in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(found, [wanted] * 30)
+
+
+@unittest.skipIf(numpy is None, "numpy is not installed")
+class Arrays(WithServer):
+    def test_contiguous_doubles_are_not_copied(self):
+        from collided import _numbers
+
+        array = numpy.zeros((10, 3))
+        self.assertEqual(_numbers.rows(array, 3, "it").pointer.value, array.ctypes.data)
+        array.setflags(write=False)
+        self.assertEqual(_numbers.rows(array, 3, "it").pointer.value, array.ctypes.data)
+
+    def test_other_layouts_answer_the_same(self):
+        origins, directions = rays(100)
+        wanted = self.client.rays(origins, directions).distance
+        o, d = numpy.array(origins), numpy.array(directions)
+        wide = numpy.zeros((100, 9))
+        wide[:, 2:5] = o
+        forms = [numpy.asfortranarray(o), wide[:, 2:5], o.astype(">f8"), o[::-1][::-1]]
+        for form in forms:
+            numpy.testing.assert_array_equal(self.client.rays(form, d).distance, wanted)
+        self.assertEqual(self.client.rays(o, d).point.shape, (100, 3))
+
+    def test_wrong_arrays_are_refused(self):
+        good = numpy.zeros((4, 3))
+        down = numpy.tile([0.0, 0.0, -1.0], (4, 1))
+        for bad in (
+            numpy.zeros((4, 2)),
+            numpy.zeros(3),
+            numpy.zeros((2, 3, 3)),
+            numpy.zeros((4, 3), dtype=complex),
+            numpy.zeros((4, 3), dtype=object),
+            numpy.zeros((4, 3), dtype=bool),
+            numpy.array([["a", "b", "c"]]),
+            numpy.zeros((3, 3)),
+            None,
+        ):
+            with self.assertRaises(collided.BadInput, msg=repr(bad)):
+                self.client.rays(bad, down)
+            with self.assertRaises(collided.BadInput):
+                self.client.rays(good, bad)
+
+    def test_a_hundred_thousand_rays(self):
+        origins, directions = rays(100_000)
+        answers = self.client.rays(numpy.array(origins), numpy.array(directions), timeout=60)
+        table = answers.hits()
+        self.assertEqual(len(answers), 100_000)
+        hit = answers.verdict == int(Verdict.HIT)
+        numpy.testing.assert_array_equal(table["distance"], answers.distance[hit])
+        numpy.testing.assert_array_equal(table["question"], numpy.flatnonzero(hit))
+
+
+class Refusals(WithServer):
+    def test_bad_input_says_what_is_wrong(self):
+        nan = math.nan
+        for wrong in (
+            lambda c: c.rays([[0, 0]], [[0, 0, 1]]),
+            lambda c: c.rays([[0, 0, 0]] * 2, [[0, 0, 1]]),
+            lambda c: c.rays([["a", 0, 0]], [[0, 0, 1]]),
+            lambda c: c.rays([[nan, 0, 0]], [[0, 0, 1]]),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 0]]),
+            lambda c: c.rays([], []),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], mode="first"),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], timeout=0),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], timeout=-1),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], as_of="yesterday"),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], mask=-1),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], max_hits=0),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], max_hit=1),
+            lambda c: c.rays([[0, 0, 0]], [[0, 0, 1]], only="a\0b"),
+            lambda c: c.spheres([[0, 0, 0]], -1.0),
+            lambda c: c.spheres([[0, 0, 0]], [1.0, 2.0]),
+            lambda c: c.add("x", "a box"),
+            lambda c: c.add("x", []),
+            lambda c: c.add("x", collided.Sphere(nan)),
+            lambda c: c.add("x", collided.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]])),
+            lambda c: c.add("x", collided.Mesh([[0, 0, 0]], [[-1, 0, 0]])),
+            lambda c: c.add("x", collided.HeightField([])),
+            lambda c: c.add("x", collided.Sphere(1), position=(0, 0)),
+        ):
+            with self.assertRaises(collided.BadInput) as told:
+                wrong(self.client)
+            self.assertGreater(len(str(told.exception)), 10)
+
+    def test_the_servers_no_is_an_error_with_its_reason(self):
+        with self.assertRaises(collided.Refused) as told:
+            self.client.pair("nosuch", "neither")
+        self.assertIn("nosuch", str(told.exception))
+        with self.assertRaises(collided.Refused):
+            self.client.add("", collided.Sphere(1))
+        with self.assertRaises(collided.Refused):
+            self.client.add("x", collided.Sphere(1), orientation=(2, 0, 0, 0))
+
+    def test_what_is_closed_says_so(self):
+        client = collided.connect(domain=DOMAIN)
+        watch = client.watch()
+        client.close()
+        client.close()
+        self.assertTrue(client.closed)
+        with self.assertRaises(collided.BadInput):
+            client.ray((0, 0, 5), (0, 0, -1))
+        self.assertIsNone(watch.next(0.0))  # it keeps the connection
+        watch.close()
+        with self.assertRaises(collided.BadInput):
+            watch.next(0.0)
+
+    def test_a_forked_child_is_told(self):
+        pid = os.fork()
+        if pid == 0:
+            try:
+                self.client.status()
+            except collided.BadInput as told:
+                os._exit(7 if "fork" in str(told) else 8)
+            finally:
+                os._exit(9)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), 7)
+        self.assertEqual(self.client.status().state, "ready")
+
+    def test_no_server(self):
+        with self.assertRaises(collided.NoServer):
+            collided.connect(domain=DOMAIN, name_space="nobody", wait=0.2)
+
+
+class World(WithServer):
+    SHAPES = [
+        collided.Sphere(0.3),
+        collided.Box((0.2, 0.3, 0.4)),
+        collided.Capsule((0, 0, 0), (0, 0, 1), 0.2),
+        collided.Cylinder((0, 0, 0), (0, 0, 1), 0.2),
+        collided.Cone((0, 0, 1), (0, 0, 0), 0.2),
+        collided.Ellipsoid((0.2, 0.3, 0.4)),
+        collided.HalfSpace((0, 0, 1), (0, 0, -1000)),
+        collided.Hull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+        collided.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+        collided.HeightField([[0, 0.1], [0.2, 0.3], [0, 0]], 0.5, 0.25),
+        collided.Cloud([[0, 0, 0], [1, 1, 1]], 0.1),
+        collided.Polyline([[0, 0, 0], [1, 1, 1], [2, 1, 1]], 0.1),
+    ]
+
+    def test_every_shape(self):
+        kinds = {}
+        for i, shape in enumerate(self.SHAPES):
+            moving = not isinstance(shape, collided.HalfSpace)
+            self.client.add(f"py_shape{i}", shape, (200 + 10 * i, 0, 0), moving=moving)
+            kinds[f"py_shape{i}"] = type(shape).__name__.lower()
+        try:
+            listed = self.client.command("list", name="py_shape*")
+            self.assertEqual(len(listed["objects"]), len(self.SHAPES), listed)
+            self.assertEqual(self.client.ray((200, 0, 5), (0, 0, -1), only="py_shape0").hits[0].distance, 4.7)
+            above = self.client.ray((290.25, 0.125, 5), (0, 0, -1), only="py_shape9").hits[0]
+            self.assertAlmostEqual(above.distance, 5 - 0.15, delta=1e-12)  # between 0, 0.1, 0.2 and 0.3
+        finally:
+            self.assertEqual(self.client.remove("py_shape*"), len(self.SHAPES))
+
+    def test_a_publisher_s_ball_meets_a_box_and_leaves(self):
+        self.client.add("py_wall", collided.Box((0.1, 1, 1)), (300, 0, 0))
+        events = []
+        with self.client.watch("py_wall") as watch, self.client.publish("py_mover") as publisher:
+            ball = publisher.add("py_mover/ball", collided.Sphere(0.2), (297, 0, 0))
+            publisher.flush()
+            publisher.wait_applied()
+            for i in range(61):
+                publisher.move_many([ball], [[297 + 0.1 * i, 0, 0]])
+                publisher.flush()
+                time.sleep(0.002)
+            publisher.wait_applied()
+            until = time.monotonic() + 20
+            while len(events) < 2 and time.monotonic() < until:
+                event = watch.next(0.5)
+                if event:
+                    events.append(event)
+            self.assertEqual(watch.lost, 0)
+        self.client.remove("py_wall")
+        self.assertEqual([event.kind for event in events], ["began", "ended"])
+        self.assertEqual({events[0].a, events[0].b}, {"py_wall", "py_mover/ball"})
+        self.assertEqual(events[1].reason, "separated")
+        self.assertEqual(events[1].episode, events[0].sequence)
+        self.assertLess(abs(abs(events[0].normal[0]) - 1), 1e-9)
+
+    def test_async_for(self):
+        async def first():
+            with self.client.watch("py_async*") as watch:
+                loop = asyncio.get_running_loop()
+                await loop.run_in_executor(None, self.client.add, "py_async_a", collided.Sphere(1), (400, 0, 0))
+                await loop.run_in_executor(None, self.client.add, "py_async_b", collided.Sphere(1), (401, 0, 0))
+                async for event in watch:
+                    return event
+
+        try:
+            event = asyncio.run(asyncio.wait_for(first(), 20))
+            self.assertEqual({event.a, event.b}, {"py_async_a", "py_async_b"})
+        finally:
+            self.client.remove("py_async*")
+
+    def test_nothing_is_left_behind(self):
+        def one():
+            answers = self.client.rays(*rays(1000))
+            return answers.distance
+
+        def resident():
+            with open("/proc/self/statm") as file:
+                return int(file.read().split()[1]) * 4096
+
+        for _ in range(50):
+            one()
+        gc.collect()
+        before = resident()
+        for _ in range(300):
+            one()
+        gc.collect()
+        self.assertLess(resident() - before, 8 << 20)  # kept answers would be some 60 MB
+
+
+if __name__ == "__main__":
+    print(f"COLLIDED_SEED={SEED}, numpy {'absent' if numpy is None else numpy.__version__}")
+    unittest.main(argv=[sys.argv[0]])
