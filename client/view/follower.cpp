@@ -83,6 +83,7 @@ void Follower::look_at_status() {
   const Result<std::string> text = client_.command(wire_contract::command::kFigures, "{}", {}, std::chrono::seconds(1));
   const std::optional<Figures> figures = text ? parse_figures(*text) : std::nullopt;
   const std::optional<Figures> before = std::exchange(figures_, figures);
+  observer_.totals(*status, figures);
   observer_.status(*status, before && figures ? std::optional(between(*before, *figures)) : std::nullopt);
 }
 

@@ -23,6 +23,8 @@ class Observer {
   virtual void poses(const Poses& poses) = 0;                                  // some objects have moved
   /// recent  what the server did since the last status
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
+  /// The same time's figures since the server's start, for who wants them; nothing where it did not say.
+  virtual void totals(const ServerStatus&, const std::optional<Figures>&) {}
   virtual void silent(double seconds) = 0;  // no answer for this long
 
   /// Another thread calls this, as soon as events come.

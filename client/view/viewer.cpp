@@ -11,6 +11,7 @@ namespace collided::view {
 namespace {
 
 constexpr std::string_view kLive = "/live";
+constexpr std::string_view kMetrics = "/metrics";
 constexpr std::string_view kDrawing = "/drawing.svg";
 
 std::string hello_text(const ViewerOptions& options) {
@@ -71,6 +72,7 @@ WebServer::Handlers Viewer::handlers() {
 std::optional<WebPage> Viewer::page(std::string_view target) const {
   const auto found = assets_.find(target);
   if (found != assets_.end()) return found->second;
+  if (target == kMetrics) return WebPage{"text/plain; version=0.0.4", make_bytes(metrics_.text())};
   if (!target.starts_with(kDrawing)) return feed_.page(target);
   Bytes drawing = drawer_->newest();
   return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;
@@ -139,7 +141,11 @@ void Viewer::Both::status(const ServerStatus& status, const std::optional<Figure
   pages_.status(status, recent);
   foxglove_.status(status, recent);
 }
+void Viewer::Both::totals(const ServerStatus& status, const std::optional<Figures>& since_start) {
+  metrics_.set(metrics_text(status, since_start));
+}
 void Viewer::Both::silent(double seconds) {
+  metrics_.set(metrics_text({}, {}));
   pages_.silent(seconds);
   foxglove_.silent(seconds);
 }

@@ -11,6 +11,7 @@
 #include "client/view/asker.hpp"
 #include "client/view/drawer.hpp"
 #include "client/view/foxglove.hpp"
+#include "client/view/metrics.hpp"
 #include "client/view/page_feed.hpp"
 #include "client/view/web_server.hpp"
 
@@ -43,19 +44,22 @@ class Viewer {
 
  private:
   using Connection = WebServer::Connection;
-  /// Passes everything on to both kinds of clients.
+  /// Passes everything on to both kinds of clients, and keeps the metrics for a third.
   class Both : public Observer {
    public:
-    Both(PageFeed& pages, Foxglove& foxglove) : pages_(pages), foxglove_(foxglove) {}
+    Both(PageFeed& pages, Foxglove& foxglove, Metrics& metrics)
+        : pages_(pages), foxglove_(foxglove), metrics_(metrics) {}
     void objects(const std::shared_ptr<const ShownObjects>& shown) override;
     void poses(const Poses& poses) override;
     void status(const ServerStatus& status, const std::optional<Figures>& recent) override;
+    void totals(const ServerStatus& status, const std::optional<Figures>& since_start) override;
     void silent(double seconds) override;
     void events(std::span<const Event> events) override;
 
    private:
     PageFeed& pages_;
     Foxglove& foxglove_;
+    Metrics& metrics_;
   };
 
   Viewer(Client& client, const ViewerOptions& options);
@@ -80,7 +84,8 @@ class Viewer {
   // Destroyed in reverse order: the asker's and the follower's threads use the web server, whose thread uses the feed.
   PageFeed feed_;
   Foxglove foxglove_;
-  Both both_{feed_, foxglove_};
+  Metrics metrics_;
+  Both both_{feed_, foxglove_, metrics_};
   std::unique_ptr<Drawer> drawer_;
   std::unique_ptr<WebServer> web_;
   std::unique_ptr<Asker> asker_;

@@ -82,6 +82,19 @@ TEST_F(Viewing, APageHearsOfEverything) {
   EXPECT_NE(page.read_until("no question").find("no question"), std::string::npos);
 }
 
+TEST_F(Viewing, PrometheusReadsTheSameFigures) {
+  ASSERT_NO_FATAL_FAILURE(start());
+  const std::string moving = "\ncollided_moving_objects 200\n";  // all that the publisher adds, one by one
+  EXPECT_NE(eventually_fetched("/metrics", moving).find(moving), std::string::npos);
+  const std::string up = eventually_fetched("/metrics", "collided_stage_seconds_total{stage=\"publish\"}");
+  EXPECT_NE(up.find("text/plain; version=0.0.4"), std::string::npos);
+  EXPECT_NE(up.find("\ncollided_up 1\n"), std::string::npos) << up;
+  server.reset();
+  const std::string down = eventually_fetched("/metrics", "\ncollided_up 0\n");
+  EXPECT_NE(down.find("\ncollided_up 0\n"), std::string::npos) << down;
+  EXPECT_EQ(down.find("collided_objects"), std::string::npos) << "what a silent server said before is not told as now";
+}
+
 TEST_F(Viewing, FoxgloveSeesTheSameWorld) {
   start();
   const LoudClient foxglove = open("/", "Sec-WebSocket-Protocol: foxglove.websocket.v1, foxglove.sdk.v1\r\n");

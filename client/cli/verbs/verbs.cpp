@@ -64,6 +64,8 @@ constexpr Verb kVerbs[] = {
      make_probe},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
+    {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
+     "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
     {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
     {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},

@@ -86,8 +86,10 @@ struct Course {
   /// Every mover moves once. Seconds of this thread.
   double round(std::vector<Batch>& batches) {
     const double started = bench::thread_seconds();
+    const std::int64_t now_ns = clock.now_ns();  // without an instant, every way of the past would wait to be decided
     for (Batch& batch : batches) {
       batch.wire->sequence_number = ++sequence;
+      batch.wire->source_time_ns = now_ns;
       std::unique_ptr<PoseSample> sample = inbox.spare();
       decode(*batch.wire, *sample);
       sample->received_ns = clock.now_ns();

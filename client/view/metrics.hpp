@@ -1,0 +1,36 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "client/view/figures.hpp"
+#include "collided/client.hpp"
+
+namespace collided::view {
+
+/// What a server says of itself, as Prometheus reads it (text format 0.0.4). Counts are since the server's start;
+/// durations are histograms with a bucket for each doubling, without a sum, which the server does not keep.
+///
+/// status   nothing: the server is silent, and `collided_up` is all there is
+/// figures  its answer to the command `figures`, since its start
+std::string metrics_text(const std::optional<ServerStatus>& status, const std::optional<Figures>& figures);
+
+/// The newest text, for who serves it. Threads: any.
+class Metrics {
+ public:
+  void set(std::string text) {
+    const std::lock_guard lock(mutex_);
+    text_ = std::move(text);
+  }
+  std::string text() const {
+    const std::lock_guard lock(mutex_);
+    return text_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string text_ = metrics_text({}, {});
+};
+
+}  // namespace collided::view
