@@ -131,7 +131,8 @@ struct TopicQos {
 
 inline constexpr TopicQos kObjectTopic{"object_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 inline constexpr TopicQos kPoseTopic{"pose_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
+/// A sample has up to 80 kB, so 1,024 that nobody has taken yet are at most 80 MB; the writers of more are held back.
+inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 1'024, false};
 inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 /// Contacts that go on, for subscribers that draw them: EventFrames of `persisted` only, first_sequence 0; written
