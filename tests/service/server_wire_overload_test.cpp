@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/service/server_process.hpp"
@@ -138,6 +140,42 @@ TEST_F(ServerWireOverload, AClassThatIsNoneIsRefused) {
   const auto heard = ask(asker, static_cast<Importance>(3));
   ASSERT_TRUE(is(heard, ReplyStatus::refused));
   EXPECT_NE(heard->text.find("importance 3"), std::string::npos) << heard->text;
+}
+
+/// What a process has in memory, or had at most, in MiB: a line of its status.
+double memory_mib(pid_t pid, const std::string& line_name) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(line_name)) return std::stod(line.substr(line_name.size())) / 1024;
+  }
+  return 0;
+}
+
+// Batches of 56 kB as fast as DDS takes them, each a request of its own: what waits in the reader (1,024), in the queue
+// (64 MB) and for a state (64 MB) is all that may pile up. The flood is of 670 MB.
+TEST_F(ServerWireOverload, AFloodOfLargeBatchesIsBoundedInBytes) {
+  testing_support::ChildProcess& server = start({"--threads", "1"});
+  WireAsker flooder(domain_, 0x3333);
+  WireAsker quiet(domain_, 0x4444, domain_ + 1'000);
+  ASSERT_TRUE(flooder.greet() && quiet.greet());
+  const double before = memory_mib(server.pid(), "VmHWM:");
+  std::vector<double> many;
+  for (int i = 0; i < 1'000; ++i) many.insert(many.end(), {0.005 * i, 0.5, 5, 0.1, 0.05, -1, 1'000});
+  for (int i = 0; i < 12'000; ++i) {
+    dds::Sample<wire::Query> query;
+    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+    query->mask = 0xffffffff;
+    query->max_hits = 8;
+    test::put_questions(*query, many);
+    flooder.send(*query);
+    if (i % 500 == 0) flooder.forget_replies();
+    if (i % 3'000 == 1'500) ASSERT_TRUE(ask(quiet, Importance::high)) << "others are answered meanwhile";
+  }
+  const double most = memory_mib(server.pid(), "VmHWM:");
+  std::printf("before %.0f MiB, at most %.0f MiB\n", before, most);
+  ASSERT_GT(before, 1);
+  EXPECT_LT(most - before, 320);
+  ASSERT_TRUE(ask(quiet, Importance::normal));
 }
 
 }  // namespace
