@@ -1,5 +1,7 @@
 #include "server/service/ingest/listeners.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <new>
 #include <set>
@@ -93,10 +95,13 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
 }
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
-                     Inbox& inbox, Answering& answering, FlightRecorder* flight)
+                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
+      peers_(peers),
+      definers_(peers),
+      query_writers_(peers),
       object_writers_(inbox, owners_, WriterKind::object),
       pose_writers_(inbox, owners_, WriterKind::pose),
       object_topic_(participant, name_space),
@@ -112,13 +117,31 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
           {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
            .liveliness =
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
-      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) {
-                      take_or_end([&] { answering.listen(taker); });
-                    }}) {
+      query_reader_(
+          query_topic_,
+          {.data = [&answering](dds::Taker<wire::Query> taker) { take_or_end([&] { answering.listen(taker); }); },
+           // With keys, each right to send queries is a partition.
+           .partition = peers == nullptr ? "" : "*"}) {
   // A callback that came before its reader was there has left the samples with it.
   has_readers_.store(true);
   take_definitions(object_reader_.taker());
   take_poses(pose_reader_.taker());
+}
+
+std::vector<std::uint64_t> Listeners::query_owners() {
+  std::vector<std::uint64_t> owners = query_reader_.matched_writer_handles();
+  if (peers_ == nullptr) return owners;
+  for (std::uint64_t& owner : owners) owner = query_writers_.of(query_reader_.get(), owner).participant;
+  return owners;
+}
+
+/// Why the keys of the writer do not allow this object; empty where they do.
+std::string Listeners::why_not_allowed(const wire::Definition& definition, std::uint64_t writer) {
+  if (peers_ == nullptr || definition.removed) return {};
+  const QuerySender& from = definers_.of(object_reader_.get(), writer);
+  if (!from.peer) return "whoever publishes it has not proved who it is";
+  if (from.peer->may_name(definition.name)) return {};
+  return fmt::format("the keys of '{}' are for {}", from.peer->name, fmt::join(from.peer->objects, ", "));
 }
 
 void Listeners::drop_unmatched_writers() {
@@ -146,7 +169,9 @@ void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
       const auto participant_of = [&] { return dds::participant_of(object_reader_.get(), writer); };
       if (!object_writers_.admits(writer, loans[i].publisher, participant_of)) continue;
       if (flight_) flight_->note(recording::Recorded::object, loans[i], loans.info(i).source_timestamp);
-      inbox_.push(decoded(loans[i]));
+      std::unique_ptr<DefinitionSample> sample = decoded(loans[i]);
+      sample->not_allowed = why_not_allowed(loans[i], writer);
+      inbox_.push(std::move(sample));
     }
   }
 }

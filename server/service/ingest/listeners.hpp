@@ -13,6 +13,7 @@
 #include "server/service/ingest/inbox.hpp"
 #include "server/service/ingest/publisher_owners.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/service/questions/participants.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/clock.hpp"
 
@@ -63,11 +64,13 @@ class PublisherLiveliness {
 class Listeners {
  public:
   /// flight  records definitions and poses (Answering records the questions); null: none
+  /// peers   who may what; null: no keys
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
-            Answering& answering, FlightRecorder* flight);
+            Answering& answering, FlightRecorder* flight, KeyedPeers* peers);
 
-  /// Publication handles of the query writers that are matched now.
-  std::vector<std::uint64_t> query_writers() const { return query_reader_.matched_writer_handles(); }
+  /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
+  /// their participants. One thread.
+  std::vector<std::uint64_t> query_owners();
 
   /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
   /// thread.
@@ -78,11 +81,15 @@ class Listeners {
 
  private:
   void take_definitions(const dds::Taker<wire::Definition>& taker);
+  std::string why_not_allowed(const wire::Definition& definition, std::uint64_t writer);
   void take_poses(const dds::Taker<wire::PoseBatch>& taker);
 
   const WorldClock& clock_;
   Inbox& inbox_;
   FlightRecorder* const flight_;
+  KeyedPeers* const peers_;
+  Participants definers_;       // under taking_definitions_
+  Participants query_writers_;  // of query_owners()
   PublisherOwners owners_;
   PublisherLiveliness object_writers_;
   PublisherLiveliness pose_writers_;
