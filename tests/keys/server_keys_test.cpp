@@ -5,6 +5,7 @@
 
 #include "client/keys/certificates.hpp"
 #include "collided/client.hpp"
+#include "idl/dds.hpp"
 #include "tests/keys/key_folders.hpp"
 #include "tests/service/eventually.hpp"
 #include "tests/service/server_process.hpp"
@@ -58,6 +59,99 @@ TEST_F(ServerWithKeys, EachRoleDoesWhatItMayAndNoMore) {
   const Ended added = collide(admin, add);
   EXPECT_EQ(added.code, 0) << added.errors;
   EXPECT_EQ(collide(asker, {"ls"}).code, 0);
+}
+
+/// A client that speaks the wire itself.
+class RawClient {
+ public:
+  RawClient(int domain, const std::string& keys, const std::string& partition)
+      : participant_({.domain = domain, .keys = keys}),
+        query_topic_(participant_, "collided"),
+        reply_topic_(participant_, "collided"),
+        reader_(reply_topic_, {.partition = wire_contract::reply_partition(kClient)}),
+        writer_(query_topic_, {.partition = partition}) {}
+
+  /// The text of the reply to a request of this kind, or "no reply".
+  std::string ask(wire_contract::RequestKind kind, const std::string& text = {}) {
+    dds::Sample<wire::Query> query;
+    dds::Sample<wire::Reply> reply;
+    query->client = kClient;
+    query->request = ++request_;
+    query->chunk_count = 1;
+    query->kind = static_cast<std::uint8_t>(kind);
+    static_cast<void>(dds::set_text(query->text, text));
+    std::string said = "no reply";
+    test::eventually([&] {
+      // Until the server's reader is matched, what is sent is lost.
+      if (writer_.matched_readers() > 0 && !writer_.write(*query)) return false;
+      std::this_thread::sleep_for(20ms);
+      while (reader_.take(reply)) {
+        if (!reply.info().valid_data || reply->request != request_) continue;
+        const auto bytes = dds::view(reply->text);
+        said.assign(bytes.begin(), bytes.end());
+      }
+      return said != "no reply";
+    });
+    return said;
+  }
+
+ private:
+  static constexpr std::uint64_t kClient = 4711;
+  std::uint64_t request_ = 0;
+  dds::Participant participant_;
+  dds::Topic<wire::Query> query_topic_;
+  dds::Topic<wire::Reply> reply_topic_;
+  dds::Reader<wire::Reply> reader_;
+  dds::Writer<wire::Query> writer_;
+};
+
+// DDS lets an asker into the partition of askers; what is sent there is up to him.
+TEST_F(ServerWithKeys, ACommandInAQuestionsPlaceIsRefused) {
+  start_with_keys();
+  RawClient client(domain_, folders_.of("planner", {KeyRole::asker}), "ask");
+  EXPECT_EQ(client.ask(wire_contract::RequestKind::hello), "");
+  const std::string listed = client.ask(wire_contract::RequestKind::command, R"({"command":"list"})");
+  EXPECT_TRUE(says(listed, "warehouse")) << listed;
+  for (const char* command : {R"({"command":"clear"})", R"({"command":"upload","file":"x","bytes":1,"checksum":0})",
+                              R"({"command":"recording","last_s":0})"}) {
+    const std::string refused = client.ask(wire_contract::RequestKind::command, command);
+    EXPECT_TRUE(says(refused, "the keys give no right")) << command << ": " << refused;
+  }
+  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::command, R"({"command":"list"})"), "warehouse"));
+}
+
+TEST_F(ServerWithKeys, AQuestionInAGreetingsPlaceIsRefused) {
+  start_with_keys();
+  RawClient client(domain_, folders_.of("screen", {KeyRole::watcher}), "greet");
+  EXPECT_EQ(client.ask(wire_contract::RequestKind::hello), "");
+  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::ray), "no right to ask questions"));
+  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::command, R"({"command":"list"})"), "no right to ask"));
+}
+
+TEST_F(ServerWithKeys, TheVerbMakesFoldersAndPrintsNoKey) {
+  const std::string dir = folder_.path() + "/keys";
+  std::string printed;
+  const auto keys = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "keys");
+    words.insert(words.end(), {"--dir", dir});
+    const Ended ended = collide("", words);
+    printed += ended.output + ended.errors;
+    return ended.code;
+  };
+  EXPECT_EQ(keys({"add", "brain", "--role", "server"}), 2) << "no authority yet";
+  EXPECT_EQ(keys({"init"}), 0);
+  EXPECT_EQ(keys({"init"}), 2) << "never over another";
+  EXPECT_EQ(keys({"add", "brain", "--role", "server"}), 0);
+  EXPECT_EQ(keys({"add", "robot7", "--role", "publisher,watcher", "--objects", "robot7/*", "--days", "7"}), 0);
+  EXPECT_EQ(keys({"add", "x", "--role", "king"}), 2);
+  EXPECT_EQ(keys({"check"}), 0);
+  std::filesystem::remove(dir + "/robot7/key.pem");
+  EXPECT_EQ(keys({"check"}), 1);
+  EXPECT_EQ(keys({"revoke", "robot7"}), 0);
+  EXPECT_EQ(keys({"revoke", "nobody"}), 2);
+  EXPECT_FALSE(says(printed, "PRIVATE")) << printed;
+  EXPECT_TRUE(says(printed, dir + "/robot7/key.pem: No such file")) << printed;
+  start({"--keys", dir + "/brain"});
 }
 
 TEST_F(ServerWithKeys, WhoHasNoneFindsNoServer) {
