@@ -23,7 +23,7 @@ struct TopicRights {
   std::set<std::string> read;
   std::set<wire_contract::QueryRight> queries;
 };
-/// What the roles may write and read: the table in deploy/docs/keys.md.
+/// What the roles may write and read: the table in deploy/docs/roles.md.
 TopicRights rights_of(std::span<const KeyRole> roles);
 
 }  // namespace collided::keys

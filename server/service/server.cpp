@@ -68,7 +68,7 @@ unsigned thread_count(const Options& options) {
 
 dds::Participant join(const Options& options, spdlog::logger& log) {
   if (options.keys.empty() && options.interface != "lo") {
-    log.warn("interface '{}' without keys: whoever reaches it may ask, change and publish; collide help keys",
+    log.warn("interface '{}' without keys: whoever reaches it may ask, change and publish; collide help roles",
              options.interface);
   }
   try {

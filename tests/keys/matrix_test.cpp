@@ -1,4 +1,4 @@
-// Each role with every topic, both ways: what gets through is what the table in deploy/docs/keys.md says. Everybody here
+// Each role with every topic, both ways: what gets through is what the table in deploy/docs/roles.md says. Everybody here
 // speaks DDS by himself and does not keep to his own permissions, so what is refused was refused by the other side.
 #include <gtest/gtest.h>
 
@@ -106,7 +106,7 @@ std::string row_of_guide(const std::string& name) {
 }
 
 TEST(Guide, ItsTableIsTheRights) {
-  std::ifstream file(COLLIDED_SOURCE_DIR "/deploy/docs/keys.md");
+  std::ifstream file(COLLIDED_SOURCE_DIR "/deploy/docs/roles.md");
   std::ostringstream guide;
   guide << file.rdbuf();
   for (const Way& way : ways())

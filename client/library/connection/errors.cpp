@@ -11,8 +11,9 @@ Error bad_input(std::string message, std::string hint) {
 
 Error failure_of(const dds::DdsError& failed) {
   if (dynamic_cast<const dds::NotAllowedError*>(&failed) == nullptr) return {ErrorCode::internal, failed.what(), ""};
-  return {ErrorCode::refused, failed.what(),
-          "where the authority is: collide keys add NAME --role ROLE; `collide help keys` has the rights of each role"};
+  return {
+      ErrorCode::refused, failed.what(),
+      "where the authority is: collide keys add NAME --role ROLE; `collide help roles` has the rights of each role"};
 }
 
 std::string words(double value) {

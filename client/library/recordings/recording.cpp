@@ -132,7 +132,7 @@ Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_pt
     state->thread_ = std::thread([raw = state.get()] { raw->run(); });
     return state;
   } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
+    return client::failure_of(failed);
   } catch (const std::runtime_error& failed) { return client::bad_input(failed.what()); }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <pugixml.hpp>
+#include <utility>
 
 #include "idl/dds.hpp"
 #include "idl/glob.hpp"
@@ -83,6 +84,7 @@ std::string KeyedPeers::look_for_revoked() {
   try {
     const auto serials = keys::revoked_serials(keys::read_key_file(path), identity_authority_, path);
     proven_.revoke(serials);
+    if (std::exchange(revoked_count_, serials.size()) == serials.size()) return {};
     return fmt::format("{} certificates are revoked", serials.size());
   } catch (const keys::KeyError& wrong) {
     return fmt::format("{}; who was revoked before stays so, nobody else is", wrong.what());

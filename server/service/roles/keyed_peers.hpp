@@ -56,6 +56,7 @@ class KeyedPeers {
   std::map<dds::GuidPrefix, Read> read_;     // of late: verifying a signature takes as long as a thousand questions
   std::filesystem::file_time_type read_at_;  // the list's time when it was read
   std::int64_t looked_ns_ = 0;
+  std::size_t revoked_count_ = 0;  // of the list as it was read
 };
 
 /// The library beside the program or where it was installed. Throws DdsError where there is none.
