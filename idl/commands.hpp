@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
+
+#include "idl/topics.hpp"
 
 /// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}. The reply's text is the
 /// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
@@ -135,5 +138,15 @@ inline constexpr const char* kMore = "more";
 
 /// -> Poses of all moving objects, up to 400,000
 inline constexpr const char* kPoses = "poses";
+
+/// The right that a command needs.
+///
+/// has_upload  its arguments name an upload
+inline QueryRight right_for(std::string_view name, bool has_upload) {
+  if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
+  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAcceptLoss, kRecording})
+    if (name == change) return QueryRight::change;
+  return QueryRight::ask;
+}
 
 }  // namespace collided::wire_contract::command

@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <limits>
 
+#include "idl/dds_security.hpp"
+#include "idl/keys/key_folder.hpp"
+
 namespace collided::dds {
 namespace {
 
@@ -107,8 +110,12 @@ std::string peers_config(const ParticipantOptions& options) {
 }  // namespace
 
 dds_return_t check(dds_return_t code, std::string_view what) {
-  if (code < 0) { throw DdsError(std::string(what) + ": " + dds_strretcode(-code)); }
-  return code;
+  if (code >= 0) { return code; }
+  const std::string message = std::string(what) + ": " + dds_strretcode(-code);
+  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+    throw NotAllowedError(message + ": the keys of this process do not give the right to it");
+  }
+  throw DdsError(message);
 }
 
 void Entity::reset() {
@@ -145,7 +152,8 @@ std::string domain_config(const ParticipantOptions& options) {
          heartbeat + "<WriterLingerDuration>" + linger +
          "</WriterLingerDuration>"
          "<Watermarks><WhcHigh>16MB</WhcHigh><WhcHighInit>4MB</WhcHighInit><WhcLow>1MB</WhcLow></Watermarks>"
-         "</Internal></Domain>";
+         "</Internal>" +
+         security_config(options.keys, options.handshake) + "</Domain>";
 }
 
 Participant::Participant(const ParticipantOptions& options) {
@@ -157,6 +165,13 @@ Participant::Participant(const ParticipantOptions& options) {
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   configured_by_environment_ = uri != nullptr && *uri != 0;
   const std::string where = "domain " + std::to_string(options.domain) + ", interface '" + options.interface + "': ";
+  if (!options.keys.empty()) {
+    // That configuration may name no keys, and all would go over the network in the clear.
+    if (configured_by_environment_) throw KeysError(where + "CYCLONEDDS_URI is set, so keys cannot be used; unset it");
+    try {
+      keys::check_keys(options.keys);
+    } catch (const keys::KeyError& wrong) { throw KeysError(wrong.what()); }
+  }
   if (!configured_by_environment_) {
     domain_ = Entity(check(dds_create_domain(domain, domain_config(options).c_str()), where + "create domain"));
   }

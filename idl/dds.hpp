@@ -53,6 +53,16 @@ struct DdsError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The keys of this participant do not give the right to it.
+struct NotAllowedError : DdsError {
+  using DdsError::DdsError;
+};
+
+/// A folder of keys that cannot be used.
+struct KeysError : DdsError {
+  using DdsError::DdsError;
+};
+
 /// Returns `code`, or throws DdsError with `what` where it is an error.
 dds_return_t check(dds_return_t code, std::string_view what);
 
@@ -189,6 +199,8 @@ enum class Role { server, client };
 
 /// interface       "lo": this machine only; "auto": the network, by multicast discovery; else an interface's name
 /// peers           addresses at which to look for participants besides
+/// keys            folder of keys (idl/keys): only who shows some of the same authority is met; empty: everybody is
+/// handshake       library that stands before Cyclone's own for authentication, where there are keys; empty: none
 /// process_domain  Cyclone's number for this domain within this process, where two participants of one process are to
 ///                 meet over the network stack (tests); none: `domain`
 struct ParticipantOptions {
@@ -196,6 +208,8 @@ struct ParticipantOptions {
   Role role = Role::client;
   std::string interface = "lo";
   std::vector<std::string> peers = {};
+  std::string keys = {};
+  std::string handshake = {};
   std::optional<int> process_domain = {};
 };
 
@@ -206,7 +220,7 @@ std::string domain_config(const ParticipantOptions& options);
 class Participant {
  public:
   /// A CYCLONEDDS_URI in the environment replaces interface and peers; configured_by_environment() then says so. Throws
-  /// DdsError, or std::invalid_argument for a domain out of range.
+  /// DdsError, which is also what is wrong with the keys, or std::invalid_argument for a domain out of range.
   explicit Participant(const ParticipantOptions& options);
 
   dds_entity_t get() const { return participant_.get(); }

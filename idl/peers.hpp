@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "idl/dds.hpp"
+#include "idl/dds_proven_peers.hpp"
 
 namespace collided::dds {
 
@@ -12,5 +15,14 @@ namespace collided::dds {
 /// writer   publication_handle in the info of its samples
 /// threads  any, DDS's callbacks too
 std::uint64_t participant_of(dds_entity_t reader, dds_instance_handle_t writer);
+
+/// What DDS knows of a matched writer.
+struct WriterFacts {
+  std::uint64_t participant = 0;  // as participant_of() has it
+  GuidPrefix prefix{};
+  std::string partition;  // the first of its partitions; empty: the default one
+};
+/// None where it is matched no longer.
+std::optional<WriterFacts> facts_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
 
 }  // namespace collided::dds

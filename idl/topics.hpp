@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -145,6 +146,17 @@ inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Dur
 /// after every step while it has readers. A recording needs it to tell which poses an answer was about.
 inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+
+/// What a client may send on the topic of queries, where keys are used: each is a partition there, so that each is a
+/// right of its own. Without keys all goes by the default partition.
+/// greet: hello. ask: questions, and commands that look. change: commands that change the world, and the flight
+/// recorder's, which has what others sent. upload: files.
+enum class QueryRight : std::uint8_t { greet, ask, change, upload };
+inline constexpr std::array kQueryRights{QueryRight::greet, QueryRight::ask, QueryRight::change, QueryRight::upload};
+inline const char* name_of(QueryRight right) {
+  static constexpr const char* kNames[] = {"greet", "ask", "change", "upload"};
+  return kNames[static_cast<std::uint8_t>(right)];
+}
 
 /// A publisher that is silent for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;

@@ -27,6 +27,8 @@ void declare_globals(CLI::App& app, Globals& globals) {
   app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")
       ->allow_extra_args(false)
       ->group(connection);
+  app.add_option("--keys", globals.keys, "Folder of keys, where the server has some (COLLIDED_KEYS)")
+      ->group(connection);
   app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
   app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
 }

@@ -81,6 +81,7 @@ ConnectOptions connect_options(const Io& io, const Globals& globals) {
     if (which == "COLLIDED_DOMAIN" && !globals.domain.empty()) return globals.domain;
     if (which == "COLLIDED_NAMESPACE" && !globals.name_space.empty()) return globals.name_space;
     if (which == "COLLIDED_INTERFACE" && !globals.interface.empty()) return globals.interface;
+    if (which == "COLLIDED_KEYS" && !globals.keys.empty()) return globals.keys;
     return io.env(name);
   }));
   options.peers = globals.peers;

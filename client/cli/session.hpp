@@ -31,6 +31,7 @@ struct Globals {
   std::string name_space;
   std::string interface;
   std::vector<std::string> peers;
+  std::string keys;
   std::string wait;
   std::string timeout;
 };

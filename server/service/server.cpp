@@ -21,6 +21,7 @@
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/service/recording/flight_recorder.hpp"
+#include "server/service/roles/keyed_peers.hpp"
 #include "server/service/runtime/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
@@ -42,13 +43,15 @@ StartError not_alone(const Options& options, long pid) {
 /// Throws StartError where another server has this namespace: both would answer every question. A live server writes a
 /// status twenty times a second, and DDS keeps the last one for those that join.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
-  constexpr std::int64_t kListenNs = 250'000'000;
+  constexpr std::int64_t kListenInTheOpenNs = 250'000'000;
+  // Another one must come through the handshake first.
+  constexpr std::int64_t kListenBehindKeysNs = 1'000'000'000;
   const dds::Topic<wire::Status> topic(participant, options.name_space);
   dds::Reader<wire::Status> reader(topic);
   dds::WaitSet waitset(participant);
   waitset.attach(reader, 1);
   dds::Sample<wire::Status> status;
-  const std::int64_t until_ns = steady_ns() + kListenNs;
+  const std::int64_t until_ns = steady_ns() + (options.keys.empty() ? kListenInTheOpenNs : kListenBehindKeysNs);
   for (std::int64_t now_ns = steady_ns(); now_ns < until_ns; now_ns = steady_ns()) {
     waitset.wait(until_ns - now_ns);
     while (reader.take(status)) {
@@ -63,10 +66,18 @@ unsigned thread_count(const Options& options) {
   return options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
 }
 
-dds::Participant join(const Options& options) {
+dds::Participant join(const Options& options, spdlog::logger& log) {
+  if (options.keys.empty() && options.interface != "lo") {
+    log.warn("interface '{}' without keys: whoever reaches it may ask, change and publish; collide help roles",
+             options.interface);
+  }
   try {
-    return dds::Participant(
-        {.domain = options.domain, .role = dds::Role::server, .interface = options.interface, .peers = options.peers});
+    return dds::Participant({.domain = options.domain,
+                             .role = dds::Role::server,
+                             .interface = options.interface,
+                             .peers = options.peers,
+                             .keys = options.keys,
+                             .handshake = options.keys.empty() ? std::string() : handshake_library()});
   } catch (const dds::DdsError& failed) { throw StartError(failed.what()); }
 }
 
@@ -97,6 +108,7 @@ struct Server::Parts {
   const Options options;
   const std::shared_ptr<spdlog::logger> log;
   dds::Participant participant;
+  std::unique_ptr<KeyedPeers> peers;  // null: no keys
   Epoch epoch;
   const Identity identity;
   WorldClock clock;
@@ -131,7 +143,8 @@ Epoch Server::Parts::make_epoch() {
 Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logger)
     : options(given),
       log(std::move(logger)),
-      participant(join(options)),
+      participant(join(options, *log)),
+      peers(options.keys.empty() ? nullptr : std::make_unique<KeyedPeers>(options.keys, handshake_library())),
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
@@ -236,11 +249,14 @@ void Server::Parts::note_publishers() {
 
 void Server::Parts::tick() {
   note_publishers();
-  answering->tick(listeners->query_writers());
+  answering->tick(listeners->query_owners());
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
   overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
   listeners->drop_unmatched_writers();
+  if (peers) {
+    if (const std::string news = peers->look_for_revoked(); !news.empty()) log->info("keys: {}", news);
+  }
   for (const std::uint64_t publisher : listeners->owners().take_forged()) {
     log->warn("publisher {}: another process has sent under its number and was refused. Samples refused so far: {}",
               printable(loop.publisher_name(publisher)), listeners->owners().refused());
@@ -270,12 +286,13 @@ std::string Server::start() {
   p.answering = std::make_unique<Answering>(
       Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit}, p.reply_topic,
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
-                       p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get()},
+                       p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get(),
+                       p.peers.get()},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
-  p.listeners =
-      std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());
+  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering,
+                                            p.flight.get(), p.peers.get());
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const SnapshotRing::Lease state = p.world.newest();

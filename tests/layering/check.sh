@@ -43,12 +43,13 @@ declare -A within=(
   [world/query]=". objects step"
   [world/audit]=". objects step query"
   [service/runtime]=""
+  [service/roles]="runtime"
   [service/recording]="runtime"
   [service/events]="recording runtime"
-  [service/questions]="events recording runtime"
+  [service/questions]="events recording roles runtime"
   [service/durability]="questions runtime"
-  [service/ingest]="questions recording runtime"
-  [service/commands]=". durability ingest questions runtime"
+  [service/ingest]="questions recording roles runtime"
+  [service/commands]=". durability ingest questions roles runtime"
   [service/options]="commands"
 )
 violations=0

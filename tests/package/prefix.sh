@@ -37,6 +37,7 @@ done <<END
 bin/collided
 bin/collide
 libexec/collided/collided-import
+libexec/collided/collided-handshake.so
 libexec/collided/collided-files
 lib/systemd/system/collided.service
 etc/collided/collided.toml

@@ -128,6 +128,7 @@ class TopCommand : public Command {
   static std::optional<view::Figures> ask(Session& session, const Globals& globals) {
     const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {},
                                                                      timeout_of(globals, std::chrono::seconds(1)));
+    if (!text && text.error().code == ErrorCode::refused) throw as_failure(text.error());
     return text ? view::parse_figures(*text) : std::nullopt;
   }
 

@@ -119,6 +119,11 @@ constexpr Verb kVerbs[] = {
      "demo\ndemo --for 10min", make_demo},
     {"shell", "More", "many verbs over one connection: at a prompt, or a line each from a pipe (then also -)",
      "shell\nshell < FILE", "shell\n- < questions.txt", make_shell},
+    {"keys", "More", "who may join a server and do what there: makes authorities and folders of keys; needs no server",
+     "keys init [DIR]\nkeys add NAME --role ROLE\nkeys revoke NAME\nkeys check",
+     "keys init keys\nkeys add brain --role server\nkeys add robot7 --role publisher --objects 'robot7/*' --days "
+     "30\nkeys revoke robot7\nkeys check",
+     make_keys},
     {"help", "More", "what a verb does, or a guide", "help [VERB|GUIDE|options]", "help ray\nhelp asking\nhelp options",
      make_help},
     {"man", "", "manual pages in roff: of collide, of a guide, of the server", "man [GUIDE]\nman --server",

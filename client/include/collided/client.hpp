@@ -39,9 +39,10 @@ struct ConnectOptions {
   std::string interface = "lo";         // network interface; "auto": DDS chooses, so other machines are reached
   std::vector<std::string> peers = {};  // addresses of machines to look at where multicast does not reach
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer; one that is found but busy has 10 s at least
+  std::string keys = {};  // folder of keys, as `collide keys` makes them, for a server that has some; empty: none
 
-  /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE and
-  /// COLLIDED_INTERFACE where they are set, the defaults above where not. Error bad_input for an invalid domain.
+  /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE,
+  /// COLLIDED_INTERFACE and COLLIDED_KEYS where they are set, the defaults above where not. Error bad_input for an invalid domain.
   ///
   /// variable  returns a variable's value, empty where it is not set; not given: the process's own environment
   static Result<ConnectOptions> from_environment(const std::function<std::string(const char* name)>& variable = {});

@@ -7,6 +7,7 @@
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::client {
 namespace {
@@ -46,6 +47,12 @@ Result<std::string> command_text(std::string_view name, std::string_view json_ar
   return text;
 }
 
+/// The right that the command of this text needs.
+wire_contract::QueryRight right_of(std::string_view name, const std::string& text) {
+  const bool is_load = name == wire_contract::command::kLoad;
+  return wire_contract::command::right_for(name, is_load && nlohmann::json::parse(text).contains("upload"));
+}
+
 double fraction(const std::string& text) {
   const nlohmann::json parsed = nlohmann::json::parse(text, nullptr, false);
   return parsed.is_object() && parsed.contains("fraction") && parsed["fraction"].is_number()
@@ -54,7 +61,7 @@ double fraction(const std::string& text) {
 }
 
 std::optional<Error> send_command(Connection& connection, Requests::Running& running, const std::string& text,
-                                  std::span<const std::uint8_t> blob) {
+                                  std::span<const std::uint8_t> blob, wire_contract::QueryRight right) {
   wire::Query& query = running.query();
   query = {};
   query.request = running.number();
@@ -62,7 +69,7 @@ std::optional<Error> send_command(Connection& connection, Requests::Running& run
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
   static_cast<void>(dds::set_text(query.text, text));  // its length was checked
   dds::borrow(query.blob, blob);
-  return connection.send(query);
+  return connection.send(query, right);
 }
 
 }  // namespace
@@ -96,14 +103,15 @@ Result<std::string> command_with_blob(Connection& connection, std::string_view n
   const Result<std::string> text = command_text(name, json_arguments);
   if (!text) { return text.error(); }
   Clock::time_point deadline = Clock::now() + timeout;
-  if (auto error = connection.ready(deadline)) { return *error; }
+  const wire_contract::QueryRight right = right_of(name, *text);
+  if (auto error = connection.ready(deadline, right)) { return *error; }
   const std::uint64_t server = connection.pulse().server();
   const std::unique_ptr<Requests::Running> running = connection.requests().begin();
   if (!running) {
     return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
                  kNothingSent};
   }
-  if (auto error = send_command(connection, *running, *text, blob)) { return *error; }
+  if (auto error = send_command(connection, *running, *text, blob, right)) { return *error; }
   TextCollector collector;
   while (!collector.complete()) {
     const Connection::Waited waited = connection.wait(*running, deadline, server, std::string(name));

@@ -30,6 +30,7 @@ Result<ConnectOptions> ConnectOptions::from_environment(const std::function<std:
   }
   if (const std::string name_space = of("COLLIDED_NAMESPACE"); !name_space.empty()) options.name_space = name_space;
   if (const std::string interface = of("COLLIDED_INTERFACE"); !interface.empty()) options.interface = interface;
+  options.keys = of("COLLIDED_KEYS");
   return options;
 }
 

@@ -37,7 +37,6 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
                 [this](const dds_sample_info_t& info) {
                   return !known_server_.is_known() || is_from_server(reply_reader_, info);
                 }),
-      query_topic_(*participant_, options.name_space),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),
       reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
@@ -51,7 +50,7 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
                                                pulse_.hear(incoming_status_);
                                            }
                                          }}),
-      query_writer_(query_topic_, {.max_blocking_ns = 1'000'000'000}) {}
+      query_writers_(*participant_, options.name_space, options.keys) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
@@ -60,16 +59,18 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
     // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
     // wait for one that is not.
     constexpr milliseconds kFoundPatience{10'000};
-    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience))) {
+    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience), QueryRight::greet)) {
       return connection->no_server();
     }
     return connection;
-  } catch (const std::invalid_argument& wrong) { return bad_input(wrong.what()); } catch (const dds::DdsError& failed) {
+  } catch (const std::invalid_argument& wrong) { return bad_input(wrong.what()); } catch (const dds::KeysError& wrong) {
+    return bad_input(wrong.what());
+  } catch (const dds::NotAllowedError& refused) { return failure_of(refused); } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};
   }
 }
 
-bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if_found) {
+bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right) {
   const std::unique_ptr<Requests::Running> hello = requests_.begin();
   if (!hello) { return false; }
   wire::Query& query = hello->query();
@@ -80,10 +81,10 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   std::uint32_t matched = 0;
   Clock::time_point next_hello = Clock::now();
   do {
-    const std::uint32_t matched_now = query_writer_.matched_readers() + reply_reader_.matched_writers();
+    const std::uint32_t matched_now = query_writers_.matched_readers() + reply_reader_.matched_writers();
     if (matched_now > 0) { deadline = deadline_if_found; }
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
-      if (send(query)) { return false; }
+      if (send(query, right)) { return false; }
       next_hello = Clock::now() + kHelloPeriod;
     }
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
@@ -93,7 +94,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
       pulse_.greeted(server);
       // Of two that answered, the first one counts.
       for (const auto& reply : replies) static_cast<void>(is_from_server(reply_reader_, reply->info()));
-      greeted_server_.store(server, std::memory_order_release);
+      greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);
       return true;
     }
   } while (Clock::now() < deadline);
@@ -104,6 +105,7 @@ Error Connection::no_server() const {
   const std::size_t seen = participant_->others_seen();
   std::string hint = "seen on this domain: " + std::to_string(seen) + (seen == 1 ? " participant" : " participants") +
                      (seen > 0 ? ", none of ours" : "") + "; start a server with 'collided'";
+  if (!options_.keys.empty()) { hint += "; with keys only a server of the same authority is seen"; }
   if (participant_->configured_by_environment()) { hint += "; CYCLONEDDS_URI is set and was used as it is"; }
   return {ErrorCode::no_server, "no collided answered in " + words(options_.wait) + " on " + server_words(options_),
           hint};
@@ -122,24 +124,21 @@ bool Connection::is_from_server_or_its_heir(const dds_sample_info_t& info) {
   return is_from_server(status_reader_, info);
 }
 
-std::optional<Error> Connection::ready(Clock::time_point deadline) {
+std::optional<Error> Connection::ready(Clock::time_point deadline, QueryRight right) {
+  const std::atomic<std::uint64_t>& greeted = greeted_server_[query_writers_.place_of(right)];
   const std::uint64_t server = pulse_.server();
   if (pulse_.silent()) { return disconnected(); }
-  if (server == greeted_server_.load(std::memory_order_acquire)) { return std::nullopt; }
+  if (server == greeted.load(std::memory_order_acquire)) { return std::nullopt; }
   const std::lock_guard lock(greeting_mutex_);
-  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline, deadline)) {
-    return std::nullopt;
-  }
+  if (pulse_.server() == greeted.load(std::memory_order_acquire)) { return std::nullopt; }
+  if (auto error = query_writers_.open(right)) { return error; }
+  if (greet(deadline, deadline, right)) { return std::nullopt; }
   return disconnected();
 }
 
-std::optional<Error> Connection::send(wire::Query& query) {
+std::optional<Error> Connection::send(wire::Query& query, QueryRight right) {
   query.client = client_;
-  try {
-    if (query_writer_.write(query)) { return std::nullopt; }
-  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
-  return Error{ErrorCode::timeout, "the server took no question for 1 s: its queue is full",
-               "ask less at a time, or give it more threads"};
+  return query_writers_.write(query, right);
 }
 
 Connection::Waited Connection::wait(Requests::Running& request, Clock::time_point deadline, std::uint64_t server,

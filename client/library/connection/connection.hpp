@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "client/library/connection/known_server.hpp"
 #include "client/library/connection/names.hpp"
+#include "client/library/connection/query_writers.hpp"
 #include "client/library/connection/requests.hpp"
 #include "client/library/connection/server_pulse.hpp"
 #include "client/library/connection/shared_participant.hpp"
@@ -45,10 +47,13 @@ class Connection {
   /// What others wrote on the server's topics.
   Strangers strangers() const { return {.samples = known_server_.refused(), .speak_now = known_server_.has_rival()}; }
 
-  /// Makes sure that questions can be asked: greets a server that is new to this client. The error where none answers.
-  std::optional<Error> ready(Clock::time_point deadline);
-  /// Sets this client's number and sends. The error where the server takes no more messages.
-  std::optional<Error> send(wire::Query& query);
+  using QueryRight = wire_contract::QueryRight;
+  /// Makes sure that what needs this right can be sent: greets a server that is new to this client, by the way that it
+  /// will go. The error where none answers.
+  std::optional<Error> ready(Clock::time_point deadline, QueryRight right = QueryRight::ask);
+  /// Sets this client's number and sends. The error where the keys do not give the right, or the server takes no more
+  /// messages.
+  std::optional<Error> send(wire::Query& query, QueryRight right = QueryRight::ask);
   /// What wait() returns: the replies, or the error.
   struct Waited {
     const std::vector<SamplePool<wire::Reply>::Pointer>* replies = nullptr;
@@ -67,7 +72,7 @@ class Connection {
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
   /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
-  bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found);
+  bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
   bool is_from_server_or_its_heir(const dds_sample_info_t& info);
   Error no_server() const;
 
@@ -80,17 +85,17 @@ class Connection {
   KnownServer known_server_;  // before the first greeting its readers may not be made yet, and all is taken
   dds::Sample<wire::Status> incoming_status_;
   std::mutex greeting_mutex_;
-  std::atomic<std::uint64_t> greeted_server_{0};
+  std::array<std::atomic<std::uint64_t>, wire_contract::kQueryRights.size()>
+      greeted_server_{};  // by the writer's place
   mutable std::mutex barrier_mutex_;
   WriteBarrier last_write_;
 
   // Last, so that they are destroyed first: their callbacks use the members above.
-  dds::Topic<wire::Query> query_topic_;
   dds::Topic<wire::Reply> reply_topic_;
   dds::Topic<wire::Status> status_topic_;
   dds::Reader<wire::Reply> reply_reader_;
   dds::Reader<wire::Status> status_reader_;
-  dds::Writer<wire::Query> query_writer_;
+  QueryWriters query_writers_;
 };
 
 /// A random number that identifies a client or publisher among all processes. Never 0.

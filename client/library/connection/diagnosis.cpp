@@ -165,7 +165,8 @@ Finding round_trip_finding(Connection& connection) {
     query.chunk_count = 1;
     query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
     const Clock::time_point start = Clock::now();
-    const bool back = !connection.send(query) && !trip->wait(start + std::chrono::seconds(1)).empty();
+    const bool back =
+        !connection.send(query, Connection::QueryRight::greet) && !trip->wait(start + std::chrono::seconds(1)).empty();
     if (back) times.push_back(Clock::now() - start);
     lost += back ? 0 : 1;
   }

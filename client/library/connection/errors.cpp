@@ -9,6 +9,13 @@ Error bad_input(std::string message, std::string hint) {
   return {ErrorCode::bad_input, std::move(message), std::move(hint)};
 }
 
+Error failure_of(const dds::DdsError& failed) {
+  if (dynamic_cast<const dds::NotAllowedError*>(&failed) == nullptr) return {ErrorCode::internal, failed.what(), ""};
+  return {
+      ErrorCode::refused, failed.what(),
+      "where the authority is: collide keys add NAME --role ROLE; `collide help roles` has the rights of each role"};
+}
+
 std::string words(double value) {
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "collided/client.hpp"
+#include "idl/dds.hpp"
 
 /// Errors that say where, what, value, limit and consequence, and numbers as text for them.
 namespace collided::client {
@@ -12,6 +13,9 @@ namespace collided::client {
 inline constexpr const char* kNothingSent = "nothing was sent";
 
 Error bad_input(std::string message, std::string hint = kNothingSent);
+
+/// What DDS could not do; `refused` where the keys do not give the right to it.
+Error failure_of(const dds::DdsError& failed);
 
 /// The shortest digits that read back as the same number: "0.1", "nan", "-inf".
 std::string words(double value);

@@ -13,6 +13,7 @@ struct Joined {
   std::weak_ptr<dds::Participant> participant;
   std::string interface;
   std::vector<std::string> peers;
+  std::string keys;
   dds::Role role = dds::Role::client;
 };
 
@@ -47,6 +48,11 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds
                                     ": this process has joined it on interface '" + joined.interface +
                                     "'; one process uses one interface and one list of peers a domain");
       }
+      if (joined.keys != options.keys) {
+        throw std::invalid_argument("domain " + std::to_string(options.domain) + ": this process has joined it with " +
+                                    (joined.keys.empty() ? "no keys" : "the keys '" + joined.keys + '\'') +
+                                    "; one process uses one folder of keys a domain");
+      }
       if (role == dds::Role::server && joined.role == dds::Role::client) {
         throw std::invalid_argument(
             "domain " + std::to_string(options.domain) +
@@ -57,11 +63,14 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds
     }
     registry().closed.wait(lock);  // Cyclone refuses a domain that is still being torn down
   }
-  const dds::ParticipantOptions joining{
-      .domain = options.domain, .role = role, .interface = options.interface, .peers = options.peers};
+  const dds::ParticipantOptions joining{.domain = options.domain,
+                                        .role = role,
+                                        .interface = options.interface,
+                                        .peers = options.peers,
+                                        .keys = options.keys};
   const std::shared_ptr<dds::Participant> participant(
       new dds::Participant(joining), [domain = options.domain](dds::Participant* last) { leave_domain(domain, last); });
-  joined = {true, participant, options.interface, options.peers, role};
+  joined = {true, participant, options.interface, options.peers, options.keys, role};
   return participant;
 }
 

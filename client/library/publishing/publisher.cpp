@@ -87,7 +87,7 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
       return Error{ErrorCode::no_server, "publisher '" + name + "': the server does not read poses", ""};
     }
     return state;
-  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
+  } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 
 // A publisher that ends properly is not lost: its objects are removed at once, whatever their LostPolicy.

@@ -38,7 +38,7 @@ template <class Write>
 std::optional<Error> guarded(const Write& write) {
   try {
     return write();
-  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
+  } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 
 }  // namespace

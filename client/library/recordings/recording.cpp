@@ -30,6 +30,8 @@ constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic
                                                       false};
 /// Matches every client's partition.
 constexpr const char* kAllClients = "client_*";
+/// With keys, each right to send queries is a partition.
+constexpr const char* kAllRights = "*";
 
 }  // namespace
 
@@ -111,7 +113,8 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
   readers_.reset(new Readers{
       .object = dds::Reader<wire::Definition>(object_topic_, into<wire::Definition>(Recorded::object)),
       .pose = dds::Reader<wire::PoseBatch>(pose_topic_, into<wire::PoseBatch>(Recorded::pose)),
-      .query = dds::Reader<wire::Query>(query_topic_, into<wire::Query>(Recorded::query)),
+      .query = dds::Reader<wire::Query>(
+          query_topic_, into<wire::Query>(Recorded::query, connection_->options().keys.empty() ? "" : kAllRights)),
       .reply = dds::Reader<wire::Reply>(reply_topic_, into<wire::Reply>(Recorded::reply, kAllClients)),
       .event = dds::Reader<wire::EventFrame>(event_topic_, into<wire::EventFrame>(Recorded::event)),
       .contact = dds::Reader<wire::ContactShard>(contact_topic_, into<wire::ContactShard>(Recorded::contact)),
@@ -129,7 +132,7 @@ Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_pt
     state->thread_ = std::thread([raw = state.get()] { raw->run(); });
     return state;
   } catch (const dds::DdsError& failed) {
-    return Error{ErrorCode::internal, failed.what(), ""};
+    return client::failure_of(failed);
   } catch (const std::runtime_error& failed) { return client::bad_input(failed.what()); }
 }
 

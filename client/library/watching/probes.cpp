@@ -136,7 +136,7 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
     if (!is_offered() && is_silent()) return state->connection_->disconnected();
     if (!in_time) return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
     return state;
-  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
+  } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 
 /// A callback that comes before its reader is there leaves the samples with it.

@@ -82,7 +82,7 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
     }
     state->thread_ = std::thread([watch = state.get()] { watch->work(); });
     return state;
-  } catch (const dds::DdsError& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
+  } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 
 std::optional<Error> Watch::State::wait_for_server() const {

@@ -1,8 +1,10 @@
 #include "server/service/commands/commands.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -100,6 +102,22 @@ void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text)
   with_.loop.say("what was added before the crash cannot be added again: " + text);
 }
 
+/// What the keys of whoever sent the command do not allow; empty where they do.
+std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& arguments) {
+  constexpr std::array kWhat{"greet", "ask", "change the world", "send files"};
+  const std::string& command = arguments.command();
+  const wire_contract::QueryRight right = names::right_for(command, arguments.has("upload"));
+  if (!ask.from.has(right))
+    return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
+  if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
+  // Removal looks at each object that is to go.
+  if (command == names::kRemove || command == names::kProbe) return {};
+  const bool is_one_object = command == names::kAdd || command == names::kMove;
+  if (is_one_object && ask.from.peer->may_name(arguments.text("name"))) return {};
+  return fmt::format("the keys of '{}' are for {}. Nothing was done", ask.from.peer->name,
+                     fmt::join(ask.from.peer->objects, ", "));
+}
+
 void Commands::run(CommandAsk ask) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
       {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},
@@ -119,6 +137,8 @@ void Commands::run(CommandAsk ask) {
     return;
   }
   const std::string& command = arguments->command();
+  if (const std::string reason = why_not_allowed(ask, *arguments); !reason.empty())
+    return send(ask, ReplyStatus::refused, refusal_text(reason));
   for (const auto& [name, change] : kChanges) {
     if (command == name) return on_world_thread(std::move(ask), change, arguments->is_durable());
   }
@@ -366,7 +386,7 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
           {"version", version}};
 }
 
-json Commands::remove(const CommandAsk&, const Arguments& arguments) {
+json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"name", "durable"});
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
@@ -379,7 +399,13 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
     chosen.push_back(find_object(name));
   }
   // All or nothing: every chosen object is checked before the first one is removed.
-  for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
+  for (const ObjectId id : chosen) {
+    const ObjectInfo& info = *world.info(id);
+    refuse_if_live(info);
+    if (ask.from.peer && !ask.from.peer->may_name(info.name))
+      throw BadCommand(fmt::format("the keys of '{}' are not for object {}. Nothing was removed", ask.from.peer->name,
+                                   printable(info.name)));
+  }
   if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
     with_.loop.step_now();
   json removed = json::array();

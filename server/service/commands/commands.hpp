@@ -77,6 +77,7 @@ class Commands {
     std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
   };
 
+  static std::string why_not_allowed(const CommandAsk& ask, const Arguments& arguments);
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);

@@ -1,5 +1,7 @@
 #include "server/service/ingest/listeners.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <new>
 #include <set>
@@ -23,20 +25,19 @@ void take_or_end(Take&& take) {
 
 }  // namespace
 
-bool PublisherLiveliness::admits(std::uint64_t handle, std::uint64_t publisher,
-                                 FunctionRef<std::uint64_t()> participant_of) {
+bool PublisherLiveliness::admits(std::uint64_t handle, std::uint64_t publisher, FunctionRef<NumberOwner()> owner_of) {
   const std::lock_guard lock(mutex_);
   auto found = writers_.find(handle);
   if (found == writers_.end()) {
-    const std::uint64_t participant = participant_of();
+    NumberOwner owner = owner_of();
     // A writer that is gone holds nothing: what it said under a number would stay for ever.
-    if (participant == 0) return false;
-    found = writers_.emplace(handle, Writer{.participant = participant, .publishers = {}}).first;
+    if (owner.participant == 0) return false;
+    found = writers_.emplace(handle, Writer{.owner = std::move(owner), .publishers = {}}).first;
   }
   Writer& writer = found->second;
   const bool is_known = std::ranges::find(writer.publishers, publisher) != writer.publishers.end();
   if (is_known && writer.is_alive) return true;
-  if (!owners_.claim(publisher, writer.participant, handle)) return false;
+  if (!owners_.claim(publisher, writer.owner, handle)) return false;
   if (!is_known) writer.publishers.push_back(publisher);
   return true;
 }
@@ -62,9 +63,8 @@ void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   if (alive) {
     writer.is_alive = true;
     // Meanwhile another participant may have taken a number over.
-    std::erase_if(writer.publishers, [&](std::uint64_t publisher) {
-      return !owners_.claim(publisher, writer.participant, change.last_writer);
-    });
+    std::erase_if(writer.publishers,
+                  [&](std::uint64_t publisher) { return !owners_.claim(publisher, writer.owner, change.last_writer); });
     for (const std::uint64_t publisher : writer.publishers)
       inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = true});
     return;
@@ -93,10 +93,14 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
 }
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
-                     Inbox& inbox, Answering& answering, FlightRecorder* flight)
+                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
+      peers_(peers),
+      definers_(peers),
+      posers_(peers),
+      query_writers_(peers),
       object_writers_(inbox, owners_, WriterKind::object),
       pose_writers_(inbox, owners_, WriterKind::pose),
       object_topic_(participant, name_space),
@@ -112,13 +116,38 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
           {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
            .liveliness =
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
-      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) {
-                      take_or_end([&] { answering.listen(taker); });
-                    }}) {
+      query_reader_(
+          query_topic_,
+          {.data = [&answering](dds::Taker<wire::Query> taker) { take_or_end([&] { answering.listen(taker); }); },
+           // With keys, each right to send queries is a partition.
+           .partition = peers == nullptr ? "" : "*"}) {
   // A callback that came before its reader was there has left the samples with it.
   has_readers_.store(true);
   take_definitions(object_reader_.taker());
   take_poses(pose_reader_.taker());
+}
+
+std::vector<std::uint64_t> Listeners::query_owners() {
+  std::vector<std::uint64_t> owners = query_reader_.matched_writer_handles();
+  if (peers_ == nullptr) return owners;
+  for (std::uint64_t& owner : owners) owner = query_writers_.of(query_reader_.get(), owner).participant;
+  return owners;
+}
+
+/// Whom a writer of definitions or poses belongs to. With keys, who has proved nothing holds nothing.
+NumberOwner Listeners::owner_of(Participants& known, dds_entity_t reader, std::uint64_t writer) const {
+  const QuerySender& from = known.of(reader, writer);
+  if (peers_ == nullptr) return from.participant;
+  return from.peer ? NumberOwner(from.participant, from.peer->name) : NumberOwner(0);
+}
+
+/// Why the keys of the writer do not allow this object; empty where they do.
+std::string Listeners::why_not_allowed(const wire::Definition& definition, std::uint64_t writer) {
+  if (peers_ == nullptr || definition.removed) return {};
+  const QuerySender& from = definers_.of(object_reader_.get(), writer);
+  if (!from.peer) return "whoever publishes it has not proved who it is";
+  if (from.peer->may_name(definition.name)) return {};
+  return fmt::format("the keys of '{}' are for {}", from.peer->name, fmt::join(from.peer->objects, ", "));
 }
 
 void Listeners::drop_unmatched_writers() {
@@ -143,10 +172,12 @@ void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (!loans.info(i).valid_data) continue;
       const std::uint64_t writer = loans.info(i).publication_handle;
-      const auto participant_of = [&] { return dds::participant_of(object_reader_.get(), writer); };
-      if (!object_writers_.admits(writer, loans[i].publisher, participant_of)) continue;
+      const auto owner = [&] { return owner_of(definers_, object_reader_.get(), writer); };
+      if (!object_writers_.admits(writer, loans[i].publisher, owner)) continue;
       if (flight_) flight_->note(recording::Recorded::object, loans[i], loans.info(i).source_timestamp);
-      inbox_.push(decoded(loans[i]));
+      std::unique_ptr<DefinitionSample> sample = decoded(loans[i]);
+      sample->not_allowed = why_not_allowed(loans[i], writer);
+      inbox_.push(std::move(sample));
     }
   }
 }
@@ -160,8 +191,8 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (loans.info(i).valid_data) {
         const std::uint64_t writer = loans.info(i).publication_handle;
-        const auto participant_of = [&] { return dds::participant_of(pose_reader_.get(), writer); };
-        if (pose_writers_.admits(writer, loans[i].publisher, participant_of)) {
+        const auto owner = [&] { return owner_of(posers_, pose_reader_.get(), writer); };
+        if (pose_writers_.admits(writer, loans[i].publisher, owner)) {
           if (flight_) flight_->note(recording::Recorded::pose, loans[i], loans.info(i).source_timestamp);
           std::unique_ptr<PoseSample> sample = inbox_.spare();
           decode(loans[i], *sample);

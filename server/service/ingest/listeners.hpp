@@ -13,6 +13,7 @@
 #include "server/service/ingest/inbox.hpp"
 #include "server/service/ingest/publisher_owners.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/service/questions/participants.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/clock.hpp"
 
@@ -28,9 +29,9 @@ class PublisherLiveliness {
       : inbox_(inbox), owners_(owners), kind_(kind) {}
   /// Whether a sample under this number may be taken.
   ///
-  /// writer          its publication handle
-  /// participant_of  called where the writer is new: its participant, or 0 where it is gone already
-  bool admits(std::uint64_t writer, std::uint64_t publisher, FunctionRef<std::uint64_t()> participant_of);
+  /// writer    its publication handle
+  /// owner_of  called where the writer is new
+  bool admits(std::uint64_t writer, std::uint64_t publisher, FunctionRef<NumberOwner()> owner_of);
   /// Drops the writers that are not among the matched ones and were not at the last call either: DDS names only the
   /// last of several that go at once.
   void keep_only(std::span<const std::uint64_t> matched);
@@ -42,7 +43,7 @@ class PublisherLiveliness {
 
  private:
   struct Writer {
-    std::uint64_t participant = 0;
+    NumberOwner owner;
     bool is_alive = true;
     bool is_missed = false;  // by the last keep_only()
     std::vector<std::uint64_t> publishers;
@@ -63,11 +64,13 @@ class PublisherLiveliness {
 class Listeners {
  public:
   /// flight  records definitions and poses (Answering records the questions); null: none
+  /// peers   who may what; null: no keys
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
-            Answering& answering, FlightRecorder* flight);
+            Answering& answering, FlightRecorder* flight, KeyedPeers* peers);
 
-  /// Publication handles of the query writers that are matched now.
-  std::vector<std::uint64_t> query_writers() const { return query_reader_.matched_writer_handles(); }
+  /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
+  /// their participants. One thread.
+  std::vector<std::uint64_t> query_owners();
 
   /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
   /// thread.
@@ -78,11 +81,17 @@ class Listeners {
 
  private:
   void take_definitions(const dds::Taker<wire::Definition>& taker);
+  std::string why_not_allowed(const wire::Definition& definition, std::uint64_t writer);
+  NumberOwner owner_of(Participants& known, dds_entity_t reader, std::uint64_t writer) const;
   void take_poses(const dds::Taker<wire::PoseBatch>& taker);
 
   const WorldClock& clock_;
   Inbox& inbox_;
   FlightRecorder* const flight_;
+  KeyedPeers* const peers_;
+  Participants definers_;       // under taking_definitions_
+  Participants posers_;         // under taking_poses_
+  Participants query_writers_;  // of query_owners()
   PublisherOwners owners_;
   PublisherLiveliness object_writers_;
   PublisherLiveliness pose_writers_;

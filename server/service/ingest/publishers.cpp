@@ -116,6 +116,7 @@ Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
 }
 
 std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) const {
+  if (!sample.not_allowed.empty()) return sample.not_allowed;
   if (!is_good_name(sample.name)) return "its name is empty, too long or not text";
   if (sample.lost_policy > static_cast<std::uint8_t>(LostPolicy::hold)) {
     return fmt::format("lost policy {}; allowed 0 to 2", sample.lost_policy);

@@ -19,6 +19,7 @@ struct DefinitionSample {
   std::uint64_t incarnation = 0;
   std::uint64_t sequence = 0;
   bool removed = false;
+  std::string not_allowed;  // why the keys of its publisher do not allow it; empty: they do
   bool moving = true;
   std::uint8_t lost_policy = 0;  // LostPolicy, not checked yet
   std::string publisher_name;

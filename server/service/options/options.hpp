@@ -35,6 +35,7 @@ struct Options {
   int domain = 0;                       // of DDS
   std::string interface;                // "lo", "auto" or the name of a network interface
   std::vector<std::string> peers;       // hosts to look for besides
+  std::string keys;                     // folder of keys; empty: none, and everybody may everything
   std::string log_level;
   bool log_json = false;
 

@@ -196,6 +196,13 @@ Allowed apply_peers(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_keys(Options& options, Values values) {
+  // The path becomes part of DDS's own configuration.
+  if (values[0].find_first_of("<>&\"'$,") != std::string::npos) return "a folder whose path has none of < > & \" ' $ ,";
+  options.keys = values[0];
+  return std::nullopt;
+}
+
 Allowed apply_log_level(Options& options, Values values) {
   for (const char* level : {"trace", "debug", "info", "warn", "error", "off"}) {
     if (values[0] == level) {
@@ -252,6 +259,8 @@ constexpr Setting kSettings[] = {
     {"dds.interface", "--interface", "COLLIDED_INTERFACE", "lo", "NAME", "lo: this machine only; auto: the network",
      false, apply_interface},
     {"dds.peers", "--peers", "COLLIDED_PEERS", "", "HOSTS", "machines to look for besides", true, apply_peers},
+    {"dds.keys", "--keys", "COLLIDED_KEYS", "", "DIR", "folder of keys (collide keys): only who has some may join",
+     false, apply_keys},
     {"log.level", "--log", "COLLIDED_LOG", "info", "LEVEL", "trace, debug, info, warn, error, off", false,
      apply_log_level},
     {"log.json", "--log-json", "COLLIDED_LOG_JSON", "false", "", "log one JSON object a line", false, apply_log_json},

@@ -63,7 +63,7 @@ class Answering::Worker {
   void count_answered(std::uint8_t kind, std::uint64_t undecided);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
-  void command(const wire::Query& query);
+  void command(const Ask& ask);
   void send(Client& client);
 
   Answering& owner_;
@@ -91,7 +91,7 @@ void Answering::Worker::run() {
 }
 
 void Answering::Worker::work(AskPointer ask) {
-  const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->query.info().publication_handle);
+  const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->owner);
   if (!client) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
@@ -121,7 +121,7 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
     ++owner_.with_.counts.refused;
     write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal, {}, ask.retry_after_ns));
   } else if (query.kind == static_cast<std::uint8_t>(RequestKind::command)) {
-    command(query);
+    command(ask);
   } else if (query.kind == static_cast<std::uint8_t>(RequestKind::hello)) {
     write_text(client, query.request, ReplyStatus::ok, {});
   } else if (query.kind == static_cast<std::uint8_t>(RequestKind::sweep)) {
@@ -148,9 +148,10 @@ void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
   answer_questions(client, ask, &mover);
 }
 
-void Answering::Worker::command(const wire::Query& query) {
+void Answering::Worker::command(const Ask& ask) {
+  const wire::Query& query = *ask.query;
   const auto blob = std::as_bytes(dds::view(query.blob));
-  owner_.command_({query.client, query.request, query.text, {blob.begin(), blob.end()}});
+  owner_.command_({query.client, query.request, query.text, {blob.begin(), blob.end()}, ask.from});
 }
 
 void Answering::Worker::work(TextReply text) {
@@ -167,7 +168,7 @@ void Answering::Worker::work(Resume resume) {
 }
 
 void Answering::Worker::work(ExpireLeases gone) {
-  for (AskPointer& ask : owner_.clients_.forget_gone(gone.query_writers, steady_ns())) {
+  for (AskPointer& ask : owner_.clients_.forget_gone(gone.query_owners, steady_ns())) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
   }
@@ -307,6 +308,7 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
       command_(std::move(command)),
       queue_(kMostQueued, kMostQueuedBytes),
       clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }),
+      participants_(options.peers),
       ns_per_cost_(kNsPerCostAtFirst) {
   with_.leases.on_ready([this](AskPointer ask) { enqueue(std::move(ask)); });
   listening_worker_ = std::make_unique<Worker>(*this);
@@ -329,7 +331,7 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
   const std::int64_t started_ns = single->taken_ns;
   Client* client = nullptr;
   if (short_questions_.is_short(query, started_ns) && !leaves_out(query)) {
-    client = clients_.find_ready(query.client, single->query.info().publication_handle);
+    client = clients_.find_ready(query.client, single->owner);
   }
   if (!client) {
     enqueue(std::move(single));
@@ -361,7 +363,9 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     for (std::size_t i = 0; i < count; ++i) {
       if (!next_[i]->query.info().valid_data) continue;
       next_[i]->taken_ns = now_ns;
-      next_[i]->participant = participants_.of(taker.reader(), next_[i]->query.info().publication_handle);
+      const std::uint64_t writer = next_[i]->query.info().publication_handle;
+      next_[i]->from = participants_.of(taker.reader(), writer);
+      next_[i]->owner = options_.peers == nullptr ? writer : next_[i]->from.participant;
       if (options_.flight) {
         options_.flight->note(recording::Recorded::query, *next_[i]->query, next_[i]->query.info().source_timestamp);
       }
@@ -373,7 +377,26 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
 }
 
+/// What the keys of whoever asks do not allow; null where they do. Which right a command needs is known once it is read.
+const char* Answering::why_not_allowed(const Ask& ask) const {
+  if (options_.peers == nullptr) return nullptr;
+  const wire::Query& query = *ask.query;
+  const auto kind = static_cast<RequestKind>(query.kind);
+  if (kind == RequestKind::hello || kind == RequestKind::command) return nullptr;
+  if (!ask.from.has(wire_contract::QueryRight::ask)) return "the keys give no right to ask questions";
+  if (static_cast<wire_contract::Importance>(query.importance) == wire_contract::Importance::high &&
+      !ask.from.peer->asks_high)
+    return "the keys give no right to questions of high importance; role admin has it";
+  return nullptr;
+}
+
 void Answering::route(AskPointer ask, AskPointer* single) {
+  // With keys, who has proved nothing or is gone already has no rights and gets no answer.
+  if (ask->from.rights == 0) {
+    ++with_.counts.unanswerable;
+    return pool_.put(std::move(ask));
+  }
+  if (const char* reason = why_not_allowed(*ask)) return refuse_later(std::move(ask), reason);
   const WriteBarriers::Outcome outcome = with_.write_barriers.pass(ask);
   if (outcome == WriteBarriers::Outcome::parked) return;
   if (outcome == WriteBarriers::Outcome::full) {
@@ -396,7 +419,7 @@ void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStat
   queue_.push_own(TextReply{client, request, status, std::move(text)});
 }
 
-void Answering::tick(std::vector<std::uint64_t> query_writers) {
+void Answering::tick(std::vector<std::uint64_t> query_owners) {
   const std::int64_t now_ns = steady_ns();
   with_.leases.expire(now_ns);
   for (AskPointer& ask : with_.write_barriers.take_overdue(now_ns)) {
@@ -409,7 +432,7 @@ void Answering::tick(std::vector<std::uint64_t> query_writers) {
                      : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
                                    query.barrier_sequence, query.barrier_publisher, applied));
   }
-  queue_.push_own(ExpireLeases{std::move(query_writers)});
+  queue_.push_own(ExpireLeases{std::move(query_owners)});
 }
 
 void Answering::stop() {

@@ -36,6 +36,7 @@ struct AnsweringOptions {
   std::function<bool()> recovering;    // true: after a crash the world may lack what publishers have not sent again
   const Overload* overload = nullptr;  // null: never overloaded
   FlightRecorder* flight = nullptr;    // records every question and reply; null: none
+  KeyedPeers* peers = nullptr;         // who may what; null: no keys
 };
 
 /// A command as received; see idl/commands.hpp.
@@ -44,6 +45,9 @@ struct CommandAsk {
   std::uint64_t request = 0;
   std::string text;
   std::vector<std::byte> blob;  // a Shape of scene.fbs, or empty
+  QuerySender from{.participant = 0,
+                   .peer = nullptr,
+                   .rights = 0xff};  // whose it is; a command that is carried out again was allowed once
 };
 
 /// The text of a refusal: {"error": ..., "hint": ...}, the hint only where it is not empty.
@@ -84,8 +88,8 @@ class Answering {
   /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
   /// forgets clients that are gone.
   ///
-  /// query_writers  the query writers that are matched now
-  void tick(std::vector<std::uint64_t> query_writers);
+  /// query_owners  whom the numbers of clients that are there may belong to: see Ask::owner
+  void tick(std::vector<std::uint64_t> query_owners);
   /// Answers what is queued, refuses what waits at barriers, then ends the workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
@@ -107,7 +111,7 @@ class Answering {
     std::uint32_t place = 0;
   };
   struct ExpireLeases {
-    std::vector<std::uint64_t> query_writers;
+    std::vector<std::uint64_t> query_owners;
   };
   /// What waits for a worker: a question; a text to be written; a place whose clients' asks may go on; leases to
   /// expire.
@@ -126,6 +130,7 @@ class Answering {
   void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void drain(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void route(AskPointer ask, AskPointer* single);
+  const char* why_not_allowed(const Ask& ask) const;
   void take_more();
 
   Collaborators with_;

@@ -39,7 +39,7 @@ Share Answering::share_of(const Ask& ask) {
   const wire::Query& query = *ask.query;
   const bool is_question = wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0;
   return {.client = query.client,
-          .owner = ask.participant,
+          .owner = ask.from.participant,
           .cost = cost_of(query),
           .bytes = wire::bytes_of(query),
           .is_kept = !is_question || static_cast<Importance>(query.importance) == Importance::high,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "server/service/questions/participants.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 
 namespace collided::engine::service {
@@ -16,7 +17,8 @@ namespace collided::engine::service {
 struct Ask {
   dds::Sample<wire::Query> query;
   std::int64_t taken_ns = 0;        // when the listener took it, steady clock
-  std::uint64_t participant = 0;    // whose it is; 0: it is gone already
+  QuerySender from;                 // whose it is
+  std::uint64_t owner = 0;          // whom its client's number belongs to: the query writer; with keys the participant
   bool passed_barrier = false;      // its write barrier is behind it
   std::string refusal;              // decided before a worker saw it; empty: none
   std::int64_t retry_after_ns = 0;  // of a refusal: asking again after this long helps; 0: it does not

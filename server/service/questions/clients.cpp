@@ -101,7 +101,7 @@ std::vector<AskPointer> Clients::resume(std::uint32_t place) {
   return resumed;
 }
 
-std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> query_writers, std::int64_t now_ns) {
+std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> owners, std::int64_t now_ns) {
   std::vector<AskPointer> overdue;
   const std::lock_guard lock(mutex_);
   std::erase_if(clients_, [&](const auto& entry) {
@@ -113,7 +113,7 @@ std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> quer
     });
     std::move(late, client.waiting_.end(), std::back_inserter(overdue));
     client.waiting_.erase(late, client.waiting_.end());
-    const bool lives = std::find(query_writers.begin(), query_writers.end(), client.asker_) != query_writers.end();
+    const bool lives = std::find(owners.begin(), owners.end(), client.asker_) != owners.end();
     const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);
     const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;

@@ -53,7 +53,7 @@ class Client {
 
   const std::uint64_t id_;
   const std::int64_t met_ns_;
-  const std::uint64_t asker_;  // publication handle of its query writer: others may not ask in its name
+  const std::uint64_t asker_;  // Ask::owner: others may not ask in its name
   ReplyPlace& place_;
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
@@ -68,7 +68,7 @@ class Client {
 class Clients {
  public:
   static constexpr std::size_t kMost = 1'000;                      // clients
-  static constexpr std::size_t kMostOfOne = 64;                    // of one query writer
+  static constexpr std::size_t kMostOfOne = 64;                    // of one Ask::owner
   static constexpr std::size_t kMostWaiting = 256;                 // asks of one client
   static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;  // an ask that waits longer for a match is given up
   static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader for so long is forgotten
@@ -91,11 +91,11 @@ class Clients {
   bool hold(Client& client, AskPointer& ask);
   /// The asks that waited in this place, where a reader is matched now.
   std::vector<AskPointer> resume(std::uint32_t place);
-  /// Forgets clients whose query writer is gone or that have had no reader for kDeafPatienceNs; returns asks that
+  /// Forgets clients whose owner is gone or that have had no reader for kDeafPatienceNs; returns asks that
   /// waited longer than kMatchPatienceNs.
   ///
-  /// query_writers  the query writers that are matched now
-  std::vector<AskPointer> forget_gone(std::span<const std::uint64_t> query_writers, std::int64_t now_ns);
+  /// owners  those that are there now
+  std::vector<AskPointer> forget_gone(std::span<const std::uint64_t> owners, std::int64_t now_ns);
   std::size_t size() const;
 
  private:

@@ -43,7 +43,7 @@ struct ServingSide {
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();
     test::count_new_listeners(true);
-    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight);
+    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {

@@ -286,5 +286,29 @@ TEST(PublisherLiveliness, OneProcessHasSoManyNumbersAndTheyGoWithIt) {
   EXPECT_TRUE(objects.admits(81, 1, [] { return std::uint64_t{2}; })) << "free again";
 }
 
+// Everybody reads the numbers in the status. What a lost publisher has left must not be another's for that.
+TEST(PublisherLiveliness, WithKeysANumberStaysWithTheirName) {
+  Inbox inbox;
+  PublisherOwners owners;
+  PublisherLiveliness objects(inbox, owners, WriterKind::object);
+  const auto first = [] { return NumberOwner(1, "robot7"); };
+  const auto other = [] { return NumberOwner(2, "mallory"); };
+  const auto again = [] { return NumberOwner(3, "robot7"); };
+  EXPECT_TRUE(objects.admits(70, 7, first));
+  for (int i = 0; i < 2; ++i) objects.keep_only({});
+  EXPECT_FALSE(objects.admits(80, 7, other)) << "its process is gone, its name is not";
+  EXPECT_EQ(owners.take_forged(), std::vector<std::uint64_t>{7});
+  EXPECT_TRUE(objects.admits(90, 7, again));
+  // Who uses ever new numbers loses its own first ones, nobody else's.
+  for (std::uint64_t number = 100; number <= 100 + PublisherOwners::kMostRemembered; ++number) {
+    EXPECT_TRUE(objects.admits(80, number, other));
+    for (int i = 0; i < 2; ++i) objects.keep_only(std::vector<std::uint64_t>{90});
+  }
+  EXPECT_TRUE(objects.admits(91, 100, again)) << "forgotten";
+  EXPECT_FALSE(objects.admits(91, 101, again)) << "still mallory's";
+  for (int i = 0; i < 2; ++i) objects.keep_only({});
+  EXPECT_FALSE(objects.admits(80, 7, other));
+}
+
 }  // namespace
 }  // namespace collided::engine::service

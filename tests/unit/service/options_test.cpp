@@ -111,6 +111,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"recorder.last", "10s", [](const Options& o) { return o.flight_recorder_ns == 10'000'000'000; }},
       {"dds.domain", "13", [](const Options& o) { return o.domain == 13; }},
       {"dds.interface", "eth7", [](const Options& o) { return o.interface == "eth7"; }},
+      {"dds.keys", "keys/brain", [](const Options& o) { return o.keys == "keys/brain"; }},
       {"dds.peers", "h1,h2",
        [](const Options& o) {
          return o.peers == std::vector<std::string>{"h1", "h2"};
