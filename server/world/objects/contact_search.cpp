@@ -156,15 +156,37 @@ Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
   return found;
 }
 
-/// Descends both trees at once, b's seen from a's frame: twice the slack of placing one.
-void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
-  const IndexedMesh& mesh_a = *a.info->mesh;
-  const IndexedMesh& mesh_b = *b.info->mesh;
+namespace {
+
+/// A second object's mesh as seen from a first one's frame.
+struct SeenMesh {
+  Mat3 rotation;
+  Vec3 position;
+  double slack_m;  // twice that of placing one
+};
+
+SeenMesh seen_mesh(const Placed& a, const Placed& b) {
   const Mat3 back = a.frame->rotation.transpose();
   const Vec3 between = b.frame->position - a.frame->position;
-  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
-                                             mesh_a.radius_m + mesh_b.radius_m);
-  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, cost);
+  return {.rotation = back * b.frame->rotation,
+          .position = back * between,
+          .slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+                                         a.info->mesh->radius_m + b.info->mesh->radius_m)};
+}
+
+}  // namespace
+
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
+  const SeenMesh seen = seen_mesh(a, b);
+  a.info->mesh->tree.walk_pairs(b.info->mesh->tree, seen.rotation, seen.position, seen.slack_m + gap_m, candidate,
+                                cost);
+}
+
+void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,
+                          Bvh::Interrupt is_over, WalkCost& cost) {
+  const SeenMesh seen = seen_mesh(a, b);
+  a.info->mesh->tree.walk_near_pairs(b.info->mesh->tree, seen.rotation, seen.position, seen.slack_m, limit_m, candidate,
+                                     is_over, cost);
 }
 
 Aabb bounds_as_given(const Frame& frame, const Primitive& own) {

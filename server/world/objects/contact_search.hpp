@@ -70,6 +70,11 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
 /// must have a mesh.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m = 0);
 
+/// Offers pairs of the two objects' triangles that may be within limit_m of each other, as Bvh::walk_near_pairs does; both
+/// must have a mesh.
+void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,
+                          Bvh::Interrupt is_over, WalkCost& cost);
+
 /// A box that contains every point of the shape where the numbers given put it, and where place() puts it.
 Aabb bounds_as_given(const Frame& frame, const Primitive& own);
 
