@@ -67,7 +67,7 @@ TEST(TriangleDepth, ASureNormalIsThatOfTheContact) {
 // Two pushes that are equal leave the axis open, and two ways along one its sign: nothing is then said.
 TEST(TriangleDepth, ATieIsNotSure) {
   const Triangle level{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
-  const Triangle upright{{0, 0, -0.25}, {0.1, 0, 0.25}, {-0.1, 0, 0.25}};
+  const Triangle upright{{0, 0, -0.25}, {0.1, 0.04, 0.25}, {-0.1, -0.02, 0.1875}};
   EXPECT_FALSE(kernel::sure_normal(level, upright)) << "up or down is as near";
   Triangle lifted = upright;
   for (Vec3* corner : {&lifted.a, &lifted.b, &lifted.c}) (*corner)[2] += 0.125;
