@@ -23,7 +23,9 @@ constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
 /// A piece is not cut either when nothing moves farther in it than this share of the smaller body: cutting separates
 /// nothing more.
-constexpr double kShortPiece = 0x1p-4;
+constexpr double kShortPiece = 0x1p-6;
+/// So many pairs take the filter as long as one takes to be tested at one time.
+constexpr std::uint32_t kFilteredALook = 8;
 constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting further gains nothing
 
 /// A part of each body that may meet in a piece of the motion; a triangle's number, or 0 for the primitive at hand.
@@ -87,6 +89,7 @@ class SweptSearch {
   /// Certainly no contact within the span, by a filter in plain double.
   bool is_apart(const PartMotion& primitive, const SweptBody& other, const Triangle& triangle, const TimeSpan& span);
   void meshes();
+  void count_filtered() { looks_ += ++filtered_ % kFilteredALook == 0 ? 1 : 0; }
   bool is_late() const { return options_.deadline != nullptr && options_.deadline->is_over(); }
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
     const SweptContact* touch = contact_of_(b_triangle);
@@ -103,6 +106,7 @@ class SweptSearch {
   WalkCost& cost_;
   SweptContactOf contact_of_;
   std::uint32_t looks_ = 0;
+  std::uint32_t filtered_ = 0;
   PieceOfBody piece_a_;
   PieceOfBody piece_b_;
 };
@@ -187,7 +191,7 @@ bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, dou
 bool SweptSearch::is_apart(const PartMotion& primitive, const SweptBody& other, const Triangle& triangle,
                            const TimeSpan& span) {
   const std::optional<kernel::MovingCore> own = moving_core(primitive, piece_of(piece_a_, *primitive.motion, span));
-  ++looks_;
+  count_filtered();
   return own && kernel::surely_apart(
                     *own, piece_of(piece_b_, other.motion, span).moving(triangle, other.motion, other.mesh_reach_m));
 }
@@ -271,7 +275,7 @@ void SweptSearch::meshes() {
         piece_of(piece_a_, a_.motion, open).moving(a_.mesh->triangle(pair.a), a_.motion, a_.mesh_reach_m);
     const kernel::MovingCore b =
         piece_of(piece_b_, b_.motion, open).moving(b_.mesh->triangle(pair.b), b_.motion, b_.mesh_reach_m);
-    ++looks_;
+    count_filtered();
     if (kernel::surely_apart(a, b)) return;
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
   };
