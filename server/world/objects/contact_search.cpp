@@ -19,6 +19,9 @@ namespace {
 /// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
 
+/// More pairs of triangles that overlap are not kept: they may be as many as the product of both meshes.
+constexpr std::size_t kMostMet = 1 << 20;
+
 /// Visits the triangles of a mesh, in its own frame, near a box in world coordinates.
 template <class Visit>
 void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
@@ -60,6 +63,7 @@ void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkC
     const GivenPart given_a = a.given(triangle_a);
     const GivenPart given_b = b.given(triangle_b);
     search_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch, {given_a, given_b});
+    if (touch.met != nullptr && touch.met->size() >= kMostMet) std::exchange(touch.met, nullptr)->clear();
     return !touch.done();
   };
   walk_mesh_pairs(a, b, candidate, cost);

@@ -55,7 +55,7 @@ struct ContactSearch {
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
   Deadline* deadline = nullptr;  // null: none
-  TrianglePairs* met = nullptr;  // receives the pairs of triangles that overlap as placed, where both are; null: none
+  TrianglePairs* met = nullptr;  // receives pairs that overlap as placed; null: none, or they were too many
 
   /// No further pair can change the answer, or the time is over.
   bool done() const { return (yes && !wanted) || (deadline != nullptr && deadline->is_over()); }

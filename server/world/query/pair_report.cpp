@@ -74,7 +74,7 @@ void visit_met(const Placed& a, const Placed& b, const TrianglePairs& met, const
   }
 }
 
-/// Every pair of triangles that share a point, where one of the two has other parts too.
+/// Every pair of triangles that share a point, where they are too many to be kept or one of the two has other parts too.
 TrianglePairs met_triangles(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   TrianglePairs pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
@@ -134,7 +134,7 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
     report.b_triangle = touch.b_triangle;
     report.manifold = manifold_of(a, b, touch.contact, touch.met, cost, deadline);
     if (ask.triangles && a.info->mesh && b.info->mesh) {
-      if (!are_meshes) met = met_triangles(a, b, cost, deadline);
+      if (touch.met == nullptr) met = met_triangles(a, b, cost, deadline);
       tell_crossings(a, b, std::move(met), ask.most_crossings, report, deadline);
     }
   } else if (report.touches == Decision::no) {

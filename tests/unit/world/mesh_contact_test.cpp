@@ -98,6 +98,29 @@ TEST(MeshContact, IsTheDeepestOfAllTrianglesAndItsManifoldIsFromAll) {
   EXPECT_GT(touching, 80);
 }
 
+// Sheets that all cross all blades: more pairs than the search keeps, so they are looked for again, and none is lost.
+TEST(MeshContact, OfMorePairsThanAreKeptAllAreCounted) {
+  constexpr std::uint32_t kCount = 1030;
+  TriangleMesh sheets;
+  TriangleMesh blades;
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double at = 1e-4 * i;
+    sheets.vertices.insert(sheets.vertices.end(), {{-10, -10, at}, {10, -10, at}, {0, 10, at}});
+    blades.vertices.insert(blades.vertices.end(), {{at, -1, -5}, {at, 1, -5}, {at, 0, 5}});
+    sheets.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    blades.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  Stage stage;
+  const ObjectId a = stage.add("a", extreme::mesh_shape(sheets), {});
+  const ObjectId b = stage.add("b", extreme::mesh_shape(blades), {});
+  stage.step();
+  const PairReport found = report_pair(*stage.world.newest(), a, b, {.triangles = true, .most_crossings = 10});
+  EXPECT_EQ(found.touches, Decision::yes);
+  EXPECT_EQ(found.crossing_count, std::uint64_t{kCount} * kCount);
+  EXPECT_EQ(found.crossings.size(), 10u);
+  EXPECT_FALSE(found.manifold.empty());
+}
+
 // Faces on faces and edges on edges: depths of 0 and ties all over.
 TEST(MeshContact, OfBoxesThatRestOnEachOtherIsThatOfAll) {
   const TriangleMesh box = scenes::box({1, 1, 1});
