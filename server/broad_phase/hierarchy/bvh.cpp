@@ -7,6 +7,7 @@
 
 #include "server/broad_phase/hierarchy/bvh_build.hpp"
 #include "server/broad_phase/hierarchy/bvh_layout.hpp"
+#include "server/broad_phase/hierarchy/bvh_near_pairs.hpp"
 #include "server/broad_phase/hierarchy/bvh_pairs.hpp"
 #include "server/broad_phase/hierarchy/bvh_saved.hpp"
 #include "server/broad_phase/hierarchy/bvh_threads.hpp"
@@ -161,6 +162,24 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
   } else {
     bvh::walk_pairs(own, others, frame, false, candidate, cost);
   }
+}
+
+void Bvh::walk_near_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, double limit_m,
+                          NearPairCandidate candidate, Interrupt is_over, WalkCost& cost) const {
+  const bvh::Layout& own = storage_->layout;
+  const bvh::Layout& others = other.storage_->layout;
+  if (own.root == bvh::kNothing || others.root == bvh::kNothing || !(limit_m >= 0)) return;
+  bvh::NearPairFrame frame;
+  if (bvh::prepare_near_pairs(own, others, rotation, position, slack_m, frame)) {
+    bvh::walk_near_pairs(own, others, frame, limit_m, candidate, is_over, cost);
+    return;
+  }
+  const auto any = [&](std::uint32_t triangle, std::uint32_t other_triangle) {
+    if (is_over()) return false;
+    limit_m = candidate(triangle, other_triangle, limit_m);
+    return limit_m >= 0;
+  };
+  pair_all(other, rotation, position, std::numeric_limits<double>::infinity(), any, cost);
 }
 
 /// The fallback: pairs every triangle near the other's bounds with all of the other's.

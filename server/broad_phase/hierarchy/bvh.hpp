@@ -146,6 +146,15 @@ class Bvh {
   void walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
                   WalkCost& cost) const;
 
+  /// Receives a candidate pair; returns the limit from then on, metres; a negative one ends the walk.
+  using NearPairCandidate = FunctionRef<double(std::uint32_t triangle, std::uint32_t other_triangle, double limit_m)>;
+  /// Asked once a pair of nodes; true ends the walk.
+  using Interrupt = FunctionRef<bool()>;
+  /// Offers pairs of a triangle of this tree and one of the other, placed as for walk_pairs, that may lie within limit_m
+  /// of each other, roughly near to far.
+  void walk_near_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, double limit_m,
+                       NearPairCandidate candidate, Interrupt is_over, WalkCost& cost) const;
+
  private:
   void pair_all(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
                 WalkCost& cost) const;

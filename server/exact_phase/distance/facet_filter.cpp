@@ -12,16 +12,6 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Bound on a depth's error along a normal n = u x v of edges u and v, in units of S |u| |v| / |n|, with largest
-/// coordinates in place of lengths, and S what two points of the cores may differ by on any axis. No unit.
-/// The difference of two products and both differences before leave at most 8 roundings of |u| |v| in a component of n;
-/// three products with differences of points and six extents along it 64 more of S |u| |v|; the root and the quotient
-/// some 32 of the depth, which is at most 2 S; the products over cross axes of two boxes, which reuse those over faces,
-/// 96 (kSeparationError). In Bounded the same operations are made, with a bound of at most twice
-/// what they may err. 2^9 roundings cover both; 2^12 are taken.
-/// At zero, ExactContact.AFilterKeepsEveryAxisOfATie fails.
-constexpr double kDepthError = 0x1p-41;
-
 /// A core's differences from another, and its extents, in plain double.
 struct Spread {
   std::array<Triple, 9> between;  // points of a from points of b

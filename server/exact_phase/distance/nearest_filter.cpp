@@ -46,6 +46,15 @@ Weights nearest_weights(const Triple& a, const Triple& b, const Triple& c, const
 
 }  // namespace
 
+Vec3 quick_nearest_point(const Vec3& point, const Triangle& triangle) {
+  const Triple p = triple(point);
+  const Triple a = triple(triangle.a) - p;
+  const Triple b = triple(triangle.b) - p;
+  const Triple c = triple(triangle.c) - p;
+  const Weights weights = nearest_weights(a, b, c, b - a, c - a);
+  return triangle.a + weights.b * (triangle.b - triangle.a) + weights.c * (triangle.c - triangle.a);
+}
+
 double quick_nearest_corner2(const Vec3& point, const Triangle& triangle) {
   const Triple p = triple(point);
   const Triple a = triple(triangle.a) - p;

@@ -24,6 +24,9 @@ struct SquareBracket {
 /// Fast Procedure for Computing the Distance Between Complex Objects", 1988, theorem 1
 SquareBracket quick_square_distance(const Vec3& point, const Triangle& triangle);
 
+/// About the triangle's nearest point to the given one: good to choose a direction, and for no bound.
+Vec3 quick_nearest_point(const Vec3& point, const Triangle& triangle);
+
 /// The least squared distance to a corner, with relative error 8 u; infinity if a corner is not finite or squares leave
 /// the range.
 double quick_nearest_corner2(const Vec3& point, const Triangle& triangle);

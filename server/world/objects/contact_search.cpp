@@ -19,6 +19,9 @@ namespace {
 /// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
 
+/// More pairs of triangles that overlap are not kept: they may be as many as the product of both meshes.
+constexpr std::size_t kMostMet = 1 << 20;
+
 /// Visits the triangles of a mesh, in its own frame, near a box in world coordinates.
 template <class Visit>
 void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
@@ -60,6 +63,7 @@ void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkC
     const GivenPart given_a = a.given(triangle_a);
     const GivenPart given_b = b.given(triangle_b);
     search_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch, {given_a, given_b});
+    if (touch.met != nullptr && touch.met->size() >= kMostMet) std::exchange(touch.met, nullptr)->clear();
     return !touch.done();
   };
   walk_mesh_pairs(a, b, candidate, cost);
@@ -156,15 +160,37 @@ Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
   return found;
 }
 
-/// Descends both trees at once, b's seen from a's frame: twice the slack of placing one.
-void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
-  const IndexedMesh& mesh_a = *a.info->mesh;
-  const IndexedMesh& mesh_b = *b.info->mesh;
+namespace {
+
+/// A second object's mesh as seen from a first one's frame.
+struct SeenMesh {
+  Mat3 rotation;
+  Vec3 position;
+  double slack_m;  // twice that of placing one
+};
+
+SeenMesh seen_mesh(const Placed& a, const Placed& b) {
   const Mat3 back = a.frame->rotation.transpose();
   const Vec3 between = b.frame->position - a.frame->position;
-  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
-                                             mesh_a.radius_m + mesh_b.radius_m);
-  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, cost);
+  return {.rotation = back * b.frame->rotation,
+          .position = back * between,
+          .slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+                                         a.info->mesh->radius_m + b.info->mesh->radius_m)};
+}
+
+}  // namespace
+
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
+  const SeenMesh seen = seen_mesh(a, b);
+  a.info->mesh->tree.walk_pairs(b.info->mesh->tree, seen.rotation, seen.position, seen.slack_m + gap_m, candidate,
+                                cost);
+}
+
+void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,
+                          Bvh::Interrupt is_over, WalkCost& cost) {
+  const SeenMesh seen = seen_mesh(a, b);
+  a.info->mesh->tree.walk_near_pairs(b.info->mesh->tree, seen.rotation, seen.position, seen.slack_m, limit_m, candidate,
+                                     is_over, cost);
 }
 
 Aabb bounds_as_given(const Frame& frame, const Primitive& own) {

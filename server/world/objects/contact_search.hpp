@@ -4,10 +4,13 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/distance/triangle_depth.hpp"
 #include "server/exact_phase/given/given_overlap.hpp"
 #include "server/exact_phase/given/margin.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
@@ -36,6 +39,9 @@ struct Placed {
   }
 };
 
+/// A triangle of one mesh and one of another, by number.
+using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
 /// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
 /// the deepest pair of parts (ties: lowest triangles), so it does not depend on the order of the tests.
 struct ContactSearch {
@@ -49,6 +55,7 @@ struct ContactSearch {
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
   Deadline* deadline = nullptr;  // null: none
+  TrianglePairs* met = nullptr;  // receives pairs that overlap as placed; null: none, or they were too many
 
   /// No further pair can change the answer, or the time is over.
   bool done() const { return (yes && !wanted) || (deadline != nullptr && deadline->is_over()); }
@@ -69,6 +76,11 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
 /// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
 /// must have a mesh.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m = 0);
+
+/// Offers pairs of the two objects' triangles that may be within limit_m of each other, as Bvh::walk_near_pairs does; both
+/// must have a mesh.
+void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,
+                          Bvh::Interrupt is_over, WalkCost& cost);
 
 /// A box that contains every point of the shape where the numbers given put it, and where place() puts it.
 Aabb bounds_as_given(const Frame& frame, const Primitive& own);
@@ -163,10 +175,14 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
   }
   ++touch.exact_tests;
   const bool meet_as_placed = verdict.yes();
+  if (meet_as_placed && touch.met != nullptr) touch.met->emplace_back(a_triangle, b_triangle);
   if (off_m > 0 && quick != Decision::yes) verdict = decided_as_given(a, b, given, off_m, verdict);
   touch.level = std::max(touch.level, verdict.level);
   if (verdict.decision == Decision::undecided) touch.undecided = true;
   if (!verdict.yes()) return;
+  if constexpr (std::same_as<A, Triangle> && std::same_as<B, Triangle>) {
+    if (touch.wanted && touch.yes) depth_at_most_m = kernel::depth_at_most(a, b, touch.contact.depth_m);
+  }
   if (touch.wanted && !(touch.yes && depth_at_most_m < touch.contact.depth_m)) {
     const Contact found = meet_as_placed ? contact(a, b) : contact_as_given(a, b);
     if (deeper(found, a_triangle, b_triangle, touch)) {

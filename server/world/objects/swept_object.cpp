@@ -1,14 +1,18 @@
 #include "server/world/objects/swept_object.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "server/exact_phase/motion/ground_motion.hpp"
+#include "server/exact_phase/motion/part_motion_filter.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
+#include "server/world/objects/scene_touch.hpp"
 
 namespace collided::engine {
 namespace {
@@ -19,7 +23,9 @@ constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
 /// A piece is not cut either when nothing moves farther in it than this share of the smaller body: cutting separates
 /// nothing more.
-constexpr double kShortPiece = 0x1p-4;
+constexpr double kShortPiece = 0x1p-6;
+/// So many pairs take the filter as long as one takes to be tested at one time.
+constexpr std::uint32_t kFilteredALook = 8;
 constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting further gains nothing
 
 /// A part of each body that may meet in a piece of the motion; a triangle's number, or 0 for the primitive at hand.
@@ -28,6 +34,24 @@ struct PartPair {
   std::uint32_t b;
   auto operator<=>(const PartPair&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
+
+/// A piece of a body's motion, kept from pair to pair.
+struct PieceOfBody {
+  std::optional<kernel::MotionPiece> piece;
+  const BodyMotion* motion = nullptr;
+  TimeSpan span;
+};
+
+/// The part on a piece of its motion; nothing: of a kind that the filter does not know.
+std::optional<kernel::MovingCore> moving_core(const PartMotion& part, const kernel::MotionPiece& piece) {
+  return std::visit(
+      [&](const auto& own) -> std::optional<kernel::MovingCore> {
+        if constexpr (std::is_constructible_v<kernel::Core, decltype(own)>)
+          return piece.moving(own, *part.motion, part.reach_m);
+        else return std::nullopt;
+      },
+      part.own);
+}
 
 /// The search for the first contacts of two bodies. Parts of a are its primitives and triangles; b has triangles, or is
 /// tested primitive by primitive.
@@ -50,9 +74,22 @@ class SweptSearch {
   void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
   void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
             TimeSpan span);
+  /// The part of the span in which a contact would come before the one known; empty: there is none to look for.
+  TimeSpan still_open(std::uint32_t b_triangle, TimeSpan span) const {
+    const SweptContact* touch = contact_of_(b_triangle);
+    if (touch == nullptr) return {1, 0};
+    if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
+    return span;
+  }
+  static const kernel::MotionPiece& piece_of(PieceOfBody& kept, const BodyMotion& motion, const TimeSpan& span);
   void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
+  void visit_near(const BoundedPart& part, const Vec3& motion, const SweptBody& other, const Frame& frame,
+                  Bvh::BoxCandidate candidate);
+  /// Certainly no contact within the span, by a filter in plain double.
+  bool is_apart(const PartMotion& primitive, const SweptBody& other, const Triangle& triangle, const TimeSpan& span);
   void meshes();
+  void count_filtered() { looks_ += ++filtered_ % kFilteredALook == 0 ? 1 : 0; }
   bool is_late() const { return options_.deadline != nullptr && options_.deadline->is_over(); }
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
     const SweptContact* touch = contact_of_(b_triangle);
@@ -69,14 +106,23 @@ class SweptSearch {
   WalkCost& cost_;
   SweptContactOf contact_of_;
   std::uint32_t looks_ = 0;
+  std::uint32_t filtered_ = 0;
+  PieceOfBody piece_a_;
+  PieceOfBody piece_b_;
 };
+
+/// The frames of most pairs are those of the pair before.
+const kernel::MotionPiece& SweptSearch::piece_of(PieceOfBody& kept, const BodyMotion& motion, const TimeSpan& span) {
+  if (!kept.piece || kept.motion != &motion || kept.span.low != span.low || kept.span.high != span.high)
+    kept = {kernel::MotionPiece(motion, span), &motion, span};
+  return *kept.piece;
+}
 
 void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
                        TimeSpan span) {
   SweptContact* touch = contact_of_(b_triangle);
-  if (touch == nullptr || is_late()) return;
-  if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
-  if (span.high < span.low) return;
+  span = still_open(b_triangle, span);
+  if (span.high < span.low || is_late()) return;
   ++touch->exact_tests;
   TimeBracket found;
   const ExactResult verdict = first_contact(a, b, span, options_.width, found, &looks_);
@@ -142,6 +188,32 @@ bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, dou
   return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
 }
 
+bool SweptSearch::is_apart(const PartMotion& primitive, const SweptBody& other, const Triangle& triangle,
+                           const TimeSpan& span) {
+  const std::optional<kernel::MovingCore> own = moving_core(primitive, piece_of(piece_a_, *primitive.motion, span));
+  count_filtered();
+  return own && kernel::surely_apart(
+                    *own, piece_of(piece_b_, other.motion, span).moving(triangle, other.motion, other.mesh_reach_m));
+}
+
+/// Triangles that may come within `motion` of the part. A ball's box holds far more of a surface that it nearly touches
+/// than the ball does.
+void SweptSearch::visit_near(const BoundedPart& part, const Vec3& motion, const SweptBody& other, const Frame& frame,
+                             Bvh::BoxCandidate candidate) {
+  if (const Sphere* ball = std::get_if<Sphere>(&part)) {
+    const Vec3 away = ball->center - frame.position;
+    const double slack_m = placement_slack(frame, away.lpNorm<1>() + ball->center.lpNorm<1>(), other.mesh_reach_m);
+    const double limit_m2 = square_up(ball->radius_m + motion.norm() * (1 + kBoundSlack));
+    const auto near = [&](std::uint32_t triangle, double limit) { return candidate(triangle) ? limit : -1; };
+    other.tree->walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, near, cost_);
+    return;
+  }
+  Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, part);
+  box.low -= motion;
+  box.high += motion;
+  other.tree->walk_box(seen_from(frame, box, other.mesh_reach_m), candidate, cost_);
+}
+
 void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a) {
   const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
   const double largest_m = std::max(size_of(own), size_of(other.tree->bounds()));
@@ -152,19 +224,19 @@ void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBod
   const double motion_m = primitive.motion->length_m(primitive.reach_m) + other.motion.length_m(other.mesh_reach_m);
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
-    Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(middle));
+    const BoundedPart part = primitive.at(middle);
     const Vec3 motion =
         half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, span.high - span.low);
-    box.low -= motion;
-    box.high += motion;
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle) {
       return !is_late() && (is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle}));
     };
-    other.tree->walk_box(seen_from(other.motion.at(middle), box, other.mesh_reach_m), candidate, cost_);
+    visit_near(part, motion, other, other.motion.at(middle), candidate);
     return listing.is_all;
   };
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    const TimeSpan open = still_open(primitive_is_a ? pair.b : kNoTriangle, span);
+    if (open.high < open.low || is_apart(primitive, other, other.mesh->triangle(pair.b), open)) return;
     const PartMotion triangle = triangle_of(other, pair.b);
     if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
     else meet(triangle, pair.b, primitive, kNoTriangle, span);
@@ -197,6 +269,14 @@ void SweptSearch::meshes() {
     return listing.is_all;
   };
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    const TimeSpan open = still_open(pair.b, span);
+    if (open.high < open.low) return;
+    const kernel::MovingCore a =
+        piece_of(piece_a_, a_.motion, open).moving(a_.mesh->triangle(pair.a), a_.motion, a_.mesh_reach_m);
+    const kernel::MovingCore b =
+        piece_of(piece_b_, b_.motion, open).moving(b_.mesh->triangle(pair.b), b_.motion, b_.mesh_reach_m);
+    count_filtered();
+    if (kernel::surely_apart(a, b)) return;
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
   };
   look({0, 1}, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);

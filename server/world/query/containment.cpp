@@ -1,43 +1,68 @@
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/intake/weld.hpp"
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine {
 namespace {
 
+/// The edges of a mesh with how its triangles run along them, in a table of open addressing with linear probing (Knuth,
+/// TAOCP 3, 6.4, Algorithm L).
+class EdgeRuns {
+ public:
+  explicit EdgeRuns(std::size_t triangles)
+      : most_(3 * triangles / 2), runs_(std::bit_ceil(2 * most_ + 1)), mask_(runs_.size() - 1) {}
+
+  /// False: the edges are more than a closed mesh of so many triangles has.
+  bool add(std::uint32_t from, std::uint32_t to) {
+    const auto [low, high] = std::minmax(from, to);
+    const std::uint64_t key = std::uint64_t{low} << 32 | high;
+    // The upper half of a product depends on all bits of the key.
+    std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 32 & mask_;
+    while (runs_[at].count > 0 && runs_[at].key != key) at = (at + 1) & mask_;
+    if (runs_[at].count == 0 && count_++ == most_) return false;
+    runs_[at].key = key;
+    ++runs_[at].count;
+    runs_[at].sum += from < to ? 1 : -1;
+    return true;
+  }
+  /// Each edge has exactly two triangles, which run along it in opposite directions.
+  bool are_closed() const {
+    return std::all_of(runs_.begin(), runs_.end(),
+                       [](const EdgeUse& run) { return run.count == 0 || (run.count == 2 && run.sum == 0); });
+  }
+
+ private:
+  struct EdgeUse {
+    std::uint64_t key = 0;
+    int count = 0;
+    int sum = 0;
+  };
+  std::size_t most_;
+  std::vector<EdgeUse> runs_;
+  std::size_t mask_;
+  std::size_t count_ = 0;
+};
+
 /// Every edge has exactly two triangles, which run along it in opposite directions; vertices with equal coordinates
 /// count as one.
 bool is_closed(const TriangleMesh& mesh, Deadline& deadline) {
-  std::map<std::array<double, 3>, std::uint32_t> points;
-  std::vector<std::uint32_t> of_vertex;
-  for (const Vec3& v : mesh.vertices) {
-    if (deadline.is_over()) return false;
-    // Adding 0 turns -0 into 0: both are one place.
-    of_vertex.push_back(
-        points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size()))
-            .first->second);
-  }
-  // by edge: number of triangles, and the sum of their directions
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;
-  for (const auto& triangle : mesh.triangles) {
+  const std::vector<std::uint32_t> of_vertex = first_equal_vertices(mesh.vertices);
+  EdgeRuns edges(mesh.triangles.size());
+  for (const TriangleCorners& triangle : mesh.triangles) {
     if (deadline.is_over()) return false;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t from = of_vertex[triangle[i]];
       const std::uint32_t to = of_vertex[triangle[(i + 1) % 3]];
-      if (from == to) return false;
-      auto& [count, sum] = runs[std::minmax(from, to)];
-      ++count;
-      sum += from < to ? 1 : -1;
+      if (from == to || !edges.add(from, to)) return false;
     }
   }
-  return !runs.empty() &&
-         std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
+  return !mesh.triangles.empty() && edges.are_closed();
 }
 
 /// Counts the crossings of a ray and a mesh; doubtful where the ray passes too near an edge to count them.
@@ -71,9 +96,8 @@ struct Crossings {
   }
 };
 
-/// Decides by the parity of a ray's crossings. The surfaces do not meet, so one point decides for its whole connected
-/// piece.
-bool is_within(const Placed& outer, const Vec3& point) {
+/// Decides by the parity of a ray's crossings; undecided: every ray passes too near an edge.
+Decision is_within(const Placed& outer, const Vec3& point) {
   constexpr int kMostRays = 32;
   WalkCost cost;
   for (int i = 0; i < kMostRays; ++i) {
@@ -85,9 +109,9 @@ bool is_within(const Placed& outer, const Vec3& point) {
                         {.origin = point,
                          .direction = {across * std::cos(turn), across * std::sin(turn), height},
                          .length_m = std::numeric_limits<double>::infinity()}};
-    if (crossings.count(cost)) return crossings.crossed.size() % 2 == 1;
+    if (crossings.count(cost)) return crossings.crossed.size() % 2 == 1 ? Decision::yes : Decision::no;
   }
-  return false;
+  return Decision::undecided;
 }
 
 /// A corner of each connected piece of a mesh; triangles are connected where they share a corner by its number. In a
@@ -115,6 +139,14 @@ std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
   return found;
 }
 
+Vec3 placed_point(const Placed& object, const Vec3& own) { return place(*object.frame, Triangle{own, own, own}).a; }
+
+Vec3 any_point_of(const Placed& object) {
+  if (!object.info->primitives.empty())
+    return numbers_of(place(*object.frame, object.info->primitives.front())).points.front();
+  return placed_point(object, object.info->mesh->mesh->triangle(0).a);
+}
+
 /// A point of each primitive and of each connected piece of the mesh.
 std::vector<Vec3> points_of(const Placed& object) {
   std::vector<Vec3> points;
@@ -122,20 +154,22 @@ std::vector<Vec3> points_of(const Placed& object) {
     points.push_back(numbers_of(place(*object.frame, own)).points.front());
   if (!object.info->mesh) return points;
   const TriangleMesh& mesh = *object.info->mesh->mesh;
-  for (const std::uint32_t corner : corner_of_each_piece(mesh)) {
-    const Vec3& own = mesh.vertices[corner];
-    points.push_back(place(*object.frame, Triangle{own, own, own}).a);
-  }
+  for (const std::uint32_t corner : corner_of_each_piece(mesh))
+    points.push_back(placed_point(object, mesh.vertices[corner]));
   return points;
 }
 
 /// The inner object lies within the outer one's closed mesh; the two surfaces must not touch.
 bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
+  // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
+  // surfaces do not meet, so one point decides for its whole connected piece.
+  if (is_within(outer, any_point_of(inner)) == Decision::no) return false;
   if (!is_closed(*outer.info->mesh->mesh, deadline)) return false;
   const std::vector<Vec3> points = points_of(inner);
-  return std::all_of(points.begin(), points.end(),
-                     [&](const Vec3& point) { return !deadline.is_over() && is_within(outer, point); });
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& point) {
+    return !deadline.is_over() && is_within(outer, point) == Decision::yes;
+  });
 }
 
 }  // namespace

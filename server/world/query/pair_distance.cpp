@@ -4,7 +4,6 @@
 
 #include "server/exact_phase/distance/closest.hpp"
 #include "server/geometry/tolerance.hpp"
-#include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/pair_report.hpp"
 #include "server/world/query/underflow.hpp"
 
@@ -68,55 +67,29 @@ struct NearestPair {
   double reach_m() const { return (best.distance_m + best.error_m) * (1 + kBoundSlack); }
 };
 
-/// Tests one triangle of a mesh against those of the other that may be nearer than the nearest so far.
-struct TriangleWalk {
-  const Placed& other;
-  Triangle triangle;
-  bool is_of_a;
-  double radius_m;  // of the triangle, about the point from which the walk starts
-  NearestPair& nearest;
-  Deadline& deadline;
-
-  double operator()(std::uint32_t number, double) const {
-    if (deadline.is_over()) return -1;
-    const Triangle found = place(*other.frame, other.info->mesh->mesh->triangle(number));
-    nearest.take(is_of_a ? separation(triangle, found) : separation(found, triangle));
-    return limit_m2();
-  }
-  double limit_m2() const { return square_up(nearest.reach_m() + radius_m); }
-};
-
-/// Two meshes: walks the larger one's index from each triangle of the smaller. A walk over pairs of boxes would meet
-/// most pairs where one shell lies in the other.
+/// Two meshes: descends both trees at once.
 void search_meshes(const Placed& a, const Placed& b, NearestPair& nearest, WalkCost& cost, Deadline& deadline) {
-  const bool from_a = a.info->mesh->mesh->triangles.size() <= b.info->mesh->mesh->triangles.size();
-  const Placed& from = from_a ? a : b;
-  const Placed& other = from_a ? b : a;
-  const IndexedMesh& mesh = *other.info->mesh;
-  for (std::uint32_t i = 0; i < from.info->mesh->mesh->triangles.size() && !deadline.is_over(); ++i) {
-    const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
-    const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
-    const double radius_m =
-        std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) *
-        (1 + kBoundSlack);
-    const TriangleWalk walk{other, triangle, from_a, radius_m, nearest, deadline};
-    const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
-    mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m), walk,
-                        cost);
-  }
+  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b, double) {
+    if (deadline.is_over()) return -1.0;
+    nearest.take(separation(of_a.at(triangle_a), of_b.at(triangle_b)));
+    return nearest.reach_m();
+  };
+  walk_near_mesh_pairs(
+      a, b, nearest.reach_m(), candidate, [&] { return deadline.is_over(); }, cost);
 }
-
-bool is_bare_mesh(const Placed& object) { return object.info->mesh && object.info->primitives.empty(); }
 
 }  // namespace
 
 /// Tests all pairs within the best known distance; where a much nearer pair is found, the walk starts again with that
-/// distance.
+/// distance. Two meshes need no first bound: their walk goes to near triangles first.
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   constexpr double kMuchNearer = 0.75;
-  const Separation first = first_bound(a, b, cost, deadline);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const bool are_meshes = is_bare_mesh(*a.info) && is_bare_mesh(*b.info);
+  const Separation first = are_meshes ? Separation{.distance_m = kInfinity} : first_bound(a, b, cost, deadline);
   NearestPair nearest{first, first.distance_m - first.error_m};
-  const bool are_meshes = is_bare_mesh(a) && is_bare_mesh(b);
   if (are_meshes) search_meshes(a, b, nearest, cost, deadline);
   bool again = !are_meshes;
   while (again) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "server/exact_phase/distance/triangle_depth.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/object_placing.hpp"
@@ -64,26 +65,41 @@ Decision decision_of(const ContactSearch& touch) {
   return touch.undecided ? Decision::undecided : Decision::no;
 }
 
-/// Finds every pair of triangles that share a point; counts all, keeps the first in order.
-void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost,
-                    Deadline& deadline) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+/// The pairs of triangles that overlap, offered as parts; visit returns false to end. As visit_part_pairs() does.
+void visit_met(const Placed& a, const Placed& b, const TrianglePairs& met, const PartPairVisit& visit) {
+  PlacedTriangles all_of_a(*a.info->mesh->mesh, *a.frame);
+  PlacedTriangles all_of_b(*b.info->mesh->mesh, *b.frame);
+  for (const auto& [of_a, of_b] : met) {
+    if (!visit({all_of_a.at(of_a), of_a}, {all_of_b.at(of_b), of_b})) return;
+  }
+}
+
+/// Every pair of triangles that share a point, where they are too many to be kept or one of the two has other parts too.
+TrianglePairs met_triangles(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
+  TrianglePairs pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
     const bool two_triangles = of_a.triangle != kNoTriangle && of_b.triangle != kNoTriangle;
     if (two_triangles && overlaps(of_a.part, of_b.part).yes()) pairs.emplace_back(of_a.triangle, of_b.triangle);
     return !deadline.is_over();
   };
   visit_part_pairs(a, b, 0, visit, cost);
+  return pairs;
+}
+
+/// Tells what pairs of triangles share; counts all, keeps the first in order.
+void tell_crossings(const Placed& a, const Placed& b, TrianglePairs pairs, std::uint32_t most, PairReport& report,
+                    Deadline& deadline) {
   std::sort(pairs.begin(), pairs.end());
   // A split that clips triangles may offer a pair twice.
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   report.crossing_count = pairs.size();
   pairs.resize(std::min<std::size_t>(pairs.size(), most));
-  for (const auto& [of_a, of_b] : pairs) {
-    const Triangle first = place(*a.frame, a.info->mesh->mesh->triangle(of_a));
-    const Triangle second = place(*b.frame, b.info->mesh->mesh->triangle(of_b));
-    report.crossings.push_back({of_a, of_b, crossing(first, second)});
-  }
+  report.crossings.reserve(pairs.size());
+  visit_met(a, b, pairs, [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+    report.crossings.push_back(
+        {of_a.triangle, of_b.triangle, crossing(std::get<Triangle>(of_a.part), std::get<Triangle>(of_b.part))});
+    return !deadline.is_over();
+  });
 }
 
 PairReport late() {
@@ -101,8 +117,11 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
   PairReport report;
   report.is_stale = first.is_stale || second.is_stale;
   WalkCost cost;
+  const bool are_meshes = is_bare_mesh(*a.info) && is_bare_mesh(*b.info);
+  TrianglePairs met;
   ContactSearch touch;
   touch.deadline = &deadline;
+  if (are_meshes) touch.met = &met;
   search_objects(a, b, touch, cost);
   if (deadline.was_over()) return late();
   report.touches = decision_of(touch);
@@ -113,8 +132,11 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
     report.contact.depth_error_m += placing_error_m(a, touch.a_triangle, b, touch.b_triangle);
     report.a_triangle = touch.a_triangle;
     report.b_triangle = touch.b_triangle;
-    report.manifold = manifold_of(a, b, touch.contact, cost, deadline);
-    if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost, deadline);
+    report.manifold = manifold_of(a, b, touch.contact, touch.met, cost, deadline);
+    if (ask.triangles && a.info->mesh && b.info->mesh) {
+      if (touch.met == nullptr) met = met_triangles(a, b, cost, deadline);
+      tell_crossings(a, b, std::move(met), ask.most_crossings, report, deadline);
+    }
   } else if (report.touches == Decision::no) {
     report.separation = distance_between(a, b, cost, deadline);
     const double placing_m = placing_error_m(a, kNoTriangle, b, kNoTriangle);
@@ -169,14 +191,28 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   return report;
 }
 
-std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost,
-                                       Deadline& deadline) {
-  // Parts whose normals differ by more than 26 degrees are corners and edges of surfaces that bear elsewhere.
-  constexpr double kSameWay = 0.9;
+namespace {
+
+/// Parts whose normals differ by more than 26 degrees are corners and edges of surfaces that bear elsewhere.
+constexpr double kSameWay = 0.9;
+
+/// Known without the contact of the two, as of most triangles of two bodies deep in each other.
+bool surely_points_elsewhere(const ConvexPart& a, const ConvexPart& b, const Vec3& normal) {
+  const auto* triangle_a = std::get_if<Triangle>(&a);
+  const auto* triangle_b = std::get_if<Triangle>(&b);
+  if (triangle_a == nullptr || triangle_b == nullptr) return false;
+  const std::optional<Vec3> quick = kernel::sure_normal(*triangle_a, *triangle_b);
+  return quick && quick->dot(normal) < kSameWay - 4 * kernel::kSureNormal;
+}
+
+}  // namespace
+
+std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact,
+                                       const TrianglePairs* met, WalkCost& cost, Deadline& deadline) {
   std::vector<ManifoldPoint> points;
-  const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+  const auto add = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
     if (deadline.is_over()) return false;
-    if (!overlaps(of_a.part, of_b.part).yes()) return true;
+    if (surely_points_elsewhere(of_a.part, of_b.part, contact.normal)) return true;
     const Contact here = engine::contact(of_a.part, of_b.part);
     if (here.normal.dot(contact.normal) < kSameWay) return true;
     const std::size_t before = points.size();
@@ -187,7 +223,11 @@ std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const C
     }
     return true;
   };
-  visit_part_pairs(a, b, 0, visit, cost);
+  const auto add_met = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+    return overlaps(of_a.part, of_b.part).yes() ? add(of_a, of_b) : !deadline.is_over();
+  };
+  if (met != nullptr) visit_met(a, b, *met, add);
+  else visit_part_pairs(a, b, 0, add_met, cost);
   keep_extremes(contact.normal, points);
   return points;
 }

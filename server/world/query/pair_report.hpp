@@ -73,8 +73,10 @@ Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost, De
 /// Whether one object lies within the other's mesh, if that is closed; the two must not touch.
 Contained containment(const Placed& a, const Placed& b, Deadline& deadline);
 /// At most four points for the contact, from all parts that touch along its normal.
-std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost,
-                                       Deadline& deadline);
+///
+/// met  of two meshes: the triangles that overlap; null: look for the parts
+std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact,
+                                       const TrianglePairs* met, WalkCost& cost, Deadline& deadline);
 /// A proof that the two touch, or that they do not; nothing: `why_not` says why there is none. It looks at
 /// no deadline: the number of parts that it takes is bounded.
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost);

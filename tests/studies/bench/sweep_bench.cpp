@@ -1,9 +1,10 @@
-// First contact of movers with a mesh of 70,000 triangles, one thread: how long a way takes, and whether 1,000 poses of
-// it agree. No peer: of the libraries here those that cast boxes stop at a fixed number of steps, or go straight only.
+// First contact of movers with a terrain of 70,000 triangles, and with a sphere of 1.1 million as fine as a scan, one
+// thread: how long a way takes, and whether 1,000 poses of it agree. No peer: of the libraries here those that cast boxes stop at a fixed number of steps, or go straight only.
 
 #include <algorithm>
 #include <random>
 
+#include "server/intake/mesh/sphere_mesh.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/swept_object.hpp"
@@ -22,7 +23,19 @@ struct Case {
   std::string name;
   Shape shape;
   bool turns = false;
+  double reach_m = 0;  // of a ball or what is like one
 };
+
+StaticScene scene_of(TriangleMesh mesh) {
+  StaticScene scene;
+  scene.mesh = std::move(mesh);
+  scene.parts = {{.name = "scene",
+                  .first_triangle = 0,
+                  .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
+  scene.part_objects = {1};
+  scene.tree = Bvh::build(scene.mesh);
+  return scene;
+}
 
 std::vector<Case> cases() {
   const Box box{.center = Vec3::Zero(), .half_m = {0.1, 0.2, 0.15}};
@@ -48,6 +61,35 @@ std::vector<BodyMotion> motions(bool turn, std::mt19937_64& random) {
     const double w = any(), p = any(), q = any();
     const Quat other = Quat(w, p, q, any()).normalized();
     made.emplace_back(frame_of({from, Quat::Identity()}), frame_of({to, turn ? other : Quat::Identity()}));
+  }
+  return made;
+}
+
+/// Movers over a sphere of radius 1, a tenth as large as it and less.
+std::vector<Case> cases_over_ball() {
+  const auto ball = [](double radius_m) {
+    return Shape{.primitives = {Sphere{Vec3::Zero(), radius_m}}, .mesh = nullptr};
+  };
+  const auto mesh = std::make_shared<const TriangleMesh>(latitude_longitude_sphere(0.1, 64, 33));
+  return {{"ball of 2 %", ball(0.02), false, 0.02},
+          {"ball of 10 %", ball(0.1), false, 0.1},
+          {"mesh of 4,096", {.primitives = {}, .mesh = mesh}, false, 0.1}};
+}
+
+/// From a little off the sphere, a fifth of its diameter on, mostly into it.
+std::vector<BodyMotion> motions_over_ball(double reach_m, std::mt19937_64& random) {
+  std::normal_distribution<double> part;
+  const auto any_direction = [&] {
+    const double x = part(random), y = part(random);
+    return Vec3(x, y, part(random)).normalized();
+  };
+  std::uniform_real_distribution<double> off(0, 0.1);
+  std::vector<BodyMotion> made;
+  for (std::size_t i = 0; i < kWays; ++i) {
+    const Vec3 out = any_direction();
+    const Vec3 from = out * (1 + reach_m + off(random));
+    const Vec3 to = from + 0.4 * (any_direction() - out).normalized();
+    made.emplace_back(frame_of({from, Quat::Identity()}), frame_of({to, Quat::Identity()}));
   }
   return made;
 }
@@ -81,9 +123,9 @@ bool agrees(const ObjectInfo& mover, const BodyMotion& motion, const StaticScene
   return true;
 }
 
-void run(const Options& options, const Case& one, const StaticScene& scene, std::mt19937_64& random) {
-  const std::vector<BodyMotion> motion = motions(one.turns, random);
-  if (!options.wants("terrain", one.name)) return;
+/// Poses of each compare_every-th way are tested.
+void run(const Options& options, const char* name, const Case& one, const std::vector<BodyMotion>& motion,
+         const StaticScene& scene, std::size_t compare_every) {
   const ObjectInfo mover = without_world(one.shape);
   const SweptBody ground(scene);
   std::vector<double> spent_us;
@@ -96,7 +138,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
     spent_us.push_back((thread_seconds() - start) * 1e6);
     hits += touch.yes;
     tests += touch.exact_tests;
-    if (i % 10 != 0) continue;
+    if (i % compare_every != 0) continue;
     ++compared;
     equal += agrees(mover, motion[i], scene, touch);
   }
@@ -115,7 +157,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
                                    },
                                .equal = equal,
                                .of = compared}};
-  measure(options, {"terrain", scene.mesh.triangles.size(), one.name + " sweep", kWays, note}, methods);
+  measure(options, {name, scene.mesh.triangles.size(), one.name + " sweep", kWays, note}, methods);
 }
 
 }  // namespace
@@ -126,13 +168,16 @@ int main(int argc, char** argv) {
   using namespace collided;
   const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20261122);
-  StaticScene scene;
-  scene.mesh = scenes::terrain(187, 100, 7);
-  scene.parts = {{.name = "terrain",
-                  .first_triangle = 0,
-                  .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
-  scene.part_objects = {1};
-  scene.tree = Bvh::build(scene.mesh);
-  for (const bench::Case& one : bench::cases()) bench::run(options, one, scene, random);
+  const StaticScene terrain = bench::scene_of(scenes::terrain(187, 100, 7));
+  for (const bench::Case& one : bench::cases()) {
+    const std::vector<BodyMotion> motion = bench::motions(one.turns, random);
+    if (options.wants("terrain", one.name)) bench::run(options, "terrain", one, motion, terrain, 10);
+  }
+  if (options.quick) return 0;
+  const StaticScene ball = bench::scene_of(latitude_longitude_sphere(1, 1050, 525));
+  for (const bench::Case& one : bench::cases_over_ball()) {
+    const std::vector<BodyMotion> motion = bench::motions_over_ball(one.reach_m, random);
+    if (options.wants("fine ball", one.name)) bench::run(options, "fine ball", one, motion, ball, 200);
+  }
   return 0;
 }

@@ -100,7 +100,8 @@ TEST_P(CostlyQuestions, EndAtTheirDeadlineAndSaySo) {
   const std::uint32_t whole_tests = answers_.exact_tests[0];
   const std::int64_t within_ns = whole_ns / 8;
   std::int64_t fastest_ns = whole_ns;
-  for (int i = 0; i < 8; ++i) {
+  // On a busy machine a slice of another's time is longer than the deadline, so more tries are needed for one without.
+  for (int i = 0; i < 8 || (i < 64 && fastest_ns > 2 * within_ns); ++i) {
     fastest_ns = std::min(fastest_ns, ask(within_ns));
     ASSERT_EQ(answers_.answers[0], Verdict::undecided);
     ASSERT_EQ(answers_.reasons[0], UndecidedReason::deadline);
@@ -151,7 +152,9 @@ class CostlyPairs : public testing::TestWithParam<bool> {
   static ObjectDefinition shell(const std::string& name, double radius_m) {
     ObjectDefinition definition;
     definition.name = name;
-    definition.shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(kShellLevels, radius_m));
+    // Costly enough that the shortest deadline below is far longer than eight tests, between two looks at the clock.
+    const int levels = GetParam() ? kShellLevels + 1 : kShellLevels;
+    definition.shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(levels, radius_m));
     definition.moving = true;
     return definition;
   }

@@ -1,4 +1,5 @@
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
 #include <limits>
 
@@ -31,6 +32,17 @@ class Fcl final : public MeshPairPeer {
     const fcl::CollisionRequest<double> request;
     fcl::CollisionResult<double> result;
     return fcl::collide(a_.get(), fcl::Transform3<double>::Identity(), b_.get(), pose_, request, result) > 0;
+  }
+  std::optional<std::size_t> contacts() override {
+    const fcl::CollisionRequest<double> request(std::numeric_limits<std::size_t>::max(), true);
+    fcl::CollisionResult<double> result;
+    fcl::collide(a_.get(), fcl::Transform3<double>::Identity(), b_.get(), pose_, request, result);
+    return result.numContacts();
+  }
+  std::optional<double> distance_m() override {
+    const fcl::DistanceRequest<double> request(true);
+    fcl::DistanceResult<double> result;
+    return fcl::distance(a_.get(), fcl::Transform3<double>::Identity(), b_.get(), pose_, request, result);
   }
 
  private:

@@ -33,6 +33,10 @@ class Ode final : public MeshPairPeer {
     const int flags = 1 | static_cast<int>(CONTACTS_UNIMPORTANT);
     return dCollide(a_.geometry, b_.geometry, flags, contacts_.data(), sizeof(dContactGeom)) > 0;
   }
+  std::optional<std::size_t> contacts() override {
+    return static_cast<std::size_t>(
+        dCollide(a_.geometry, b_.geometry, kMostContacts, contacts_.data(), sizeof(dContactGeom)));
+  }
 
  private:
   OdeRuns runs_;

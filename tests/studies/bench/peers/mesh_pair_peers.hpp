@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,10 @@ class MeshPairPeer {
   /// Pairs of triangles that it says meet, in any order, some twice.
   virtual void all_pairs(TrianglePairs& out) = 0;
   virtual bool any() = 0;
+  /// How many contacts it tells, each with point, normal and depth; nothing: it tells none.
+  virtual std::optional<std::size_t> contacts() { return std::nullopt; }
+  /// Of the meshes, which do not touch, with the nearest points; nothing: it cannot.
+  virtual std::optional<double> distance_m() { return std::nullopt; }
 };
 
 std::unique_ptr<MeshPairPeer> fcl_pair_peer(const TriangleMesh& a, const TriangleMesh& b);

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "server/exact_phase/distance/core.hpp"
+#include "server/exact_phase/motion/part_motion.hpp"
+
+namespace collided::engine::kernel {
+
+/// A part at two instants of a motion, and how far any point of it may be from the line between its places then.
+struct MovingCore {
+  Core at_low;
+  Core at_high;
+  double off_m = 0;
+};
+
+/// The part of a body's motion between two instants, with the body's frames then.
+struct MotionPiece {
+  Frame at_low;
+  Frame at_high;
+  double turn_rad = 0;  // between the two
+  bool is_at_rest = false;
+
+  MotionPiece(const BodyMotion& motion, const TimeSpan& span);
+  /// reach_m: no point of the part is farther from the frame's origin.
+  template <class Shape>
+  MovingCore moving(const Shape& own, const BodyMotion& motion, double reach_m) const {
+    const Core first(place(at_low, own));
+    return {first, is_at_rest ? first : Core(place(at_high, own)), off_m(motion, reach_m)};
+  }
+
+ private:
+  double off_m(const BodyMotion& motion, double reach_m) const;
+};
+
+/// Whether the two certainly do not meet between the two instants: some direction parts them at both, by more than
+/// anything can leave the lines between. In plain double, with one bound for all roundings. False proves nothing.
+///
+/// cost  about 50 ns, against 1 us and more for a first contact; no allocation
+bool surely_apart(const MovingCore& a, const MovingCore& b);
+
+}  // namespace collided::engine::kernel
