@@ -132,26 +132,56 @@ SideFound side_by_ray(const IndexedMesh& surface, const Vec3& point, WalkCost& c
   return count.found();
 }
 
-SideFound side_of(const SolidMesh& solid, const Vec3& point, WalkCost& cost) {
-  if (solid.tree) {
-    if (const std::optional<SolidSide> side = solid.tree->side(point, cost.nodes)) return {*side, Level::filter};
+namespace {
+
+SideFound side_by(const IndexedMesh& surface, const SolidTree* tree, const Vec3& point, WalkCost& cost) {
+  if (tree != nullptr) {
+    if (const std::optional<SolidSide> side = tree->side(point, cost.nodes)) return {*side, Level::filter};
   }
-  return side_by_ray(*solid.surface, point, cost);
+  return side_by_ray(surface, point, cost);
 }
 
-SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Vec3& point, WalkCost& cost) {
-  if (is_unmoved(object)) return side_of(solid, point, cost);
+SideFound side_placed(const IndexedMesh& surface, const SolidTree* tree, const Placed& object, const Vec3& point,
+                      WalkCost& cost) {
+  if (is_unmoved(object)) return side_by(surface, tree, point, cost);
   const Vec3 away = point - object.frame->position;
   const Vec3 seen = object.frame->rotation.transpose() * away;
-  const IndexedMesh& surface = *solid.surface;
   const double slack_m = seen_slack_m(object, away.lpNorm<1>(), point, surface.radius_m);
   const bool is_seen = seen.allFinite() && std::isfinite(slack_m);
-  if (is_seen && !is_near_surface(surface, seen, slack_m, cost)) return side_of(solid, seen, cost);
+  if (is_seen && !is_near_surface(surface, seen, slack_m, cost)) return side_by(surface, tree, seen, cost);
   if (object.pose == nullptr) return side_of_placed_corners(surface, object, point, cost);
   const AxisDirection way = shortest_way_out(surface.tree.bounds(), seen);
   CrossingCount<QuotientPoint> count(seen_exactly(*object.pose, point), way);
   surface.tree.walk_ray({.origin = seen, .direction = along(way)}, kInfinity, slack_m, *surface.mesh, count, cost);
   return count.found();
+}
+
+const SolidTree* tree_of(const SolidMesh& solid) { return solid.tree ? &*solid.tree : nullptr; }
+
+}  // namespace
+
+SideFound side_of(const SolidMesh& solid, const Vec3& point, WalkCost& cost) {
+  return side_by(*solid.surface, tree_of(solid), point, cost);
+}
+
+SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Vec3& point, WalkCost& cost) {
+  return side_placed(*solid.surface, tree_of(solid), object, point, cost);
+}
+
+SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost) {
+  return side_placed(surface, nullptr, object, point, cost);
+}
+
+SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const Vec3& point) {
+  const TriangleMesh& mesh = *solid.surface->mesh;
+  const bool is_given = object.pose != nullptr && !is_unmoved(object);
+  QuotientPoint seen = is_given ? seen_exactly(*object.pose, point) : QuotientPoint(kernel::Vector<Dyadic>(point), 1.0);
+  CrossingCount<QuotientPoint> count(std::move(seen), AxisDirection{});
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle own = mesh.triangle(i);
+    if (count(i, is_given ? own : place(*object.frame, own), kInfinity) < 0) break;
+  }
+  return count.found().side;
 }
 
 }  // namespace collided::engine

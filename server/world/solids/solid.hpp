@@ -33,13 +33,14 @@ struct SolidFindings {
 /// border of that solid, and nothing else, where no two triangles cross or overlap and no shell lies in another that
 /// faces the same way.
 ///
-/// cost     about 1.5 us a triangle
-/// threads  pure
-SolidFindings checked(const IndexedMesh& surface);
+/// cancelled  called now and then; true ends the search for triangles that cross, and then some may
+/// cost       about 1.5 us a triangle
+/// threads    pure
+SolidFindings checked(const IndexedMesh& surface, const std::function<bool()>& cancelled = {});
 
 /// The solid within a surface, with its tree where that pays; and what the check found.
 ///
-/// cancelled  called now and then; true leaves the tree out
+/// cancelled  as for checked(); leaves out the tree too
 /// returns    null where the check refuses
 /// cost       that of the check, and up to some 0.3 s for a tree
 std::shared_ptr<const SolidMesh> solid_within(std::shared_ptr<const IndexedMesh> surface, SolidFindings& findings,
@@ -59,10 +60,15 @@ SideFound side_by_ray(const IndexedMesh& surface, const Vec3& point, WalkCost& c
 /// The same by the solid's tree, where there is one.
 SideFound side_of(const SolidMesh& solid, const Vec3& point, WalkCost& cost);
 
-/// The same for a solid at a pose and a point of the world: exact for the numbers given, the unrounded rotation
+/// The same for a closed mesh at a pose and a point of the world: exact for the numbers given, the unrounded rotation
 /// v -> q v q* / |q|^2 included; where the pose was not given, for the corners as they are placed.
 /// cost  that of side_of and of a walk about the point; microseconds a triangle near the ray where the point is so near
 ///       the surface that placing may have moved it across
 SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Vec3& point, WalkCost& cost);
+/// The same without a tree.
+SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost);
+
+/// The same by rationals alone and without an index, for audits.
+SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const Vec3& point);
 
 }  // namespace collided::engine

@@ -117,6 +117,7 @@ template std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion>
 template std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion>, AskOptions);
 template std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion>, AskOptions);
 template std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion>, AskOptions);
+template std::future<Result<Answers>> Client::ask_async(std::vector<InsideQuestion>, AskOptions);
 
 Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
                                     std::chrono::nanoseconds, std::function<void(double)>) {
