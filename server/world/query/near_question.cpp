@@ -139,7 +139,9 @@ void NearWalk::keep(const AnswerHit& hit) {
   found.insert(std::upper_bound(found.begin(), found.end(), hit, order), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
-    wanted_m = std::min(wanted_m, farthest_m + found.back().error_m);
+    // Of what holds the point only the depth may be unknown: nothing outside is nearer.
+    const bool is_held = (found.back().flags & kInside) != 0;
+    wanted_m = std::min(wanted_m, is_held ? 0 : farthest_m + found.back().error_m);
     set_limit();
   }
 }

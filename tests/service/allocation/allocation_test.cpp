@@ -129,6 +129,8 @@ class Allocation : public ::testing::Test {
     std::vector<double> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       for (const double at : {x(random), x(random), z(random)}) numbers.push_back(at);
+      if (kind == RequestKind::inside)
+        numbers.end()[-3] /= 2, numbers.end()[-2] /= 2, numbers.back() = -0.1;  // the floor
       if (kind == RequestKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
       if (kind == RequestKind::sphere) numbers.push_back(0.5);
       if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
