@@ -98,6 +98,12 @@ template <>
 Result<Answers> Client::ask_all(std::span<const NearQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().near);
 }
+// No test gives it answers of its own.
+template <>
+Result<Answers> Client::ask_all(std::span<const InsideQuestion> questions, const AskOptions& options, Answers&&) {
+  const std::function<Answer(const InsideQuestion&, const AskOptions&)> respond;
+  return answer_all(questions, options, respond);
+}
 
 Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
   std::function<Answer(const SweepQuestion&, const AskOptions&)> respond;
