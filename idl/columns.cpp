@@ -20,6 +20,7 @@ Columns<Query> question_columns(RequestKind kind) {
     case RequestKind::box: return kBoxColumns;
     case RequestKind::near: return kNearColumns;
     case RequestKind::sweep: return kSweepColumns;
+    case RequestKind::inside: return kInsideColumns;
     default: return {};
   }
 }

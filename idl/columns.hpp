@@ -25,6 +25,7 @@ inline constexpr Column<Query> kSphereColumns[] = {{&Query::points, 3}, {&Query:
 inline constexpr Column<Query> kBoxColumns[] = {
     {&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
 inline constexpr Column<Query> kNearColumns[] = {{&Query::points, 3}, {&Query::lengths, 1}};
+inline constexpr Column<Query> kInsideColumns[] = {{&Query::points, 3}};
 inline constexpr Column<Query> kSweepColumns[] = {
     {&Query::points, 3}, {&Query::orientations, 4}, {&Query::end_points, 3}, {&Query::end_orientations, 4}};
 inline constexpr Column<PoseBatch> kPoseColumns[] = {{&PoseBatch::positions, 3}, {&PoseBatch::orientations, 4}};

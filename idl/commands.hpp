@@ -14,7 +14,7 @@
 namespace collided::wire_contract::command {
 
 /// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, foreign,
-/// replace (a scene of that name), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
+/// replace (a scene of that name), solid (name glob of the parts and objects whose meshes are solid), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
 /// complete)
 /// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
 ///    covers, version.
@@ -34,7 +34,8 @@ inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 /// -> removed, kept (objects of live publishers), ended, version
 inline constexpr const char* kClear = "clear";
 
-/// name, pose, layers, mask, group, moving, scale [3]; the shape is the query's blob -> name, id, version
+/// name, pose, layers, mask, group, moving, scale [3], solid (true: its mesh is; refused where that does not close); the
+/// shape is the query's blob -> name, id, version, warning (where the mesh is more than the border of a solid)
 inline constexpr const char* kAdd = "add";
 
 /// name, pose, teleport -> name, moved_m, began [names], ended [names], version. Refused for an object of a live

@@ -36,6 +36,7 @@ inline constexpr NumberField kBoxFields[] = {{"center", 0, 3, NumberRule::point}
                                              {"rotation", 6, 4, NumberRule::rotation}};
 inline constexpr NumberField kNearFields[] = {{"point", 0, 3, NumberRule::point},
                                               {"largest distance", 3, 1, NumberRule::reach}};
+inline constexpr NumberField kInsideFields[] = {{"point", 0, 3, NumberRule::point}};
 inline constexpr NumberField kSweepFields[] = {{"from", 0, 3, NumberRule::point},
                                                {"rotation", 3, 4, NumberRule::rotation},
                                                {"to", 7, 3, NumberRule::point},

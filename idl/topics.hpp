@@ -19,15 +19,16 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 inline constexpr int kLastDomain = 230;
 
 /// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
-/// near: the nearest points of objects. sweep: a shape that moves from pose to pose.
-enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
+/// near: the nearest points of objects. sweep: a shape that moves from pose to pose. inside: the solids that hold a point.
+enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep, inside };
 /// The kind must be one of the above.
 inline const char* name_of(RequestKind kind) {
-  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
+  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep", "inside"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
-/// Which hits are wanted: the first one, any one, or all of them.
-enum class HitMode : std::uint8_t { closest, any, all };
+/// Which hits are wanted: the first one, any one, or all of them. signed_near, of near: of a solid that holds the point
+/// the distance is minus the depth, not 0.
+enum class HitMode : std::uint8_t { closest, any, all, signed_near };
 /// How much a question matters while not all can be answered: low ones are refused first, high ones never.
 enum class Importance : std::uint8_t { normal, low, high };
 /// invalid: the question's numbers are none that can be answered.
@@ -39,7 +40,7 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 /// refused: the text says why. progress: more replies to the same request follow.
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
+/// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 /// persisted: a contact that has begun goes on.
@@ -84,6 +85,9 @@ inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kSweepNumbers = 14;
+inline constexpr std::uint32_t kInsideNumbers = 3;
+/// The last one of the kinds.
+inline constexpr RequestKind kLastKind = RequestKind::inside;
 /// Numbers of a question of this kind; 0 for kinds that ask nothing about the world.
 inline constexpr std::uint32_t numbers_of(RequestKind kind) {
   switch (kind) {
@@ -92,6 +96,7 @@ inline constexpr std::uint32_t numbers_of(RequestKind kind) {
     case RequestKind::box: return kBoxNumbers;
     case RequestKind::near: return kNearNumbers;
     case RequestKind::sweep: return kSweepNumbers;
+    case RequestKind::inside: return kInsideNumbers;
     default: return 0;
   }
 }

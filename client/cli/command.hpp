@@ -47,6 +47,7 @@ std::unique_ptr<Command> make_ray();
 std::unique_ptr<Command> make_sphere();
 std::unique_ptr<Command> make_box();
 std::unique_ptr<Command> make_near();
+std::unique_ptr<Command> make_inside();
 std::unique_ptr<Command> make_sweep();
 std::unique_ptr<Command> make_pair_verb();
 std::unique_ptr<Command> make_watch();

@@ -67,6 +67,7 @@ COLLIDED_QUESTION(RayQuestion);
 COLLIDED_QUESTION(SphereQuestion);
 COLLIDED_QUESTION(BoxQuestion);
 COLLIDED_QUESTION(NearQuestion);
+COLLIDED_QUESTION(InsideQuestion);
 #undef COLLIDED_QUESTION
 
 Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {

@@ -89,6 +89,7 @@ struct LoadOptions {
   bool strict = false;  // refuse what would otherwise be mended
   std::optional<double> mend_m{};  // close T-vertices, and cracks up to this width; 0: the width that mend() chooses
   bool is_foreign = false;         // sent by a client, so not trusted: only the converter process reads it
+  std::string solid{};             // name glob of the parts and objects whose meshes are declared solid; empty: none
   std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;

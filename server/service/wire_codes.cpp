@@ -20,9 +20,11 @@ COLLIDED_SAME(QuestionKind, RequestKind, sphere);
 COLLIDED_SAME(QuestionKind, RequestKind, box);
 COLLIDED_SAME(QuestionKind, RequestKind, near);
 COLLIDED_SAME(QuestionKind, RequestKind, sweep);
+COLLIDED_SAME(QuestionKind, RequestKind, inside);
 COLLIDED_SAME(HitMode, HitMode, closest);
 COLLIDED_SAME(HitMode, HitMode, any);
 COLLIDED_SAME(HitMode, HitMode, all);
+COLLIDED_SAME(HitMode, HitMode, signed_near);
 COLLIDED_SAME(Verdict, Verdict, miss);
 COLLIDED_SAME(Verdict, Verdict, hit);
 COLLIDED_SAME(Verdict, Verdict, undecided);
@@ -63,7 +65,8 @@ COLLIDED_SAME(ProbeState, ProbeState, undecided);
 #undef COLLIDED_SAME
 static_assert(kRayNumbers == wire_contract::kRayNumbers && kSphereNumbers == wire_contract::kSphereNumbers &&
               kBoxNumbers == wire_contract::kBoxNumbers && kNearNumbers == wire_contract::kNearNumbers &&
-              kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers);
+              kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers &&
+              kInsideNumbers == wire_contract::kInsideNumbers);
 static_assert(kInside == static_cast<int>(wire_contract::kInside) && kStale == static_cast<int>(wire_contract::kStale));
 static_assert(kUnitNormSlack == wire_contract::kUnitQuaternionSlack);
 static_assert(kNoTriangle == wire_contract::kNoTriangle);

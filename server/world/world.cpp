@@ -44,6 +44,12 @@ Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
   return {"the name '" + name + "' is taken" + of + "; names are unique in a world. Nothing was added"};
 }
 
+std::shared_ptr<const SolidMesh> solid_of(const StaticScene& scene, std::uint32_t part) {
+  const auto found = std::lower_bound(scene.solid_parts.begin(), scene.solid_parts.end(), part,
+                                      [](const SolidPart& solid, std::uint32_t number) { return solid.part < number; });
+  return found == scene.solid_parts.end() || found->part != part ? nullptr : found->solid;
+}
+
 }  // namespace
 
 /// Objects with equal meshes share one mesh and one index, whichever publisher sent them.
@@ -143,10 +149,12 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
     info->scene_part = part;
     info->part_triangles = scene.parts[part].triangle_count;
     info->cut = scene.parts[part].cut;
+    info->solid = solid_of(*indexed.geometry, part);
     s.rows.put(std::move(info));
     indexed.geometry->part_objects.push_back(id);
   }
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
+  const std::vector<std::shared_ptr<const SolidMesh>> solids = std::move(indexed.geometry->object_solids);
   s.scenes.push_back(indexed.geometry);
   s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -158,7 +166,8 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
                                                   .filter = object.filter,
                                                   .moving = false,
                                                   .indexed = i < meshes.size() ? meshes[i] : nullptr,
-                                                  .cut = object.cut});
+                                                  .cut = object.cut,
+                                                  .solid = i < solids.size() ? solids[i] : nullptr});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   s.rows.place_all_movers_again();
@@ -219,6 +228,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
   info->parts = index_parts(info->primitives);
+  info->solid = definition.solid;
   if (definition.cut.piece_of) {
     info->cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());

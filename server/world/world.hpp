@@ -42,6 +42,7 @@ struct ObjectDefinition {
   std::uint64_t publisher = 0;                   // whose poses move it; 0: the server's own
   std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh with its index, where that exists already
   CutTriangles cut{};                            // of the shape's mesh: which pieces belong to which original triangle
+  std::shared_ptr<const SolidMesh> solid{};      // what the shape's mesh encloses; null: it is a surface
 };
 
 /// Why something was refused, as a sentence for the user.

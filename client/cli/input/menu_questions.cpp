@@ -30,6 +30,7 @@ void append(const NearQuestion& near, std::vector<double>& numbers) {
   append(near.point, numbers);
   numbers.push_back(near.within_m);
 }
+void append(const InsideQuestion& inside, std::vector<double>& numbers) { append(inside.point, numbers); }
 
 }  // namespace
 

@@ -34,9 +34,13 @@ constexpr std::array kNearColumns{QuestionColumn{"x", "px"}, QuestionColumn{"y",
                                   QuestionColumn{"reach", {}}};
 constexpr std::array kNearKeys{JsonKey{"point", column::kPoint, 3}, JsonKey{"reach", column::kReach, 1}};
 
-const std::array kForms{
+constexpr std::array kInsideColumns{QuestionColumn{"x", "px"}, QuestionColumn{"y", "py"}, QuestionColumn{"z", "pz"}};
+constexpr std::array kInsideKeys{JsonKey{"point", column::kPoint, 3}};
+
+const std::array<QuestionForm, kQuestionKinds> kForms{
     QuestionForm{"rays", kRayColumns, kRayKeys, 6, 7}, QuestionForm{"spheres", kSphereColumns, kSphereKeys, 4, 4},
-    QuestionForm{"boxes", kBoxColumns, kBoxKeys, 6, 6}, QuestionForm{"points", kNearColumns, kNearKeys, 3, 4}};
+    QuestionForm{"boxes", kBoxColumns, kBoxKeys, 6, 6}, QuestionForm{"points", kNearColumns, kNearKeys, 3, 4},
+    QuestionForm{"points", kInsideColumns, kInsideKeys, 3, 3}};
 
 void need_finite(const Vec3& vector, std::string_view what) {
   if (!vector.allFinite()) throw bad_use(fmt::format("{} {} must be finite", what, format_vector(vector)));
@@ -115,16 +119,29 @@ NearQuestion make_near_question(const Numbers& numbers) {
   return near;
 }
 
+InsideQuestion make_inside_question(const Numbers& numbers) {
+  if (!numbers.has(column::kPoint, 3)) throw bad_use("what is inside? 3 numbers are needed, a point");
+  const InsideQuestion inside{numbers.vector(column::kPoint)};
+  need_finite(inside.point, "point");
+  return inside;
+}
+
 }  // namespace
+
+std::string_view name_of(QuestionKind kind) {
+  constexpr std::array<std::string_view, kQuestionKinds> kNames{"ray", "sphere", "box", "near", "inside"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
 
 Questions no_questions(QuestionKind kind) {
   switch (kind) {
     case QuestionKind::ray: return std::vector<RayQuestion>{};
     case QuestionKind::sphere: return std::vector<SphereQuestion>{};
     case QuestionKind::box: return std::vector<BoxQuestion>{};
-    case QuestionKind::near: break;
+    case QuestionKind::near: return std::vector<NearQuestion>{};
+    case QuestionKind::inside: break;
   }
-  return std::vector<NearQuestion>{};
+  return std::vector<InsideQuestion>{};
 }
 
 std::size_t question_count(const Questions& questions) {
@@ -147,6 +164,7 @@ void add_question(Questions& questions, const Numbers& numbers) {
     case QuestionKind::sphere: std::get<1>(questions).push_back(make_sphere_question(numbers)); break;
     case QuestionKind::box: std::get<2>(questions).push_back(make_box_question(numbers)); break;
     case QuestionKind::near: std::get<3>(questions).push_back(make_near_question(numbers)); break;
+    case QuestionKind::inside: std::get<4>(questions).push_back(make_inside_question(numbers)); break;
   }
 }
 

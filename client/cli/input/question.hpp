@@ -14,11 +14,13 @@
 namespace collided::cli {
 
 /// The kinds of questions that are typed and read from files.
-enum class QuestionKind { ray, sphere, box, near };
+enum class QuestionKind { ray, sphere, box, near, inside };
+inline constexpr std::size_t kQuestionKinds = 5;
+std::string_view name_of(QuestionKind kind);
 
 /// Questions of one kind. The alternatives are in the order of QuestionKind.
 using Questions = std::variant<std::vector<RayQuestion>, std::vector<SphereQuestion>, std::vector<BoxQuestion>,
-                               std::vector<NearQuestion>>;
+                               std::vector<NearQuestion>, std::vector<InsideQuestion>>;
 
 /// An empty list of that kind.
 Questions no_questions(QuestionKind kind);

@@ -1,6 +1,7 @@
 #include "client/cli/output/answer_output.hpp"
 
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,9 @@ std::string_view verdict_name(Verdict verdict) {
   return "invalid";
 }
 
-bool measures_depth(QuestionKind kind) { return kind == QuestionKind::sphere || kind == QuestionKind::box; }
+bool measures_depth(QuestionKind kind) {
+  return kind == QuestionKind::sphere || kind == QuestionKind::box || kind == QuestionKind::inside;
+}
 
 /// Whether the depth is 0 within its bound: the surfaces touch without overlap.
 bool is_touching(const Hit& hit) { return hit.distance_m <= hit.error_m; }
@@ -72,9 +75,10 @@ std::string hit_line(const Printer& printer, const AnswerView& view, const Hit& 
   return line;
 }
 
-void contact_row(Printer& printer, const Hit& hit) {
+void contact_row(Printer& printer, const AnswerView& view, const Hit& hit) {
   std::string what = is_touching(hit) ? "touching" : "contact";
-  if (hit.inside) what += " inside";
+  if (view.kind == QuestionKind::inside)
+    what = is_touching(hit) && std::isfinite(hit.error_m) ? "on the surface" : "inside";
   if (hit.stale) what += " stale";
   printer.row({"OBJECT", "WHAT", "DEPTH", "CONTACT"},
               {printable(hit.object), what, readable_length(hit.distance_m, hit.error_m, printer.digits()),
@@ -87,6 +91,7 @@ std::string nothing_line(const Printer& printer, QuestionKind kind) {
     case QuestionKind::ray: return word + "  nothing along the ray";
     case QuestionKind::sphere: return word + "  nothing touches the sphere";
     case QuestionKind::box: return word + "  nothing touches the box";
+    case QuestionKind::inside: return word + "  in no solid";
     case QuestionKind::near: break;
   }
   return word + "  nothing within reach";
@@ -109,7 +114,7 @@ void print_for_people(Printer& printer, const AnswerView& view, const RawJson& i
   if (answer.verdict == Verdict::miss) printer.line(prefix + nothing_line(printer, view.kind));
   for (const Hit& hit : answer.hits) {
     const bool in_table = measures_depth(view.kind) && !view.with_id;
-    if (in_table) contact_row(printer, hit);
+    if (in_table) contact_row(printer, view, hit);
     else printer.line(prefix + hit_line(printer, view, hit));
   }
 }

@@ -71,6 +71,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--since", "TIME"},
     {"--size", "SIZE"},
     {"--skip", "GLOB"},
+    {"--solid-only", "GLOB"},
     {"--srdf", "FILE"},
     {"--style", "NAME"},
     {"--timeout", "TIME"},

@@ -96,6 +96,8 @@ std::string load_line(const std::string& scene, const nlohmann::json& load) {
   length("crack_m", "--crack", 0);
   if (!text_of(load, "up").empty()) line += " --up " + text_of(load, "up");
   if (!text_of(load, "srdf").empty()) line += " --srdf " + shell_word(text_of(load, "srdf"));
+  if (const std::string solid = text_of(load, "solid"); !solid.empty())
+    line += solid == "*" ? " --solid" : " --solid-only " + shell_word(solid);
   for (const char* flag : {"strict", "mend"}) {
     if (flag_of(load, flag)) line += fmt::format(" --{}", flag);
   }

@@ -45,7 +45,9 @@ constexpr Verb kVerbs[] = {
     {"box", "Ask", "what touches a box", "box X Y Z  X Y Z\nbox --center X Y Z --size X Y Z [--rpy R P Y]\nbox FILE|-",
      "box 0 0 0  1 1 1 --count\nbox --center 0 0 0 --size 1 1 1 --rpy 0 0 45deg", make_box},
     {"near", "Ask", "what is nearest to a point", "near X Y Z\nnear FILE|-",
-     "near 0 0 0 -k 3\nnear 0 0 0 --reach 2 --json", make_near},
+     "near 0 0 0 -k 3\nnear 0 0 0 --reach 2 --json\nnear 0 0 0 --signed", make_near},
+    {"inside", "Ask", "which solids hold a point, and how deep it is in them", "inside X Y Z\ninside FILE|-",
+     "inside 0.2 0.2 0.2\ninside 0.2 0.2 0.2 --only crate\ninside - --json < points.csv", make_inside},
     {"sweep", "Ask", "what a shape meets first on its way from pose to pose",
      "sweep SHAPE NUMBERS --from X Y Z --to X Y Z",
      "sweep sphere 0.1 --from 0 0 1 --to 2 0 1\nsweep box 1 0.1 0.1 --from 0 0 0 --to 0 0 0 --to-rpy 0 0 90deg "

@@ -80,10 +80,7 @@ class AskCommand : public Command {
   AnswerView view_;
 
  private:
-  std::string_view verb_name() const {
-    constexpr std::array<std::string_view, 4> kNames{"ray", "sphere", "box", "near"};
-    return kNames[static_cast<std::size_t>(view_.kind)];
-  }
+  std::string_view verb_name() const { return name_of(view_.kind); }
 
   RepeatedQuestionOptions repeated_options(const AskOptions& options) const {
     RepeatedQuestionOptions repeated{.ask = options, .kind = view_.kind};
@@ -217,8 +214,10 @@ class NearCommand : public AskCommand {
   void declare_own(CLI::App& app) override {
     app.add_option("-k", count_, "So many of the nearest (1)");
     app.add_option("--reach", reach_, "Nothing farther than this (inf)");
+    app.add_flag("--signed", signed_, "In a solid: minus the depth, instead of 0");
   }
   void adjust(AskOptions& options) override {
+    if (signed_) options.mode = HitMode::signed_near;
     options.max_hits = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(count_, 1), 0xffffffff));
   }
   Numbers numbers() const override {
@@ -228,6 +227,24 @@ class NearCommand : public AskCommand {
   }
   std::string count_ = "1";
   std::string reach_;
+  bool signed_ = false;
+};
+
+class InsideCommand : public AskCommand {
+ public:
+  InsideCommand() : AskCommand(QuestionKind::inside) {}
+
+ private:
+  void declare_own(CLI::App& app) override {
+    app.add_flag("--any", any_, "Only whether there is one, without depth");
+    app.add_flag("--count", view_.count_only, "Only how many");
+  }
+  void adjust(AskOptions& options) override {
+    if (any_) options.mode = HitMode::any;
+  }
+  Numbers numbers() const override { return from_words({3}, "inside takes 3: a point"); }
+
+  bool any_ = false;
 };
 
 }  // namespace
@@ -236,5 +253,6 @@ std::unique_ptr<Command> make_ray() { return std::make_unique<RayCommand>(); }
 std::unique_ptr<Command> make_sphere() { return std::make_unique<SphereCommand>(); }
 std::unique_ptr<Command> make_box() { return std::make_unique<BoxCommand>(); }
 std::unique_ptr<Command> make_near() { return std::make_unique<NearCommand>(); }
+std::unique_ptr<Command> make_inside() { return std::make_unique<InsideCommand>(); }
 
 }  // namespace collided::cli

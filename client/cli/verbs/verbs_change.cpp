@@ -90,6 +90,7 @@ class AddCommand : public Command {
     app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
     declare_mesh_reading(app, reading_);
     app.add_flag("--static", static_, "It will not move (a plane never does)");
+    app.add_flag("--solid", solid_, "A mesh with what it encloses; refused if it does not close");
     declare_durable(app, durable_);
   }
 
@@ -100,16 +101,20 @@ class AddCommand : public Command {
     const ShapePart shape = shape_of_words({words_.begin() + 1, words_.end()}, session.io, reading_);
     // A plane is unbounded, so it is static without --static.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
-    const nlohmann::json arguments{{"name", name},
-                                   {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
-                                   {"layers", parse_bits(layers_)},
-                                   {"mask", parse_bits(mask_)},
-                                   {"group", parse_bits(group_)},
-                                   {"scale", scale()},
-                                   {"moving", moving}};
+    nlohmann::json arguments{{"name", name},
+                             {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
+                             {"layers", parse_bits(layers_)},
+                             {"mask", parse_bits(mask_)},
+                             {"group", parse_bits(group_)},
+                             {"scale", scale()},
+                             {"moving", moving}};
+    if (solid_) arguments["solid"] = true;
     const nlohmann::json answer =
         server_command(session, globals, wire::kAdd, with_durable(arguments, durable_), {shape});
     const std::uint64_t version = count_of(answer, "version");
+    const std::string warning = text_of(answer, "warning");
+    if (!warning.empty())
+      print_warning(session.io, printable(warning) + ": inside is where the mesh goes around a point");
     print_done(session, globals, answer,
                {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
                fmt::format("added {} (world {})", printable(name), version));
@@ -134,6 +139,7 @@ class AddCommand : public Command {
   std::string mask_ = "0xffffffff";
   std::string group_ = "0";
   bool static_ = false;
+  bool solid_ = false;
   bool durable_ = false;
 };
 
@@ -253,6 +259,8 @@ class LoadCommand : public Command {
     app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
     app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
     app.add_flag("--replace", replace_, "Replace the scene of that name");
+    app.add_flag("--solid", solid_, "Its meshes with what they enclose; those that do not close stay surfaces");
+    app.add_option("--solid-only", solid_only_, "The same for parts and objects whose name matches this glob");
     app.add_option("--covers", covers_,
                    "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
         ->allow_extra_args(false);
@@ -272,6 +280,8 @@ class LoadCommand : public Command {
         {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
         {"replace", replace_}};
     arguments = with_durable(std::move(arguments), durable_);
+    if (solid_ && !solid_only_.empty()) throw bad_use("--solid and --solid-only exclude each other");
+    if (solid_ || !solid_only_.empty()) arguments["solid"] = solid_ ? "*" : solid_only_;
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     const bool is_embedded = path_ == "embedded:";
@@ -379,6 +389,8 @@ class LoadCommand : public Command {
   std::string crack_;
   std::string srdf_;
   std::vector<std::string> covers_;
+  std::string solid_only_;
+  bool solid_ = false;
   bool strict_ = false;
   bool mend_ = false;
   bool upload_ = false;

@@ -128,6 +128,11 @@ class Client {
   template <Question Q>
   std::future<Result<Answers>> ask_async(std::vector<Q> questions, AskOptions options = {});
 
+  /// The solids that hold a point: ask() with an InsideQuestion.
+  Result<Answer> inside(const Vec3& point, const AskOptions& options = {}) {
+    return ask(InsideQuestion{.point = point}, options);
+  }
+
   /// The first contact of a shape on each of 1 to 100,000 motions, while everything else stays as it is in one state of
   /// the world. A hit has the contact; a miss means that the motion is free; undecided, that a motion could not be
   /// followed to its end.

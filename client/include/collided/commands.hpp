@@ -21,6 +21,7 @@ struct Added {
   std::uint64_t id = 0;  // the server's number for the object
   std::uint64_t version = 0;
   std::string not_kept = {};  // why a crash of the server undoes it; empty: it is on the disk
+  std::string warning = {};   // what makes a mesh more than the border of a solid; empty: nothing
 };
 
 /// The answer of Client::move.
@@ -72,6 +73,9 @@ struct LoadOptions {
   double crack_m = 0;     // the widest crack to close; 0: a ten-thousandth of the diagonal
   std::string srdf = {};  // for a robot: path, on the server, of the file that says which links may touch
   bool replace = false;   // the scene of that name, if there is one
+  /// Name glob of the parts and objects whose meshes are solid ("*": all); empty: none. Those that do not close stay
+  /// surfaces, and Loaded::refused says why.
+  std::string solid = {};
   std::vector<CoveredBox> covers =
       {};  // where the geometry is complete; outside of all such boxes nothing is called free
   std::chrono::nanoseconds timeout{600'000'000'000};  // without a word of progress
@@ -125,6 +129,7 @@ struct ObjectDetails : ListedObject {
   std::array<Vec3, 2> bounds{Vec3::Zero(), Vec3::Zero()};  // low and high corner, in the world
   std::optional<std::chrono::nanoseconds> age;             // of the pose, for what moves
   std::vector<std::string> contacts;                       // names of what it touches
+  bool solid = false;  // it holds points: Client::inside. A mesh that was not declared solid does not
 };
 
 /// A structure that the server builds only where it is needed.

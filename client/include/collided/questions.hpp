@@ -16,11 +16,12 @@
 
 namespace collided {
 
-/// Which hits of rays, spheres and boxes are wanted; questions of other kinds take no notice of it.
-/// closest  of a ray the first hit; of a sphere or box the same as all
-/// any      of a ray one hit, not necessarily the first; of a sphere or box yes or no, without a contact
-/// all      every hit
-enum class HitMode { closest, any, all };
+/// Which hits are wanted.
+/// closest      of a ray the first hit; of other questions the same as all
+/// any          of a ray one hit, not necessarily the first; of a sphere, a box or inside yes or no, without a depth
+/// all          every hit
+/// signed_near  of near: where a solid holds the point, the distance is minus the depth instead of 0
+enum class HitMode { closest, any, all, signed_near };
 /// How much a question matters while the server cannot answer all: low ones are refused first, high ones never.
 enum class Importance { normal, low, high };
 
@@ -46,10 +47,15 @@ struct NearQuestion {
   Vec3 point;
   double within_m = std::numeric_limits<double>::infinity();  // the largest distance, 0 to infinity
 };
+/// Which solids hold a point, and how deep is it in each? Solid are spheres, boxes and all shapes but meshes, and meshes
+/// that were declared solid when they were loaded or added.
+struct InsideQuestion {
+  Vec3 point;
+};
 /// The question types that Client::ask takes.
 template <class T>
 concept Question = std::is_same_v<T, RayQuestion> || std::is_same_v<T, SphereQuestion> ||
-    std::is_same_v<T, BoxQuestion> || std::is_same_v<T, NearQuestion>;
+    std::is_same_v<T, BoxQuestion> || std::is_same_v<T, NearQuestion> || std::is_same_v<T, InsideQuestion>;
 
 /// A motion of a shape while time runs from 0 to 1: its origin moves along a straight line at constant speed, and it
 /// turns at constant speed about a fixed axis, by the smaller angle. Client::sweep takes it together with the shape.
@@ -104,7 +110,8 @@ struct Hit {
   std::string object;                    // its name
   std::uint64_t object_id = 0;           // the server's number for it
   std::uint32_t triangle = kNoTriangle;  // of the object's mesh
-  /// For a ray: from its origin along it. For a sphere or box: the depth, which is 0 or more. For near: from the point.
+  /// For a ray: from its origin along it. For a sphere or box: the depth, which is 0 or more. For inside: the depth of the
+  /// point, from the nearest point of the surface. For near: from the point, see HitMode::signed_near.
   /// |truth - distance_m| <= error_m. For a sweep: 0, see time_low.
   double distance_m = 0;
   double error_m = 0;
@@ -117,8 +124,8 @@ struct Hit {
   Vec3 weights = Vec3::Zero();  // of the triangle's corners in `point`; 0 for primitives
   double time_low = 0;          // for sweeps, 0 to 1: no contact up to here ...
   double time_high = 0;         // ... and contact by here
-  bool inside = false;          // rays: the origin is inside the solid; near: the point is in it or on it; else not set
-  bool stale = false;           // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
+  bool inside = false;  // rays: the origin is inside the solid; near, inside: the point is in it or on it; else not set
+  bool stale = false;   // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
 };
 
 /// What it took to answer a question.
@@ -138,7 +145,7 @@ struct Uncovered {
 struct Answer {
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;  // for verdict undecided
-  /// Nearest first, of a sphere or box deepest first; equal ones by object id, then triangle. An undecided answer has
+  /// Nearest first, of a sphere, a box or inside deepest first; equal ones by object id, then triangle. An undecided answer has
   /// the hits that were found.
   std::vector<Hit> hits;
   Cost cost;

@@ -195,6 +195,7 @@ template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const As
 template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const AskOptions&, Answers&&);
 template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&, Answers&&);
 template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const InsideQuestion>, const AskOptions&, Answers&&);
 
 Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
                       const AskOptions& options) {

@@ -52,6 +52,14 @@ struct QuestionWire<NearQuestion> {
 };
 
 template <>
+struct QuestionWire<InsideQuestion> {
+  static constexpr auto kind = wire_contract::RequestKind::inside;
+  static constexpr std::uint32_t number_count = wire_contract::kInsideNumbers;
+  static constexpr const char* noun = "inside";
+  static constexpr const auto& fields = wire_contract::kInsideFields;
+};
+
+template <>
 struct QuestionWire<SweepQuestion> {
   static constexpr auto kind = wire_contract::RequestKind::sweep;
   static constexpr std::uint32_t number_count = wire_contract::kSweepNumbers;
@@ -89,6 +97,7 @@ inline void encode(const NearQuestion& question, double* numbers) {
   put(numbers, question.point);
   put(numbers, question.within_m);
 }
+inline void encode(const InsideQuestion& question, double* numbers) { put(numbers, question.point); }
 inline void encode(const SweepQuestion& question, double* numbers) {
   put(numbers, question.from);
   put(numbers, question.to);

@@ -62,6 +62,8 @@ json arguments_of(const LoadOptions& options) {
   json arguments{{"name", options.name},         {"unit_m", options.unit_m}, {"up", options.up},
                  {"radius_m", options.radius_m}, {"strict", options.strict}, {"mend", options.mend},
                  {"crack_m", options.crack_m},   {"srdf", options.srdf},     {"replace", options.replace}};
+  // A server that does not know the word refuses it, so it is said only where it is meant.
+  if (!options.solid.empty()) arguments["solid"] = options.solid;
   for (const CoveredBox& box : options.covers) arguments["covers"].push_back(list_of(box));
   return arguments;
 }
@@ -105,6 +107,7 @@ ObjectDetails details_of(const json& answer) {
   object.bounds = {vector_of(answer.at("bounds").at(0)), vector_of(answer.at("bounds").at(1))};
   if (answer.contains("age_ns")) object.age = nanoseconds(answer.at("age_ns").get<std::int64_t>());
   object.contacts = answer.at("contacts");
+  object.solid = answer.value("solid", false);
   return object;
 }
 
@@ -113,13 +116,17 @@ ObjectDetails details_of(const json& answer) {
 Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
   // Without one the server would hear of no shape at all.
   if (object.shape.empty()) return client::bad_input("add: object '" + object.name + "': its shape has no part");
-  const json arguments{{"name", object.name},    {"pose", list_of(object.pose)}, {"layers", object.layers},
-                       {"mask", object.mask},    {"group", object.group},        {"scale", list_of(object.scale)},
-                       {"moving", object.moving}};
+  json arguments{{"name", object.name},    {"pose", list_of(object.pose)}, {"layers", object.layers},
+                 {"mask", object.mask},    {"group", object.group},        {"scale", list_of(object.scale)},
+                 {"moving", object.moving}};
+  if (object.solid) arguments["solid"] = true;
   const std::optional<std::string> text = text_of(arguments);
   if (!text) return not_utf8("add");
   return read_answer(command(names::kAdd, *text, object.shape, timeout), "add", [](const json& answer) {
-    return Added{.id = answer.at("id"), .version = answer.at("version"), .not_kept = answer.value("not_kept", "")};
+    return Added{.id = answer.at("id"),
+                 .version = answer.at("version"),
+                 .not_kept = answer.value("not_kept", ""),
+                 .warning = answer.value("warning", "")};
   });
 }
 

@@ -116,6 +116,9 @@ std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options
     return bad_input(where + "this publisher has an object of that name already");
   }
   if (auto reason = pose_fault(options.pose)) { return bad_input(where + *reason); }
+  if (options.solid) {
+    return bad_input(where + "a publisher's meshes are surfaces; solid is for objects that Client::add adds");
+  }
   const bool is_endless = std::any_of(options.shape.begin(), options.shape.end(), [](const ShapePart& part) {
     return std::holds_alternative<HalfSpaceShape>(part);
   });

@@ -15,8 +15,10 @@
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/service/runtime/named_thread.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/query/plan.hpp"
 #include "server/world/query/query.hpp"
+#include "server/world/solids/solid.hpp"
 
 namespace collided::engine::service {
 
@@ -319,8 +321,30 @@ std::uint32_t Commands::ended_count() const {
       std::count_if(events.begin(), events.end(), [](const Event& event) { return event.kind == EventKind::ended; }));
 }
 
+namespace {
+
+/// Makes the object's mesh solid; returns what makes it more than a border. Throws BadCommand where it bounds no solid.
+/// Primitives are solid without it.
+std::string declare_solid(ObjectDefinition& definition) {
+  if (!definition.shape.mesh) return {};
+  // The world's thread does this, and everybody waits for it.
+  constexpr std::int64_t kPatienceNs = 200'000'000;
+  const std::int64_t until_ns = steady_ns() + kPatienceNs;
+  const std::shared_ptr<const TriangleMesh>& mesh = definition.shape.mesh;
+  definition.indexed = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+  SolidFindings findings;
+  definition.solid = solid_within(definition.indexed, findings, [&] { return steady_ns() > until_ns; });
+  if (!definition.solid)
+    throw BadCommand(
+        fmt::format("add: {} is not solid: {}. Nothing was added", printable(definition.name), findings.refusal),
+        "without --solid it is a surface; collide check FILE says more");
+  return findings.warning;
+}
+
+}  // namespace
+
 json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale", "durable"});
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale", "durable", "solid"});
   constexpr std::uint64_t kBits = 0xffffffff;
   const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
                       .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
@@ -335,16 +359,20 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
     if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
   }
-  const std::variant<ObjectId, Refusal> defined =
-      with_.loop.world().define({.name = name,
-                                 .scene = {},
-                                 .shape = std::move(*decoded.shape),
-                                 .pose = arguments.pose("pose").value_or(Pose{}),
-                                 .filter = filter,
-                                 .moving = arguments.truth("moving", true)});
+  ObjectDefinition definition{.name = name,
+                              .scene = {},
+                              .shape = std::move(*decoded.shape),
+                              .pose = arguments.pose("pose").value_or(Pose{}),
+                              .filter = filter,
+                              .moving = arguments.truth("moving", true)};
+  std::string warning;
+  if (arguments.truth("solid", false)) warning = declare_solid(definition);
+  const std::variant<ObjectId, Refusal> defined = with_.loop.world().define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
   if (with_.durable != nullptr) with_.durable->object_added(name, ask);
-  return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
+  json answer{{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
+  if (!warning.empty()) answer["warning"] = warning;
+  return answer;
 }
 
 json Commands::move(const CommandAsk& ask, const Arguments& arguments) {

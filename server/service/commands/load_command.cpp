@@ -35,7 +35,7 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign", "covers", "crc32", "durable"});
+                        "foreign", "covers", "crc32", "durable", "solid"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -53,6 +53,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
   if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
   load.options.srdf = arguments.text("srdf");
+  load.options.solid = arguments.text("solid");
   load.options.is_foreign = arguments.truth("foreign", false);
   load.covers = arguments.boxes("covers");
   load.is_durable = arguments.is_durable();

@@ -117,6 +117,7 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
     shape.push_back({{"mesh", mesh}});
   }
   object["shape"] = shape;
+  object["solid"] = info.solid != nullptr || !info.primitives.empty();
   if (info.scene_part != kNoPart) {
     const StaticScene* scene = scene_of(snapshot, info);
     object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);

@@ -5,6 +5,7 @@
 #include "idl/clocks.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
+#include "server/world/solids/declared.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -12,6 +13,23 @@ namespace {
 
 // Of the progress: reading a mesh in text takes about as long as indexing it.
 constexpr double kReadingShare = 0.5;
+
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+void declare(LoadedScene& loaded, const LoadOptions& options) {
+  DeclaredSolids declared =
+      declare_solids(loaded.indexed.scene, *loaded.indexed.geometry, options.solid, options.cancelled);
+  LoadReport& report = loaded.report;
+  if (declared.count > 0)
+    report.notes.push_back(fmt::format(
+        "{} declared solid", declared.count == 1 ? "1 mesh is" : fmt::format("{} meshes are", declared.count)));
+  if (declared.count == 0 && declared.refused.empty())
+    report.warnings.push_back("nothing with a mesh is named '" + options.solid + "', so nothing is solid");
+  report.refused.insert(report.refused.end(), declared.refused.begin(), declared.refused.end());
+  report.warnings.insert(report.warnings.end(), declared.warnings.begin(), declared.warnings.end());
+}
 
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
   LoadedScene loaded{.indexed = {}, .report = std::move(report)};
@@ -32,12 +50,9 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), of_indexes.begin(), of_indexes.end());
   if (!unit_doubt.empty()) warnings.push_back(unit_doubt);
+  if (!options.solid.empty()) declare(loaded, options);
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * wire_contract::kNanosecond_s;
   return loaded;
-}
-
-std::string counted(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace

@@ -89,6 +89,7 @@ double cost_of(const wire::Query& query) {
   switch (kind) {
     case RequestKind::sphere: return state + 2 * questions;
     case RequestKind::box: return state + 3 * questions;
+    case RequestKind::inside: return state + 3 * questions;
     case RequestKind::near: return state + 25 * questions;
     case RequestKind::sweep: return state + 45 * questions;
     case RequestKind::command: return 1'000;
@@ -97,9 +98,9 @@ double cost_of(const wire::Query& query) {
 }
 
 std::optional<std::string> why_refused(const wire::Query& query) {
-  if (query.kind > static_cast<std::uint8_t>(RequestKind::sweep)) {
+  if (query.kind > static_cast<std::uint8_t>(wire_contract::kLastKind)) {
     return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
-                       static_cast<unsigned>(RequestKind::sweep));
+                       static_cast<unsigned>(wire_contract::kLastKind));
   }
   const auto kind = static_cast<RequestKind>(query.kind);
   if (wire::question_columns(kind).empty()) return std::nullopt;
@@ -109,7 +110,7 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        count ? "empty" : "not of one length, or others are filled too");
   }
   if (auto reason = why_bad_chunk(query, *count)) return reason;
-  if (auto reason = why_unknown("hit mode", query.mode, HitMode::all)) return reason;
+  if (auto reason = why_unknown("hit mode", query.mode, HitMode::signed_near)) return reason;
   if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
   if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "idl/topics.hpp"
 #include "server/service/runtime/duration_counts.hpp"
 
 namespace collided::engine::service {
@@ -13,12 +14,13 @@ struct QuestionCounts {
   std::atomic<std::uint64_t> answered{0};
   std::atomic<std::uint64_t> refused{0};    // requests, or single chunks of them
   std::atomic<std::uint64_t> undecided{0};  // answers
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(wire_contract::kLastKind) + 1;
   // By QuestionKind, then by the level that deciding the question needed: 0 filter in double, 1 error-free sums, 2
   // rationals.
-  std::array<std::array<std::atomic<std::uint64_t>, 3>, 7> levels{};
-  std::array<DurationCounts, 7> durations{};    // by QuestionKind, from taking a chunk to writing its answers
-  std::atomic<std::uint64_t> float_repairs{0};  // times that a thread's floating-point settings had to be restored
-  std::atomic<std::uint64_t> unanswerable{0};   // no room for the client or the refusal, or nothing read the reply
+  std::array<std::array<std::atomic<std::uint64_t>, 3>, kKinds> levels{};
+  std::array<DurationCounts, kKinds> durations{};  // by QuestionKind, from taking a chunk to writing its answers
+  std::atomic<std::uint64_t> float_repairs{0};     // times that a thread's floating-point settings had to be restored
+  std::atomic<std::uint64_t> unanswerable{0};      // no room for the client or the refusal, or nothing read the reply
 };
 
 }  // namespace collided::engine::service

@@ -11,6 +11,7 @@
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/world/objects/parts.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/solids/solid.hpp"
 
 namespace collided::engine {
 
@@ -99,6 +100,11 @@ ExactAnswer::ExactAnswer(const Snapshot& snapshot, const Questions& question, do
       break;
     }
     case QuestionKind::near: find_nearest(snapshot, far_m); break;
+    case QuestionKind::inside: {
+      find_touched(snapshot, Sphere{.center = point_of(numbers), .radius_m = 0}, {},
+                   bounds(Sphere{point_of(numbers), 0}));
+      break;
+    }
     default: return;
   }
 }
@@ -117,9 +123,23 @@ void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   });
 }
 
+std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot) const {
+  std::vector<ObjectId> found;
+  const Vec3 point = point_of(question_.numbers.data());
+  for (const auto& info : *snapshot.objects) {
+    if (!info || !info->solid || !allowed(snapshot, info->id)) continue;
+    const Placed placed = placed_in(snapshot, slot_of(info->id));
+    if (side_by_rationals(*info->solid, placed, point) != SolidSide::out) found.push_back(info->id);
+  }
+  return found;
+}
+
 void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked,
                                const Aabb& near) {
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart& given) {
+  for (const ObjectId object : holders(snapshot)) touched_.insert(object);
+  const bool only_solids = question_.kind == QuestionKind::inside;
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart& given) {
+    if (only_solids && triangle != kNoTriangle) return;
     if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, wide_bounds(shape))) return;
     const Decision touching = touches(asked, given_asked, shape, given);
     if (touching == Decision::yes) touched_.insert(object);
@@ -130,6 +150,7 @@ void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked,
 void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
   const Vec3 point = point_of(question_.numbers.data());
   const double reach_m = question_.numbers[3];
+  for (const ObjectId object : holders(snapshot)) keep_nearer(distances_, object, Interval(0, 0));
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + kSearchMargin)) return;
@@ -156,6 +177,7 @@ std::string ExactAnswer::difference(const Answers& given) const {
   switch (question_.kind) {
     case QuestionKind::ray: return difference_of_ray(given);
     case QuestionKind::sphere:
+    case QuestionKind::inside:
     case QuestionKind::box: return difference_of_overlaps(given);
     case QuestionKind::near: return difference_of_near(given);
     default: return {};
@@ -218,7 +240,9 @@ std::string ExactAnswer::difference_of_near(const Answers& given) const {
   for (std::size_t i = 0; i < expected; ++i) {
     const AnswerHit& hit = given.hits[i];
     const auto own = distances_.find(hit.object);
-    const Interval at(hit.distance_m, hit.error_m);
+    // A depth is told instead of 0; that the object is there at all is what is judged.
+    const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0;
+    const Interval at = is_depth ? Interval(0, 0) : Interval(hit.distance_m, hit.error_m);
     if (own == distances_.end() || !may_be_equal(at, own->second) || !may_be_equal(at, nearest[i])) {
       return fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", i,
                          nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m);

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/exact_phase/given/given_part.hpp"
 #include "server/world/query/query.hpp"
@@ -39,7 +40,7 @@ class ExactAnswer {
   std::string difference(const Answers& given) const;
   /// Of rays and near: the distance of the first; nothing where nothing is met.
   std::optional<Interval> first() const;
-  /// Of spheres and boxes.
+  /// Of spheres, boxes and inside.
   const std::set<ObjectId>& touched() const { return touched_; }
   /// Whether the objects are those touched. Round parts that nearly touch may be among them or not.
   bool are_touched(const std::set<ObjectId>& objects) const;
@@ -49,6 +50,8 @@ class ExactAnswer {
 
   bool allowed(const Snapshot& snapshot, ObjectId id) const;
   void cast_ray(const Snapshot& snapshot);
+  /// The declared solids that hold the middle of what is asked about.
+  std::vector<ObjectId> holders(const Snapshot& snapshot) const;
   /// near: bounds of the asked shape as given
   void find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked, const Aabb& near);
   void find_nearest(const Snapshot& snapshot, double far_m);

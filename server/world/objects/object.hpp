@@ -36,6 +36,7 @@ inline constexpr std::uint32_t kNoScenePart = 0xffffffff;
 
 struct IndexedParts;  // part_index.hpp
 struct SceneLevel;    // scene_levels.hpp
+struct SolidMesh;     // server/world/solids
 
 /// What is known of an object besides its pose. Immutable: a new definition makes a new one.
 struct ObjectInfo {
@@ -49,6 +50,7 @@ struct ObjectInfo {
   std::vector<Primitive> primitives;          // in the object's frame
   std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
   std::shared_ptr<const IndexedMesh> mesh;    // in the object's frame; null for a part of a static scene
+  std::shared_ptr<const SolidMesh> solid;     // what the mesh or the part encloses; null: it is a surface
   std::uint32_t scene_part = kNoScenePart;    // number of the part, where the object is a run of static triangles
   std::uint32_t part_triangles = 0;           // of the part, or of a mesh with triangles cut by mending
   CutTriangles cut;                           // of these triangles: which original each piece belongs to
@@ -60,6 +62,13 @@ struct ObjectInfo {
 /// The object is a mesh without primitives.
 inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.primitives.empty(); }
 
+/// A part of a scene that was declared solid, in world coordinates.
+struct SolidPart {
+  std::uint32_t part = 0;
+  Aabb bounds;
+  std::shared_ptr<const SolidMesh> solid;
+};
+
 /// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
 struct StaticScene {
   std::string name;
@@ -69,6 +78,8 @@ struct StaticScene {
   std::vector<Part> parts;                                        // ordered by first_triangle, without gap
   std::vector<ObjectId> part_objects;                             // one a part
   std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one per object of the file; null: without a mesh
+  std::vector<std::shared_ptr<const SolidMesh>> object_solids;    // likewise; null: not declared solid
+  std::vector<SolidPart> solid_parts;                             // in the order of their parts
   std::vector<std::shared_ptr<const SceneLevel>> levels;          // simpler forms of the mesh, finest first
   std::vector<std::string> warnings;                              // saved indexes that were not fit for use
 

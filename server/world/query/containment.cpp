@@ -7,6 +7,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/intake/weld.hpp"
 #include "server/world/query/pair_report.hpp"
+#include "server/world/solids/solid.hpp"
 
 namespace collided::engine {
 namespace {
@@ -159,9 +160,17 @@ std::vector<Vec3> points_of(const Placed& object) {
   return points;
 }
 
-/// The inner object lies within the outer one's closed mesh; the two surfaces must not touch.
+/// The inner object lies within the outer one's closed mesh; the two surfaces must not touch. That a declared solid
+/// closes is known, and its side of a point is exact.
 bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
+  if (outer.info->solid) {
+    const std::vector<Vec3> points = points_of(inner);
+    WalkCost cost;
+    return std::all_of(points.begin(), points.end(), [&](const Vec3& point) {
+      return !deadline.is_over() && side_of_placed(*outer.info->solid, outer, point, cost).side == SolidSide::in;
+    });
+  }
   // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
   // surfaces do not meet, so one point decides for its whole connected piece.
   if (is_within(outer, any_point_of(inner)) == Decision::no) return false;

@@ -216,6 +216,7 @@ std::optional<Leaving> leaves_covered(const Question& question, const double* n)
       return leaves_covered(claimed, covers);
     }
     case QuestionKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
+    case QuestionKind::inside: return hits.empty() ? leaves(extent_of(point_of(n), 0), covers) : std::nullopt;
     case QuestionKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
     case QuestionKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
     case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, question.bracket), covers);

@@ -4,6 +4,7 @@
 
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_filter.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
@@ -14,6 +15,7 @@
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/solid_hits.hpp"
 #include "server/world/query/underflow.hpp"
 
 namespace collided::engine {
@@ -29,6 +31,7 @@ struct NearWalk {
   double wanted_m = within_m;       // parts farther than this cannot change the answer
   double off_by_m = 0;              // how far the walked surface may be from the one it stands for, metres
 
+  bool is_signed() const { return question.asked.mode == HitMode::signed_near; }
   /// The deadline has ended the search: every walk stops at a negative limit.
   bool is_over() const { return limit_m2 < 0; }
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
@@ -38,11 +41,15 @@ struct NearWalk {
   void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
   /// The part is within reach; decided exactly where the bound on its distance leaves it open.
   bool is_within(const Closest& found, ObjectId object, const auto& part);
+  /// Keeps a solid primitive that holds the point, by its depth.
+  void keep_depth(const Contact& found, ObjectId object, double placed_m);
   /// Inserts the hit, replacing a farther one of its object or the farthest of all, and shrinks the search.
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
   void walk_level(const SceneLevel& level, const StaticScene& scene);
   void walk_object(std::uint32_t slot);
+  /// A solid that holds the point is at distance 0, however far its surface is.
+  void test_solid(const SolidMesh& solid, const Placed& object);
   template <class Test>
   void walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one);
   template <class Test>
@@ -78,6 +85,10 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
   // A part that contains the point is at distance 0 wherever its exact border is.
   const double placed_m = found.distance_m > 0 ? placing_m() : 0;
   const bool is_held = !std::is_same_v<Part, Triangle> && found.distance_m == 0 && found.distance_error_m == 0;
+  if constexpr (!std::is_same_v<Part, Triangle>) {
+    if (is_held && is_signed())
+      return keep_depth(contact(Sphere{.center = point, .radius_m = 0}, part), object, placing_m());
+  }
   keep({.object = object,
         .triangle = triangle,
         .flags = static_cast<std::uint8_t>(question.flags_of(object) | (is_held ? kInside : 0)),
@@ -87,6 +98,15 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
         // The nearest point of the simpler form may be near another place of the true surface.
         .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity()
                                       : found.point_error_m + within_of(found.distance_m, placed_m),
+        .normal = found.normal});
+}
+
+void NearWalk::keep_depth(const Contact& found, ObjectId object, double placed_m) {
+  keep({.object = object,
+        .flags = static_cast<std::uint8_t>(question.flags_of(object) | kInside),
+        .distance_m = -found.depth_m,
+        .error_m = with_underflow(found.depth_m, found.depth_error_m + placed_m),
+        .point = found.point,
         .normal = found.normal});
 }
 
@@ -119,7 +139,9 @@ void NearWalk::keep(const AnswerHit& hit) {
   found.insert(std::upper_bound(found.begin(), found.end(), hit, order), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
-    wanted_m = std::min(wanted_m, farthest_m + found.back().error_m);
+    // Of what holds the point only the depth may be unknown: nothing outside is nearer.
+    const bool is_held = (found.back().flags & kInside) != 0;
+    wanted_m = std::min(wanted_m, is_held ? 0 : farthest_m + found.back().error_m);
     set_limit();
   }
 }
@@ -186,6 +208,22 @@ void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& 
   }
 }
 
+void NearWalk::test_solid(const SolidMesh& solid, const Placed& object) {
+  Aabb here;
+  here.extend(point);
+  if (is_over() || !overlaps(object.bounds, here)) return;
+  const std::optional<NearestSurface> nearest = surface_from_inside(solid, object, point, question);
+  if (!nearest) return;
+  keep({.object = object.info->id,
+        .triangle = nearest->triangle,
+        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside),
+        .distance_m = is_signed() ? -nearest->distance_m : 0,
+        .error_m = is_signed() ? nearest->error_m : 0,
+        .point = is_signed() ? nearest->point : point,
+        .point_error_m = is_signed() ? std::numeric_limits<double>::infinity() : 0,
+        .normal = nearest->normal});
+}
+
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
@@ -200,6 +238,7 @@ void NearWalk::walk_object(std::uint32_t slot) {
   } else {
     for (std::size_t i = 0; i < info.primitives.size() && !is_over(); ++i) test_primitive(i);
   }
+  if (info.solid) test_solid(*info.solid, question.placed(slot));
   if (!info.mesh) return;
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
     const Triangle own = info.mesh->mesh->triangle(triangle);
@@ -238,7 +277,11 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
   question.found.clear();
   NearWalk walk{
       .question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
+  Aabb here;
+  here.extend(walk.point);
   for (const auto& scene : question.snapshot.scenes) {
+    visit_solid_parts(*scene, here, question,
+                      [&](const SolidPart& part, const Placed& object) { walk.test_solid(*part.solid, object); });
     const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
     if (level == nullptr) {
       walk.walk_scene(*scene);

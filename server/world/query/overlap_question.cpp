@@ -4,6 +4,7 @@
 #include "server/world/objects/object_placing.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/solid_hits.hpp"
 
 namespace collided::engine {
 namespace {
@@ -75,6 +76,9 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
       return touch;
     };
     meet_scene(asked, near, *scene, question, allowed, meet);
+    visit_solid_parts(*scene, near, question, [&](const SolidPart& part, const Placed& object) {
+      meet_solid(asked, *part.solid, object, touches.of(part.part), question);
+    });
     for (const PartContact& part : touches.list()) take(scene->part_objects[part.part], part.touch);
     if (ended()) return;
   }
@@ -89,21 +93,11 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
     search_object(primitive, given, object, touch, question.walk);
     if (touch.yes && touch.wanted)
       touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
+    if (object.info->solid) meet_solid(asked, *object.info->solid, object, touch, question);
     take(question.object(slot).id, touch);
     return !ended();
   };
   question.snapshot.grid->walk_box(near, candidate, question.walk);
-}
-
-/// Deepest first; ties by name.
-void finish_overlap(Question& question) {
-  std::sort(question.found.begin(), question.found.end(), [&](const AnswerHit& a, const AnswerHit& b) {
-    return a.distance_m != b.distance_m ? a.distance_m > b.distance_m : question.precedes(a, b);
-  });
-  if (question.found.size() > question.asked.max_hits) {
-    question.found.resize(question.asked.max_hits);
-    question.truncated = true;
-  }
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct PlacedObject {
     Shape shape;
     shape.mesh = mesh_of_part(snapshot, info, deadline);
     own = without_world(shape, [&deadline] { return deadline.is_over(); });
+    own.solid = info.solid;
     frame = Frame();
     placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
     reach = placed.bounds;

@@ -7,6 +7,7 @@
 
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/scene_levels.hpp"
+#include "server/world/solids/solid.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,13 +23,26 @@ struct SceneCounts {
   std::uint64_t parts = 0;          // primitives of those objects
   std::uint32_t with_mesh = 0;
   std::uint32_t meshes = 0;  // distinct ones among them
+  std::uint32_t solids = 0;  // objects with a mesh that was declared solid
+  std::uint32_t solid_trees = 0;
+  std::uint64_t solid_triangles = 0;
+  std::uint64_t tree_bytes = 0;
 };
+
+void count_solid(const SolidMesh& solid, SceneCounts& counts) {
+  ++counts.solids;
+  counts.solid_triangles += solid.surface->mesh->triangles.size();
+  if (!solid.tree) return;
+  ++counts.solid_trees;
+  counts.tree_bytes += solid.tree->report().bytes;
+}
 
 SceneCounts count(const Snapshot& snapshot) {
   SceneCounts counts;
   std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
+    if (info && info->solid) count_solid(*info->solid, counts);
     if (!info || info->scene_part != kNoScenePart) continue;
     ++(info->moving ? counts.moving : counts.placed);
     if (info->moving && info->mesh) ++counts.moving_meshes;
@@ -135,6 +149,13 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"shared meshes", c.with_mesh > c.meshes,
                   number(c.with_mesh, "objects with ") + number(c.meshes, "different meshes"),
                   c.with_mesh > c.meshes ? "" : "nothing: each mesh has its own memory and index"});
+  rows.push_back({"solids (inside)", c.solids > 0,
+                  c.solids > 0
+                      ? number(c.solids, "meshes declared solid, ") + number(c.solid_triangles, "triangles; ") +
+                            number(c.solid_trees, "have a BSP tree, ") + number(c.tree_bytes, "bytes") +
+                            "; rays decide in the others, where that is faster"
+                      : "no mesh is declared solid (--solid)",
+                  c.solids > 0 ? "" : "a check a mesh, and a BSP tree"});
   const bool finds_contacts = events_wanted && c.moving > 0;
   rows.push_back({"contact points", finds_contacts,
                   finds_contacts  ? "somebody subscribes to events"

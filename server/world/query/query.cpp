@@ -23,6 +23,7 @@ const char* name_of(QuestionKind kind) {
     case QuestionKind::box: return "box";
     case QuestionKind::near: return "near";
     case QuestionKind::sweep: return "sweep";
+    case QuestionKind::inside: return "inside";
   }
   return "";
 }
@@ -34,6 +35,7 @@ std::uint32_t numbers_of(QuestionKind kind) {
     case QuestionKind::box: return kBoxNumbers;
     case QuestionKind::near: return kNearNumbers;
     case QuestionKind::sweep: return kSweepNumbers;
+    case QuestionKind::inside: return kInsideNumbers;
   }
   return 0;
 }
@@ -76,6 +78,7 @@ void ask(Question& question, const double* numbers) {
     case QuestionKind::box: return ask_box(question, numbers);
     case QuestionKind::near: return ask_near(question, numbers);
     case QuestionKind::sweep: return ask_sweep(question, numbers);
+    case QuestionKind::inside: return ask_inside(question, numbers);
     default: return;
   }
 }
@@ -258,6 +261,7 @@ bool is_question(QuestionKind kind, const double* numbers) {
     case QuestionKind::box: return keeps_rules<kBoxFields>(numbers);
     case QuestionKind::near: return keeps_rules<kNearFields>(numbers);
     case QuestionKind::sweep: return keeps_rules<kSweepFields>(numbers);
+    case QuestionKind::inside: return keeps_rules<kInsideFields>(numbers);
     default: return false;
   }
 }

@@ -18,7 +18,7 @@ namespace collided::engine {
 using wire_contract::glob_matches;
 
 /// The wire's codes have the same values (server/service/wire_codes.cpp checks it).
-enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6 };
+enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6, inside };
 /// Those that are numbers alone; a sweep has a shape as well.
 inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
                                                    QuestionKind::near};
@@ -29,19 +29,21 @@ inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
+inline constexpr std::uint32_t kInsideNumbers = 3;
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
 std::uint32_t numbers_of(QuestionKind kind);
 
-/// Which of the things that are met become hits.
-enum class HitMode : std::uint8_t { closest, any, all };
+/// Which of the things that are met become hits; signed_near, of near: of a solid that holds the point the distance is
+/// minus the depth.
+enum class HitMode : std::uint8_t { closest, any, all, signed_near };
 
 enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 
 /// not_covered: the question reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
-/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is
+/// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 
@@ -73,7 +75,7 @@ struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
   std::uint8_t flags = 0;                // HitFlags
-  // along the ray; depth for overlaps; distance for near; 0 for sweeps, which have Answers::brackets
+  // along the ray; depth for overlaps and inside; distance for near; 0 for sweeps, which have Answers::brackets
   double distance_m = 0;
   double error_m = 0;
   double exit_m = 0;  // of rays: where they leave the solid

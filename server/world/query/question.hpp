@@ -15,7 +15,7 @@
 namespace collided::engine {
 
 /// One question being answered: what it may see, and what it has found so far. The kinds of questions (ray_question,
-/// overlap_question, near_question, sweep_question) fill `found`, in order, and set the rest.
+/// overlap_question, near_question, inside_question, sweep_question) fill `found`, in order, and set the rest.
 struct Question {
   const Snapshot& snapshot;
   const Questions& asked;
@@ -71,6 +71,7 @@ void ask_rays(std::span<std::optional<Question>> questions, std::span<const doub
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);
+void ask_inside(Question& question, const double* numbers);
 /// The first contact of asked.mover during its motion: one hit, and its bracket.
 void ask_sweep(Question& question, const double* numbers);
 

@@ -71,6 +71,7 @@ bool could_change(const Questions& asked, const double* n, std::span<const Answe
       return asked.mode == HitMode::closest && entry < hits[0].distance_m + hits[0].error_m;
     }
     case QuestionKind::sphere: return hits.empty() && overlaps(bounds(sphere_of(n)), region);
+    case QuestionKind::inside: return hits.empty() && least_distance(point_of(n), region) <= 0;
     case QuestionKind::box: return hits.empty() && overlaps(bounds(box_of(n)), region);
     case QuestionKind::near: {
       const double distance = least_distance(point_of(n), region);

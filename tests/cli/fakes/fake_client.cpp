@@ -98,6 +98,12 @@ template <>
 Result<Answers> Client::ask_all(std::span<const NearQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().near);
 }
+// No test gives it answers of its own.
+template <>
+Result<Answers> Client::ask_all(std::span<const InsideQuestion> questions, const AskOptions& options, Answers&&) {
+  const std::function<Answer(const InsideQuestion&, const AskOptions&)> respond;
+  return answer_all(questions, options, respond);
+}
 
 Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
   std::function<Answer(const SweepQuestion&, const AskOptions&)> respond;
@@ -117,6 +123,7 @@ template std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion>
 template std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion>, AskOptions);
 template std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion>, AskOptions);
 template std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion>, AskOptions);
+template std::future<Result<Answers>> Client::ask_async(std::vector<InsideQuestion>, AskOptions);
 
 Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
                                     std::chrono::nanoseconds, std::function<void(double)>) {

@@ -11,6 +11,7 @@
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/world/solids/declared.hpp"
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire/network.hpp"
 #include "tests/service/wire/rows.hpp"
@@ -38,6 +39,7 @@ struct ServingSide {
   ServingSide() {
     Scene scene = embedded_scene();
     const auto indexed = World::index_scene(scene, {});
+    EXPECT_GT(declare_solids(indexed.scene, *indexed.geometry, "*").count, 0U) << "or inside has nothing to test";
     EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
     for (std::uint32_t number = 1; number <= kMovers; ++number) define(number);
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
@@ -127,6 +129,8 @@ class Allocation : public ::testing::Test {
     std::vector<double> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       for (const double at : {x(random), x(random), z(random)}) numbers.push_back(at);
+      if (kind == RequestKind::inside)
+        numbers.end()[-3] /= 2, numbers.end()[-2] /= 2, numbers.back() = -0.1;  // the floor
       if (kind == RequestKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
       if (kind == RequestKind::sphere) numbers.push_back(0.5);
       if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
@@ -194,7 +198,8 @@ class Allocation : public ::testing::Test {
 };
 
 TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
-  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near}) {
+  for (const RequestKind kind :
+       {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near, RequestKind::inside}) {
     const Counts counts = count_settled(kind, questions(kind, 1, 1), 200);
     say(wire_contract::name_of(kind), counts);
     EXPECT_EQ(counts.allocations, 0U) << wire_contract::name_of(kind);
@@ -202,7 +207,7 @@ TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
     EXPECT_EQ(counts.listener_writes + counts.worker_writes, 200U);
     EXPECT_LE(counts.locks, most_locks(counts.worker_writes)) << "none where the reading thread answers";
   }
-  EXPECT_GE(serving_.flight.write("test", 60'000'000'000).messages, 4U * 200U * 2U) << "each was noted, and its answer";
+  EXPECT_GE(serving_.flight.write("test", 60'000'000'000).messages, 5U * 200U * 2U) << "each was noted, and its answer";
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {

@@ -98,8 +98,8 @@ TEST(WireColumns, AMessageWithOneShortColumnIsRefused) {
 
 TEST(WireColumns, RowsComeBackAsTheyWere) {
   using wire_contract::RequestKind;
-  for (const RequestKind kind :
-       {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near, RequestKind::sweep}) {
+  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near,
+                                 RequestKind::sweep, RequestKind::inside}) {
     const wire::Columns<wire::Query> columns = wire::question_columns(kind);
     ASSERT_EQ(wire::width_of(columns), wire_contract::numbers_of(kind));
     dds::Sample<wire::Query> query;

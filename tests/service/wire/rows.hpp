@@ -35,8 +35,8 @@ inline void put_poses(wire::PoseBatch& batch, std::span<const double> rows) {
 /// Of a copy that shares its sequences with another message: points to none of them.
 inline void forget_questions(wire::Query& copy) {
   using wire_contract::RequestKind;
-  for (const RequestKind kind :
-       {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near, RequestKind::sweep}) {
+  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near,
+                                 RequestKind::sweep, RequestKind::inside}) {
     for (const wire::Column<wire::Query>& column : wire::question_columns(kind)) copy.*column.sequence = {};
   }
 }

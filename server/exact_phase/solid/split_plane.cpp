@@ -1,0 +1,56 @@
+#include "server/exact_phase/solid/split_plane.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::Vector;
+
+template <class N>
+Vector<N> normal_of(const Triangle& t) {
+  const Vector<N> a(t.a);
+  return cross(Vector<N>(t.b) - a, Vector<N>(t.c) - a);
+}
+
+/// What three products, three sums and a difference round, with room for the roundings of the bound; relative to the sum
+/// of the products' sizes.
+constexpr double kHeightError = 8 * kRoundoff;
+
+}  // namespace
+
+SplitPlane plane_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Aabb& within) {
+  const Triangle corners = mesh.triangle(triangle);
+  const Vector<Bounded> normal = normal_of<Bounded>(corners);
+  const Bounded offset = dot(normal, Vector<Bounded>(corners.a));
+  const Vec3 reach = within.low.cwiseAbs().cwiseMax(within.high.cwiseAbs());
+  SplitPlane plane;
+  plane.normal = {normal.x.value, normal.y.value, normal.z.value};
+  plane.offset = offset.value;
+  plane.triangle = triangle;
+  const Vec3 unsure(normal.x.bound(), normal.y.bound(), normal.z.bound());
+  plane.normal_error = unsure.sum() * (1 + kBoundSlack);
+  plane.error = (unsure.dot(reach) + offset.bound() +
+                 kHeightError * (plane.normal.cwiseAbs().dot(reach) + std::abs(plane.offset)) + kUnderflow) *
+                (1 + kBoundSlack);
+  return plane;
+}
+
+SplitPlane plane_across(int axis, double at) {
+  SplitPlane plane;
+  plane.normal[axis] = 1;
+  plane.offset = at;
+  plane.triangle = SplitPlane::kAcross + static_cast<std::uint32_t>(axis);
+  return plane;
+}
+
+ExactPlane::ExactPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
+  if (plane.is_across()) {
+    normal = Vector<Dyadic>(plane.normal);
+    offset = plane.offset;
+    return;
+  }
+  const Triangle corners = mesh.triangle(plane.triangle);
+  normal = normal_of<Dyadic>(corners);
+  offset = dot(normal, Vector<Dyadic>(corners.a));
+}
+
+}  // namespace collided::engine

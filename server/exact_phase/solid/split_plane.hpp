@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/exact_phase/arithmetic/dyadic.hpp"
+#include "server/exact_phase/arithmetic/number.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/geometry/mesh.hpp"
+
+namespace collided::engine {
+
+/// A plane of a solid's tree, exactly given: of a triangle of the mesh, or across a coordinate axis. The numbers in
+/// double serve the filter alone.
+struct SplitPlane {
+  static constexpr std::uint32_t kAcross = 0xfffffffd;  // kAcross + axis in place of a triangle: across that axis
+
+  Vec3 normal = Vec3::Zero();  // of the front, any length
+  double offset = 0;           // normal . p for its points; where it is across an axis, exactly the coordinate
+  double error = 0;            // of normal . p - offset, for p in the box that the plane was made for
+  double normal_error = 0;     // of the normal's coordinates, summed
+  std::uint32_t triangle = 0;
+
+  bool is_across() const { return triangle >= kAcross; }
+  int axis() const { return static_cast<int>(triangle - kAcross); }
+};
+
+/// The plane of a triangle that has an area; normal as the corners turn left.
+///
+/// within  the filter's error holds for points in this box
+SplitPlane plane_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Aabb& within);
+/// The plane of all points with this coordinate; its front is where the coordinate is greater.
+SplitPlane plane_across(int axis, double at);
+
+/// The plane's exact coefficients: normal . p - offset is 0 on it and greater on its front.
+struct ExactPlane {
+  kernel::Vector<Dyadic> normal;
+  Dyadic offset;
+
+  ExactPlane(const TriangleMesh& mesh, const SplitPlane& plane);
+  Dyadic height(const Vec3& point) const { return dot(normal, kernel::Vector<Dyadic>(point)) - offset; }
+};
+
+}  // namespace collided::engine

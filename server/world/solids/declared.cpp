@@ -1,0 +1,73 @@
+#include "server/world/solids/declared.hpp"
+
+#include <unordered_map>
+
+#include "idl/glob.hpp"
+#include "server/intake/weld.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/solids/solid.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::glob_matches;
+
+/// The part's triangles as a mesh of their own, in the same order.
+std::shared_ptr<const TriangleMesh> mesh_of(const StaticScene& geometry, const Part& part) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  std::unordered_map<std::uint32_t, std::uint32_t> own;
+  for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
+    TriangleCorners corners = geometry.mesh.triangles[part.first_triangle + i];
+    for (std::uint32_t& corner : corners) {
+      const auto [at, is_new] = own.try_emplace(corner, static_cast<std::uint32_t>(mesh->vertices.size()));
+      if (is_new) mesh->vertices.push_back(geometry.mesh.vertices[corner]);
+      corner = at->second;
+    }
+    mesh->triangles.push_back(corners);
+  }
+  return mesh;
+}
+
+void note(const std::string& name, const SolidFindings& findings, DeclaredSolids& declared) {
+  if (!findings.refusal.empty()) {
+    declared.refused.push_back(name + " is not solid, and stays a surface: " + findings.refusal);
+    return;
+  }
+  ++declared.count;
+  if (findings.warning.empty()) return;
+  declared.warnings.push_back(name + ": " + findings.warning +
+                              "; inside is where it goes around a point, and depths are lower bounds");
+}
+
+}  // namespace
+
+DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::string_view glob,
+                              const std::function<bool()>& cancelled) {
+  DeclaredSolids declared;
+  const auto is_cancelled = [&] { return cancelled && cancelled(); };
+  for (std::uint32_t i = 0; i < geometry.parts.size() && !is_cancelled(); ++i) {
+    const Part& part = geometry.parts[i];
+    if (part.triangle_count == 0 || !glob_matches(glob, part.name)) continue;
+    const auto mesh = mesh_of(geometry, part);
+    const auto surface = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = cancelled}));
+    SolidFindings findings;
+    const auto solid = solid_within(surface, findings, cancelled);
+    note(part.name, findings, declared);
+    if (solid) geometry.solid_parts.push_back({i, surface->tree.bounds(), solid});
+  }
+  geometry.object_solids.resize(geometry.object_meshes.size());
+  // Objects that share a mesh share what it encloses.
+  std::unordered_map<const IndexedMesh*, std::pair<std::shared_ptr<const SolidMesh>, SolidFindings>> of_mesh;
+  for (std::size_t i = 0; i < geometry.object_meshes.size() && !is_cancelled(); ++i) {
+    const std::shared_ptr<const IndexedMesh>& surface = geometry.object_meshes[i];
+    if (!surface || !glob_matches(glob, scene.objects[i].name)) continue;
+    const auto [known, is_new] = of_mesh.try_emplace(surface.get());
+    auto& [solid, findings] = known->second;
+    if (is_new) solid = solid_within(surface, findings, cancelled);
+    note(scene.objects[i].name, findings, declared);
+    geometry.object_solids[i] = solid;
+  }
+  return declared;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,228 @@
+// Declared solids in a world: what holds a point, and what a ball or box in a solid meets.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/world/audit/audit.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/query.hpp"
+#include "server/world/solids/declared.hpp"
+#include "server/world/solids/solid.hpp"
+#include "server/world/world.hpp"
+#include "tests/oracle/seed.hpp"
+#include "tests/oracle/solid_oracle.hpp"
+#include "tests/scenes/meshes.hpp"
+#include "tests/scenes/planted.hpp"
+
+namespace collided::engine {
+namespace {
+
+class WorldInside : public testing::Test {
+ protected:
+  /// Loads a mesh as a scene of one part; returns what declaring it found.
+  DeclaredSolids load(const std::string& name, const TriangleMesh& mesh, const std::string& solid) {
+    Scene scene;
+    scene.name = name;
+    scene.mesh = mesh;
+    scene.parts = {{.name = name,
+                    .first_triangle = 0,
+                    .triangle_count = static_cast<std::uint32_t>(mesh.triangles.size()),
+                    .filter = {}}};
+    auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+    DeclaredSolids declared;
+    if (!solid.empty()) declared = declare_solids(indexed.scene, *indexed.geometry, solid);
+    EXPECT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(indexed)));
+    step();
+    return declared;
+  }
+  void add(const std::string& name, const TriangleMesh& mesh, const Pose& pose, bool is_solid = true) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.pose = pose;
+    definition.shape.mesh = std::make_shared<const TriangleMesh>(mesh);
+    definition.indexed =
+        indexed_mesh(definition.shape.mesh, Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+    SolidFindings findings;
+    if (is_solid) definition.solid = solid_within(definition.indexed, findings);
+    EXPECT_EQ(definition.solid != nullptr, is_solid) << findings.refusal;
+    EXPECT_TRUE(std::holds_alternative<ObjectId>(world_.define(definition)));
+    step();
+  }
+  void add(const std::string& name, const Primitive& primitive, const Vec3& at, bool moving = true) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.shape.primitives = {primitive};
+    definition.pose.position = at;
+    definition.moving = moving;
+    EXPECT_TRUE(std::holds_alternative<ObjectId>(world_.define(definition)));
+    step();
+  }
+  void step() { world_.step(time_ns_ += 1'000'000'000, 1, {}); }
+
+  const Answers& ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
+                     std::uint32_t max_hits = 1000) {
+    numbers_ = std::move(numbers);
+    lease_ = world_.newest();
+    question_ = {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers_};
+    answer(*lease_, question_, answers_, scratch_);
+    EXPECT_EQ(audit(*lease_, question_, answers_), "");
+    return answers_;
+  }
+  const Answers& inside(const Vec3& p, HitMode mode = HitMode::closest) {
+    return ask(QuestionKind::inside, {p.x(), p.y(), p.z()}, mode);
+  }
+  std::string names() {
+    std::string text;
+    for (const AnswerHit& hit : answers_.hits)
+      text += (text.empty() ? "" : " ") + (*lease_->objects)[slot_of(hit.object)]->name;
+    return text;
+  }
+  void expect_first(double distance_m) {
+    ASSERT_FALSE(answers_.hits.empty());
+    const AnswerHit& hit = answers_.hits.front();
+    EXPECT_NEAR(hit.distance_m, distance_m, hit.error_m);
+    EXPECT_LT(hit.error_m, 1e-12);
+  }
+
+  World world_{WorldOptions{}};
+  std::int64_t time_ns_ = 0;
+  std::vector<double> numbers_;
+  Questions question_;
+  SnapshotRing::Lease lease_;
+  Answers answers_;
+  QueryScratch scratch_;
+};
+
+TEST_F(WorldInside, ABallWithinAClosedMeshIsAHitWhereTheMeshIsSolidAndAMissWhereItIsASurface) {
+  load("surface", scenes::box({1, 1, 1}), "");
+  EXPECT_EQ(ask(QuestionKind::sphere, {0.5, 0, 0, 0.1}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(QuestionKind::box, {0.5, 0, 0, 0.1, 0.1, 0.1, 1, 0, 0, 0}).answers[0], Verdict::miss);
+  EXPECT_EQ(inside({0.5, 0, 0}).answers[0], Verdict::miss);
+  world_.remove_scene("surface");
+  load("solid", scenes::box({1, 1, 1}), "*");
+  EXPECT_EQ(ask(QuestionKind::sphere, {0.5, 0, 0, 0.1}).answers[0], Verdict::hit);
+  expect_first(0.6);  // half a metre to the face, and the radius
+  EXPECT_EQ(answers_.hits[0].normal, Vec3(-1, 0, 0)) << "from the ball to what it has to leave";
+  EXPECT_EQ(ask(QuestionKind::box, {0.5, 0, 0, 0.1, 0.1, 0.1, 1, 0, 0, 0}).answers[0], Verdict::hit);
+  EXPECT_EQ(answers_.hits[0].error_m, INFINITY) << "at least so deep";
+  EXPECT_EQ(ask(QuestionKind::sphere, {0.5, 0, 0, 0.1}, HitMode::any).answers[0], Verdict::hit);
+  EXPECT_EQ(ask(QuestionKind::box, {0.5, 0, 0, 0.1, 0.1, 0.1, 1, 0, 0, 0}, HitMode::any).answers[0], Verdict::hit);
+  EXPECT_EQ(ask(QuestionKind::sphere, {1.2, 0, 0, 0.1}).answers[0], Verdict::miss);
+  // The ball's centre decides what its depth is: out it is that of the surface.
+  ask(QuestionKind::sphere, {1.05, 0, 0, 0.1});
+  expect_first(0.05);
+  ask(QuestionKind::sphere, {0.95, 0, 0, 0.1});
+  expect_first(0.15);
+}
+
+TEST_F(WorldInside, DepthIsThatOfThePoint) {
+  load("cube", scenes::box({1, 1, 1}), "cube");
+  inside({0.25, 0, 0});
+  EXPECT_EQ(names(), "cube");
+  expect_first(0.75);
+  EXPECT_EQ(answers_.hits[0].flags, kInside);
+  EXPECT_EQ(answers_.hits[0].point, Vec3(1, 0, 0));
+  inside({1, 0.5, 0.5});
+  EXPECT_EQ(answers_.answers[0], Verdict::hit) << "the surface belongs to the solid";
+  EXPECT_EQ(answers_.hits[0].distance_m, 0);
+  EXPECT_EQ(answers_.hits[0].error_m, 0);
+  EXPECT_EQ(inside({std::nextafter(1.0, 2.0), 0.5, 0.5}).answers[0], Verdict::miss);
+  EXPECT_EQ(inside({0, 0, 0}, HitMode::any).answers[0], Verdict::hit);
+  EXPECT_EQ(inside({NAN, 0, 0}).answers[0], Verdict::invalid);
+}
+
+TEST_F(WorldInside, EveryKindOfSolidIsAskedDeepestFirst) {
+  load("cube", scenes::box({1, 1, 1}), "cube");
+  add("ball", Sphere{.center = Vec3::Zero(), .radius_m = 3}, {0, 0, 0});
+  add("turned", scenes::box({2, 2, 2}), {.position = {0.1, 0, 0}, .rotation = Quat(0.6, 0, 0, 0.8)});
+  add("ground", HalfSpace{.point = Vec3::Zero(), .normal = {0, 0, 1}}, {0, 0, 0.5}, false);
+  add("shell", scenes::box({5, 5, 5}), {}, false);
+  inside({0, 0, 0});
+  EXPECT_EQ(names(), "ball turned cube ground");
+  EXPECT_EQ(ask(QuestionKind::inside, {0, 0, 0}, HitMode::closest, 2).reasons[0], UndecidedReason::truncated);
+  inside({0, 0, 2.5});
+  EXPECT_EQ(names(), "ball");
+  inside({0, 0, -50});
+  EXPECT_EQ(names(), "ground");
+  expect_first(50.5);
+}
+
+TEST_F(WorldInside, NearIsZeroInASolidAndSignedMinusTheDepth) {
+  load("cube", scenes::box({1, 1, 1}), "*");
+  add("ball", Sphere{.center = Vec3::Zero(), .radius_m = 1}, {0, 0, 5});
+  ask(QuestionKind::near, {0.25, 0, 0, INFINITY}, HitMode::closest, 1);
+  expect_first(0);
+  EXPECT_EQ(answers_.hits[0].flags, kInside);
+  ask(QuestionKind::near, {0.25, 0, 0, INFINITY}, HitMode::signed_near, 1);
+  expect_first(-0.75);
+  EXPECT_EQ(names(), "cube");
+  ask(QuestionKind::near, {2, 0, 0, INFINITY}, HitMode::signed_near, 1);
+  expect_first(1);
+  ask(QuestionKind::near, {0, 0, 4.5, INFINITY}, HitMode::signed_near, 2);
+  EXPECT_EQ(names(), "ball cube");
+  expect_first(-0.5);
+}
+
+// Where it does not close it stays a surface, and the others are solid all the same.
+TEST_F(WorldInside, WhatDoesNotCloseIsRefusedAndStaysASurface) {
+  TriangleMesh open = scenes::box({1, 1, 1});
+  open.triangles.pop_back();
+  const DeclaredSolids declared = load("open", open, "*");
+  ASSERT_EQ(declared.refused.size(), 1u);
+  EXPECT_NE(declared.refused[0].find("open is not solid, and stays a surface: it does not close"), std::string::npos)
+      << declared.refused[0];
+  EXPECT_EQ(declared.count, 0u);
+  EXPECT_EQ(inside({0, 0, 0}).answers[0], Verdict::miss);
+  EXPECT_EQ(load("other", scenes::box({1, 1, 1}), "nothing*").count, 0u);
+}
+
+TEST_F(WorldInside, WhereTrianglesCrossDepthsAreLowerBounds) {
+  TriangleMesh two = scenes::box({1, 1, 1});
+  scenes::append(two, scenes::box({1, 1, 1}, {1, 0.5, 0.25}));
+  const DeclaredSolids declared = load("two", two, "*");
+  EXPECT_EQ(declared.warnings.size(), 1u);
+  inside({0.9, 0.1, 0});
+  EXPECT_EQ(names(), "two");
+  EXPECT_EQ(answers_.hits[0].error_m, INFINITY);
+}
+
+TEST_F(WorldInside, OutsideOfWhatIsCoveredAMissIsUndecided) {
+  load("cube", scenes::box({1, 1, 1}), "*");
+  const Aabb covered{{-2, -2, -2}, {2, 2, 2}};
+  world_.state_covers("", std::span(&covered, 1));
+  step();
+  EXPECT_EQ(inside({1.5, 0, 0}).answers[0], Verdict::miss);
+  EXPECT_EQ(inside({3, 0, 0}).reasons[0], UndecidedReason::not_covered);
+  EXPECT_EQ(inside({0, 0, 0}).answers[0], Verdict::hit);
+}
+
+// Random points about moving and resting solids against rationals without an index; the audit asks its own.
+TEST_F(WorldInside, RandomPointsAreDecidedAsByRationals) {
+  std::mt19937_64 random = oracle::seeded(27);
+  const TriangleMesh rough = scenes::rough_sphere(2, random);
+  const Pose pose{.position = {0.3, 0.2, 0.1}, .rotation = Quat(0.5, 0.5, -0.5, 0.5)};
+  load("resting", rough, "*");
+  add("placed", rough, pose);
+  const oracle::SolidOracle oracle(rough);
+  std::uniform_real_distribution<double> any(-1.5, 1.5);
+  int in = 0;
+  for (int i = 0; i < 300; ++i) {
+    Vec3 p(any(random), any(random), any(random));
+    if (i % 3 == 0) p = rough.vertices[random() % rough.vertices.size()];
+    std::set<std::string> expected;
+    if (oracle.side(oracle::rational(p), random) != SolidSide::out) expected.insert("resting");
+    if (oracle.side(oracle::seen_from(pose, p), random) != SolidSide::out) expected.insert("placed");
+    inside(p);
+    std::set<std::string> found;
+    for (const AnswerHit& hit : answers_.hits) found.insert((*lease_->objects)[slot_of(hit.object)]->name);
+    ASSERT_EQ(found, expected) << p.transpose();
+    in += static_cast<int>(found.size());
+    // A ball reaches as far as its radius and its centre's side say.
+    ask(QuestionKind::sphere, {p.x(), p.y(), p.z(), 0.05});
+    for (const std::string& name : expected) EXPECT_NE(names().find(name), std::string::npos);
+  }
+  EXPECT_GT(in, 50);
+}
+
+}  // namespace
+}  // namespace collided::engine
