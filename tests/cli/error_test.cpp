@@ -156,7 +156,7 @@ TEST_F(Errors, TheHelpIsFourteenLinesAndListsWhatWorks) {
   const Ran ran = collide("");
   EXPECT_EQ(ran.code, 0);
   EXPECT_LE(std::count(ran.out.begin(), ran.out.end(), '\n'), 14);
-  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  inside  sweep  pair\nFollow   watch  probe  top\n"),
+  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  inside  sweep  pair\nFollow   watch  probe  top  metrics\n"),
             std::string::npos)
       << ran.out;
   EXPECT_EQ(collide("--help").out, ran.out);

@@ -110,7 +110,8 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        count ? "empty" : "not of one length, or others are filled too");
   }
   if (auto reason = why_bad_chunk(query, *count)) return reason;
-  if (auto reason = why_unknown("hit mode", query.mode, HitMode::signed_near)) return reason;
+  const HitMode last_mode = kind == RequestKind::near ? HitMode::signed_near : HitMode::all;
+  if (auto reason = why_unknown("hit mode", query.mode, last_mode)) return reason;
   if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
   if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {

@@ -153,8 +153,10 @@ TEST_F(ExtremeBorderChunk, Chunks) {
 }
 
 TEST_F(ExtremeBorderChunk, Codes) {
+  query.kind = 8;
+  expect_refused("question kind 8 is not known; allowed 0 to 7");
   query.kind = 7;
-  expect_refused("question kind 7 is not known; allowed 0 to 6");
+  expect_refused("the columns of inside questions are not of one length, or others are filled too");
   query.kind = 1;
   query.mode = 3;
   expect_refused("hit mode 3 is not known; allowed 0 to 2");
