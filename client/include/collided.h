@@ -64,13 +64,14 @@ typedef struct collided_connect_options {
   int64_t wait_ns;
   const char* const* peers;
   size_t peer_count;
+  const char* keys; /* folder made by collide keys add */
 } collided_connect_options;
 
 /* options  null: from the environment, as the command line does
  * returns  in *client, to be given to collided_close */
 COLLIDED_API int collided_connect(const collided_connect_options* options, collided_client** client,
                                   collided_error* error);
-/* Waits for calls under way on other threads that hold a watch or publisher of it: those keep the connection. */
+/* No other call for this client may be under way. Its watches and publishers keep the connection that they need. */
 COLLIDED_API void collided_close(collided_client* client);
 
 typedef struct collided_status {
@@ -142,6 +143,10 @@ COLLIDED_API int collided_ask_boxes(collided_client* client, size_t count, const
 COLLIDED_API int collided_ask_nearest(collided_client* client, size_t count, const double* points,
                                       const double* within_m, const collided_ask_options* options,
                                       collided_answers** answers, collided_error* error);
+/* Which solids hold a point? */
+COLLIDED_API int collided_ask_inside(collided_client* client, size_t count, const double* points,
+                                     const collided_ask_options* options, collided_answers** answers,
+                                     collided_error* error);
 COLLIDED_API void collided_free_answers(collided_answers* answers);
 
 /* What holds for all answers of a call. */
@@ -249,6 +254,7 @@ typedef struct collided_object {
   double scale[3];
   double position[3];
   double orientation[4];
+  int32_t solid; /* its closed mesh holds what lies in it; for collided_add */
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 

@@ -66,8 +66,8 @@ void write_status(Writer& to, const ServerStatus& status) {
   to.line(1, fmt::format("namespace={},version={},state={}", label(status.name_space), label(status.version_text),
                          label(status.state)));
   to.one("ready", "gauge", "1 while everything that was acknowledged is there.", status.state == "ready" ? 1 : 0);
-  to.one("epoch", "counter", "Grows with each start of a server.", status.epoch);
-  to.one("world_version", "counter", "Changes of the world.", status.version);
+  to.one("epoch", "gauge", "Grows with each start of a server.", status.epoch);
+  to.one("world_version", "gauge", "Changes of the world.", status.version);
   to.one("objects", "gauge", "Objects in the world, with the parts of scenes.", status.objects);
   to.one("moving_objects", "gauge", "Of the objects, those that move.", status.moving);
   to.one("static_triangles", "gauge", "Triangles of the meshes of all scenes.", status.static_triangles);
@@ -85,17 +85,19 @@ void write_status(Writer& to, const ServerStatus& status) {
 void write_figures(Writer& to, const Figures& figures) {
   to.one("up_seconds", "counter", "Time since the server's start.", static_cast<double>(figures.up_ns) / 1e9);
   to.one("steps_total", "counter", "Steps of the world.", figures.steps);
-  to.one("stalled_steps_total", "counter", "Steps that came late.", figures.stalled_steps);
+  to.one("stalled_steps_total", "counter", "Times a step was tried again, since readers held every free state.",
+         figures.stalled_steps);
   to.head("step_duration_seconds", "histogram", "Duration of a step.");
   to.histogram(figures.step_durations, "");
   to.head("stage_seconds_total", "counter", "Time spent in each stage of steps.");
   for (const Stage& stage : figures.stages) to.line(static_cast<double>(stage.ns) / 1e9, "stage=" + label(stage.name));
   to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.in_doubt);
-  to.one("pair_candidates_total", "counter", "Pairs that the broad phase found.", figures.candidates);
-  to.one("pairs_filtered_total", "counter", "Of them, left out by layers, masks and groups.", figures.filtered);
-  to.one("pair_tests_total", "counter", "Of them, tested exactly.", figures.exact_tests);
+  to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.candidates);
+  to.one("pairs_filtered_total", "counter", "Pairs of movers that layers, masks or groups keep apart.",
+         figures.filtered);
+  to.one("pair_tests_total", "counter", "Pairs tested exactly.", figures.exact_tests);
   to.one("poses_applied_total", "counter", "Poses applied.", figures.poses_applied);
-  to.one("poses_late_total", "counter", "Poses applied late.", figures.poses_late);
+  to.one("poses_late_total", "counter", "Poses that came too late to move anything.", figures.poses_late);
   to.one("poses_lost_total", "counter", "Poses unknown, refused, superseded or dropped.", figures.poses_lost);
   to.one("stamps_late_total", "counter", "Batches whose time is before an earlier one.", figures.stamps_late);
   to.one("requests_refused_total", "counter", "Questions refused.", figures.refused_requests);

@@ -113,6 +113,20 @@ class Questions(WithServer):
         # A cube turned by a quarter is the same cube; only where it merely touches may the rounded quaternion matter.
         self.assertLess(sum(a != (t.verdict == Verdict.HIT) for a, t in zip(hits, turned)), 3)
 
+    def test_inside_of_a_box_and_of_a_declared_mesh(self):
+        corners = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+        faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+        self.client.add("py_solid", collided.Mesh(corners, faces), (600, 0, 0), solid=True)
+        try:
+            answers = self.client.inside([[600, 0, 0.75], [600, 0, 1.25]])
+            self.assertEqual([a.verdict for a in answers], [Verdict.HIT, Verdict.MISS])
+            self.assertEqual(answers[0].hits[0].object, "py_solid")
+            self.assertEqual(answers[0].hits[0].distance, 0.25)
+            with self.assertRaises(collided.Refused):
+                self.client.add("py_open", collided.Mesh(corners, faces[1:]), (610, 0, 0), solid=True)
+        finally:
+            self.client.remove("py_solid")
+
     def test_memory_of_earlier_answers_is_used_again(self):
         origins, directions = rays(1000)
         first = self.client.rays(origins, directions)
@@ -283,6 +297,11 @@ class Refusals(WithServer):
                 os._exit(9)
         self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), 7)
         self.assertEqual(self.client.status().state, "ready")
+
+    def test_keys_that_are_not_there(self):
+        with self.assertRaises(collided.Error) as told:
+            collided.connect(domain=DOMAIN - 100, keys="/nonexistent/keys")
+        self.assertIn("/nonexistent/keys", str(told.exception))
 
     def test_no_server(self):
         with self.assertRaises(collided.NoServer):

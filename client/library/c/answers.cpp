@@ -118,6 +118,12 @@ int collided_ask_nearest(collided_client* client, size_t count, const double* po
   return ask_rows(client, count, points != nullptr, make, options, answers, error);
 }
 
+int collided_ask_inside(collided_client* client, size_t count, const double* points,
+                        const collided_ask_options* options, collided_answers** answers, collided_error* error) {
+  const auto make = [&](std::size_t i) { return InsideQuestion{.point = vector(points + 3 * i)}; };
+  return ask_rows(client, count, points != nullptr, make, options, answers, error);
+}
+
 void collided_free_answers(collided_answers* answers) { delete answers; }
 
 void collided_get_info(const collided_answers* answers, collided_answers_info* info) {

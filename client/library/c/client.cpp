@@ -15,6 +15,7 @@ Result<ConnectOptions> connect_options(const collided_connect_options* options) 
   if (given.name_space && *given.name_space) made.name_space = given.name_space;
   if (given.interface_name && *given.interface_name) made.interface = given.interface_name;
   if (given.wait_ns != 0) made.wait = std::chrono::nanoseconds(given.wait_ns);
+  if (given.keys) made.keys = given.keys;
   if (given.peer_count > 0 && !given.peers) return missing("peers");
   for (std::size_t i = 0; i < given.peer_count; ++i) made.peers.push_back(text(given.peers[i]));
   return made;

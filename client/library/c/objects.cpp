@@ -77,6 +77,7 @@ Result<ObjectOptions> object_options(const collided_object* object) {
   made.mask = given.mask;
   made.group = given.group;
   made.moving = given.moving != 0;
+  made.solid = given.solid != 0;
   made.lost_policy = static_cast<LostPolicy>(given.lost_policy);
   if (given.part_count > 0 && !given.parts) return missing("parts");
   // The parts lie as far from each other as the caller's header says.

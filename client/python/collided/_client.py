@@ -208,6 +208,12 @@ class Client(Owned):
         _numbers.same_length(first, "points", second, "within")
         return self._ask("ask_nearest", (first, second), first.count, options)
 
+    def inside(self, points: Rows, **options: Any) -> Answers:
+        """Which solids hold points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
+        hit is the depth below the surface."""
+        first = _numbers.rows(points, 3, "points")
+        return self._ask("ask_inside", (first,), first.count, options)
+
     def ray(self, origin: Row, direction: Row, length: float = math.inf, **options: Any) -> Answer:
         """What does one ray hit?"""
         return self.rays([list(origin)], [list(direction)], [length], **options)[0]  # type: ignore[arg-type]
@@ -275,9 +281,13 @@ class Client(Owned):
         mask: int = 0xFFFFFFFF,
         group: int = 0,
         moving: bool = True,
+        solid: bool = False,
     ) -> int:
-        """Adds an object that stays until it is removed, even when this client has gone. Returns its number."""
+        """Adds an object that stays until it is removed, even when this client has gone. Returns its number.
+
+        solid: its mesh is closed and holds what lies in it; refused with the reason where it does not close."""
         made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, "remove")
+        made.value.solid = 1 if solid else 0
         number = ctypes.c_uint64()
         call("add", self._handle, ctypes.byref(made.value), ctypes.byref(number))
         return number.value
@@ -345,14 +355,17 @@ def connect(
     *,
     peers: Sequence[str] = (),
     wait: float = 2.0,
+    keys: str = "",
 ) -> Client:
     """Waits until a server answers, at most `wait` seconds.
 
     Without arguments it looks where the environment says (COLLIDED_DOMAIN, else ROS_DOMAIN_ID, COLLIDED_NAMESPACE,
-    COLLIDED_INTERFACE), as the command line does; with one, nothing of the environment counts.
+    COLLIDED_INTERFACE, COLLIDED_KEYS), as the command line does; with one, nothing of the environment counts.
+
+    keys: the folder that `collide keys add` made for this program
     """
     made = ctypes.c_void_p()
-    if domain is None and name_space is None and interface is None and not peers and wait == 2.0:
+    if domain is None and name_space is None and interface is None and not peers and wait == 2.0 and not keys:
         call("connect", None, ctypes.byref(made))
         return Client(made)
     addresses = (ctypes.c_char_p * len(peers))(*[encoded(peer, "peer") for peer in peers])
@@ -364,6 +377,7 @@ def connect(
         wait_ns=nanoseconds(wait, "wait"),
         peers=addresses,
         peer_count=len(peers),
+        keys=encoded(keys, "keys"),
     )
     call("connect", ctypes.byref(options), ctypes.byref(made))
     return Client(made)

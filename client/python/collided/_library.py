@@ -84,6 +84,7 @@ class ConnectOptions(Structure):
         ("wait_ns", c_int64),
         ("peers", POINTER(c_char_p)),
         ("peer_count", c_size_t),
+        ("keys", c_char_p),
     ]
 
 
@@ -212,6 +213,7 @@ class CObject(Structure):
         ("scale", c_double * 3),
         ("position", c_double * 3),
         ("orientation", c_double * 4),
+        ("solid", c_int32),
     ]
 
 
@@ -269,6 +271,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "ask_spheres": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, *_ASK_END]),
     "ask_boxes": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, *_ASK_END]),
     "ask_nearest": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, *_ASK_END]),
+    "ask_inside": (c_int32, [c_void_p, c_size_t, c_void_p, *_ASK_END]),
     "free_answers": (None, [c_void_p]),
     "get_info": (None, [c_void_p, POINTER(AnswersInfo)]),
     "read_columns": (None, [c_void_p, POINTER(Columns)]),
