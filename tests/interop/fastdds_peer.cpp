@@ -1,0 +1,340 @@
+// A program that speaks to the server through another vendor's DDS, with the IDL alone and nothing of ours linked in:
+//   fastdds_peer DOMAIN load PATH        loads a file as a scene, prints the answer's JSON
+//   fastdds_peer DOMAIN ask RAYS         asks rays (seven doubles each, as bytes); prints a line for each answer
+//   fastdds_peer DOMAIN publish COUNT    a ball that goes to and fro, COUNT poses; stays until SIGTERM
+//   fastdds_peer DOMAIN watch COUNT      prints COUNT events, then the contacts that hold
+// Numbers are printed in hexadecimal, so that they are those of the wire to the last bit.
+
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "collidedPubSubTypes.h"
+#include "idl/scene_generated.h"
+#include "tests/interop/fastdds_link.hpp"
+
+namespace collided::interop {
+namespace {
+
+using namespace wire_v2;
+
+constexpr std::uint32_t kQuestionsAChunk = 1'000;
+constexpr std::uint32_t kChunksUnderWay = 4;
+constexpr std::uint64_t kClient = 0x5ca1ab1eULL;
+
+/// Questions and their replies.
+class Asker {
+ public:
+  explicit Asker(int domain)
+      : link_(domain),
+        replies_(link_.reader<ReplyPubSubType>({.suffix = "reply_v2", .partition = "client_1e"})),
+        queries_(link_.writer<QueryPubSubType>({.suffix = "query_v2"})) {
+    wait_for_match(queries_, "questions");
+    // The server writes in a client's partition once it was asked; replies arrive from the first one on that does.
+    Query hello = query(QUESTION_HELLO);
+    const auto is_greeted = [&] {
+      send(hello);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      return next(hello.request()).has_value();
+    };
+    wait_until(is_greeted, "the reply to a greeting");
+  }
+
+  Query query(std::uint32_t kind) {
+    Query made;
+    made.client(kClient);
+    made.request(++requests_);
+    made.chunk_count(1);
+    made.kind(static_cast<std::uint8_t>(kind));
+    made.mask(0xffffffff);
+    made.max_hits(1);
+    return made;
+  }
+  void send(Query& made) {
+    if (!queries_->write(&made)) throw std::runtime_error("the server takes no more questions");
+  }
+  /// The next reply to this request, if one is there.
+  std::optional<Reply> next(std::uint64_t request) {
+    Reply reply;
+    fast::SampleInfo info;
+    while (replies_->take_next_sample(&reply, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data && reply.client() == kClient && reply.request() == request) return reply;
+    }
+    return std::nullopt;
+  }
+  Reply wait_for(std::uint64_t request) {
+    std::optional<Reply> reply;
+    wait_until([&] { return (reply = next(request)).has_value(); }, "a reply");
+    return std::move(*reply);
+  }
+
+ private:
+  Link link_;
+  fast::DataReader* replies_;
+  fast::DataWriter* queries_;
+  std::uint64_t requests_ = 0;
+};
+
+int load(int domain, const std::string& path) {
+  Asker asker(domain);
+  Query query = asker.query(QUESTION_COMMAND);
+  query.text(R"({"command":"load","path":")" + path + R"("})");
+  asker.send(query);
+  Reply reply = asker.wait_for(query.request());
+  while (reply.status() == REPLY_PROGRESS) reply = asker.wait_for(query.request());
+  const std::string text(reply.text().begin(), reply.text().end());
+  std::printf("%s %s\n", reply.status() == REPLY_OK ? "ok" : "refused", text.c_str());
+  return reply.status() == REPLY_OK ? 0 : 1;
+}
+
+struct RayAnswer {
+  std::uint8_t verdict = 0xff;
+  std::uint64_t object = 0;
+  double distance_m = 0;
+  double error_m = 0;
+  double point_m[3] = {};
+};
+
+void put(const Reply& reply, std::vector<RayAnswer>& answers) {
+  std::size_t hit = 0;
+  for (std::size_t i = 0; i < reply.answers().size(); ++i) {
+    RayAnswer& answer = answers.at(reply.first_question() + i);
+    answer.verdict = reply.answers()[i];
+    if (reply.hit_counts()[i] > 0) {
+      answer.object = reply.objects()[hit];
+      answer.distance_m = reply.distances()[hit];
+      answer.error_m = reply.distance_errors()[hit];
+      std::copy_n(reply.points().begin() + static_cast<std::ptrdiff_t>(3 * hit), 3, answer.point_m);
+    }
+    hit += reply.hit_counts()[i];
+  }
+}
+
+int ask(int domain, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  std::vector<double> rays(bytes.size() / sizeof(double));
+  std::memcpy(rays.data(), bytes.data(), rays.size() * sizeof(double));
+  const auto count = static_cast<std::uint32_t>(rays.size() / 7);
+  const std::uint32_t chunks = (count + kQuestionsAChunk - 1) / kQuestionsAChunk;
+
+  Asker asker(domain);
+  Query query = asker.query(QUESTION_RAY);
+  query.chunk_count(chunks);
+  std::vector<RayAnswer> answers(count);
+  std::uint32_t sent = 0, answered = 0;
+  std::vector<std::uint32_t> left(chunks);
+  while (answered < chunks) {
+    for (; sent < chunks && sent < answered + kChunksUnderWay; ++sent) {
+      const std::uint32_t first = sent * kQuestionsAChunk, end = std::min(count, first + kQuestionsAChunk);
+      std::vector<double> points, directions, lengths;
+      for (std::uint32_t i = first; i < end; ++i) {
+        const double* ray = &rays[std::size_t{7} * i];
+        points.insert(points.end(), ray, ray + 3);
+        directions.insert(directions.end(), ray + 3, ray + 6);
+        lengths.push_back(ray[6]);
+      }
+      query.chunk_index(sent);
+      query.first_question(first);
+      query.points(std::move(points));
+      query.directions(std::move(directions));
+      query.lengths(std::move(lengths));
+      left[sent] = end - first;
+      asker.send(query);
+    }
+    const Reply reply = asker.wait_for(query.request());
+    if (reply.status() != REPLY_OK)
+      throw std::runtime_error("refused: " + std::string(reply.text().begin(), reply.text().end()));
+    put(reply, answers);
+    // A chunk may take several replies.
+    std::uint32_t& still = left.at(reply.chunk_index());
+    still -= static_cast<std::uint32_t>(reply.answers().size());
+    if (still == 0) ++answered;
+  }
+  for (const RayAnswer& a : answers)
+    std::printf("%u %llu %a %a %a %a %a\n", a.verdict, static_cast<unsigned long long>(a.object), a.distance_m,
+                a.error_m, a.point_m[0], a.point_m[1], a.point_m[2]);
+  return 0;
+}
+
+/// The shape's bytes as scene.fbs describes them.
+std::vector<std::uint8_t> ball(double radius_m) {
+  flatbuffers::FlatBufferBuilder builder;
+  const format::Sphere sphere(format::Vec3(0, 0, 0), radius_m);
+  const auto spheres = builder.CreateVectorOfStructs(&sphere, 1);
+  format::ShapeBuilder shape(builder);
+  shape.add_spheres(spheres);
+  builder.Finish(shape.Finish());
+  return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
+}
+
+int publish(int domain, std::uint64_t count) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before there are threads that would take it
+  Link link(domain);
+  constexpr int kLease_ms = 500;
+  fast::DataWriter* objects =
+      link.writer<DefinitionPubSubType>({.suffix = "object_v2", .is_durable = true, .lease_ms = kLease_ms});
+  fast::DataWriter* poses = link.writer<PoseBatchPubSubType>({.suffix = "pose_v2", .lease_ms = kLease_ms});
+  fast::DataReader* status = link.reader<StatusPubSubType>({.suffix = "status_v2", .is_durable = true});
+  wait_for_match(objects, "objects");
+  wait_for_match(poses, "poses");
+  const std::jthread pulse([&](const std::stop_token& is_over) {
+    while (!is_over.stop_requested()) {
+      objects->assert_liveliness();
+      poses->assert_liveliness();
+      std::this_thread::sleep_for(std::chrono::milliseconds(kLease_ms / 5));
+    }
+  });
+
+  const std::uint64_t publisher = std::random_device{}() | 1ULL << 40;
+
+  const auto now_ns = [] {
+    return static_cast<std::int64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  };
+  const auto incarnation = static_cast<std::uint64_t>(now_ns());
+  const auto place = [](std::uint64_t step) {
+    return step % 20 < 10 ? -0.5 + 0.01 * std::sin(static_cast<double>(step)) : 0.25;
+  };
+
+  Definition definition;
+  definition.publisher(publisher);
+  definition.object_number(1);
+  definition.incarnation(incarnation);
+  definition.sequence_number(1);
+  definition.moving(true);
+  definition.publisher_name("fast");
+  definition.name("fast/ball");
+  definition.layers(0xffffffff);
+  definition.mask(0xffffffff);
+  definition.position({place(0), 0, 0});
+  definition.orientation({1, 0, 0, 0});
+  definition.shape(ball(0.1));
+  if (!objects->write(&definition)) throw std::runtime_error("the object was not taken");
+
+  PoseBatch batch;
+  batch.publisher(publisher);
+  batch.incarnation(incarnation);
+  batch.definitions_through(1);
+  batch.object_numbers({1});
+  batch.orientations({1, 0, 0, 0});
+  for (std::uint64_t step = 1; step <= count; ++step) {
+    batch.sequence_number(1 + step);
+    batch.source_time_ns(now_ns());
+    batch.positions({place(step), 1e-3 * std::cos(static_cast<double>(step)), 0});
+    if (!poses->write(&batch)) throw std::runtime_error("pose " + std::to_string(step) + " was not taken");
+    // A full history refuses instead of waiting where the topic has keys.
+    if (step % (kSamplesKept / 2) == 0 && poses->wait_for_acknowledgments({10, 0}) != ReturnCode_t::RETCODE_OK)
+      throw std::runtime_error("pose " + std::to_string(step) + " was not acknowledged within 10 s");
+  }
+  // Applied is what the server's status says of this publisher.
+  const auto is_applied = [&] {
+    Status heard;
+    fast::SampleInfo info;
+    while (status->take_next_sample(&heard, &info) == ReturnCode_t::RETCODE_OK) {
+      for (std::size_t i = 0; info.valid_data && i < heard.publishers().size(); ++i) {
+        if (heard.publishers()[i] == publisher && heard.applied_sequences()[i] == count + 1) return true;
+      }
+    }
+    return false;
+  };
+  wait_until(is_applied, "all poses to be applied");
+  std::printf("published %llu poses, the last at %a %a\n", static_cast<unsigned long long>(count), place(count),
+              1e-3 * std::cos(static_cast<double>(count)));
+  std::fflush(stdout);
+  int signal = 0;
+  sigwait(&ends, &signal);
+  return 0;
+}
+
+/// Names travel beside their ids, zero-terminated.
+template <class Message>
+void read_names(const Message& message, std::map<std::uint64_t, std::string>& names) {
+  auto from = message.names().begin();
+  for (const std::uint64_t id : message.named_ids()) {
+    const auto zero = std::find(from, message.names().end(), std::uint8_t{0});
+    names[id] = std::string(from, zero);
+    from = zero == message.names().end() ? zero : zero + 1;
+  }
+}
+
+int watch(int domain, std::uint64_t count) {
+  Link link(domain);
+  fast::DataReader* events = link.reader<EventFramePubSubType>({.suffix = "event_v2"});
+  fast::DataReader* contacts = link.reader<ContactShardPubSubType>({.suffix = "contact_v2", .is_durable = true});
+  wait_for_match(events, "events");
+  wait_for_match(contacts, "contacts");
+  std::printf("ready\n");
+  std::fflush(stdout);
+
+  std::map<std::uint64_t, std::string> names;
+  std::uint64_t told = 0, last = 0;
+  const auto is_enough = [&] {
+    EventFrame frame;
+    fast::SampleInfo info;
+    while (told < count && events->take_next_sample(&frame, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      read_names(frame, names);
+      for (std::size_t i = 0; i < frame.kinds().size() && told < count; ++i, ++told) {
+        last = frame.first_sequence() + i;
+        std::printf("event %llu %u %u %s %s %a %a %a %a\n", static_cast<unsigned long long>(last), frame.kinds()[i],
+                    frame.reasons()[i], names[frame.a()[i]].c_str(), names[frame.b()[i]].c_str(), frame.depths()[i],
+                    frame.depth_errors()[i], frame.bracket_lows()[i], frame.bracket_highs()[i]);
+      }
+    }
+    return told >= count;
+  };
+  wait_until(is_enough, std::to_string(count) + " events");
+
+  std::map<int, ContactShard> shards;
+  const auto is_current = [&] {
+    ContactShard shard;
+    fast::SampleInfo info;
+    while (contacts->take_next_sample(&shard, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) shards[shard.shard()] = shard;
+    }
+    return std::any_of(shards.begin(), shards.end(), [&](const auto& s) { return s.second.as_of_sequence() >= last; });
+  };
+  wait_until(is_current, "contacts as of event " + std::to_string(last));
+  for (const auto& [number, shard] : shards) {
+    read_names(shard, names);
+    for (std::size_t i = 0; i < shard.a().size(); ++i)
+      std::printf("contact %s %s %llu %a\n", names[shard.a()[i]].c_str(), names[shard.b()[i]].c_str(),
+                  static_cast<unsigned long long>(shard.episodes()[i]), shard.depths()[i]);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace collided::interop
+
+int main(int argc, char** argv) {
+  using namespace collided::interop;
+  const std::string command = argc == 4 ? argv[2] : "";
+  try {
+    const int domain = argc == 4 ? std::stoi(argv[1]) : 0;
+    if (command == "load") return load(domain, argv[3]);
+    if (command == "ask") return ask(domain, argv[3]);
+    if (command == "publish") return publish(domain, std::stoull(argv[3]));
+    if (command == "watch") return watch(domain, std::stoull(argv[3]));
+  } catch (const std::exception& wrong) {
+    std::fprintf(stderr, "fastdds_peer: %s\n", wrong.what());
+    return 1;
+  }
+  std::fprintf(stderr, "usage: fastdds_peer DOMAIN load PATH | ask RAYS | publish COUNT | watch COUNT\n");
+  return 2;
+}
