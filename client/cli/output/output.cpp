@@ -132,7 +132,23 @@ std::string row_as_line(const std::vector<std::string>& header, const std::vecto
   return line;
 }
 
+/// Behind the object's "{" or its last field; nothing where the field has no value.
+void append_json_field(std::string& out, const Field& field) {
+  if (is_absent(field.value)) return;
+  if (out.back() != '{') out += ',';
+  out += '"';
+  out += field.name;
+  out += "\":";
+  append_json_value(out, field.value);
+}
+
 }  // namespace
+
+std::string record_json(const Record& record) {
+  std::string text = "{";
+  for (const Field& field : record) append_json_field(text, field);
+  return text + "}";
+}
 
 void append_json_string(std::string& out, std::string_view text) {
   const bool simple =
@@ -203,15 +219,7 @@ void Printer::list_fields(const Record& record) {
 
 void Printer::json(const Record& record) {
   buffer_ = "{";
-  for (const std::size_t index : selected_) {
-    const Field& field = record[index];
-    if (is_absent(field.value)) continue;
-    if (buffer_.size() > 1) buffer_ += ',';
-    buffer_ += '"';
-    buffer_ += field.name;
-    buffer_ += "\":";
-    append_json_value(buffer_, field.value);
-  }
+  for (const std::size_t index : selected_) append_json_field(buffer_, record[index]);
   buffer_ += "}\n";
   out_ << buffer_;
 }

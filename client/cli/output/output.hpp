@@ -107,6 +107,9 @@ std::string printable(std::string_view text);
 /// A value as one cell of plain output.
 std::string value_text(const Value& value);
 
+/// A record as a JSON object with all of its fields that there are, as `--json` writes it.
+std::string record_json(const Record& record);
+
 /// Appends a JSON string with its quotes; bytes that are not UTF-8 become U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
 

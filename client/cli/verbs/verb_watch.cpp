@@ -9,6 +9,7 @@
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/event_output.hpp"
+#include "client/cli/output/event_poster.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/verbs/ask_options.hpp"
@@ -84,6 +85,8 @@ void run_shell(const Template& command, const Event& event) {
   while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR && !stop_requested) {}
 }
 
+/// How long the end of a watch waits for a slow receiver.
+constexpr std::chrono::seconds kPostsEnd{5};
 constexpr const char* kTimes = "-10s, 2026-11-22T12:03:10.5Z or seconds since 1970";
 
 class WatchCommand : public Command {
@@ -98,6 +101,8 @@ class WatchCommand : public Command {
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
     app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
+    app.add_option("--post", post_url_,
+                   "POST the events to this web address: a JSON array of the objects that --json prints");
     app.add_option("--exec", command_, "Run this in a shell for every event; {a}, {b} ... stand for its fields");
   }
 
@@ -106,6 +111,7 @@ class WatchCommand : public Command {
     const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     if (!format_.empty()) line_.emplace(format_);
     if (!command_.empty()) shell_.emplace(command_);
+    if (!post_url_.empty()) poster_.emplace(post_url_);
     if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
     Watch watch = take(session.client(globals).watch(options_));
     if (options_.since && watch.tells_since() > *options_.since)
@@ -124,12 +130,14 @@ class WatchCommand : public Command {
       print(printer, *event, session.io);
       if (manifold_ && event->kind == EventKind::began) print_manifold(session, globals, printer, *event);
       if (shell_) run_shell(*shell_, *event);
+      if (poster_) poster_->post(record_json(event_record(*event)));
       ++count;
     }
     session.io.out.flush();
     print_hint(session.io, globals,
                fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s",
                            format_duration(Clock::now() - start), format_count(watch.lost())));
+    tell_of_posts(session, globals);
     if (stop_requested) return Exit::interrupted;
     return count > 0 ? Exit::yes : Exit::no;
   }
@@ -177,6 +185,16 @@ class WatchCommand : public Command {
     return wire_contract::since_1970() + time.offset;
   }
 
+  /// What became of the events that were to be posted.
+  void tell_of_posts(Session& session, const Globals& globals) {
+    if (!poster_) return;
+    const EventPoster::Counts counts = poster_->finish(kPostsEnd);
+    const std::string why = counts.last_failure.empty() ? "" : fmt::format("; last failure: {}", counts.last_failure);
+    print_hint(session.io, globals,
+               fmt::format("{} posted, {} dropped, {} refused{}", format_count(counts.posted),
+                           format_count(counts.dropped), format_count(counts.refused), why));
+  }
+
   void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
     const bool connected = watch.connected();
     if (connected == was_connected_) return;
@@ -193,6 +211,8 @@ class WatchCommand : public Command {
   std::string command_;
   std::optional<Template> line_;
   std::optional<Template> shell_;
+  std::string post_url_;
+  std::optional<EventPoster> poster_;
   bool manifold_ = false;
   bool was_connected_ = true;
 };

@@ -58,7 +58,7 @@ constexpr Verb kVerbs[] = {
      make_pair_verb},
     {"watch", "Follow", "collisions as they begin and end", "watch",
      "watch --only 'drone_*' -n 1 --for 10s\nwatch --format '{t} {what} {a} {b} {depth}'\nwatch --since -10s\nwatch "
-     "--exec 'notify-send \"{a} hit {b}\"'",
+     "--exec 'notify-send \"{a} hit {b}\"'\nwatch --post http://127.0.0.1:8080/contacts",
      make_watch},
     {"probe", "Follow", "rays fixed to an object, a wheel each: signed clearance",
      "probe\nprobe NAME --on OBJECT  X Y Z  DX DY DZ\nprobe --rm GLOB",

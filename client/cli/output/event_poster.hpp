@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace collided::cli {
+
+/// How far an EventPoster goes.
+struct PostLimits {
+  std::size_t waiting = 10'000;  // events; when there are more, the oldest are dropped and counted
+  std::size_t in_a_post = 100;
+  std::chrono::milliseconds a_try{5'000};
+  std::chrono::milliseconds first_pause{100};  // before what failed is tried again; doubled each time
+  std::chrono::milliseconds longest_pause{5'000};
+};
+
+/// Sends texts of JSON to a web address (HTTP or HTTPS, POST): a body is an array of those that wait, oldest first.
+/// What cannot be delivered, or is answered with 408, 429 or 5xx, is tried again; another answer that is no 2xx is a refusal
+/// and counted.
+///
+/// threads  calls from one thread; the sending has a thread of its own, so that a slow receiver holds up nobody
+class EventPoster {
+ public:
+  struct Counts {
+    std::uint64_t posted = 0;
+    std::uint64_t dropped = 0;  // there was no room, or it was over before they could be sent
+    std::uint64_t refused = 0;
+    std::uint64_t failed_tries = 0;
+    std::string last_failure = {};
+  };
+
+  /// Throws Failure for what is no http:// or https:// address.
+  explicit EventPoster(const std::string& url, const PostLimits& limits = {});
+  /// Sends no more.
+  ~EventPoster();
+  EventPoster(const EventPoster&) = delete;
+  EventPoster& operator=(const EventPoster&) = delete;
+
+  void post(std::string json);
+  /// Sends what waits, for at most so long; what is left then is dropped and counted.
+  Counts finish(std::chrono::milliseconds wait);
+
+ private:
+  enum class Outcome { done, refused, failed };
+  void run();
+  Outcome deliver(const std::string& body);
+  bool is_over();
+
+  const std::string url_;
+  const PostLimits limits_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::string> waiting_;  // what is under way stays at its front
+  std::size_t under_way_ = 0;
+  bool is_over_ = false;
+  Counts counts_;
+  std::thread thread_;
+};
+
+}  // namespace collided::cli
