@@ -140,6 +140,12 @@ void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCand
 
 void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
                      PairCandidate candidate, WalkCost& cost) const {
+  const auto never = [] { return false; };
+  walk_pairs(other, rotation, position, slack_m, candidate, never, cost);
+}
+
+void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
+                     PairCandidate candidate, Interrupt is_over, WalkCost& cost) const {
   const bvh::Layout& own = storage_->layout;
   const bvh::Layout& others = other.storage_->layout;
   if (own.root == bvh::kNothing || others.root == bvh::kNothing) return;
@@ -158,9 +164,9 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
   if (found == bvh::PairCase::odd) return pair_all(other, rotation, position, slack_m, candidate, cost);
   if (found == bvh::PairCase::apart) return;
   if (swapped) {
-    bvh::walk_pairs(others, own, frame, true, candidate, cost);
+    bvh::walk_pairs(others, own, frame, true, candidate, is_over, cost);
   } else {
-    bvh::walk_pairs(own, others, frame, false, candidate, cost);
+    bvh::walk_pairs(own, others, frame, false, candidate, is_over, cost);
   }
 }
 

@@ -145,11 +145,14 @@ class Bvh {
   /// orthonormal up to rounding; with any other nothing is missed, but the walk is slow.
   void walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
                   WalkCost& cost) const;
+  /// Asked now and then between candidates; true ends the walk.
+  using Interrupt = FunctionRef<bool()>;
+  /// The same; most of a walk of close surfaces may go by without a candidate.
+  void walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, PairCandidate candidate,
+                  Interrupt is_over, WalkCost& cost) const;
 
   /// Receives a candidate pair; returns the limit from then on, metres; a negative one ends the walk.
   using NearPairCandidate = FunctionRef<double(std::uint32_t triangle, std::uint32_t other_triangle, double limit_m)>;
-  /// Asked once a pair of nodes; true ends the walk.
-  using Interrupt = FunctionRef<bool()>;
   /// Offers pairs of a triangle of this tree and one of the other, placed as for walk_pairs, that may lie within limit_m
   /// of each other, roughly near to far.
   void walk_near_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m, double limit_m,

@@ -34,6 +34,6 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
 
 /// Calls candidate with (triangle of a, triangle of b), or exchanged where `swapped`.
 void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
-                WalkCost& cost);
+                Bvh::Interrupt is_over, WalkCost& cost);
 
 }  // namespace collided::engine::bvh

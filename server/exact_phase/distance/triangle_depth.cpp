@@ -70,6 +70,26 @@ constexpr double kPushError = 64 * kRoundoff;
 
 }  // namespace
 
+double gap_at_least(const Triangle& a, const Triangle& b) {
+  const FacetPairs pairs(a, b);
+  const Differences& between = pairs.between;
+  if (!in_plain_range(between.size * between.size)) return 0;
+  double least_m = 0;
+  const auto try_along = [&](const Triple& n) {
+    const double length2 = dot(n, n);
+    if (!in_plain_range(length2)) return;
+    const double gap = -std::min(between.forward(n), between.backward(n)) / std::sqrt(length2);
+    least_m = std::max(least_m, gap - kPushError * between.size);
+  };
+  try_along(cross(pairs.edge_a[0], pairs.edge_a[1]));
+  try_along(cross(pairs.edge_b[0], pairs.edge_b[1]));
+  const auto sum = [](const Triple(&of)[3]) {
+    return Triple{of[0].x + of[1].x + of[2].x, of[0].y + of[1].y + of[2].y, of[0].z + of[1].z + of[2].z};
+  };
+  try_along(sum(between.b) - sum(between.a));
+  return least_m;
+}
+
 double depth_at_most(const Triangle& a, const Triangle& b, double enough_m) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const FacetPairs pairs(a, b);

@@ -6,6 +6,10 @@
 
 namespace collided::engine::kernel {
 
+/// A lower bound on the distance of two triangles, 0 where none is known: the gap along the normals of both and along the
+/// line between their middles.
+double gap_at_least(const Triangle& a, const Triangle& b);
+
 // What plain double tells of contact(a, b) of two triangles that overlap, at a tenth of its cost: of many pairs only the
 // deepest is wanted, or those whose normals point one way.
 

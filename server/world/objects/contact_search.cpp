@@ -66,7 +66,9 @@ void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkC
     if (touch.met != nullptr && touch.met->size() >= kMostMet) std::exchange(touch.met, nullptr)->clear();
     return !touch.done();
   };
-  walk_mesh_pairs(a, b, candidate, cost);
+  // A deadline may fall between two candidates that are far from each other.
+  const auto is_over = [&] { return touch.deadline != nullptr && touch.deadline->is_over(); };
+  walk_mesh_pairs(a, b, candidate, is_over, cost);
 }
 
 /// a's mesh against b's primitives: the exact phase takes the primitive first, so the contact is flipped.
@@ -180,10 +182,11 @@ SeenMesh seen_mesh(const Placed& a, const Placed& b) {
 
 }  // namespace
 
-void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, Bvh::Interrupt is_over,
+                     WalkCost& cost, double gap_m) {
   const SeenMesh seen = seen_mesh(a, b);
   a.info->mesh->tree.walk_pairs(b.info->mesh->tree, seen.rotation, seen.position, seen.slack_m + gap_m, candidate,
-                                cost);
+                                is_over, cost);
 }
 
 void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,

@@ -73,9 +73,13 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
 /// Tests two objects; the contact's normal points from a to b.
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
+/// Of a walk that goes to its end.
+inline constexpr auto kNeverOver = [] { return false; };
+
 /// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
 /// must have a mesh.
-void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m = 0);
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, Bvh::Interrupt is_over,
+                     WalkCost& cost, double gap_m = 0);
 
 /// Offers pairs of the two objects' triangles that may be within limit_m of each other, as Bvh::walk_near_pairs does; both
 /// must have a mesh.

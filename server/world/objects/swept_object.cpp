@@ -64,6 +64,9 @@ class SweptSearch {
   /// Every triangle of b belongs to the same touch.
   bool is_one = false;
 
+  void count_looks() const {
+    if (options_.looks != nullptr) *options_.looks += std::min(looks_, options_.most_looks);
+  }
   bool is_exhausted() const { return looks_ >= options_.most_looks || is_late(); }
 
   /// Tests all of a against all of b; touch_of gets b's triangles, and kNoTriangle for its primitives.
@@ -354,6 +357,7 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
   SweptSearch search(a, b, options, cost, one);
   search.is_one = true;
   search.run();
+  search.count_looks();
   touch.is_cut_short = search.is_exhausted();
   touch.undecided = touch.undecided || touch.is_cut_short;
 }
@@ -362,6 +366,7 @@ bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions&
                  SweptContactOf touch_of) {
   SweptSearch search(a, scene, options, cost, touch_of);
   search.run();
+  search.count_looks();
   return !search.is_exhausted();
 }
 

@@ -49,6 +49,7 @@ struct SweepOptions {
   bool contacts = true;  // compute the contact, not only its time
   /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
+  std::uint32_t* looks = nullptr;  // grows by those that were taken; null: not counted
   Deadline* deadline = nullptr;  // null: none; what is open when it is over is undecided
 };
 

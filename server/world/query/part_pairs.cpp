@@ -48,7 +48,7 @@ struct PartPairWalk {
     const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
       return tell({all_of_a.at(triangle_a), triangle_a}, {all_of_b.at(triangle_b), triangle_b});
     };
-    walk_mesh_pairs(a, b, candidate, cost, gap_m);
+    walk_mesh_pairs(a, b, candidate, kNeverOver, cost, gap_m);
   }
 };
 

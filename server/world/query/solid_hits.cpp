@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// The contact of a shape whose middle lies in the solid, as moving it along the normal parts the two.
 void take_contact(const NearestSurface& nearest, double beyond_m, double more_error_m, ContactSearch& touch) {
@@ -25,8 +25,8 @@ void take_contact(const NearestSurface& nearest, double beyond_m, double more_er
 std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Placed& object, const Vec3& point,
                                               Question& question) {
   const IndexedMesh& surface = *solid.surface;
-  NearestSurface best{.distance_m = kInfinity};
-  double limit_m2 = kInfinity;
+  NearestSurface best{.distance_m = kUnbounded};
+  double limit_m2 = kUnbounded;
   const auto candidate = [&](std::uint32_t number, double) {
     if (question.deadline.is_over()) return -1.0;
     const Triangle own = surface.mesh->triangle(number);
@@ -47,7 +47,7 @@ std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Plac
   const double slack_m = placement_slack(*object.frame, away.lpNorm<1>() + point.lpNorm<1>(), surface.radius_m);
   surface.tree.walk_near(object.frame->rotation.transpose() * away, limit_m2, slack_m, candidate, question.walk);
   if (question.deadline.was_over() || best.triangle == kNoTriangle) return std::nullopt;
-  best.error_m = solid.is_border ? with_underflow(best.distance_m, best.error_m) : kInfinity;
+  best.error_m = solid.is_border ? with_underflow(best.distance_m, best.error_m) : kUnbounded;
   return best;
 }
 
@@ -95,7 +95,7 @@ void meet_solid(const Box& asked, const SolidMesh& solid, const Placed& object, 
   }
   const std::optional<NearestSurface> nearest = surface_from_inside(solid, object, asked.center, question);
   if (nearest) {
-    take_contact(*nearest, 0, kInfinity, touch);
+    take_contact(*nearest, 0, kUnbounded, touch);
     touch.yes = true;
   }
 }

@@ -14,8 +14,6 @@
 namespace collided::engine {
 namespace {
 
-/// Tests of pairs of parts that the sweep of one piece may take.
-constexpr std::uint32_t kSweepLooks = 10'000;
 /// Width of brackets: reported times are whole nanoseconds. A contact that is much shorter comes out undecided.
 constexpr double kSweepWidth_s = 1e-9;
 /// Relative error of where objects are between two poses: a few roundings of the coordinates.
@@ -317,7 +315,8 @@ SweptContact Decisions::sweep_piece(const PairPiece& piece) {
   const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * wire_contract::kNanosecond_s;
   const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
                              .contacts = true,
-                             .most_looks = kSweepLooks};
+                             .most_looks = sweep_looks(),
+                             .looks = &cost_.sweep_looks};
   sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options,
         walk_, touch);
   cost_.exact_tests += touch.exact_tests;

@@ -124,6 +124,7 @@ class Decisions {
   std::optional<SweptContact> sweep_sphere(std::uint32_t mover, std::uint32_t other);
   SweptContact sweep_bodies(std::uint32_t first, std::uint32_t second);
   SweepOptions sweep_options(std::uint32_t mover) const;
+  std::uint32_t sweep_looks() const;
 
   // common_time.cpp: pairs of several publishers
   PairWindow window_of(std::uint32_t first, std::uint32_t second) const;

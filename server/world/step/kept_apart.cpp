@@ -24,7 +24,7 @@ void Decisions::look_for_gap(std::uint32_t first, std::uint32_t second) {
   if (!(gap_m > 0) || !apart_.is_worth_looking(first, second)) return;
   bool there_is = true;
   const auto candidate = [&](std::uint32_t, std::uint32_t) { return there_is = false; };
-  walk_mesh_pairs(placed(first), placed(second), candidate, walk_, gap_m);
+  walk_mesh_pairs(placed(first), placed(second), candidate, kNeverOver, walk_, gap_m);
   remember_gap(first, second, gap_m, there_is);
 }
 

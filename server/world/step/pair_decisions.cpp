@@ -13,7 +13,11 @@ namespace collided::engine {
 namespace {
 
 /// Tests of pairs of parts that the sweep of one pair may take: some 20 ms, during which all other pairs wait.
-constexpr std::uint32_t kSweepLooks = 10'000;
+constexpr std::uint32_t kMostSweepLooks = 10'000;
+/// What all sweeps of a step may take before each one has only the least: some 0.1 s, since a server that is silent for
+/// much longer is taken for dead.
+constexpr std::uint32_t kStepLooks = 50'000;
+constexpr std::uint32_t kLeastSweepLooks = 200;
 
 }  // namespace
 
@@ -46,12 +50,18 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
 }
 
+std::uint32_t Decisions::sweep_looks() const {
+  const std::uint32_t left = kStepLooks - std::min(kStepLooks, cost_.sweep_looks);
+  return std::clamp(left, kLeastSweepLooks, kMostSweepLooks);
+}
+
 SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
   const double motion_s =
       static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * wire_contract::kNanosecond_s;
   return {.width = std::clamp(step_.options.sweep_width_s / motion_s, kNarrowestBracket, kWidestBracket),
           .contacts = step_.step_options.contacts,
-          .most_looks = kSweepLooks};
+          .most_looks = sweep_looks(),
+          .looks = &cost_.sweep_looks};
 }
 
 /// Uses the same relative motion as sweep_between, which is exact for the remaining pairs.

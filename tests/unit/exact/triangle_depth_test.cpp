@@ -8,6 +8,7 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/triangle_depth.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/part.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -62,6 +63,30 @@ TEST(TriangleDepth, ASureNormalIsThatOfTheContact) {
     known += family == oracle::Family::random ? 1 : 0;
   });
   EXPECT_GT(known, usual * 9 / 10);
+}
+
+TEST(TriangleDepth, TheGapIsNotAboveTheDistance) {
+  std::mt19937_64 generator = oracle::seeded(20261205);
+  int apart = 0;
+  int told = 0;
+  for (const oracle::Family family : oracle::kFamilies) {
+    SCOPED_TRACE(oracle::name(family));
+    oracle::RandomShapes random(generator, family);
+    for (int i = 0; i < 3000; ++i) {
+      const Triangle a = random.triangle();
+      const Triangle b = random.triangle();
+      const double gap_m = kernel::gap_at_least(a, b);
+      if (overlaps(a, b).yes()) {
+        ASSERT_EQ(gap_m, 0) << i;
+        continue;
+      }
+      const Separation true_gap = separation(ConvexPart(a), ConvexPart(b));
+      ASSERT_LE(gap_m, true_gap.distance_m + true_gap.error_m) << i;
+      ++apart;
+      told += gap_m > true_gap.distance_m / 2 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(told, apart / 2) << "a bound of nothing would rule out nothing";
 }
 
 // Two pushes that are equal leave the axis open, and two ways along one its sign: nothing is then said.

@@ -153,8 +153,7 @@ class CostlyPairs : public testing::TestWithParam<bool> {
     ObjectDefinition definition;
     definition.name = name;
     // Costly enough that the shortest deadline below is far longer than eight tests, between two looks at the clock.
-    const int levels = GetParam() ? kShellLevels + 1 : kShellLevels;
-    definition.shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(levels, radius_m));
+    definition.shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(kShellLevels + 1, radius_m));
     definition.moving = true;
     return definition;
   }
