@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "idl/dds.hpp"
 
@@ -19,6 +20,14 @@ std::size_t cdr_size(const T& sample);
 /// out  exactly cdr_size(sample) bytes
 template <class T>
 void write_cdr(const T& sample, std::span<std::byte> out);
+
+/// A sample as bytes of its own.
+template <class T>
+std::vector<std::byte> cdr_bytes(const T& sample) {
+  std::vector<std::byte> bytes(cdr_size(sample));
+  write_cdr(sample, bytes);
+  return bytes;
+}
 
 /// Reads a sample from bytes of unknown origin. False where they are no such sample (a length beyond the end, a text
 /// without its zero or longer than its field, a bool that is neither 0 nor 1, big-endian, or bytes left over): the

@@ -47,9 +47,9 @@ void refuse_leftovers(CLI::App& app) {
     if (word == leftover && word.starts_with("-")) {
       throw bad_use(fmt::format("unknown option '{}'{}", word, did_you_mean(word, option_names(app))));
     }
-    constexpr std::string_view kProgram = "collide ";
+    constexpr std::string_view kFirstWord = "collide ";
     const std::string& name = app.get_name();
-    const std::string help = name.starts_with(kProgram) ? "collide help " + name.substr(kProgram.size()) : "";
+    const std::string help = name.starts_with(kFirstWord) ? "collide help " + name.substr(kFirstWord.size()) : "";
     throw bad_use(fmt::format("'{}' has no meaning here", word), help);
   }
 }

@@ -1,4 +1,5 @@
 #include "client/view/foxglove_scene.hpp"
+#include "client/view/json_text.hpp"
 
 #include <cmath>
 
@@ -28,8 +29,6 @@ json quaternion(const Quat& q) { return {{"x", q.x()}, {"y", q.y()}, {"z", q.z()
 json pose(const Vec3& position, const Quat& rotation) {
   return {{"position", vector(position)}, {"orientation", quaternion(rotation)}};
 }
-
-std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// The primitives of one object, in its own frame.
 struct SceneEntity {

@@ -1,4 +1,5 @@
 #include "client/view/page_messages.hpp"
+#include "client/view/json_text.hpp"
 
 #include <bit>
 #include <cmath>
@@ -12,8 +13,6 @@ namespace {
 using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
-
-std::string text_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// A number; infinity is a text, since JSON has none, as in the command line's output.
 json number(double value) {

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-double next_up(double value) { return std::nextafter(value, kEndless); }
-double next_down(double value) { return std::nextafter(value, -kEndless); }
+double ulp_up(double value) { return std::nextafter(value, kEndless); }
+double ulp_down(double value) { return std::nextafter(value, -kEndless); }
 
 /// An upper bound on the length of a vector of such sizes, none below 0. Grows with each of them.
 double length_at_most(const Vec3& sizes) {
@@ -29,9 +29,9 @@ double length_at_most(const Vec3& sizes) {
   double square = 0;
   for (const double size : sizes) {
     const double scaled = std::ldexp(size, -exponent);
-    square = next_up(square + next_up(scaled * scaled));
+    square = ulp_up(square + ulp_up(scaled * scaled));
   }
-  return next_up(std::ldexp(next_up(std::sqrt(square)), exponent));
+  return ulp_up(std::ldexp(ulp_up(std::sqrt(square)), exponent));
 }
 
 /// An upper bound on how far the point is from the centre, along each axis.
@@ -39,7 +39,7 @@ Vec3 away_at_most(const Vec3& point, const Vec3& center) {
   Vec3 away;
   for (int axis = 0; axis < 3; ++axis) {
     const double rounded = std::abs(point[axis] - center[axis]);
-    away[axis] = rounded == 0 ? 0 : next_up(rounded);  // differences of distinct doubles are never rounded to 0
+    away[axis] = rounded == 0 ? 0 : ulp_up(rounded);  // differences of distinct doubles are never rounded to 0
   }
   return away;
 }
@@ -106,8 +106,8 @@ Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normal
       // Bounds keep what is exact; other products are widened by their roundings.
       if (!reach.is_exact) {
         const double error = reach_error(normals[i], point);
-        low = next_down(reach.value - error);
-        high = next_up(reach.value + error);
+        low = ulp_down(reach.value - error);
+        high = ulp_up(reach.value + error);
       }
       kdop.low[i] = std::min(kdop.low[i], low);
       kdop.high[i] = std::max(kdop.high[i], high);
@@ -152,7 +152,7 @@ Box bounding_obb(std::span<const Vec3> points) {
       farthest = std::max(farthest, away.cwiseAbs().maxCoeff());
     }
     const double slack = farthest * (8 * defect + 16 * kRoundoff);
-    for (double& half : box.half_m) half = next_up(next_up(half + slack));
+    for (double& half : box.half_m) half = ulp_up(ulp_up(half + slack));
     return box;
   };
   const Vec3 center = middle_of(aligned);
@@ -171,7 +171,7 @@ Box bounding_obb(std::span<const Vec3> points) {
   axes.col(1) = (axes.col(1) - axes.col(0) * axes.col(0).dot(axes.col(1))).normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1)).normalized();
   const Vec3 plain_half = ((aligned.high - center).cwiseMax(center - aligned.low)).unaryExpr([](double half) {
-    return half == 0 ? 0 : next_up(half);
+    return half == 0 ? 0 : ulp_up(half);
   });
   const Box plain{center, Mat3::Identity(), plain_half};
   if (!axes.allFinite()) return plain;

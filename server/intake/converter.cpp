@@ -49,15 +49,12 @@ void remove_left_ones(const fs::path& parent) {
   }
 }
 
-[[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
-  throw LoadError(fmt::format("{}: {}. Nothing was loaded.", file_name(path), what));
-}
-
 std::string find_converter(const std::string& path) {
   const HelperProgram converter = find_helper_program("collided-import", "COLLIDED_IMPORT");
   if (!converter.path.empty()) return converter.path;
-  if (converter.why_not.starts_with("COLLIDED_IMPORT")) refuse_file(path, converter.why_not);
-  refuse_file(path, fmt::format("'{}' needs the converter {}", fs::path(path).extension().string(), converter.why_not));
+  if (converter.why_not.starts_with("COLLIDED_IMPORT")) refuse_file(file_name(path), converter.why_not);
+  refuse_file(file_name(path),
+              fmt::format("'{}' needs the converter {}", fs::path(path).extension().string(), converter.why_not));
 }
 
 std::chrono::seconds time_limit() {
@@ -102,7 +99,7 @@ TemporaryDirectory::TemporaryDirectory(const std::string& file) {
   remove_left_ones(parent);
   path_ = (parent / (std::string(kStem) + "XXXXXX")).string();
   if (error || ::mkdtemp(path_.data()) == nullptr) {
-    refuse_file(file, fmt::format("no temporary directory '{}': {}", path_, std::strerror(errno)));
+    refuse_file(file_name(file), fmt::format("no temporary directory '{}': {}", path_, std::strerror(errno)));
   }
   lock_ = lock_directory(path_);
 }
@@ -132,11 +129,11 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   if (options.mend_m) words.insert(words.end(), {"--mend-m", fmt::format("{}", *options.mend_m)});
   const ChildResult result = run_child(words, time_limit(), options.cancelled);
   if (!result.start_failure.empty()) {
-    refuse_file(path, fmt::format("{} cannot be started: {}", words[0], result.start_failure));
+    refuse_file(file_name(path), fmt::format("{} cannot be started: {}", words[0], result.start_failure));
   }
-  if (result.cancelled) { refuse_file(path, "cancelled while it was converted"); }
+  if (result.cancelled) { refuse_file(file_name(path), "cancelled while it was converted"); }
   if (result.timed_out) {
-    refuse_file(path,
+    refuse_file(file_name(path),
                 fmt::format("the converter needed more than {} s and was ended; COLLIDED_IMPORT_SECONDS allows more",
                             time_limit().count()));
   }
@@ -144,7 +141,7 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
     const std::string said = first_line(result.errors);
     if (said.ends_with("Nothing was loaded")) throw LoadError(said + ".");  // it has named the file
     constexpr int kRefused = 1;                                             // the file, for the reason that it says
-    if (result.exit_code == kRefused && !said.empty()) refuse_file(path, said);
+    if (result.exit_code == kRefused && !said.empty()) refuse_file(file_name(path), said);
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);
     refuse_file(
@@ -152,7 +149,7 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   }
   std::error_code missing;
   if (const auto size = fs::file_size(this->path(), missing); missing || size == 0) {
-    refuse_file(path, "the converter ended well and wrote nothing");
+    refuse_file(file_name(path), "the converter ended well and wrote nothing");
   }
   report_lines(result.output, report);
 }

@@ -14,13 +14,13 @@
 namespace collided::engine {
 namespace {
 
-[[noreturn]] void refuse_file(const std::string& name, const std::string& what) {
-  throw LoadError(fmt::format("{}: {}. Nothing was loaded.", name, what));
-}
-
 std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
 
 }  // namespace
+
+void refuse_file(const std::string& name, const std::string& what) {
+  throw LoadError(fmt::format("{}: {}. Nothing was loaded.", name, what));
+}
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 

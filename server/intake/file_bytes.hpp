@@ -9,6 +9,9 @@
 
 namespace collided::engine {
 
+/// Throws the LoadError that a file which cannot be used ends in.
+[[noreturn]] void refuse_file(const std::string& name, const std::string& what);
+
 /// The bytes of one file, read-only, for as long as this lives.
 class FileBytes {
  public:

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kWidest = 100;  // longer lines are hard to follow
 
-std::string note(std::string_view target) {
+std::string help_note(std::string_view target) {
   const std::string guide = guide_of_link(target);
   if (!guide.empty()) return fmt::format(" (collide help {})", guide);
   return target.starts_with("http") ? fmt::format(" <{}>", target) : std::string();
@@ -24,7 +24,7 @@ std::string strong(std::string_view text, bool bright) {
 /// Each word by itself, so that a line may end between two of them.
 std::string bright_words(const std::string& text, bool bright) {
   std::string result;
-  for (const MarkdownSpan& span : markdown_spans(text, note)) {
+  for (const MarkdownSpan& span : markdown_spans(text, help_note)) {
     if (!span.strong) {
       result += span.text;
       continue;
@@ -78,7 +78,7 @@ std::string guide_page(const Guide& guide, std::size_t width, bool bright) {
                      block.marker, block.marker.size() + 1);
         break;
       case MarkdownKind::code: add_indented(page, block.lines, "", 4); break;
-      case MarkdownKind::table: add_indented(page, markdown_table(block, width - 2, note), "", 2); break;
+      case MarkdownKind::table: add_indented(page, markdown_table(block, width - 2, help_note), "", 2); break;
     }
   }
   return page;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kTableColumns = 72;  // a page of 80 less its margin
 
-std::string note(std::string_view target) {
+std::string manual_note(std::string_view target) {
   const std::string guide = guide_of_link(target);
   if (!guide.empty()) return fmt::format(" (collided-{}(7))", guide);
   return target.starts_with("http") ? fmt::format(" <{}>", target) : std::string();
@@ -44,7 +44,7 @@ std::string escaped_line(std::string_view line) {
 
 std::string with_fonts(std::string_view text) {
   std::string result;
-  for (const MarkdownSpan& span : markdown_spans(text, note))
+  for (const MarkdownSpan& span : markdown_spans(text, manual_note))
     result += span.strong ? "\\fB" + escaped(span.text) + "\\fR" : escaped(span.text);
   return (result.starts_with('.') ? "\\&" : "") + result + '\n';
 }
@@ -64,7 +64,7 @@ std::string man_block(const MarkdownBlock& block) {
       return fmt::format(".IP \"{}\" 4\n{}", block.marker == "-" ? "\\(bu" : block.marker,
                          with_fonts(block.lines.front()));
     case MarkdownKind::code: return ".RS 4\n" + lines_as_is(block.lines) + ".RE\n";
-    case MarkdownKind::table: return lines_as_is(markdown_table(block, kTableColumns, note));
+    case MarkdownKind::table: return lines_as_is(markdown_table(block, kTableColumns, manual_note));
   }
   return {};
 }
@@ -73,7 +73,7 @@ std::string man_block(const MarkdownBlock& block) {
 std::string purpose_of(const std::vector<MarkdownBlock>& blocks) {
   for (const MarkdownBlock& block : blocks) {
     if (block.kind != MarkdownKind::paragraph) continue;
-    std::string sentence = markdown_plain(block.lines.front(), note);
+    std::string sentence = markdown_plain(block.lines.front(), manual_note);
     sentence.resize(std::min(sentence.find('.'), sentence.size()));
     constexpr std::string_view kBegin = "You want ";
     if (sentence.starts_with(kBegin)) sentence.erase(0, kBegin.size());

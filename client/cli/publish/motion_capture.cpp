@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -16,7 +17,6 @@ namespace {
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 constexpr std::size_t kMostJoints = 4'096;
 constexpr std::size_t kMostLevels = 64;
-constexpr double kPi = 3.14159265358979323846;
 
 /// The words of a text, one after the other, with their lines.
 class Words {
@@ -163,7 +163,7 @@ void read_motion(Words& words, MotionCapture& bvh) {
 }
 
 Quat rotation_about(BvhChannel channel, double degrees) {
-  const double angle = degrees * (kPi / 180);
+  const double angle = degrees * (std::numbers::pi / 180);
   switch (channel) {
     case BvhChannel::x_rotation: return Quat(Eigen::AngleAxisd(angle, Vec3::UnitX()));
     case BvhChannel::y_rotation: return Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()));

@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace collided::cli {
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-}  // namespace
 
 MeshShape sphere_mesh(double radius_m, std::size_t latitudes, std::size_t longitudes) {
   MeshShape mesh;
   mesh.vertices.emplace_back(0, 0, radius_m);
   for (std::size_t band = 1; band < latitudes; ++band) {
-    const double polar = kPi * static_cast<double>(band) / static_cast<double>(latitudes);
+    const double polar = std::numbers::pi * static_cast<double>(band) / static_cast<double>(latitudes);
     for (std::size_t slice = 0; slice < longitudes; ++slice) {
-      const double around = 2 * kPi * static_cast<double>(slice) / static_cast<double>(longitudes);
+      const double around = 2 * std::numbers::pi * static_cast<double>(slice) / static_cast<double>(longitudes);
       mesh.vertices.emplace_back(radius_m * std::sin(polar) * std::cos(around),
                                  radius_m * std::sin(polar) * std::sin(around), radius_m * std::cos(polar));
     }

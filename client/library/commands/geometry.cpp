@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 namespace names = wire_contract::command;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;  // of one answer; the server sends no larger ones
+constexpr std::uint64_t kMostAnswerBytes = std::uint64_t{1} << 30;  // of one answer; the server sends no larger ones
 constexpr int kAttempts = 5;
 
 Error unfit(const char* command, const std::string& flaw) {
@@ -38,7 +38,7 @@ Result<std::optional<std::string>> fetch(Connection& connection, const char* com
     if (!page) return unfit(command_name, flaw);
     if (page->total == 0) return std::optional<std::string>();
     const bool fits = page->first == all.size() && !page->bytes.empty() && page->total == total.value_or(page->total) &&
-                      page->total <= kMostBytes && page->bytes.size() <= page->total - all.size();
+                      page->total <= kMostAnswerBytes && page->bytes.size() <= page->total - all.size();
     if (!fits) return unfit(command_name, "its pages do not follow each other");
     total = page->total;
     all += page->bytes;

@@ -18,7 +18,7 @@ namespace {
 /// A smaller subtree is not worth handing to another thread.
 constexpr std::uint32_t kLeastJob = 4096;
 /// Triangles that a thread takes at a time in passes over all.
-constexpr std::size_t kRun = 65536;
+constexpr std::size_t kBoxesARun = 65536;
 
 /// Reports the build's progress and checks for cancellation; both on the caller's thread only.
 class BuildWatch {
@@ -213,7 +213,7 @@ class BvhBuilder {
 /// One box per triangle.
 PlainArray<Primitive> whole_triangles(const TriangleMesh& mesh, const LocalFrame& frame, unsigned threads) {
   PlainArray<Primitive> boxes(mesh.triangles.size());
-  in_runs(threads, boxes.size(), kRun, [&](std::size_t begin, std::size_t end) {
+  in_runs(threads, boxes.size(), kBoxesARun, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) boxes[i] = local_primitive(mesh, frame, static_cast<std::uint32_t>(i));
   });
   return boxes;
@@ -240,9 +240,9 @@ PlainArray<Primitive> with_pieces(const TriangleMesh& mesh, const LocalFrame& fr
 
 /// The bounds of all primitives, computed on several threads.
 Range range_over(std::span<const Primitive> primitives, unsigned threads) {
-  std::vector<Range> runs((primitives.size() + kRun - 1) / kRun);
-  in_runs(threads, primitives.size(), kRun, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) runs[begin / kRun].add(primitives[i]);
+  std::vector<Range> runs((primitives.size() + kBoxesARun - 1) / kBoxesARun);
+  in_runs(threads, primitives.size(), kBoxesARun, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) runs[begin / kBoxesARun].add(primitives[i]);
   });
   Range all{0, static_cast<std::uint32_t>(primitives.size()), {}, {}};
   for (const Range& run : runs) {

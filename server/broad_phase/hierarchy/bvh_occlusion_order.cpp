@@ -12,7 +12,7 @@ namespace collided::engine::bvh {
 namespace {
 
 /// Leaves that a thread takes at a time.
-constexpr std::size_t kRun = 16384;
+constexpr std::size_t kLeavesARun = 16384;
 // Relative costs of testing a node's eight boxes and a leaf's eight triangles.
 constexpr float kNodeCost = 1;
 constexpr float kLeafCost = 1.5f;
@@ -60,7 +60,7 @@ class OcclusionOrders {
         if (ref != kNothing && is_leaf(ref)) counts[ref & kIndexMask] = static_cast<std::uint8_t>(leaf_count(ref));
       }
     }
-    in_runs(threads, leaves_.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    in_runs(threads, leaves_.size(), kLeavesARun, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         leaves_[i] = {surface_of(layout_.leaves[i], counts[i], layout_.has_corners), kLeafCost};
       }

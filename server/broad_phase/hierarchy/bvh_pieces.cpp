@@ -20,7 +20,7 @@ constexpr double kMostExtraReferences = 0.25;
 constexpr double kLeastGain = 0.35;
 
 /// Triangles that a thread takes at a time.
-constexpr std::size_t kRun = 65536;
+constexpr std::size_t kPiecesARun = 65536;
 
 struct Polygon {
   std::array<Vec3, 3 + kMaxPieces> corners;
@@ -127,7 +127,7 @@ std::uint64_t extra_references(std::span<const float> priorities, std::size_t st
 float fitted_scale(std::span<const float> priorities) {
   const float largest = *std::max_element(priorities.begin(), priorities.end());
   if (!(largest > 0)) return 0;
-  const std::size_t step = 1 + priorities.size() / kRun;
+  const std::size_t step = 1 + priorities.size() / kPiecesARun;
   const double allowed = kMostExtraReferences * static_cast<double>(priorities.size());
   float least = 0;
   float most = static_cast<float>(kMaxPieces) / largest * 64;
@@ -154,7 +154,7 @@ std::uint32_t cover(const TriangleMesh& mesh, const LocalFrame& frame, std::uint
 std::vector<Split> worth_splitting(const TriangleMesh& mesh, const LocalFrame& frame, std::span<const Primitive> whole,
                                    unsigned threads) {
   std::vector<float> priorities(whole.size());
-  in_runs(threads, whole.size(), kRun, [&](std::size_t begin, std::size_t end) {
+  in_runs(threads, whole.size(), kPiecesARun, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) priorities[i] = std::cbrt(empty_area(mesh, frame, whole[i]));
   });
   const float scale = fitted_scale(priorities);

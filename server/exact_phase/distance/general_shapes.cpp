@@ -14,10 +14,6 @@ namespace {
 using kernel::Convex;
 using kernel::ConvexPair;
 
-Convex convex(const ShapeView& view) {
-  return std::visit([](const auto* shape) { return Convex(*shape); }, view);
-}
-
 /// Whether the shape contains the point, by the ladder.
 ExactResult holds(const ShapeView& view, const Vec3& point) {
   return std::visit(
@@ -58,6 +54,10 @@ Decision surely_holds(const ShapeView& view, const Vec3& point) {
 }
 
 }  // namespace
+
+kernel::Convex convex(const ShapeView& view) {
+  return std::visit([](const auto* shape) { return Convex(*shape); }, view);
+}
 
 ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b) {
   const BothHold both_hold{a, b};

@@ -19,6 +19,12 @@ concept General = std::same_as<Shape, Cylinder> || std::same_as<Shape, Cone> || 
 using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*,
                                const Ellipsoid*, const Hull*, const Triangle*>;
 
+namespace kernel {
+struct Convex;
+}
+/// The shape as a convex set; of a hull it keeps a pointer.
+kernel::Convex convex(const ShapeView& view);
+
 /// Shapes that a ShapeView can point to.
 template <class Shape>
 concept Viewable = std::constructible_from<ShapeView, const Shape*>;

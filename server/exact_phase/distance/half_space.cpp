@@ -42,10 +42,6 @@ Vec3 deepest_middle(const Convex& set, const Vec3& n) {
   return set.carrier[0] + middle;
 }
 
-Convex convex(const ShapeView& view) {
-  return std::visit([](const auto* shape) { return Convex(*shape); }, view);
-}
-
 }  // namespace
 
 ExactResult overlaps_half_space(const HalfSpace& a, const ShapeView& b) {

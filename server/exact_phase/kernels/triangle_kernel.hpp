@@ -194,24 +194,24 @@ Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
 }
 
 /// The sides of a plane that three corners are on.
-using Sides = std::array<Sign, 3>;
+using SideSigns = std::array<Sign, 3>;
 
 template <class N>
-Sides plane_sides(const Facet<N>& points, const Facet<N>& plane) {
+SideSigns plane_sides(const Facet<N>& points, const Facet<N>& plane) {
   return {plane_side(points.corner[0], plane), plane_side(points.corner[1], plane),
           plane_side(points.corner[2], plane)};
 }
 
-inline bool all_on_one_side(const Sides& s) {
+inline bool all_on_one_side(const SideSigns& s) {
   return s[0] == s[1] && s[1] == s[2] && (s[0] == Sign::positive || s[0] == Sign::negative);
 }
 
 /// Two triangles meet exactly when an edge of one meets the other.
 template <class N>
 Decision facets_meet(const Facet<N>& f, const Facet<N>& g) {
-  const Sides g_about_f = plane_sides(g, f);
+  const SideSigns g_about_f = plane_sides(g, f);
   if (all_on_one_side(g_about_f)) return Decision::no;
-  const Sides f_about_g = plane_sides(f, g);
+  const SideSigns f_about_g = plane_sides(f, g);
   if (all_on_one_side(f_about_g)) return Decision::no;
   AnyOf any;
   for (int i = 0; i < 3; ++i) {

@@ -9,9 +9,9 @@
 namespace collided::engine::kernel {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-double or_infinite(double bound) { return bound >= 0 ? bound : kInfinity; }
+double or_infinite(double bound) { return bound >= 0 ? bound : kEndless; }
 
 /// Keeps the squares of a direction of 1e-200 from underflowing.
 Scaled length_of_direction(const Ray& ray) {
@@ -55,12 +55,12 @@ double set_normal(const Vector<Bounded>& slope, ImplicitHit& hit) {
   const bool known = error < 1;
   hit.normal_state = known ? ImplicitHit::Normal::known : ImplicitHit::Normal::undecided;
   hit.normal = known ? Vec3(unit[0].value, unit[1].value, unit[2].value) : Vec3(Vec3::Zero());
-  hit.normal_error = known ? error : kInfinity;
+  hit.normal_error = known ? error : kEndless;
   return hit.normal_error;
 }
 
 bool narrow_enough(const Ray& ray, double low, double high, double relative_width) {
-  if (high - low <= relative_width * high || std::nextafter(low, kInfinity) >= high) return true;
+  if (high - low <= relative_width * high || std::nextafter(low, kEndless) >= high) return true;
   if (precision.error_asked_m == 0) return false;
   const Bounded reach = plain(Scaled{Bounded(high - low), 0} * length_of_direction(ray));
   return reach.value + reach.bound() <= 2 * precision.error_asked_m;

@@ -25,15 +25,6 @@ constexpr std::size_t kPiecesTried = 32;
 // How many pieces of imbalance one more cut is worth.
 constexpr double kCutCost = 4;
 
-struct SolidCell {
-  std::vector<std::uint32_t> pieces;
-  Aabb box;
-  std::uint32_t parent = 0;
-  std::uint32_t depth = 0;
-  bool is_front = false;
-  bool by_planes = false;
-};
-
 bool has_area(const Triangle& t) {
   PlainPoint point(t.c);
   for (int axis = 0; axis < 3; ++axis) {
@@ -50,6 +41,15 @@ std::optional<double> between(double low, double high) {
 }
 
 }  // namespace
+
+struct SolidCell {
+  std::vector<std::uint32_t> pieces;
+  Aabb box;
+  std::uint32_t parent = 0;
+  std::uint32_t depth = 0;
+  bool is_front = false;
+  bool by_planes = false;
+};
 
 class SolidTreeBuild {
  public:

@@ -71,8 +71,8 @@ std::vector<double> question_of(const std::vector<std::string>& words) {
 
 /// JSON has no infinity; it is written as text.
 json number_json(double value) { return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : "-inf"); }
-json point_json(const Vec3& point) { return {number_json(point.x()), number_json(point.y()), number_json(point.z())}; }
-std::string point_text(const Vec3& point) {
+json exact_json(const Vec3& point) { return {number_json(point.x()), number_json(point.y()), number_json(point.z())}; }
+std::string exact_text(const Vec3& point) {
   return fmt::format("{} {} {}", shortest(point.x()), shortest(point.y()), shortest(point.z()));
 }
 const char* level_name(const ExactResult& verdict) {
@@ -82,13 +82,13 @@ const char* level_name(const ExactResult& verdict) {
 std::string normal_text(const ImplicitHit& hit) {
   if (hit.normal_state == ImplicitHit::Normal::singular) return "no normal: the gradient is 0 there";
   if (hit.normal_state == ImplicitHit::Normal::undecided) return "normal undecided: too near to a point without";
-  return fmt::format("normal {} ±{:.2g}", point_text(hit.normal), hit.normal_error);
+  return fmt::format("normal {} ±{:.2g}", exact_text(hit.normal), hit.normal_error);
 }
 
 void print_hit(const ExactResult& verdict, const ImplicitHit& hit, bool as_json) {
   if (!as_json) {
     fmt::print("hit  distance {} ±{:.2g}  at {}  {}  t in [{}, {}]{}\n", shortest(hit.distance_m), hit.distance_error_m,
-               point_text(hit.point), normal_text(hit), shortest(hit.low), shortest(hit.high),
+               exact_text(hit.point), normal_text(hit), shortest(hit.low), shortest(hit.high),
                hit.runs_along ? "  runs along the surface from there" : "");
     return;
   }
@@ -97,11 +97,11 @@ void print_hit(const ExactResult& verdict, const ImplicitHit& hit, bool as_json)
               {"error", number_json(hit.distance_error_m)},
               {"low", hit.low},
               {"high", number_json(hit.high)},
-              {"point", point_json(hit.point)},
+              {"point", exact_json(hit.point)},
               {"point_error", number_json(hit.point_error_m)},
               {"by", level_name(verdict)}};
   if (hit.normal_state == ImplicitHit::Normal::known) {
-    answer["normal"] = point_json(hit.normal);
+    answer["normal"] = exact_json(hit.normal);
     answer["normal_error"] = hit.normal_error;
   } else {
     answer["no_normal"] = hit.normal_state == ImplicitHit::Normal::singular ? "singular" : "undecided";

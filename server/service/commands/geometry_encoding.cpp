@@ -16,8 +16,6 @@
 namespace collided::engine::service {
 namespace {
 
-constexpr std::uint32_t kNoPart = 0xffffffff;
-
 static_assert(static_cast<int>(format::EdgeKinds::boundary) == kBoundaryEdge &&
               static_cast<int>(format::EdgeKinds::many) == kManyEdge &&
               static_cast<int>(format::EdgeKinds::crease) == kCreaseEdge &&
@@ -62,7 +60,7 @@ class ObjectsEncoder {
     const auto run_vector = builder.CreateVectorOfStructs(runs);
     const std::uint32_t slot = slot_of(info.id);
     // A scene's parts are in world coordinates already.
-    const Pose pose = info.scene_part == kNoPart ? state_.poses[slot] : Pose{};
+    const Pose pose = info.scene_part == kNoTriangle ? state_.poses[slot] : Pose{};
     const format::Filter filter = packed(info.filter);
     const format::Vec3 position = packed(pose.position);
     const format::Quat rotation = packed(pose.rotation);
@@ -85,7 +83,7 @@ class ObjectsEncoder {
     const auto add_whole = [&](const std::shared_ptr<const TriangleMesh>& mesh, bool is_hull) {
       runs.emplace_back(numbers_.number_of(mesh), 0, static_cast<std::uint32_t>(mesh->triangles.size()), is_hull);
     };
-    if (info.scene_part != kNoPart) {
+    if (info.scene_part != kNoTriangle) {
       const std::shared_ptr<const StaticScene>* scene = scene_of(state_, info);
       if (scene == nullptr) return runs;
       const Part& part = (*scene)->parts[info.scene_part];

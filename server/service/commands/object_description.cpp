@@ -8,15 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kNoPart = 0xffffffff;
-
 // -0 is reported as 0.
-json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0}; }
-
-json numbers(const Quat& rotation) {
-  return {rotation.w() + 0.0, rotation.x() + 0.0, rotation.y() + 0.0, rotation.z() + 0.0};
-}
-
 json describe(const Sphere& sphere) {
   return {{"sphere", {{"center", numbers(sphere.center)}, {"radius_m", sphere.radius_m}}}};
 }
@@ -53,7 +45,7 @@ json describe(const HalfSpace& half_space) {
   return {{"half_space", {{"point", numbers(half_space.point)}, {"normal", numbers(half_space.normal)}}}};
 }
 
-const StaticScene* scene_of(const Snapshot& snapshot, const ObjectInfo& info) {
+const StaticScene* scene_with(const Snapshot& snapshot, const ObjectInfo& info) {
   const auto found = std::find_if(snapshot.scenes.begin(), snapshot.scenes.end(),
                                   [&](const auto& scene) { return scene->name == info.scene; });
   return found == snapshot.scenes.end() ? nullptr : found->get();
@@ -79,8 +71,14 @@ std::uint64_t triangles_of(const ObjectInfo& info) {
 
 }  // namespace
 
+json numbers(const Quat& rotation) {
+  return {rotation.w() + 0.0, rotation.x() + 0.0, rotation.y() + 0.0, rotation.z() + 0.0};
+}
+
+json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0}; }
+
 std::string_view kind_of(const ObjectInfo& info) {
-  if (info.scene_part != kNoPart) return "part";
+  if (info.scene_part != kNoTriangle) return "part";
   if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
   if (info.mesh) return "mesh";
   constexpr std::string_view kNames[] = {"sphere", "box",       "capsule", "cylinder",
@@ -90,7 +88,7 @@ std::string_view kind_of(const ObjectInfo& info) {
 
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
   const std::uint32_t slot = slot_of(info.id);
-  const bool placed = info.scene_part == kNoPart;
+  const bool placed = info.scene_part == kNoTriangle;
   return {{"name", info.name},
           {"id", info.id},
           {"kind", kind_of(info)},
@@ -118,8 +116,8 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   }
   object["shape"] = shape;
   object["solid"] = info.solid != nullptr || !info.primitives.empty();
-  if (info.scene_part != kNoPart) {
-    const StaticScene* scene = scene_of(snapshot, info);
+  if (info.scene_part != kNoTriangle) {
+    const StaticScene* scene = scene_with(snapshot, info);
     object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
     return;
   }

@@ -8,6 +8,11 @@
 
 namespace collided::engine::service {
 
+/// The vector as it stands in answers: [x, y, z], without a minus before 0.
+nlohmann::json numbers(const Vec3& vector);
+/// [w, x, y, z], likewise.
+nlohmann::json numbers(const Quat& rotation);
+
 /// "sphere", "box", "capsule" and so on for one primitive, "mesh", "compound" for several, or "part" for a run of a
 /// scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);

@@ -5,6 +5,7 @@
 
 #include "server/geometry/mesh.hpp"
 #include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_description.hpp"
 #include "server/service/commands/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/audit/fcl_opinion.hpp"
@@ -16,8 +17,6 @@ using nlohmann::json;
 using wire_contract::ReplyStatus;
 
 namespace {
-
-json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// JSON has no infinity; it is written as the text "inf".
 json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }

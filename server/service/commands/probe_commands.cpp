@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
@@ -10,8 +11,6 @@ namespace collided::engine::service {
 using nlohmann::json;
 
 namespace {
-
-json numbers(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
 const char* name_of(ProbeState state) {
   static constexpr const char* kNames[] = {"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};

@@ -15,13 +15,6 @@ namespace names = wire_contract::command;
 
 constexpr std::array kChanges{names::kAdd, names::kMove, names::kRemove, names::kProbe, names::kLoad, names::kClear};
 
-template <class T>
-std::vector<std::byte> bytes_of(const T& sample) {
-  std::vector<std::byte> bytes(wire::cdr_size(sample));
-  wire::write_cdr(sample, bytes);
-  return bytes;
-}
-
 std::string text_of(const json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
@@ -38,7 +31,7 @@ std::vector<std::byte> removal_of(const std::string& name) {
   query->chunk_count = 1;
   static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(
                                                    -1, ' ', false, json::error_handler_t::replace)));
-  return bytes_of(*query);
+  return wire::cdr_bytes(*query);
 }
 
 }  // namespace
@@ -47,8 +40,9 @@ void FlightCommands::asked(const wire::Query& query) {
   if (query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
   const std::string what = text_of(json::parse(query.text, nullptr, false), "command");
   if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
-  if (query.client == 0) return done(bytes_of(query), json::object(), [](const std::string*, bool) { return false; });
-  unanswered_.push_back({query.client, query.request, bytes_of(query)});
+  if (query.client == 0)
+    return done(wire::cdr_bytes(query), json::object(), [](const std::string*, bool) { return false; });
+  unanswered_.push_back({query.client, query.request, wire::cdr_bytes(query)});
   if (unanswered_.size() <= kMostUnanswered) return;
   unanswered_.pop_front();
   ++left_out_;

@@ -13,13 +13,6 @@ using recording::Recorded;
 using wire_contract::kPoseNumbers;
 
 template <class T>
-std::vector<std::byte> bytes_of(const T& sample) {
-  std::vector<std::byte> bytes(wire::cdr_size(sample));
-  wire::write_cdr(sample, bytes);
-  return bytes;
-}
-
-template <class T>
 void fold_as(FlightOpening& opening, std::span<const std::byte> data) {
   dds::Sample<T> sample;
   if (wire::read_cdr(data, sample)) opening.fold(*sample);
@@ -98,7 +91,7 @@ void FlightOpening::fold(const wire::Definition& definition) {
     --poses_;
   }
   if (definition.removed) return;
-  std::vector<std::byte> bytes = bytes_of(definition);
+  std::vector<std::byte> bytes = wire::cdr_bytes(definition);
   if (objects_ >= kMostObjects || bytes_ + bytes.size() > kMostBytes) {
     ++left_out_;
     return;
@@ -185,7 +178,7 @@ void FlightOpening::fold(const wire::ContactShard& shard) {
     contacts_.erase(known);
   }
   if (shard.a._length == 0) return;
-  std::vector<std::byte> bytes = bytes_of(shard);
+  std::vector<std::byte> bytes = wire::cdr_bytes(shard);
   // A reader can tell that the shard is missing: the status then counts more contacts.
   if (contact_bytes_ + bytes.size() > kMostContactBytes) {
     ++left_out_;
@@ -224,7 +217,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
     const auto send = [&] {
       dds::borrow(batch->object_numbers, numbers);
       wire::lend_columns<wire::PoseBatch>(poses, wire::kPoseColumns, columns, *batch);
-      put(Recorded::pose, bytes_of(*batch));
+      put(Recorded::pose, wire::cdr_bytes(*batch));
       numbers.clear();
       poses.clear();
     };
