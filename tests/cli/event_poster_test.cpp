@@ -186,7 +186,6 @@ TEST(EventPoster, AReceiverThatNeverAnswersHoldsUpNobody) {
 TEST(EventPoster, OnlyWebAddressesAreTaken) {
   for (const char* url : {"", "file:///etc/passwd", "ftp://127.0.0.1/", "http://", "127.0.0.1:80", "http://a b/"}) {
     const Ran ran = collide(std::string("watch -n 1 --post '") + url + "'");
-    if (*url == 0) continue;  // an empty word is no address at all
     EXPECT_EQ(ran.code, 2) << url;
     EXPECT_NE(ran.err.find("is no web address"), std::string::npos) << ran.err;
   }

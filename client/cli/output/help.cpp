@@ -76,13 +76,13 @@ void print_options(Io& io, const CLI::App& app, bool common) {
 /// The names of the guides in lines of a terminal.
 std::string guide_lines() {
   std::string text;
-  std::string line = "Guides ";
+  std::string line = "Guides  ";
   for (const Guide& guide : guides()) {
-    if (line.size() + 2 + guide.name.size() > kHelpColumns) {
+    if (line.size() + 1 + guide.name.size() > kHelpColumns) {
       text += line + '\n';
-      line = std::string(std::string_view("Guides ").size(), ' ');
+      line = std::string(std::string_view("Guides  ").size(), ' ');
     }
-    line += fmt::format("  {}", guide.name);
+    line += ' ' + std::string(guide.name);
   }
   return text + line + '\n';
 }

@@ -57,6 +57,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--protection", "KIND"},
     {"--quat", "W X Y Z"},
     {"--questions", "N"},
+    {"--post", "URL"},
     {"--radius", "LENGTH"},
     {"--rate", "FACTOR"},
     {"--ray", "NUMBERS"},

@@ -111,7 +111,7 @@ class WatchCommand : public Command {
     const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     if (!format_.empty()) line_.emplace(format_);
     if (!command_.empty()) shell_.emplace(command_);
-    if (!post_url_.empty()) poster_.emplace(post_url_);
+    if (post_url_) poster_.emplace(*post_url_);
     if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
     Watch watch = take(session.client(globals).watch(options_));
     if (options_.since && watch.tells_since() > *options_.since)
@@ -211,7 +211,7 @@ class WatchCommand : public Command {
   std::string command_;
   std::optional<Template> line_;
   std::optional<Template> shell_;
-  std::string post_url_;
+  std::optional<std::string> post_url_;
   std::optional<EventPoster> poster_;
   bool manifold_ = false;
   bool was_connected_ = true;
