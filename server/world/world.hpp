@@ -62,7 +62,7 @@ struct StepCost {
   /// Pairs with a mover whose motion could not be searched to its end: a contact between two poses may be missing.
   std::uint32_t sweeps_skipped = 0;
   std::uint32_t sweep_looks = 0;  // tests of pairs of parts, each at one time, by all searches along motions
-  std::uint32_t contacts = 0;  // found, those that held before included
+  std::uint32_t contacts = 0;     // found, those that held before included
   /// The step met more than max_contacts, or too many candidates for them. What came after is not reported, and the
   /// next step with any motion looks at all pairs again. Contacts that are reported are right all the same, and so are
   /// their ends.

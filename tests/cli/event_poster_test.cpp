@@ -117,7 +117,7 @@ TEST(EventPoster, EachArrivesOnceAndInOrder) {
   Receiver receiver([](int) { return 200; });
   EventPoster poster(receiver.url());
   for (int i = 0; i < 2'500; ++i) poster.post(event(i));
-  const EventPoster::Counts counts = poster.finish(20s);
+  const EventPoster::PostCounts counts = poster.finish(20s);
   EXPECT_EQ(counts.posted, 2'500U);
   EXPECT_EQ(counts.dropped + counts.refused + counts.failed_tries, 0U);
   EXPECT_EQ(numbers_in(receiver.bodies()), up_to(2'500));
@@ -130,7 +130,7 @@ TEST(EventPoster, WhatFailsIsTriedAgainAndNothingIsLost) {
   Receiver receiver([](int number) { return number % 3 == 0 ? 503 : number % 3 == 1 ? 429 : 200; });
   EventPoster poster(receiver.url(), {.in_a_post = 50, .first_pause = 1ms});
   for (int i = 0; i < 500; ++i) poster.post(event(i));
-  const EventPoster::Counts counts = poster.finish(20s);
+  const EventPoster::PostCounts counts = poster.finish(20s);
   EXPECT_EQ(counts.posted, 500U);
   EXPECT_GE(counts.failed_tries, 20U);
   EXPECT_TRUE(counts.last_failure == "answered 503" || counts.last_failure == "answered 429") << counts.last_failure;
@@ -141,7 +141,7 @@ TEST(EventPoster, ARefusalIsCountedAndTheRestGoesOn) {
   Receiver receiver([](int number) { return number == 0 ? 404 : 200; });
   EventPoster poster(receiver.url(), {.in_a_post = 1});
   for (int i = 0; i < 10; ++i) poster.post(event(i));
-  const EventPoster::Counts counts = poster.finish(20s);
+  const EventPoster::PostCounts counts = poster.finish(20s);
   EXPECT_EQ(counts.refused, 1U);
   EXPECT_EQ(counts.posted, 9U);
   EXPECT_EQ(counts.last_failure, "answered 404");
@@ -157,7 +157,7 @@ TEST(EventPoster, WithoutAReceiverTheNewestAreKeptAndTheRestCounted) {
                      {.waiting = 20, .in_a_post = 5, .first_pause = 1ms});
   for (int i = 0; i < 100; ++i) poster.post(event(i));
   const auto began = std::chrono::steady_clock::now();
-  const EventPoster::Counts counts = poster.finish(200ms);
+  const EventPoster::PostCounts counts = poster.finish(200ms);
   EXPECT_LT(std::chrono::steady_clock::now() - began, 5s);
   EXPECT_EQ(counts.posted, 0U);
   EXPECT_EQ(counts.dropped, 100U) << "those without room, and those that waited to the end";
@@ -177,7 +177,7 @@ TEST(EventPoster, AReceiverThatNeverAnswersHoldsUpNobody) {
   EventPoster poster("http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/", {.a_try = 60s});
   const auto began = std::chrono::steady_clock::now();
   for (int i = 0; i < 1'000; ++i) poster.post(event(i));
-  const EventPoster::Counts counts = poster.finish(100ms);
+  const EventPoster::PostCounts counts = poster.finish(100ms);
   EXPECT_LT(std::chrono::steady_clock::now() - began, 10s) << "the end cuts a try short";
   EXPECT_EQ(counts.dropped, 1'000U);
   ::close(silent);

@@ -46,7 +46,7 @@ void EventPoster::post(std::string json) {
   changed_.notify_all();
 }
 
-EventPoster::Counts EventPoster::finish(std::chrono::milliseconds wait) {
+EventPoster::PostCounts EventPoster::finish(std::chrono::milliseconds wait) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, wait, [&] { return waiting_.empty() || is_over_; });
   is_over_ = true;
@@ -75,22 +75,22 @@ void EventPoster::run() {
     for (std::size_t i = 0; i < under_way_; ++i) body += (i == 0 ? "" : ",") + waiting_[i];
     body += "]";
     lock.unlock();
-    const Outcome outcome = deliver(body);
+    const Delivery outcome = deliver(body);
     lock.lock();
-    if (outcome == Outcome::failed) {
+    if (outcome == Delivery::failed) {
       ++counts_.failed_tries;
       changed_.wait_for(lock, pause, [&] { return is_over_; });
       pause = std::min(2 * pause, limits_.longest_pause);
       continue;
     }
     pause = limits_.first_pause;
-    (outcome == Outcome::done ? counts_.posted : counts_.refused) += under_way_;
+    (outcome == Delivery::done ? counts_.posted : counts_.refused) += under_way_;
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(std::exchange(under_way_, 0)));
     changed_.notify_all();
   }
 }
 
-EventPoster::Outcome EventPoster::deliver(const std::string& body) {
+EventPoster::Delivery EventPoster::deliver(const std::string& body) {
   // A connection of its own for each body: posts are some ten a second, and a receiver that was replaced is found again.
   const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> request(curl_easy_init(), curl_easy_cleanup);
   curl_slist* headers = curl_slist_append(nullptr, "Content-Type: application/json");
@@ -113,11 +113,11 @@ EventPoster::Outcome EventPoster::deliver(const std::string& body) {
   const CURLcode code = curl_easy_perform(request.get());
   long status = 0;
   curl_easy_getinfo(request.get(), CURLINFO_RESPONSE_CODE, &status);
-  if (code == CURLE_OK && status >= kOk && status < kNotOk) return Outcome::done;
+  if (code == CURLE_OK && status >= kOk && status < kNotOk) return Delivery::done;
   const std::lock_guard lock(mutex_);
   counts_.last_failure = code == CURLE_OK ? fmt::format("answered {}", status) : curl_easy_strerror(code);
   const bool is_passing = code != CURLE_OK || status >= kServersFault || status == kTimedOut || status == kTooMany;
-  return is_passing ? Outcome::failed : Outcome::refused;
+  return is_passing ? Delivery::failed : Delivery::refused;
 }
 
 }  // namespace collided::cli

@@ -27,7 +27,7 @@ struct PostLimits {
 /// threads  calls from one thread; the sending has a thread of its own, so that a slow receiver holds up nobody
 class EventPoster {
  public:
-  struct Counts {
+  struct PostCounts {
     std::uint64_t posted = 0;
     std::uint64_t dropped = 0;  // there was no room, or it was over before they could be sent
     std::uint64_t refused = 0;
@@ -44,12 +44,12 @@ class EventPoster {
 
   void post(std::string json);
   /// Sends what waits, for at most so long; what is left then is dropped and counted.
-  Counts finish(std::chrono::milliseconds wait);
+  PostCounts finish(std::chrono::milliseconds wait);
 
  private:
-  enum class Outcome { done, refused, failed };
+  enum class Delivery { done, refused, failed };
   void run();
-  Outcome deliver(const std::string& body);
+  Delivery deliver(const std::string& body);
   bool is_over();
 
   const std::string url_;
@@ -59,7 +59,7 @@ class EventPoster {
   std::deque<std::string> waiting_;  // what is under way stays at its front
   std::size_t under_way_ = 0;
   bool is_over_ = false;
-  Counts counts_;
+  PostCounts counts_;
   std::thread thread_;
 };
 

@@ -188,7 +188,7 @@ class WatchCommand : public Command {
   /// What became of the events that were to be posted.
   void tell_of_posts(Session& session, const Globals& globals) {
     if (!poster_) return;
-    const EventPoster::Counts counts = poster_->finish(kPostsEnd);
+    const EventPoster::PostCounts counts = poster_->finish(kPostsEnd);
     const std::string why = counts.last_failure.empty() ? "" : fmt::format("; last failure: {}", counts.last_failure);
     print_hint(session.io, globals,
                fmt::format("{} posted, {} dropped, {} refused{}", format_count(counts.posted),

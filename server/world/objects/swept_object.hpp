@@ -50,7 +50,7 @@ struct SweepOptions {
   /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
   std::uint32_t* looks = nullptr;  // grows by those that were taken; null: not counted
-  Deadline* deadline = nullptr;  // null: none; what is open when it is over is undecided
+  Deadline* deadline = nullptr;    // null: none; what is open when it is over is undecided
 };
 
 /// The SweptContact that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call
