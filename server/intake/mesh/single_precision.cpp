@@ -19,17 +19,24 @@ double float_step(double value) {
   return std::ldexp(1.0, std::ilogb(value) - (std::numeric_limits<float>::digits - 1));
 }
 
+/// The least power of two from which on floats are farther apart than kCoarseGrid_m: whether a coordinate is far is then
+/// one comparison, where its own step would cost two calls of the C library.
+double least_far(double unit_m) {
+  double value = std::numeric_limits<double>::min();
+  while (value < std::numeric_limits<float>::max() && !(float_step(value) * unit_m > kCoarseGrid_m)) value *= 2;
+  return value;
+}
+
 struct Evidence {
+  explicit Evidence(double unit_m) : least_far_(least_far(unit_m)) {}
+
   std::uint64_t far_count = 0;
   std::uint64_t float_count = 0;
   std::uint64_t telling_count = 0;  // coordinates on the grid of floats that are not whole numbers
   double largest = 0;
 
-  void weigh(double value, double unit_m) {
-    if (value == 0 || !(std::abs(value) < std::numeric_limits<float>::max()) ||
-        float_step(value) * unit_m <= kCoarseGrid_m) {
-      return;
-    }
+  void weigh(double value) {
+    if (!(std::abs(value) >= least_far_ && std::abs(value) < std::numeric_limits<float>::max())) return;
     ++far_count;
     largest = std::max(largest, std::abs(value));
     if (static_cast<double>(static_cast<float>(value)) == value) {
@@ -37,16 +44,19 @@ struct Evidence {
       telling_count += std::trunc(value) != value || float_step(value) > 1 ? 1 : 0;
     }
   }
+
+ private:
+  double least_far_;
 };
 
 }  // namespace
 
 std::string single_precision_warning(const TriangleMesh& mesh, double unit_m) {
-  Evidence evidence;
+  Evidence evidence(unit_m);
   Aabb box;
   for (const Vec3& vertex : mesh.vertices) {
     box.extend(vertex);
-    for (int axis = 0; axis < 3; ++axis) { evidence.weigh(vertex[axis], unit_m); }
+    for (int axis = 0; axis < 3; ++axis) { evidence.weigh(vertex[axis]); }
   }
   if (evidence.far_count < kLeastCoordinates || evidence.telling_count == 0 ||
       evidence.float_count * 100 < evidence.far_count * 99) {

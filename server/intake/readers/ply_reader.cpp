@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "server/intake/readers/byte_order.hpp"
 #include "server/intake/readers/ply_header.hpp"
@@ -53,6 +55,19 @@ class ByteRows {
 
   const char* place() const { return at_; }
   const char* begin_row() const { return at_; }
+  /// Reads a list of three 4-byte numbers counted by one byte, as nearly every file has them, in one go. False where
+  /// the row is anything else, or the file ends in it: nothing has been read then.
+  bool take_triangle(const PlyElement& element, std::array<std::int64_t, 3>& numbers) {
+    constexpr std::size_t kBytes = 1 + 3 * sizeof(std::int32_t);
+    if (static_cast<std::size_t>(reading_.end() - at_) < kBytes || *at_ != 3) return false;
+    const bool is_signed = element.properties.front().type == PlyType::int32;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto bits = number_at<std::uint32_t>(at_ + 1 + i * sizeof(std::uint32_t), order_);
+      numbers[i] = is_signed ? std::int64_t{static_cast<std::int32_t>(bits)} : std::int64_t{bits};
+    }
+    at_ += kBytes;
+    return true;
+  }
   double coordinate(PlyType type) {
     if (type != PlyType::float32 && type != PlyType::float64) { return static_cast<double>(whole_number(type)); }
     const double value = type == PlyType::float32 ? static_cast<double>(take<float>()) : take<double>();
@@ -166,8 +181,17 @@ class PlyBodyReader {
     }
     if (!is_strip) { check_triangle_count(reading_, element.row_count); }
     std::vector<std::int64_t> numbers;
+    std::array<std::int64_t, 3> triangle;
+    const bool may_be_triangles = has_vertices_ && !is_strip && is_plain_list(element);
     for (std::uint64_t i = 0; i < element.row_count; ++i) {
       const char* place = rows_.begin_row();
+      if (may_be_triangles && take_triangle(element, triangle)) {
+        polygons_.add_triangle({polygons_.vertex_number(triangle[0], place),
+                                polygons_.vertex_number(triangle[1], place),
+                                polygons_.vertex_number(triangle[2], place)});
+        tell_row(i);
+        continue;
+      }
       for (int k = 0; k < static_cast<int>(element.properties.size()); ++k) {
         const PlyProperty& property = element.properties[static_cast<std::size_t>(k)];
         if (k == list) {
@@ -183,6 +207,17 @@ class PlyBodyReader {
       }
       tell_row(i);
     }
+  }
+
+  /// One list of 4-byte whole numbers, counted by a byte, and nothing else.
+  static bool is_plain_list(const PlyElement& element) {
+    const PlyProperty& list = element.properties.front();
+    return element.properties.size() == 1 && list.count_type == PlyType::uint8 &&
+           (list.type == PlyType::int32 || list.type == PlyType::uint32);
+  }
+  bool take_triangle(const PlyElement& element, std::array<std::int64_t, 3>& numbers) {
+    if constexpr (std::is_same_v<Rows, ByteRows>) return rows_.take_triangle(element, numbers);
+    else return false;
   }
 
   void read_numbers(const PlyProperty& property, std::vector<std::int64_t>& numbers) {

@@ -12,12 +12,9 @@ void Polygons::complain(const char* place, const std::string& what) const {
   refuse_byte(reading_, static_cast<std::size_t>(place - reading_.begin()), what);
 }
 
-std::uint32_t Polygons::vertex_number(std::int64_t number, const char* place) const {
-  if (number < 0 || static_cast<std::uint64_t>(number) >= mesh_.vertices.size()) {
-    complain(place, fmt::format("vertex number {}, allowed 0 to {}", number,
-                                static_cast<std::int64_t>(mesh_.vertices.size()) - 1));
-  }
-  return static_cast<std::uint32_t>(number);
+void Polygons::no_vertex(std::int64_t number, const char* place) const {
+  complain(place, fmt::format("vertex number {}, allowed 0 to {}", number,
+                              static_cast<std::int64_t>(mesh_.vertices.size()) - 1));
 }
 
 void Polygons::add(std::span<const std::uint32_t> corners, const char* place) {

@@ -24,9 +24,18 @@ class Polygons {
   std::vector<Vec3>& vertices() { return mesh_.vertices; }
 
   /// The number as an index of a vertex. Throws a LoadError where there is no such vertex.
-  std::uint32_t vertex_number(std::int64_t number, const char* place) const;
+  std::uint32_t vertex_number(std::int64_t number, const char* place) const {
+    if (static_cast<std::uint64_t>(number) >= mesh_.vertices.size()) no_vertex(number, place);
+    return static_cast<std::uint32_t>(number);
+  }
   /// Adds a face, cut into triangles.
   void add(std::span<const std::uint32_t> corners, const char* place);
+  /// The same for three corners.
+  void add_triangle(const TriangleCorners& corners) {
+    if (mesh_.triangles.size() >= reading_.options.max_triangles)
+      check_triangle_count(reading_, mesh_.triangles.size() + 1);
+    mesh_.triangles.push_back(corners);
+  }
   /// Adds a triangle strip: each corner from the third on makes a triangle with the two before it, every other one
   /// turned over.
   void add_strip(std::span<const std::uint32_t> corners, const char* place);
@@ -37,6 +46,7 @@ class Polygons {
 
  private:
   [[noreturn]] void complain(const char* place, const std::string& what) const;
+  [[noreturn]] void no_vertex(std::int64_t number, const char* place) const;
 
   const Reading& reading_;
   Places places_;

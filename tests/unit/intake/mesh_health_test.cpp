@@ -262,5 +262,22 @@ TEST(IntakeSinglePrecision, NearCoordinatesGiveNoWarning) {
   EXPECT_EQ(single_precision_warning(far_mesh(4.649e6, true), 1e-4), "");
 }
 
+// Floats are 0.98 mm apart below 16,384 and 1.95 mm from there on; a millimetre is the limit, whatever the unit.
+TEST(IntakeSinglePrecision, FarBeginsWhereFloatsAreMoreThanAMillimetreApart) {
+  const auto warning = [](double x, double unit_m) {
+    TriangleMesh mesh;
+    mesh.vertices.assign(12, Vec3(x, 0, -0.0));
+    return single_precision_warning(mesh, unit_m);
+  };
+  const double below = std::nextafter(16384.0F, 0.0F), above = std::nextafter(16384.0F, 1e9F);
+  for (const double sign : {1, -1}) {
+    EXPECT_EQ(warning(sign * below, 1), "");
+    EXPECT_NE(warning(sign * above, 1).find("12 of 12"), std::string::npos);
+    EXPECT_NE(warning(sign * below / 1024, 1100).find("12 of 12"), std::string::npos);
+    EXPECT_EQ(warning(sign * above * 1024, 1.0 / 1024 / 2), "");
+  }
+  EXPECT_EQ(warning(1e300, 1), "") << "no float is as large";
+}
+
 }  // namespace
 }  // namespace collided::engine

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
+#include "tests/oracle/seed.hpp"
 #include "tests/unit/intake/loading.hpp"
 
 namespace collided::engine {
@@ -179,6 +181,55 @@ TEST(IntakePly, EachCoordinateIsTakenFromItsOwnColumn) {
     check(float{}, "float32", -10);
     check(double{}, "double", -10);
   }
+}
+
+// Rows of three corners counted by a byte are read in one go; counted by four bytes, as every other list is. The same
+// faces, good and bad, must give the same triangles or the same complaint.
+TEST(IntakePly, TrianglesReadInOneGoAreThoseOfAnyOtherList) {
+  std::mt19937_64 random = oracle::seeded(20261125);
+  const auto up_to = [&](int most) { return static_cast<int>(random() % static_cast<unsigned>(most + 1)); };
+  int refused = 0;
+  for (int round = 0; round < 400; ++round) {
+    const bool big = round % 2 != 0, is_signed = round % 4 < 2;
+    std::vector<std::vector<std::uint32_t>> faces(1 + static_cast<std::size_t>(up_to(6)));
+    for (auto& face : faces) {
+      face.resize(up_to(3) > 0 ? 3 : static_cast<std::size_t>(up_to(4)));
+      for (std::uint32_t& corner : face) corner = static_cast<std::uint32_t>(up_to(3));
+      if (up_to(20) == 0 && !face.empty()) face.back() = up_to(1) == 0 ? 4 : 0xffffffff;
+    }
+    const auto file = [&](std::string_view count_type, auto count) {
+      std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                          "_endian 1.0\nelement vertex 4\nproperty uchar x\nproperty uchar y\nproperty uchar z\n" +
+                          "element face " + std::to_string(faces.size()) + "\nproperty list " +
+                          std::string(count_type) + (is_signed ? " int" : " uint") + " vertex_indices\nend_header\n";
+      bytes.append("\0\0\0\1\0\0\1\1\0\0\1\0", 12);
+      const auto put = [&](auto value) { big ? append_big(bytes, value) : append(bytes, value); };
+      for (const auto& face : faces) {
+        put(static_cast<decltype(count)>(face.size()));
+        for (const std::uint32_t corner : face) put(corner);
+      }
+      return bytes;
+    };
+    const auto outcome = [&](const std::string& bytes) {
+      std::vector<TriangleCorners> triangles;
+      std::string text;
+      try {
+        const test::Loaded loaded = load("f.ply", bytes);
+        triangles = loaded.scene.mesh.triangles;
+        for (const std::string& line : loaded.report.refused) text += line;
+      } catch (const LoadError& error) {
+        text = error.what();
+        // Where it stands differs, by the bytes of the counts.
+        const std::size_t at = text.find("byte "), end = text.find(':', at);
+        if (at != std::string::npos) text.erase(at, end - at);
+        ++refused;
+      }
+      return std::pair(triangles, text);
+    };
+    EXPECT_EQ(outcome(file("uchar", std::uint8_t{})), outcome(file("uint", std::uint32_t{}))) << "round " << round;
+  }
+  EXPECT_GT(refused, 20);
+  EXPECT_LT(refused, 600);
 }
 
 // What waits for the vertices waits as what it is.
