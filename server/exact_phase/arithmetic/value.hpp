@@ -68,8 +68,14 @@ inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
 /// Whether scaling v by a power of two would change no digit of its unit vector: no square leaves the range of double.
 inline bool has_plain_squares(const Vec3& v) {
   constexpr double kFarFromOne = 0x1p200;
-  const Eigen::Array3d size = v.array().abs();
-  return ((size >= 1 / kFarFromOne && size <= kFarFromOne) || size == 0).all() && size.maxCoeff() > 0;
+  bool is_plain = true;
+  double largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double size = std::abs(v[i]);
+    is_plain = is_plain && ((size >= 1 / kFarFromOne && size <= kFarFromOne) || size == 0);
+    largest = std::max(largest, size);
+  }
+  return is_plain && largest > 0;
 }
 
 /// The unit vector along v, or zero if v is zero.

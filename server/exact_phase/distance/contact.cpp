@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -58,14 +59,14 @@ double size_of(const Core& a, const Core& b) {
 /// The translation of b along one facet axis that separates the two, in the direction that needs less.
 struct Push {
   Bounded depth;
-  Vec3 normal = Vec3::Zero();
+  Vec3 normal;
   bool exists = false;
 };
 
 template <class N>
 Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
   const Vector<N> n = direction<N>(axis);
-  if (is_zero(n) == Decision::yes) return {};
+  if (is_zero(n) == Decision::yes) return {.depth = {}, .normal = Vec3::Zero()};
   const Scaled length = sqrt(scaled(square(n)));
   const Pushes<N> push = pushes_along(n, a, b);
   const Bounded forward = plain(scaled(push.forward) / length);
@@ -81,57 +82,69 @@ Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
 }
 
 /// The pushes along the facet axes of a pair that may be the least.
-struct PushList {
-  std::array<Push, 15> push;
-  int count = 0;
+class PushList {
+ public:
+  PushList(const Core& a, const Core& b) : a_(a), b_(b), are_boxes_(a.is_box && b.is_box) {
+    if (!are_boxes_) axes_ = facet_axes(a, b);
+    left_ = axes_of_least_push(axes_, a, b);
+    for_each([&](int i) { push_[i] = push_out<Bounded>(axis(i), a, b); });
+  }
 
   double least_high() const {
     double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < count; ++i) least = push[i].exists ? std::min(least, push[i].depth.high()) : least;
+    for_each([&](int i) { least = push_[i].exists ? std::min(least, push_[i].depth.high()) : least; });
     return least;
   }
-  bool competes(int i, double least) const { return push[i].exists && push[i].depth.low() <= least; }
+
+  /// Works out anew those that may be the least and are not known to within `blunt`.
+  void sharpen(double blunt) {
+    const double least = least_high();
+    for_each([&](int i) {
+      if (competes(i, least) && !(push_[i].depth.bound() <= blunt)) push_[i] = push_out_sharply(axis(i), a_, b_);
+    });
+  }
 
   /// The smallest push, its depth widened over all that may be smaller. Depths within `blunt` of each other keep the
   /// earlier axis: faces before edge pairs, in a fixed order.
   Push least(double blunt) const {
     const double high = least_high();
-    Push winner;
+    Push winner{.depth = {}, .normal = Vec3::Zero()};
     Bounded depth(std::numeric_limits<double>::max());
-    for (int i = 0; i < count; ++i) {
-      if (!competes(i, high)) continue;
-      depth = lesser(depth, push[i].depth);
-      if (!winner.exists || push[i].depth.value < winner.depth.value - blunt) winner = push[i];
-    }
+    for_each([&](int i) {
+      if (!competes(i, high)) return;
+      depth = lesser(depth, push_[i].depth);
+      if (!winner.exists || push_[i].depth.value < winner.depth.value - blunt) winner = push_[i];
+    });
     winner.depth = depth;
     return winner;
   }
+
+ private:
+  bool competes(int i, double least) const { return push_[i].exists && push_[i].depth.low() <= least; }
+  FacetAxis axis(int i) const { return are_boxes_ ? facet_axis_of_boxes(a_, b_, i) : axes_.axis[i]; }
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::uint32_t left = left_; left != 0; left &= left - 1) visit(std::countr_zero(left));
+  }
+
+  const Core& a_;
+  const Core& b_;
+  bool are_boxes_;
+  FacetAxes axes_;  // of two boxes they are worked out one by one, since mostly one is needed
+  std::uint32_t left_ = 0;
+  std::array<Push, 15> push_;  // those left
 };
 
 /// The smallest push that separates two cores with a common point: the nearest facet of the Minkowski difference. No
 /// push exists, and the depth is zero, where the difference is flat and all facet axes vanish.
 Push least_push(const Core& a, const Core& b) {
-  const FacetAxes axes = facet_axes(a, b);
-  PushList list;
-  list.count = axes.count;
-  const std::uint32_t may_win = axes_of_least_push(axes, a, b);
-  for (int i = 0; i < axes.count; ++i) {
-    if ((may_win >> i & 1) != 0) list.push[i] = push_out<Bounded>(axes.axis[i], a, b);
-  }
+  PushList list(a, b);
   const double blunt = kRefineDistance * size_of(a, b);
-  const double wide = list.least_high();
-  for (int i = 0; i < axes.count; ++i) {
-    if (list.competes(i, wide) && !(list.push[i].depth.bound() <= blunt)) {
-      list.push[i] = push_out_sharply(axes.axis[i], a, b);
-    }
-  }
+  list.sharpen(blunt);
   const Push least = list.least(blunt);
   if (!least.exists || sharp(least.depth, kRefineRay)) return least;
   // Barely touching: recover the digits that cancelled, so that a touch is exactly zero.
-  const double narrow = list.least_high();
-  for (int i = 0; i < axes.count; ++i) {
-    if (list.competes(i, narrow)) list.push[i] = push_out_sharply(axes.axis[i], a, b);
-  }
+  list.sharpen(-1);
   return list.least(0);
 }
 

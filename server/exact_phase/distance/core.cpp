@@ -5,7 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "server/exact_phase/distance/box_middle.hpp"
 #include "server/exact_phase/distance/nearest_value.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -216,10 +218,20 @@ FacetAxes facet_axes(const Core& a, const Core& b) {
   return axes;
 }
 
+FacetAxis facet_axis_of_boxes(const Core& a, const Core& b, int number) {
+  const auto edge = [](const Core& box, int i) { return EdgeDirection{box.axes.col(i % 3), Vec3::Zero()}; };
+  if (number < 3) return {edge(a, number + 1), edge(a, number + 2)};
+  if (number < 6) return {edge(b, number + 1), edge(b, number + 2)};
+  return {edge(a, (number - 6) / 3), edge(b, number - 6)};
+}
+
 Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal) {
   if (!a.is_box && a.point_count == 1) return a.point[0];
   if (!b.is_box && b.point_count == 1) return b.point[0];
   const double size_m = extent(a) + extent(b);
+  if (a.is_box && b.is_box) {
+    if (const std::optional<Vec3> middle = middle_of_boxes(a, b, size_m)) return *middle;
+  }
   const std::array<const Core*, 2> cores{&a, &b};
   Vec3 sum = Vec3::Zero();
   int count = 0;

@@ -29,8 +29,8 @@ void scale(Core& core, int power);
 
 /// The direction of an edge, to - from, kept as two points so that exact arithmetic can form the difference.
 struct EdgeDirection {
-  Vec3 to = Vec3::Zero();
-  Vec3 from = Vec3::Zero();
+  Vec3 to;
+  Vec3 from;
 };
 
 /// The normal of a possible facet of two cores' Minkowski difference: the cross product of two edges.
@@ -46,6 +46,24 @@ struct FacetAxes {
 };
 
 FacetAxes facet_axes(const Core& a, const Core& b);
+/// facet_axes(a, b).axis[number] of two boxes.
+FacetAxis facet_axis_of_boxes(const Core& a, const Core& b, int number);
+
+/// Products with exact numbers. In Bounded the operations that such a factor makes idle are left out, which changes no
+/// bit of what is finite.
+template <class N>
+N times(const N& x, double exact) {
+  return N(exact) * x;
+}
+inline Bounded times(const Bounded& x, double exact) {
+  const double value = x.value * exact;
+  const double underflow = x.exactly_zero() || exact == 0 ? 0.0 : kUnderflow;
+  return {value, (std::abs(exact) * x.error + kRoundoff * std::abs(value)) + underflow};
+}
+template <class N>
+N along(const Vector<N>& n, const Vec3& exact) {
+  return (times(n.x, exact[0]) + times(n.y, exact[1])) + times(n.z, exact[2]);
+}
 
 /// The facet's normal, of any length; zero where the edges are parallel.
 template <class N>
@@ -73,7 +91,7 @@ Pushes<N> pushes_along(const Vector<N>& n, const Core& a, const Core& b) {
   N reach(0.0);
   for (const Core* core : {&a, &b}) {
     for (int i = 0; core->is_box && i < 3; ++i) {
-      reach = reach + N(core->half_m[i]) * abs(dot(n, Vector<N>(Vec3(core->axes.col(i)))));
+      reach = reach + times(abs(along(n, core->axes.col(i))), core->half_m[i]);
     }
   }
   return {largest + reach, reach - smallest};

@@ -7,7 +7,7 @@
 
 #include "server/exact_phase/arithmetic/plain_range.hpp"
 #include "server/exact_phase/arithmetic/triple.hpp"
-#include "server/exact_phase/overlap/box_pair.hpp"
+#include "server/exact_phase/overlap/box_lanes.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -86,18 +86,10 @@ class Depths {
 }  // namespace
 
 std::uint32_t axes_of_least_push(const FacetAxes& axes, const Core& a, const Core& b) {
-  Depths depths;
   if (a.is_box && b.is_box) {
-    const Box box_a{a.point[0], a.axes, a.half_m};
-    const Box box_b{b.point[0], b.axes, b.half_m};
-    const BoxPair pair(box_a, box_b);
-    const double error = kDepthError * pair.reach() * pair.axis() * pair.axis();
-    pair.for_each_axis([&](int number, const Triple& n, double extent) {
-      depths.add(number, extent - std::abs(dot(pair.between, n)), dot(n, n), error);
-      return true;
-    });
-    return depths.may_be_least(axes.count);
+    return least_pushes_in_lanes({a.point[0], a.axes, a.half_m}, {b.point[0], b.axes, b.half_m}, kDepthError);
   }
+  Depths depths;
   const Spread spread(a, b);
   for (int i = 0; i < axes.count; ++i) {
     const Triple u = difference(axes.axis[i].u);

@@ -7,15 +7,12 @@
 
 #include "server/exact_phase/arithmetic/plain_range.hpp"
 #include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/exact_phase/overlap/box_lanes.hpp"
 #include "server/exact_phase/overlap/box_pair.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
-
-bool same_line(const Triple& a, const Triple& b) {
-  return (a.x == b.x && a.y == b.y && a.z == b.z) || (a.x == -b.x && a.y == -b.y && a.z == -b.z);
-}
 
 using Triples = std::array<Triple, 3>;
 
@@ -42,22 +39,7 @@ bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLon
 }  // namespace
 
 Decision quickly_overlaps(const Box& a, const Box& b, double off_m) {
-  const BoxPair pair(a, b);
-  const double axis = pair.axis();
-  const double reach = pair.reach();
-  if (!in_range(axis) || !in_range(reach)) return Decision::undecided;
-  // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
-  const double error = (kSeparationError * reach + 4 * off_m) * axis * axis;
-  const double singular = kSeparationError * axis * axis * axis;
-  if (!(std::min(pair.a.volume, pair.b.volume) > singular)) return Decision::undecided;
-
-  AxisGaps gaps;
-  const bool none_separates = pair.for_each_axis([&](int number, const Triple& n, double extent) {
-    // Parallel edges have no common perpendicular of their own.
-    if (number >= 6 && same_line(pair.a.axis[(number - 6) / 3], pair.b.axis[(number - 6) % 3])) return true;
-    return !gaps.add(std::abs(dot(pair.between, n)) - extent, error);
-  });
-  return none_separates ? gaps.together() : Decision::no;
+  return overlap_in_lanes(a, b, {.of_reach = kSeparationError, .off_m = off_m, .singular = kSeparationError});
 }
 
 Decision quickly_overlaps(const Box& a, const Triangle& b) {

@@ -42,6 +42,7 @@ struct MoverContact {
   ObjectId body = 0;       // the other one
   std::uint32_t triangle = kNoTriangle;
   Vec3 normal = Vec3::Zero();  // from the mover to the body
+  std::optional<Box> box{};    // the body as placed, where it is one box and nothing else
   // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
 };
@@ -99,18 +100,31 @@ class Correction {
     if (sides_.size() < 2 || sides_.size() > kMostContacts) return;
     std::sort(sides_.begin(), sides_.end(),
               [](const MoverContact& x, const MoverContact& y) { return x.body < y.body; });
+    for (MoverContact& side : sides_) {
+      if (const Box* own = lone_box(info(side.body))) side.box = place(rows_[slot_of(side.body)].frame, *own);
+    }
   }
 
   void look_at() {
-    for (std::size_t i = 0; i < sides_.size(); ++i) {
-      for (std::size_t k = 0; k < sides_.size() && !sides_[i].is_covered; ++k) {
-        sides_[i].is_covered = k != i && !is_same(sides_[k], sides_[i]) && covers(sides_[k], sides_[i]);
-      }
+    // A contact at rest matters only where one found in this step is covered, which few are.
+    bool is_any_covered = false;
+    for (MoverContact& side : sides_) {
+      if (ledger_.found(side.number)) is_any_covered |= side.is_covered = is_covered(side);
+    }
+    if (!is_any_covered) return;
+    for (MoverContact& side : sides_) {
+      if (!ledger_.found(side.number)) side.is_covered = is_covered(side);
     }
     for (const MoverContact& side : sides_) {
       if (!side.is_covered || !ledger_.found(side.number)) continue;
       if (const MoverContact* face = face_for(side)) take_normal(side, *face);
     }
+  }
+
+  bool is_covered(const MoverContact& side) const {
+    return std::any_of(sides_.begin(), sides_.end(), [&](const MoverContact& other) {
+      return &other != &side && !is_same(other, side) && covers(other, side);
+    });
   }
 
   /// The uncovered contact whose normal is closest and covers this one; null where an uncovered one has the same
@@ -144,21 +158,18 @@ class Correction {
   }
 
   /// The comparison of covers() for two boxes in plain double, where it is clear.
-  Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
-                                      const Vec3& origin) const {
-    const Box* own_of_one = lone_box(info(one.body));
-    const Box* own_of_other = lone_box(info(other.body));
-    if (own_of_one == nullptr || own_of_other == nullptr) return Decision::undecided;
+  static Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
+                                             const Vec3& origin) {
+    if (!one.box || !other.box) return Decision::undecided;
     double scale_m = 0;
-    const auto reach_m = [&](const MoverContact& side, const Box& own) {
-      const Box box = place(rows_[slot_of(side.body)].frame, own);
+    const auto reach_m = [&](const Box& box) {
       const Vec3 to_center = box.center - origin;
       double reach = along.dot(to_center);
       for (int i = 0; i < 3; ++i) reach += box.half_m[i] * std::abs(along.dot(box.axes.col(i)));
       scale_m += box.center.cwiseAbs().sum() + to_center.cwiseAbs().sum() + 2 * box.half_m.sum();
       return reach;
     };
-    const double farther_m = reach_m(other, *own_of_other) - reach_m(one, *own_of_one);
+    const double farther_m = reach_m(*other.box) - reach_m(*one.box);
     const double error_m = kQuickReach * scale_m;
     if (farther_m > error_m) return Decision::no;
     return farther_m < -error_m ? Decision::yes : Decision::undecided;

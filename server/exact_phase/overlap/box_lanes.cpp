@@ -1,0 +1,233 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/exact_phase/overlap/box_lanes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/arithmetic/plain_range.hpp"
+#include "server/exact_phase/overlap/box_lanes.hpp"
+
+// Without fused operations, so that every instruction set decides the same pairs; the bounds count on the order of
+// operations of BoxPair.
+HWY_BEFORE_NAMESPACE();
+namespace collided::engine::kernel::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kAxes = 4;  // three, and the first once more
+using AxisDoubles = hn::CappedTag<double, kAxes>;
+using AxisLanes = hn::Vec<AxisDoubles>;
+using AxisMask = hn::Mask<AxisDoubles>;
+constexpr AxisDoubles kAxisDoubles;
+constexpr int kAxisStride = static_cast<int>(hn::MaxLanes(kAxisDoubles));
+/// Axes in fives of four: a's faces, b's faces, and each edge of a crossed with those of b.
+constexpr int kGroups = 5;
+
+struct Lanes3 {
+  AxisLanes x, y, z;
+};
+
+HWY_INLINE Lanes3 spread(const double (&v)[3]) {
+  return {hn::Set(kAxisDoubles, v[0]), hn::Set(kAxisDoubles, v[1]), hn::Set(kAxisDoubles, v[2])};
+}
+HWY_INLINE AxisLanes dot(const Lanes3& a, const Lanes3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE AxisLanes over(const Lanes3& a, const Lanes3& b) { return hn::Abs(dot(a, b)); }
+HWY_INLINE Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+HWY_INLINE AxisMask is_same(const Lanes3& a, const Lanes3& b) {
+  return hn::And(hn::And(hn::Eq(a.x, b.x), hn::Eq(a.y, b.y)), hn::Eq(a.z, b.z));
+}
+HWY_INLINE AxisMask is_same_line(const Lanes3& a, const Lanes3& b) {
+  return hn::Or(is_same(a, b), is_same(a, {hn::Neg(b.x), hn::Neg(b.y), hn::Neg(b.z)}));
+}
+
+/// A box's axes by coordinate, for lanes that begin at any of them.
+struct BoxColumns {
+  double axis[3][6];    // coordinate, axis and round again
+  double half_m[6];     // likewise
+  double normal[3][3];  // of a face, coordinate
+  double volume;
+  double largest;
+
+  HWY_INLINE explicit BoxColumns(const Box& box) {
+    largest = 0;
+    for (int c = 0; c < 3; ++c) {
+      for (int i = 0; i < 3; ++i) {
+        axis[c][i] = axis[c][i + 3] = box.axes(c, i);
+        largest = std::max(largest, std::abs(axis[c][i]));
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      half_m[i] = half_m[i + 3] = box.half_m[i];
+      for (int c = 0; c < 3; ++c) {
+        const int c1 = (c + 1) % 3;
+        const int c2 = (c + 2) % 3;
+        normal[i][c] = axis[c1][i + 1] * axis[c2][i + 2] - axis[c2][i + 1] * axis[c1][i + 2];
+      }
+    }
+    volume = std::abs((axis[0][0] * normal[0][0] + axis[1][0] * normal[0][1]) + axis[2][0] * normal[0][2]);
+  }
+  HWY_INLINE Lanes3 axes_from(int first) const {
+    return {hn::LoadU(kAxisDoubles, axis[0] + first), hn::LoadU(kAxisDoubles, axis[1] + first),
+            hn::LoadU(kAxisDoubles, axis[2] + first)};
+  }
+  HWY_INLINE Lanes3 axis_spread(int i) const { return spread({axis[0][i], axis[1][i], axis[2][i]}); }
+  HWY_INLINE AxisLanes half_from(int first) const { return hn::LoadU(kAxisDoubles, half_m + first); }
+  HWY_INLINE AxisLanes half_spread(int i) const { return hn::Set(kAxisDoubles, half_m[i % 3]); }
+};
+
+struct BoxPairLanes {
+  BoxColumns a;
+  BoxColumns b;
+  double between[3];
+  double axis;   // largest coordinate of an axis
+  double reach;  // at least what two points of the pair differ by
+
+  HWY_INLINE BoxPairLanes(const Box& first, const Box& second)
+      : a(first),
+        b(second),
+        between{second.center[0] - first.center[0], second.center[1] - first.center[1],
+                second.center[2] - first.center[2]},
+        axis(std::max(a.largest, b.largest)) {
+    const double apart = std::max({std::abs(between[0]), std::abs(between[1]), std::abs(between[2])});
+    reach = apart + axis * (first.half_m.sum() + second.half_m.sum());
+  }
+
+  /// Calls visit(group, first lane, n, extent, left out) for four axes at a time, until it returns false.
+  template <class Visit>
+  HWY_INLINE bool for_each_group(Visit&& visit) const {
+    for (int first = 0; first < kAxes; first += kAxisStride) {
+      if (!faces(a, b, 0, first, visit) || !faces(b, a, 1, first, visit)) return false;
+    }
+    for (int first = 0; first < kAxes; first += kAxisStride) {
+      if (!edges(first, visit)) return false;
+    }
+    return true;
+  }
+
+ private:
+  template <class Visit>
+  static HWY_INLINE bool faces(const BoxColumns& own, const BoxColumns& other, int group, int first, Visit&& visit) {
+    const Lanes3 n = cross(own.axes_from(first + 1), own.axes_from(first + 2));
+    AxisLanes reach_over = hn::Mul(other.half_spread(0), over(other.axis_spread(0), n));
+    reach_over = hn::Add(reach_over, hn::Mul(other.half_spread(1), over(other.axis_spread(1), n)));
+    reach_over = hn::Add(reach_over, hn::Mul(other.half_spread(2), over(other.axis_spread(2), n)));
+    const AxisLanes own_reach = hn::Mul(own.half_from(first), hn::Set(kAxisDoubles, own.volume));
+    const AxisLanes zero = hn::Zero(kAxisDoubles);
+    return visit(group, first, n, hn::Add(own_reach, reach_over), hn::Gt(zero, zero));
+  }
+  template <class Visit>
+  HWY_INLINE bool edges(int first, Visit&& visit) const {
+    const Lanes3 b0 = b.axes_from(first);
+    const Lanes3 b1 = b.axes_from(first + 1);
+    const Lanes3 b2 = b.axes_from(first + 2);
+    const Lanes3 normal1 = cross(b2, b0);
+    const Lanes3 normal2 = cross(b0, b1);
+    const AxisLanes b_over_a[3] = {over(b0, spread(a.normal[0])), over(b0, spread(a.normal[1])),
+                                   over(b0, spread(a.normal[2]))};
+    for (int i = 0; i < 3; ++i) {
+      const int i1 = (i + 1) % 3;
+      const int i2 = (i + 2) % 3;
+      const Lanes3 edge = a.axis_spread(i);
+      const AxisLanes extent_a =
+          hn::Add(hn::Mul(a.half_spread(i1), b_over_a[i2]), hn::Mul(a.half_spread(i2), b_over_a[i1]));
+      const AxisLanes extent_b = hn::Add(hn::Mul(b.half_from(first + 1), over(edge, normal2)),
+                                         hn::Mul(b.half_from(first + 2), over(edge, normal1)));
+      if (!visit(2 + i, first, cross(edge, b0), hn::Add(extent_a, extent_b), is_same_line(edge, b0))) return false;
+    }
+    return true;
+  }
+};
+
+/// Products of four such lengths stay far from both ends of the range of double.
+constexpr double kLongestAxis_m = 0x1p100;
+bool is_near_one(double length) { return length >= 1 / kLongestAxis_m && length <= kLongestAxis_m; }
+
+Decision OverlapInLanes(const Box& first, const Box& second, const BoxGapBounds& bounds) {
+  const BoxPairLanes pair(first, second);
+  if (!is_near_one(pair.axis) || !is_near_one(pair.reach)) return Decision::undecided;
+  // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
+  const double error = (bounds.of_reach * pair.reach + 4 * bounds.off_m) * pair.axis * pair.axis;
+  const double singular = bounds.singular * pair.axis * pair.axis * pair.axis;
+  if (!(std::min(pair.a.volume, pair.b.volume) > singular)) return Decision::undecided;
+  const Lanes3 between = spread(pair.between);
+  const AxisLanes apart = hn::Set(kAxisDoubles, error);
+  const AxisLanes close = hn::Set(kAxisDoubles, -error);
+  bool is_sure = true;
+  const bool none_separates =
+      pair.for_each_group([&](int, int, const Lanes3& n, AxisLanes extent, AxisMask is_left_out) {
+        const AxisLanes gap = hn::Sub(over(between, n), extent);
+        if (!hn::AllFalse(kAxisDoubles, hn::AndNot(is_left_out, hn::Gt(gap, apart)))) return false;
+        is_sure = is_sure && hn::AllTrue(kAxisDoubles, hn::Or(is_left_out, hn::Lt(gap, close)));
+        return true;
+      });
+  if (!none_separates) return Decision::no;
+  return is_sure ? Decision::yes : Decision::undecided;
+}
+
+std::uint32_t LeastPushesInLanes(const Box& first, const Box& second, double error_share) {
+  const BoxPairLanes pair(first, second);
+  const Lanes3 between = spread(pair.between);
+  const AxisLanes error = hn::Set(kAxisDoubles, error_share * pair.reach * pair.axis * pair.axis);
+  const AxisLanes infinity = hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity());
+  HWY_ALIGN double low[kGroups][kAxes];
+  AxisLanes least_high = infinity;
+  pair.for_each_group([&](int group, int lane, const Lanes3& n, AxisLanes extent, AxisMask) {
+    const AxisLanes square = dot(n, n);
+    // Parallel edges have no normal to speak of, and out of range no bound holds: such an axis stays.
+    const AxisMask is_plain = hn::And(hn::Gt(square, hn::Set(kAxisDoubles, 1 / kLargestPlain2)),
+                                      hn::Lt(square, hn::Set(kAxisDoubles, kLargestPlain2)));
+    const AxisLanes one = hn::Set(kAxisDoubles, 1);
+    const AxisLanes inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(is_plain, square, one)));
+    const AxisLanes depth = hn::Mul(hn::Sub(extent, over(between, n)), inverse);
+    const AxisLanes off = hn::Mul(error, inverse);
+    const AxisMask is_known =
+        hn::And(is_plain, hn::And(hn::Lt(hn::Abs(depth), infinity), hn::Lt(hn::Abs(off), infinity)));
+    hn::Store(hn::IfThenElse(is_known, hn::Sub(depth, off), hn::Neg(infinity)), kAxisDoubles, low[group] + lane);
+    least_high = hn::Min(least_high, hn::IfThenElse(is_known, hn::Add(depth, off), infinity));
+    return true;
+  });
+  const AxisLanes least = hn::MinOfLanes(kAxisDoubles, least_high);
+  std::uint32_t may_be = 0;
+  for (int group = 0; group < kGroups; ++group) {
+    std::uint32_t bits = 0;
+    for (int lane = 0; lane < kAxes; lane += kAxisStride) {
+      std::uint8_t few[8] = {};
+      hn::StoreMaskBits(kAxisDoubles, hn::Le(hn::Load(kAxisDoubles, low[group] + lane), least), few);
+      bits |= static_cast<std::uint32_t>(few[0]) << lane;
+    }
+    may_be |= (bits & 7u) << (3 * group);
+  }
+  return may_be;
+}
+
+}  // namespace
+}  // namespace collided::engine::kernel::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace collided::engine::kernel {
+namespace {
+
+HWY_EXPORT(OverlapInLanes);
+HWY_EXPORT(LeastPushesInLanes);
+
+}  // namespace
+
+Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds) {
+  return HWY_DYNAMIC_DISPATCH(OverlapInLanes)(a, b, bounds);
+}
+
+std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share) {
+  return HWY_DYNAMIC_DISPATCH(LeastPushesInLanes)(a, b, error_share);
+}
+
+}  // namespace collided::engine::kernel
+#endif

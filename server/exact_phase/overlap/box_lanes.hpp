@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine::kernel {
+
+/// The bounds of the axis test of two boxes, as separation_filter.cpp and facet_filter.cpp derive them.
+struct BoxGapBounds {
+  double of_reach = 0;  // of a gap, times the reach and the square of the axes' largest coordinate
+  double off_m = 0;     // how far the points of the two are moved in all
+  double singular = 0;  // of a box's volume, times the cube of that coordinate
+};
+
+/// Two boxes along the 15 axes of BoxPair, four at a time and with its numbers: `no` where one separates by more than
+/// its bound, `yes` where none comes within its bound of doing so, and undecided else and out of range. Parallel edges
+/// have no common perpendicular of their own and are left out.
+///
+/// cost  half of one axis at a time; no allocation
+Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds);
+
+/// Those of the 15 axes, in the order of facet_axes() and a bit each, along which the push that parts the two may be the
+/// least: all but those whose depth less its bound is above another one's with its bound.
+///
+/// error_share  bound of a depth, times |n|, relative to the reach and the square of the axes' largest coordinate
+std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share);
+
+}  // namespace collided::engine::kernel

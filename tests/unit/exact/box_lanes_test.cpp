@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/exact_phase/distance/box_middle.hpp"
+#include "server/exact_phase/distance/facet_filter.hpp"
+#include "server/exact_phase/overlap/separation_filter.hpp"
+#include "tests/oracle/box_twins.hpp"
+#include "tests/oracle/random_shapes.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided {
+namespace {
+using namespace engine;
+using kernel::Core;
+
+constexpr int kPairs = 20'000;
+
+/// Pairs of every family of coordinates, at sizes from beyond the range of squares in double to denormal ones.
+template <class Check>
+void for_boxes(std::uint64_t seed, Check&& check) {
+  std::mt19937_64 random = oracle::seeded(seed);
+  constexpr double kScales[] = {1, 0x1p-30, 0x1p40, 0x1p-110, 0x1p110, 0x1p-300, 0x1p300, 0x1p-1060};
+  for (const oracle::Family family : oracle::kFamilies) {
+    oracle::RandomShapes shapes(random, family);
+    for (int i = 0; i < kPairs; ++i) {
+      Box a = shapes.box();
+      Box b = shapes.box();
+      if (i % 4 == 0) b.axes = a.axes;
+      if (i % 8 == 0) b.center = a.center + a.axes * (a.half_m + b.half_m);  // touching corners
+      const double scale = i % 2 == 0 ? 1 : kScales[static_cast<std::size_t>(i / 2) % std::size(kScales)];
+      for (Box* box : {&a, &b}) {
+        box->center *= scale;
+        box->half_m *= scale;
+      }
+      check(a, b, i);
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+}
+
+// Four axes at a time decide what one after the other does, parallel and barely turned edges included.
+TEST(BoxLanes, DecideAsOneAxisAfterTheOther) {
+  int yes = 0;
+  int no = 0;
+  for_boxes(20261201, [&](const Box& a, const Box& b, int i) {
+    const double off_m = i % 3 == 0 ? 0 : 1e-9 * std::abs(a.half_m[0]);
+    const Decision decided = kernel::quickly_overlaps(a, b, off_m);
+    EXPECT_EQ(decided, oracle::plain_overlap(a, b, off_m)) << i;
+    yes += decided == Decision::yes ? 1 : 0;
+    no += decided == Decision::no ? 1 : 0;
+  });
+  EXPECT_GT(yes, kPairs / 4);
+  EXPECT_GT(no, kPairs / 4);
+}
+
+TEST(BoxLanes, KeepTheAxesThatOneAfterTheOtherKeeps) {
+  for_boxes(20261202, [&](const Box& a, const Box& b, int i) {
+    EXPECT_EQ(kernel::axes_of_least_push({}, Core(a), Core(b)), oracle::plain_least_pushes(a, b)) << i;
+  });
+}
+
+TEST(BoxLanes, TheAxesOfBoxesHaveTheirPlaceInTheList) {
+  std::mt19937_64 random = oracle::seeded(20261203);
+  oracle::RandomShapes shapes(random, oracle::Family::random);
+  const Core a(shapes.box());
+  const Core b(shapes.box());
+  const kernel::FacetAxes axes = kernel::facet_axes(a, b);
+  ASSERT_EQ(axes.count, 15);
+  for (int i = 0; i < axes.count; ++i) {
+    EXPECT_EQ(kernel::facet_axis_of_boxes(a, b, i).u.to, axes.axis[i].u.to) << i;
+    EXPECT_EQ(kernel::facet_axis_of_boxes(a, b, i).v.to, axes.axis[i].v.to) << i;
+  }
+}
+
+// To the last bit, since contact points are part of recorded events.
+TEST(BoxLanes, TheMiddleIsThatOfOneEdgeAfterTheOther) {
+  int found = 0;
+  for_boxes(20261204, [&](const Box& a, const Box& b, int i) {
+    const double size_m = kernel::extent(Core(a)) + kernel::extent(Core(b));
+    const std::optional<Vec3> fast = kernel::middle_of_boxes(Core(a), Core(b), size_m);
+    const std::optional<Vec3> slow = oracle::plain_middle(a, b, size_m);
+    ASSERT_EQ(fast.has_value(), slow.has_value()) << i;
+    if (!fast) return;
+    ++found;
+    EXPECT_EQ(*fast, *slow) << i;
+  });
+  EXPECT_GT(found, kPairs);
+}
+
+// A box of which one axis vanishes in squares has no slabs of its own; it is left to the plain form.
+TEST(BoxLanes, AxesWithoutSquaresAreLeftToThePlainForm) {
+  Box flat{.center = Vec3::Zero(), .axes = Mat3::Identity(), .half_m = Vec3::Ones()};
+  flat.axes.col(0) *= 0x1p-300;
+  EXPECT_FALSE(kernel::middle_of_boxes(Core(flat), Core(flat), 4).has_value());
+}
+
+// A factor that is exact leaves out operations of the running bound, and no bit of the result.
+TEST(BoxLanes, ProductsWithExactNumbersKeepEveryBit) {
+  std::mt19937_64 random = oracle::seeded(20261205);
+  std::uniform_real_distribution<double> part(-1, 1);
+  for (int i = 0; i < kPairs; ++i) {
+    const double scale = std::ldexp(1, static_cast<int>(400 * part(random)));
+    const Bounded x =
+        i % 5 == 0 ? Bounded(i % 2 == 0 ? 0 : part(random)) : Bounded(part(random) * scale, scale * 1e-16);
+    const double exact = i % 7 == 0 ? 0 : part(random) * std::ldexp(1, static_cast<int>(400 * part(random)));
+    const Bounded plain = Bounded(exact) * x;
+    const Bounded quick = kernel::times(x, exact);
+    EXPECT_EQ(quick.value, plain.value);
+    EXPECT_EQ(quick.error, plain.error);
+  }
+}
+
+}  // namespace
+}  // namespace collided
