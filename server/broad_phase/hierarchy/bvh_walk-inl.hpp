@@ -423,8 +423,11 @@ HWY_INLINE bool climb(const WalkFrame* stack, float limit, WalkFrame*& top, Ref&
 }
 
 HWY_INLINE void fetch(const Node* nodes, const Leaf* leaves, Ref ref) {
-  const char* p = is_leaf(ref) ? reinterpret_cast<const char*>(leaves + (ref & kIndexMask))
-                               : reinterpret_cast<const char*>(nodes + ref);
+  const auto first_leaf = reinterpret_cast<std::uintptr_t>(leaves);
+  const auto first_node = reinterpret_cast<std::uintptr_t>(nodes);
+  const std::uintptr_t leaf = first_leaf + sizeof(Leaf) * (ref & kIndexMask);
+  const std::uintptr_t node = first_node + sizeof(Node) * ref;
+  const auto* p = reinterpret_cast<const char*>(is_leaf(ref) ? leaf : node);
   __builtin_prefetch(p);
   __builtin_prefetch(p + 64);
   __builtin_prefetch(p + 128);

@@ -50,12 +50,11 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
       const unsigned waiting = met_children<kWay>(nodes[ref], slabs, reach.local, *top);
       if (waiting != 0) {
         ref = top->child[place_of(waiting)];
-        top->waiting = waiting & (waiting - 1);
-        // A branch, though hard to predict: waiting children are not needed until the descent has ended.
-        if (top->waiting != 0) {
-          fetch(nodes, leaves, top->child[place_of(top->waiting)]);
-          ++top;
-        }
+        const unsigned rest = waiting & (waiting - 1);
+        top->waiting = rest;
+        // Without a branch, which would be hard to predict: where nothing waits, what is read next is fetched again.
+        fetch(nodes, leaves, top->child[place_of(rest != 0 ? rest : waiting)]);
+        top += rest != 0 ? 1 : 0;
         continue;
       }
     }

@@ -11,6 +11,7 @@
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/query/covered.hpp"
+#include "server/world/query/plain_rays.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/stale_reach.hpp"
 
@@ -49,6 +50,7 @@ void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
                                      [&](ObjectId part) { return scratch.allowed[slot_of(part)] != 0; });
     scratch.open_scenes.push_back(is_open ? 1 : 0);
   }
+  scratch.all_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
 }
 
 /// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
@@ -153,6 +155,8 @@ void note_age(Answers& answers, const Question& question) {
   }
 }
 
+bool keeps_ray_rules(const double* numbers) { return wire_contract::keeps_rules<wire_contract::kRayFields>(numbers); }
+
 /// The answer that needs no search: the numbers are invalid, or the deadline has passed.
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
   if (!is_question(asked.kind, numbers)) return Verdict::invalid;
@@ -195,7 +199,40 @@ struct QuestionBatch {
     finish(question, place);
   }
   void answer_rays(std::size_t place, std::size_t count) const;
+  void answer_plain_ray(std::size_t place) const;
+  void answer_plain_rays(std::size_t first, std::size_t count, std::span<PlainRay> memory) const;
+  void answer_all_plain(std::size_t count, bool together) const;
+  void answer_all(std::size_t count, bool together) const {
+    const std::size_t step = together ? kRaysAtOnce : 1;
+    for (std::size_t i = 0; i < count; i += step) {
+      together ? answer_rays(i, std::min(step, count - i)) : answer_one(i);
+    }
+  }
 };
+
+void QuestionBatch::answer_plain_ray(std::size_t place) const {
+  const double* numbers = numbers_of(place);
+  if (!keeps_ray_rules(numbers)) return write_at_once(answers, place, Verdict::invalid);
+  PlainRay& ray = scratch.plain_rays.front();
+  if (!start_plain_ray(numbers, ray)) return answer_one(place);
+  walk_plain_ray(snapshot, asked.mode, ray);
+  write_plain_ray(snapshot, asked.mode, ray, place, answers);
+}
+
+void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std::span<PlainRay> memory) const {
+  std::array<PlainRay*, kPlainRaysAtOnce> walks;
+  std::array<bool, kPlainRaysAtOnce> is_plain;
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* numbers = numbers_of(first + i);
+    is_plain[i] = keeps_ray_rules(numbers) && start_plain_ray(numbers, memory[i]);
+    if (is_plain[i]) walks[size++] = &memory[i];
+  }
+  walk_plain_rays(snapshot, asked.mode, std::span(walks).first(size));
+  for (std::size_t i = 0; i < count; ++i) {
+    is_plain[i] ? write_plain_ray(snapshot, asked.mode, memory[i], first + i, answers) : answer_one(first + i);
+  }
+}
 
 void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
   std::array<std::optional<Question>, kRaysAtOnce> group;
@@ -222,18 +259,31 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
   for (std::size_t i = 0; i < size; ++i) finish(*group[i], places[i]);
 }
 
+void QuestionBatch::answer_all_plain(std::size_t count, bool together) const {
+  std::vector<PlainRay>& memory = scratch.plain_rays;
+  if (memory.empty()) memory.resize(kPlainRaysAtOnce);
+  if (!together) {
+    for (std::size_t i = 0; i < count; ++i) answer_plain_ray(i);
+    return;
+  }
+  for (std::size_t i = 0; i < count; i += memory.size()) {
+    answer_plain_rays(i, std::min(memory.size(), count - i), memory);
+  }
+}
+
 /// Rays in unrelated directions through a tree larger than the caches mostly wait for memory: walked in turn, one uses
 /// the time that another waits. Rays like a camera's visit the same nodes, and gain by visiting them together where no
 /// candidate needs to be filtered; otherwise each profits from what the last one left in the cache, and is faster
 /// alone.
+///
+/// asked  at least kFewestTogether rays
+constexpr std::size_t kFewestTogether = 16;
 bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
-  constexpr std::size_t kFewest = 16;
   constexpr std::uint64_t kCacheBytes = 4 << 20;
   constexpr std::size_t stride = kRayNumbers;
-  const std::size_t count = asked.numbers.size() / stride;
-  if (count < kFewest || asked.mode == HitMode::all) return false;
+  if (asked.mode == HitMode::all) return false;
   std::size_t alike = 0;
-  for (std::size_t i = 1; i < kFewest; ++i) {
+  for (std::size_t i = 1; i < kFewestTogether; ++i) {
     const double* a = asked.numbers.data() + (i - 1) * stride;
     const double* b = a + stride;
     const bool same_start = a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
@@ -242,9 +292,8 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
     const bool same_direction = along > 0 && along * along > 0.99 * squares;
     alike += same_start && same_direction ? 1 : 0;
   }
-  if (alike >= kFewest / 2) {
-    const bool is_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
-    return !snapshot.scenes.empty() && is_open && asked.error_m == 0 && asked.highest == Level::rational;
+  if (alike >= kFewestTogether / 2) {
+    return !snapshot.scenes.empty() && scratch.all_open && asked.error_m == 0 && asked.highest == Level::rational;
   }
   std::uint64_t bytes = 0;
   for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
@@ -295,10 +344,12 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
-  const bool together = questions.kind == QuestionKind::ray && rays_gain_together(snapshot, questions, scratch);
-  const std::size_t step = together ? kRaysAtOnce : 1;
-  for (std::size_t i = 0; i < count; i += step) {
-    together ? batch.answer_rays(i, std::min(step, count - i)) : batch.answer_one(i);
+  const bool together = questions.kind == QuestionKind::ray && count >= kFewestTogether &&
+                        rays_gain_together(snapshot, questions, scratch);
+  if (are_plain_rays(snapshot, questions, scratch)) {
+    batch.answer_all_plain(count, together);
+  } else {
+    batch.answer_all(count, together);
   }
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }

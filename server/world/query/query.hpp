@@ -12,6 +12,7 @@
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
+#include "server/world/query/plain_ray.hpp"
 
 namespace collided::engine {
 
@@ -125,8 +126,10 @@ struct Answers {
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;      // by slot, for the filter below
   std::vector<std::uint8_t> open_scenes;  // by scene: every part of it may answer
+  bool all_open = false;                  // of every scene
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
+  std::vector<PlainRay> plain_rays;                  // all that are under way at once
   const ObjectTable* allowed_table = nullptr;        // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;

@@ -12,6 +12,7 @@
 #include "server/world/objects/part_index.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/ray_answer.hpp"
 
 namespace collided::engine {
 namespace {
@@ -65,21 +66,8 @@ struct RayWalk {
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
-/// Number by number, as they were written just before: a copy in larger pieces waits until those stores have reached the
-/// cache.
-Vec3 copied(const Vec3& v) { return {v[0], v[1], v[2]}; }
-
 inline AnswerHit RayWalk::answer_of(const RayHit& hit, ObjectId object, std::uint32_t triangle) const {
-  return {.object = object,
-          .triangle = triangle,
-          .flags = static_cast<std::uint8_t>(question.flags_of(object) | (hit.inside ? kInside : 0)),
-          .distance_m = hit.distance_m,
-          .error_m = hit.distance_error_m,
-          .exit_m = hit.exit_m,
-          .point = copied(hit.point),
-          .point_error_m = point_error_m(hit),
-          .normal = copied(hit.normal),
-          .weights = copied(hit.weights)};
+  return answer_hit(hit, object, triangle, question.flags_of(object));
 }
 
 /// Intervals that do not overlap decide; else two triangles are compared exactly; ties go to the lower object, then
@@ -292,12 +280,6 @@ void finish_all(Question& question) {
     found.resize(question.asked.max_hits);
     question.truncated = true;
   }
-}
-
-/// stable_length, from numbers that are in memory already.
-double length_of_direction(const double* n) {
-  const double square = n[3] * n[3] + n[4] * n[4] + n[5] * n[5];
-  return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : Vec3(n[3], n[4], n[5]).stableNorm();
 }
 
 inline RayWalk::RayWalk(Question& of, const double* numbers)

@@ -1,0 +1,154 @@
+#include "server/world/query/plain_rays.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "server/geometry/tolerance.hpp"
+#include "server/world/query/question_shapes.hpp"
+#include "server/world/query/ray_answer.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// Of two triangles met, what the answer says of equal distances: by the names of their objects, then by their numbers.
+bool precedes_in_answer(const Snapshot& snapshot, const StaticScene& a_scene, std::uint32_t a,
+                        const StaticScene& b_scene, std::uint32_t b) {
+  const ObjectId a_object = a_scene.part_objects[a_scene.part_of(a)];
+  const ObjectId b_object = b_scene.part_objects[b_scene.part_of(b)];
+  // Triangles of one part stand in the order of their numbers.
+  if (a_object == b_object) return a < b;
+  const ObjectTable& objects = *snapshot.objects;
+  return objects[slot_of(a_object)]->name < objects[slot_of(b_object)]->name;
+}
+
+/// Takes the candidates of one scene's walk.
+struct PlainCandidate {
+  PlainRay* of = nullptr;
+  const StaticScene* scene = nullptr;
+  const Snapshot* snapshot = nullptr;
+  bool any = false;
+
+  double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
+    PlainRay& ray = *of;
+    const bool has_met = ray.met != kNoTriangle;
+    // A clipped split tells a triangle twice, and then it would tie with itself.
+    if (!any && has_met && ray.met == triangle && ray.scene == scene) return ray.limit;
+    RayHit& hit = ray.hits[ray.kept ^ 1U];
+    const ExactResult verdict = cast_ray(ray.ray, corners, hit);
+    ++ray.exact_tests;
+    ray.level = std::max(ray.level, verdict.level);
+    ray.is_undecided = ray.is_undecided || verdict.decision == Decision::undecided;
+    if (!verdict.yes() || (has_met && !is_nearer(hit, triangle, corners))) return ray.limit;
+    ray.kept ^= 1U;
+    ray.met = triangle;
+    ray.scene = scene;
+    if (any) return ray.limit = -1;
+    const double reach = (hit.distance_m + hit.distance_error_m) / ray.direction_m * (1 + kFewSlack);
+    if (reach < ray.limit) ray.limit = reach;
+    return ray.limit;
+  }
+  /// Intervals that do not overlap decide; else the two triangles are compared exactly.
+  bool is_nearer(const RayHit& hit, std::uint32_t triangle, const Triangle& corners) const {
+    const RayHit& best = of->hit();
+    if (hit.distance_m + hit.distance_error_m < best.distance_m - best.distance_error_m) return true;
+    if (best.distance_m + best.distance_error_m < hit.distance_m - hit.distance_error_m) return false;
+    const int order = compare_hits(of->ray, corners, of->scene->mesh.triangle(of->met));
+    return order != 0 ? order < 0 : precedes_in_answer(*snapshot, *scene, triangle, *of->scene, of->met);
+  }
+  /// Takes the triangle that a walk for any hit ended at, unless it was offered as a candidate already.
+  void meet(std::uint32_t triangle, const Triangle& corners) const {
+    if (triangle != Bvh::kNoTriangle && of->limit >= 0) (*this)(triangle, corners, of->limit);
+  }
+};
+
+/// Walks the rays through one scene together.
+void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, HitMode mode, std::span<PlainRay*> rays,
+                         std::span<Bvh::RayTask> tasks) {
+  std::array<PlainCandidate, kPlainRaysAtOnce> candidates;
+  const bool any = mode == HitMode::any;
+  std::size_t count = 0;
+  for (PlainRay* ray : rays) {
+    if (ray->limit < 0) continue;
+    candidates[count] = {ray, &scene, &snapshot, any};
+    Bvh::RayTask& task = tasks[count];
+    task.ray = &ray->ray;
+    task.limit = ray->limit;
+    task.candidate = candidates[count];
+    task.cost = &ray->walk;
+    task.met = Bvh::kNoTriangle;
+    ++count;
+  }
+  scene.tree.walk_rays(tasks.first(count), scene.mesh, any ? Bvh::RayGoal::any : Bvh::RayGoal::nearest);
+  if (!any) return;
+  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
+}
+
+void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers) {
+  const StaticScene& scene = *ray.scene;
+  const std::uint32_t part = scene.part_of(ray.met);
+  const ObjectId object = scene.part_objects[part];
+  const std::uint32_t slot = slot_of(object);
+  const auto flags = static_cast<std::uint8_t>(snapshot.stale[slot] != 0 ? kStale : 0);
+  answers.hits.push_back(answer_hit(ray.hit(), object, ray.met - scene.parts[part].first_triangle, flags));
+  const std::int64_t posed_ns = snapshot.posed_ns[slot];
+  if (posed_ns == 0) return;
+  answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
+}
+
+}  // namespace
+
+bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+  if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
+  if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
+  return scratch.all_open && !snapshot.covers && !(snapshot.grid && snapshot.grid->size() > 0);
+}
+
+bool start_plain_ray(const double* numbers, PlainRay& ray) {
+  ray.ray = ray_of(numbers);
+  ray.direction_m = length_of_direction(numbers);
+  const double length_m = numbers[6];
+  ray.limit =
+      length_m == std::numeric_limits<double>::infinity() ? length_m : length_m / ray.direction_m * (1 + kFewSlack);
+  ray.walk = {};
+  ray.exact_tests = 0;
+  ray.level = Level::filter;
+  ray.is_undecided = false;
+  ray.met = kNoTriangle;
+  // A length divided by a denormal direction may overflow.
+  return length_m == std::numeric_limits<double>::infinity() || ray.limit <= std::numeric_limits<double>::max();
+}
+
+void walk_plain_ray(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
+  for (const auto& scene : snapshot.scenes) {
+    const PlainCandidate candidate{&ray, scene.get(), &snapshot, mode == HitMode::any};
+    if (mode != HitMode::any) {
+      scene->tree.walk_ray_nearest(ray.ray, ray.limit, scene->mesh, candidate, ray.walk);
+      continue;
+    }
+    Triangle corners;
+    candidate.meet(scene->tree.meet_ray(ray.ray, ray.limit, scene->mesh, candidate, ray.walk, corners), corners);
+    if (ray.limit < 0) return;
+  }
+}
+
+void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays) {
+  std::array<Bvh::RayTask, kPlainRaysAtOnce> tasks;
+  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, mode, rays, tasks);
+}
+
+/// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
+void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
+  const bool is_hit = ray.met != kNoTriangle;
+  const bool is_open = ray.is_undecided && !(is_hit && mode == HitMode::any);
+  const Verdict plain = is_hit ? Verdict::hit : Verdict::miss;
+  answers.answers[place] = is_open ? Verdict::undecided : plain;
+  answers.reasons[place] = is_open ? UndecidedReason::numeric : UndecidedReason::none;
+  answers.levels[place] = static_cast<std::uint8_t>(ray.level);
+  answers.hit_counts[place] = is_hit ? 1 : 0;
+  answers.nodes[place] = ray.walk.nodes;
+  answers.exact_tests[place] = ray.exact_tests;
+  if (is_hit) append_hit(snapshot, ray, answers);
+}
+
+}  // namespace collided::engine

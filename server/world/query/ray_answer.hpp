@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cmath>
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/tolerance.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine {
+
+// What the two ways of answering a ray share: ray_question.cpp for every kind, plain_rays.cpp for the plain ones.
+
+/// stable_length of a ray's direction, from numbers that are in memory already.
+inline double length_of_direction(const double* n) {
+  const double square = n[3] * n[3] + n[4] * n[4] + n[5] * n[5];
+  return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : Vec3(n[3], n[4], n[5]).stableNorm();
+}
+
+/// Number by number, as they were written just before: a copy in larger pieces waits until those stores have reached the
+/// cache.
+inline Vec3 copied(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+/// A hit as answers have it; triangle counts within the object.
+inline AnswerHit answer_hit(const RayHit& hit, ObjectId object, std::uint32_t triangle, std::uint8_t flags) {
+  return {.object = object,
+          .triangle = triangle,
+          .flags = static_cast<std::uint8_t>(flags | (hit.inside ? kInside : 0)),
+          .distance_m = hit.distance_m,
+          .error_m = hit.distance_error_m,
+          .exit_m = hit.exit_m,
+          .point = copied(hit.point),
+          .point_error_m = point_error_m(hit),
+          .normal = copied(hit.normal),
+          .weights = copied(hit.weights)};
+}
+
+}  // namespace collided::engine
