@@ -43,6 +43,7 @@ declare -A within=(
   [world/events]="objects"
   [world/step]=". objects solids events"
   [world/query]=". objects solids step"
+  [world/groups]=". objects solids query"
   [world/audit]=". objects solids step query"
   [service/runtime]=""
   [service/roles]="runtime"

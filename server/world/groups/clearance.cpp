@@ -1,0 +1,182 @@
+#include "server/world/groups/clearance.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <unordered_map>
+
+#include "server/geometry/float_environment.hpp"
+#include "server/geometry/tolerance.hpp"
+#include "server/world/groups/bounds_tree.hpp"
+
+namespace collided::engine {
+namespace {
+
+ObjectClearance turned_round(ObjectClearance found) {
+  std::swap(found.on_a, found.on_b);
+  std::swap(found.a_triangle, found.b_triangle);
+  found.normal = -found.normal;
+  if (found.contained != Contained::none)
+    found.contained = found.contained == Contained::a_in_b ? Contained::b_in_a : Contained::a_in_b;
+  return found;
+}
+
+/// A group: numbers of members, and where they may be.
+struct MemberGroup {
+  std::vector<std::uint32_t> members;
+  std::vector<Aabb> reaches;
+
+  BoundsTree tree() const { return BoundsTree(reaches); }
+};
+
+/// The nearest pairs so far, and how near another must be to be among them.
+class NearestPairs {
+ public:
+  NearestPairs(double within_m, std::size_t most) : within_m_(within_m), most_(most) {}
+
+  double limit_m() const {
+    return pairs_.size() < most_ ? within_m_ : std::min(within_m_, pairs_.back().clearance.high_m());
+  }
+  void keep(const MemberPair& pair) {
+    const auto place = std::upper_bound(pairs_.begin(), pairs_.end(), pair, &NearestPairs::nearer);
+    if (pairs_.size() == most_) {
+      is_cut_ = true;
+      if (place == pairs_.end()) return;
+    }
+    pairs_.insert(place, pair);
+    if (pairs_.size() > most_) pairs_.pop_back();
+  }
+  void take_into(GroupClearance& found) {
+    found.pairs = std::move(pairs_);
+    found.is_cut = is_cut_;
+  }
+
+ private:
+  static bool nearer(const MemberPair& x, const MemberPair& y) {
+    return std::tie(x.clearance.clearance_m, x.a, x.b) < std::tie(y.clearance.clearance_m, y.a, y.b);
+  }
+
+  double within_m_;
+  std::size_t most_;
+  std::vector<MemberPair> pairs_;  // nearest first
+  bool is_cut_ = false;
+};
+
+/// One question's way over the pairs of its groups.
+class GroupSearch {
+ public:
+  GroupSearch(const Snapshot& snapshot, const ClearanceAsk& ask, PartMeshes& part_meshes)
+      : ask_(ask), members_(snapshot, part_meshes), deadline_(ask.deadline_ns), nearest_(ask.within_m, ask.most) {
+    collect(ask.from, from_, is_from_);
+    collect(ask.to, to_, is_to_);
+  }
+
+  GroupClearance run() {
+    const BoundsTree from = from_.tree();
+    const BoundsTree to = to_.tree();
+    const auto visit = [&](std::uint32_t i, std::uint32_t k, double) {
+      return look_at(from_.members[i], to_.members[k]);
+    };
+    walk_nearest_pairs(
+        from, to, [&] { return nearest_.limit_m(); }, visit);
+    nearest_.take_into(found_);
+    if (ask_.certificates) prove_all();
+    found_.is_late = deadline_.was_over();
+    if (found_.is_late && found_.touches == Decision::no) found_.touches = Decision::undecided;
+    return std::move(found_);
+  }
+
+ private:
+  void collect(const std::vector<ObjectId>& ids, MemberGroup& group, std::vector<bool>& is_in) {
+    for (const ObjectId id : ids) {
+      const auto [known, is_new] = number_of_.try_emplace(id, 0);
+      if (is_new) known->second = members_.add(id);
+      const std::uint32_t number = known->second;
+      is_in.resize(std::max<std::size_t>(is_in.size(), number + 1), false);
+      if (is_in[number]) continue;
+      is_in[number] = true;
+      group.members.push_back(number);
+      group.reaches.push_back(members_.reach(number));
+    }
+  }
+  static bool holds(const std::vector<bool>& is_in, std::uint32_t number) {
+    return number < is_in.size() && is_in[number];
+  }
+  /// Of two objects that are in both groups one order is enough.
+  bool comes_again(std::uint32_t a, std::uint32_t b) const {
+    return a == b || (a > b && holds(is_to_, a) && holds(is_from_, b));
+  }
+
+  bool look_at(std::uint32_t a, std::uint32_t b) {
+    if (deadline_.is_over()) return false;
+    if (comes_again(a, b)) return true;
+    if (!ask_.with_filtered && !may_meet(members_.info(a).filter, members_.info(b).filter)) {
+      ++found_.filtered;
+      return true;
+    }
+    ++found_.tested;
+    auto clearance = clearance_in_order(members_, a, b, {.limit_m = nearest_.limit_m()}, deadline_);
+    if (deadline_.was_over()) return false;
+    const bool is_stale = members_.is_stale(a) || members_.is_stale(b);
+    found_.is_stale = found_.is_stale || is_stale;
+    const bool may_have_met = is_stale && overlaps(members_.reach(a), members_.reach(b));
+    if (clearance && may_have_met && clearance->touches == Decision::no) clearance->touches = Decision::undecided;
+    count(clearance ? clearance->touches : may_have_met ? Decision::undecided : Decision::no);
+    if (clearance)
+      nearest_.keep(
+          {.a = members_.info(a).id, .b = members_.info(b).id, .is_stale = is_stale, .clearance = *clearance});
+    return true;
+  }
+
+  void prove_all() {
+    for (MemberPair& pair : found_.pairs) {
+      if (deadline_.is_over()) pair.no_proof = "the deadline was over";
+      else if (pair.clearance.touches == Decision::undecided) pair.no_proof = "the answer is undecided";
+      else if (pair.clearance.contained != Contained::none)
+        pair.no_proof = "one lies within the other, a solid: the surfaces do not touch";
+      else prove(pair);
+    }
+  }
+  void prove(MemberPair& pair) {
+    WalkCost cost;
+    const Placed& a = members_.placed(number_of_.at(pair.a), deadline_);
+    const Placed& b = members_.placed(number_of_.at(pair.b), deadline_);
+    pair.proof = proof_of(a, b, pair.clearance.touches == Decision::yes, pair.no_proof, cost);
+  }
+
+  void count(Decision touches) {
+    if (touches == Decision::yes) found_.touches = Decision::yes;
+    if (touches == Decision::undecided && found_.touches == Decision::no) found_.touches = Decision::undecided;
+  }
+
+  const ClearanceAsk& ask_;
+  Members members_;
+  Deadline deadline_;
+  NearestPairs nearest_;
+  GroupClearance found_;
+  std::unordered_map<ObjectId, std::uint32_t> number_of_;
+  MemberGroup from_;
+  MemberGroup to_;
+  std::vector<bool> is_from_;
+  std::vector<bool> is_to_;
+};
+
+}  // namespace
+
+std::optional<ObjectClearance> clearance_in_order(Members& members, std::uint32_t a, std::uint32_t b,
+                                                  const ClearanceWanted& wanted, Deadline& deadline) {
+  const ObjectInfo& info_a = members.info(a);
+  const ObjectInfo& info_b = members.info(b);
+  const bool turned = std::tie(info_b.name, info_b.id) < std::tie(info_a.name, info_a.id);
+  WalkCost cost;
+  auto found = clearance_between(members.placed(turned ? b : a, deadline), members.placed(turned ? a : b, deadline),
+                                 wanted, cost, deadline);
+  if (found && turned) return turned_round(*found);
+  return found;
+}
+
+GroupClearance clearance_of(const Snapshot& snapshot, const ClearanceAsk& ask, PartMeshes& part_meshes) {
+  const OwnFloatEnvironment own_floats;
+  return GroupSearch(snapshot, ask, part_meshes).run();
+}
+
+}  // namespace collided::engine

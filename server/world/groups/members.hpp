@@ -1,0 +1,57 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "server/world/groups/part_meshes.hpp"
+#include "server/world/objects/contact_search.hpp"
+#include "server/world/objects/snapshot.hpp"
+
+namespace collided::engine {
+
+/// Some objects of a snapshot as searches over pairs of them need each: placed, and a part of a scene with a mesh of its
+/// own, made when it is first looked at.
+///
+/// owner    the snapshot must outlive it
+/// threads  one at a time
+class Members {
+ public:
+  Members(const Snapshot& snapshot, PartMeshes& part_meshes) : snapshot_(snapshot), part_meshes_(part_meshes) {}
+  Members(const Members&) = delete;
+  Members& operator=(const Members&) = delete;
+
+  /// Adds an object of the snapshot; returns its number.
+  std::uint32_t add(ObjectId id);
+  std::size_t size() const { return members_.size(); }
+  const ObjectInfo& info(std::uint32_t number) const { return *members_[number].info; }
+  bool is_stale(std::uint32_t number) const { return members_[number].is_stale; }
+  /// Contains everything that the object may reach: where its publisher is lost, more than where it is. Empty for an
+  /// object without parts.
+  const Aabb& reach(std::uint32_t number) const { return members_[number].reach; }
+  /// Where it is, without that doubt.
+  const Aabb& bounds(std::uint32_t number) const { return members_[number].placed.bounds; }
+  const Placed& placed(std::uint32_t number, Deadline& deadline);
+  /// Puts it elsewhere than the snapshot has it; not for a part of a scene. It is then where it is said to be, without
+  /// doubt.
+  void set_pose(std::uint32_t number, const Pose& pose);
+
+ private:
+  struct Member {
+    std::shared_ptr<const ObjectInfo> info;
+    std::shared_ptr<const StaticScene> scene;  // of a part; else null
+    Frame frame;
+    Pose pose;
+    Placed placed;
+    Aabb reach;
+    bool is_stale = false;
+  };
+
+  void add_part(Member& member);
+
+  const Snapshot& snapshot_;
+  PartMeshes& part_meshes_;
+  std::deque<Member> members_;  // whose frames are pointed to
+};
+
+}  // namespace collided::engine
