@@ -75,6 +75,7 @@ class Connection {
   bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
   bool is_from_server_or_its_heir(const dds_sample_info_t& info);
   Error no_server() const;
+  bool is_gone() const;
 
   ConnectOptions options_;
   std::shared_ptr<dds::Participant> participant_;

@@ -66,6 +66,7 @@ ServerStatus decode_status(const wire::Status& status) {
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   if (server() != status->server && server() != 0 && !silent()) { return; }
   server_.store(status->server, std::memory_order_release);
+  pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
   {
     const std::lock_guard lock(observers_mutex_);

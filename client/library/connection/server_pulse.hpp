@@ -34,6 +34,8 @@ class ServerPulse {
   /// The server's number; 0 before anything was heard.
   std::uint64_t server() const { return server_.load(std::memory_order_acquire); }
   Clock::time_point last_heard() const;
+  /// The server's process, on its machine; 0 before the first status.
+  std::uint32_t pid() const { return pid_.load(std::memory_order_relaxed); }
   /// Whether nothing has been heard for kStatusLostNs.
   bool silent() const;
   /// How often no status came for so long (wire_contract::kForgottenNs) that DDS may have forgotten the server's
@@ -61,6 +63,7 @@ class ServerPulse {
 
   std::atomic<std::int64_t> last_heard_ns_{0};
   std::atomic<std::uint64_t> server_{0};
+  std::atomic<std::uint32_t> pid_{0};
   std::atomic<std::uint64_t> outages_{0};
   mutable std::mutex mutex_;
   mutable std::condition_variable came_;

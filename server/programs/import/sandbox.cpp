@@ -146,10 +146,16 @@ std::string leave_only(const std::vector<std::string>& readable) {
   return is_done ? std::string() : std::string("the files that it may read cannot be limited: ") + std::strerror(fault);
 }
 
-/// Gives up what a privileged user may do beyond others.
+/// Gives up what a privileged user may do beyond others. Where there is nothing to give up it is not tried: a service's
+/// unit that leaves no capability may well forbid the call too.
 bool drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> held{}, none{};
+  const bool is_known = ::syscall(SYS_capget, &header, held.data()) == 0;
+  const auto is_none = [](const __user_cap_data_struct& some) {
+    return (some.effective | some.permitted | some.inheritable) == 0;
+  };
+  if (is_known && std::all_of(held.begin(), held.end(), is_none)) return true;
   return ::syscall(SYS_capset, &header, none.data()) == 0;
 }
 

@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
+
+#include "client/library/connection/local_process.hpp"
 #include "collided/client.hpp"
 #include "tests/service/wire/fake_server.hpp"
 
@@ -316,6 +322,66 @@ TEST_F(ClientAsk, DeadServerIsDisconnectedNotATimeout) {
   server_.beating = true;
   server_.answering = true;
   EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(client_->ask(ray_from(1))); }));
+}
+
+/// A process of the server's name that does nothing, and can be stopped and killed.
+class Stand {
+ public:
+  Stand() : pid_(::fork()) {
+    if (pid_ != 0) return;
+    ::prctl(PR_SET_NAME, "collided");
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    while (true) ::pause();
+  }
+  ~Stand() {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Stand(const Stand&) = delete;
+  Stand& operator=(const Stand&) = delete;
+  std::uint32_t pid() const { return static_cast<std::uint32_t>(pid_); }
+  bool runs() const { return client::runs_here(pid(), "collided"); }
+  void signal(int number) const { ::kill(pid_, number); }
+
+ private:
+  pid_t pid_;
+};
+
+TEST(ClientLocalProcess, OnlyOneThatCanRunIsSaidTo) {
+  const Stand stand;
+  ASSERT_TRUE(test::eventually([&] { return stand.runs(); }));
+  EXPECT_FALSE(client::runs_here(stand.pid(), "collide"));
+  EXPECT_FALSE(client::runs_here(0, "collided"));
+  stand.signal(SIGSTOP);
+  EXPECT_TRUE(test::eventually([&] { return !stand.runs(); })) << "one that hangs";
+  stand.signal(SIGCONT);
+  EXPECT_TRUE(test::eventually([&] { return stand.runs(); }));
+  stand.signal(SIGKILL);
+  EXPECT_TRUE(test::eventually([&] { return !stand.runs(); })) << "killed, and nobody has asked how it ended";
+}
+
+// On a machine with more to do than it can, a server may find no time for a word for long; its process tells it from one
+// that is gone.
+TEST_F(ClientAsk, ASilentServerWhoseProcessRunsIsWaitedFor) {
+  const Stand stand;
+  ASSERT_TRUE(test::eventually([&] { return stand.runs(); }));
+  {
+    const std::lock_guard lock(server_.mutex);
+    server_.status->pid = stand.pid();
+  }
+  ASSERT_TRUE(test::eventually([&] { return client_->status()->pid == stand.pid(); }));
+  server_.beating = false;
+  std::thread later([&] {
+    std::this_thread::sleep_for(1s);  // four times as long as a server may be silent
+    server_.release_late();
+  });
+  const Result<Answer> answer = client_->ask(ray_from(1), {.only = "late", .timeout = 10s});
+  later.join();
+  EXPECT_TRUE(answer) << answer.error().message;
+  stand.signal(SIGKILL);
+  ASSERT_TRUE(test::eventually([&] { return !stand.runs(); }));
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(client_->ask(ray_from(1), {.only = "silent", .timeout = 10s}).error().code, ErrorCode::disconnected);
 }
 
 TEST(ClientReconnect, RestartedServerIsGreetedAnew) {

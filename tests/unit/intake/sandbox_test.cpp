@@ -2,7 +2,9 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <seccomp.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -59,6 +61,36 @@ TEST(IntakeSandbox, ReadingThreadsMemoryAndItsOutputAreAllowed) {
       {"/etc/hostname"});
   ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+/// From now on this process cannot change its capabilities, as under a unit with SystemCallFilter=~@privileged.
+bool forbid_capset() {
+  scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
+  const bool is_done = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && filter != nullptr &&
+                       seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(capset), 0) == 0 &&
+                       seccomp_load(filter) == 0;
+  seccomp_release(filter);
+  return is_done;
+}
+
+// A service that has no capabilities may not be allowed to give them up either; its imports work all the same. Whoever
+// has some and cannot give them up is stopped.
+TEST(IntakeSandbox, NobodyGivesUpWhatIsNotThere) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers make calls of their own, so calls are not limited";
+  const auto ends_with = [](bool has_capabilities) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      constexpr uid_t kNobody = 65534;  // changing to another user takes the capabilities along
+      if (!has_capabilities && ::getuid() == 0 && ::setresuid(kNobody, kNobody, kNobody) != 0) ::_exit(98);
+      if (!forbid_capset()) ::_exit(97);
+      ::_exit(enter_sandbox(1).empty() ? 0 : 99);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  EXPECT_EQ(ends_with(false), 0);
+  if (::getuid() == 0) { EXPECT_EQ(ends_with(true), 99); }
 }
 
 TEST(IntakeSandbox, EverythingElseEndsIt) {
