@@ -15,9 +15,12 @@ double row_times(const Mat3& r, int row, const Vec3& v) {
 
 Mat3 turned(const Frame& frame, const Mat3& axes) {
   Mat3 result;
-  for (int column = 0; column < 3; ++column) {
-    const Vec3 axis = axes.col(column);
-    for (int row = 0; row < 3; ++row) result(row, column) = row_times(frame.rotation, row, axis);
+  // By columns, as both are stored.
+  const double* r = frame.rotation.data();
+  const double* axis = axes.data();
+  double* to = result.data();
+  for (int column = 0; column < 3; ++column, axis += 3, to += 3) {
+    for (int row = 0; row < 3; ++row) to[row] = (r[row] * axis[0] + r[row + 3] * axis[1]) + r[row + 6] * axis[2];
   }
   return result;
 }

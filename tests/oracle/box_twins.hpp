@@ -7,6 +7,7 @@
 
 #include "server/exact_phase/distance/core.hpp"
 #include "server/exact_phase/distance/facet_filter.hpp"
+#include "server/exact_phase/motion/box_motion_filter.hpp"
 #include "server/exact_phase/overlap/box_pair.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -64,6 +65,37 @@ inline std::uint32_t plain_least_pushes(const Box& a, const Box& b) {
   std::uint32_t left = 0;
   for (int i = 0; i < 15; ++i) left |= (low[i] <= least_high ? 1u : 0u) << i;
   return left;
+}
+
+/// Of kernel::surely_apart for boxes on their motions.
+inline bool plain_parted(const kernel::MovingBox& a, const kernel::MovingBox& b) {
+  using kernel::Triple;
+  const kernel::BoxPair pair(a.at_end, b.at_end);
+  const Triple unturned = pair.between - kernel::triple(b.travel - a.travel);
+  const Triple before = kernel::triple(b.at_start.center) - kernel::triple(a.at_start.center);
+  const double reach = pair.reach() + unturned.largest() + before.largest();
+  if (!is_plain_length(reach) || !is_plain_length(pair.axis())) return false;
+  const double scale = 4 * pair.axis() * pair.axis();
+  const double error = (a.error_m + b.error_m + 0x1p-40 * reach) * scale;
+  const double turned = error + (a.turn_m + b.turn_m) * scale;
+  const double bent = error + (a.bend_m + b.bend_m) * scale;
+  const auto is_apart = [](double first, double last, double extent) {
+    return std::min(first, last) > extent || std::max(first, last) < -extent;
+  };
+  const auto extent_of = [](const Triple& n, const Box& box) {
+    double extent = 0;
+    for (int i = 0; i < 3; ++i) {
+      extent += box.half_m[i] * std::abs(kernel::dot(n, Triple{box.axes(0, i), box.axes(1, i), box.axes(2, i)}));
+    }
+    return extent;
+  };
+  return !pair.for_each_axis([&](int, const Triple& n, double extent) {
+    const double last = kernel::dot(pair.between, n);
+    if (is_apart(kernel::dot(unturned, n), last, extent + turned)) return false;
+    if (!(a.turn_m + b.turn_m > 0) || !is_apart(last, last, extent + bent)) return true;
+    const double then = extent_of(n, a.at_start) + extent_of(n, b.at_start);
+    return !is_apart(kernel::dot(before, n), last, std::max(extent, then) + bent);
+  });
 }
 
 /// The middle of the part of a segment that lies within {x : |n . (x - centre)| <= reach} for three normals, with the

@@ -208,6 +208,49 @@ std::uint32_t LeastPushesInLanes(const Box& first, const Box& second, double err
   return may_be;
 }
 
+/// How far a box reaches along n, times |n|.
+HWY_INLINE AxisLanes extent_over(const Lanes3& n, const Box& box) {
+  AxisLanes extent = hn::Zero(kAxisDoubles);
+  for (int i = 0; i < 3; ++i) {
+    const Lanes3 axis = spread({box.axes(0, i), box.axes(1, i), box.axes(2, i)});
+    extent = hn::Add(extent, hn::Mul(hn::Set(kAxisDoubles, box.half_m[i]), over(n, axis)));
+  }
+  return extent;
+}
+
+/// What separates two boxes along an axis all the way from start to end must leave more than the extent of both.
+HWY_INLINE AxisMask is_apart(AxisLanes first, AxisLanes last, AxisLanes extent) {
+  return hn::Or(hn::Gt(hn::Min(first, last), extent), hn::Lt(hn::Max(first, last), hn::Neg(extent)));
+}
+
+bool PartedInLanes(const Box& first, const Box& second, const BoxPairMotion& motion) {
+  const BoxPairLanes pair(first, second);
+  // Where the centres would have been without turning, and where they were.
+  const double unturned[3] = {pair.between[0] - motion.travel[0], pair.between[1] - motion.travel[1],
+                              pair.between[2] - motion.travel[2]};
+  const Vec3 start = motion.b_at_start.center - motion.a_at_start.center;
+  const double before[3] = {start[0], start[1], start[2]};
+  const auto largest = [](const double(&v)[3]) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); };
+  const double reach = pair.reach + largest(unturned) + largest(before);
+  if (!is_near_one(reach) || !is_near_one(pair.axis)) return false;
+  // |n| <= 2 sqrt(3) A^2.
+  const double scale = 4 * pair.axis * pair.axis;
+  const double error = (motion.error_m + motion.slack * reach) * scale;
+  const AxisLanes turned = hn::Set(kAxisDoubles, error + motion.turn_m * scale);
+  const AxisLanes bent = hn::Set(kAxisDoubles, error + motion.bend_m * scale);
+  const bool turns = motion.turn_m > 0;
+  return !pair.for_each_group([&](int, int, const Lanes3& n, AxisLanes extent, AxisMask) {
+    const AxisLanes last = dot(spread(pair.between), n);
+    if (!hn::AllFalse(kAxisDoubles, is_apart(dot(spread(unturned), n), last, hn::Add(extent, turned)))) return false;
+    if (!turns) return true;
+    const AxisMask is_apart_last = is_apart(last, last, hn::Add(extent, bent));
+    if (hn::AllFalse(kAxisDoubles, is_apart_last)) return true;
+    const AxisLanes then = hn::Add(extent_over(n, motion.a_at_start), extent_over(n, motion.b_at_start));
+    const AxisLanes most = hn::Add(hn::Max(extent, then), bent);
+    return hn::AllFalse(kAxisDoubles, hn::And(is_apart_last, is_apart(dot(spread(before), n), last, most)));
+  });
+}
+
 }  // namespace
 }  // namespace collided::engine::kernel::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -218,6 +261,7 @@ namespace {
 
 HWY_EXPORT(OverlapInLanes);
 HWY_EXPORT(LeastPushesInLanes);
+HWY_EXPORT(PartedInLanes);
 
 }  // namespace
 
@@ -227,6 +271,10 @@ Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds
 
 std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share) {
   return HWY_DYNAMIC_DISPATCH(LeastPushesInLanes)(a, b, error_share);
+}
+
+bool parted_in_lanes(const Box& a, const Box& b, const BoxPairMotion& motion) {
+  return HWY_DYNAMIC_DISPATCH(PartedInLanes)(a, b, motion);
 }
 
 }  // namespace collided::engine::kernel

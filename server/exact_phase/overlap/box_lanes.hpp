@@ -27,4 +27,18 @@ Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds
 /// error_share  bound of a depth, times |n|, relative to the reach and the square of the axes' largest coordinate
 std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share);
 
+/// How two boxes came to where they are; see box_motion_filter.cpp for the bounds.
+struct BoxPairMotion {
+  const Box& a_at_start;
+  const Box& b_at_start;
+  Vec3 travel;         // of b's frame against a's
+  double slack = 0;    // of all roundings, relative to the reach
+  double error_m = 0;  // of both, besides
+  double turn_m = 0;   // what turning moves the points of both by, at most
+  double bend_m = 0;   // what it bends their ways by
+};
+
+/// Whether an axis that separates the two at the end surely does so all the way. False proves nothing.
+bool parted_in_lanes(const Box& a, const Box& b, const BoxPairMotion& motion);
+
 }  // namespace collided::engine::kernel

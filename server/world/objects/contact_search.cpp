@@ -196,7 +196,33 @@ void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh:
                                      is_over, cost);
 }
 
+namespace {
+
+/// Bounds of a placed box whose points may be off by off_m, a few roundings wider than the tightest ones: a mover that
+/// turns has bounds of its own in every step.
+Aabb bounds_of_turned(const Box& placed, double off_m) {
+  // The products, which may underflow, and their sums; then the two sums with the centre.
+  constexpr double kUnderflows = 8 * std::numeric_limits<double>::denorm_min();
+  Aabb box;
+  for (int k = 0; k < 3; ++k) {
+    const double reach =
+        (std::abs(placed.axes(k, 0)) * placed.half_m[0] + std::abs(placed.axes(k, 1)) * placed.half_m[1]) +
+        std::abs(placed.axes(k, 2)) * placed.half_m[2];
+    const double own_m = (reach + off_m) * (1 + kFewSlack);
+    const double wide_m = own_m + kFewSlack * (std::abs(placed.center[k]) + own_m) + kUnderflows;
+    box.low[k] = placed.center[k] - wide_m;
+    box.high[k] = placed.center[k] + wide_m;
+  }
+  return box;
+}
+
+}  // namespace
+
 Aabb bounds_as_given(const Frame& frame, const Primitive& own) {
+  if (const auto* box = std::get_if<Box>(&own)) {
+    const double off_m = engine::placing_error_m(frame, own);
+    if (off_m > 0) return bounds_of_turned(place(frame, *box), off_m);
+  }
   const Aabb placed = bounds(place(frame, own));
   const Vec3 off = Vec3::Constant(std::holds_alternative<HalfSpace>(own) ? 0 : engine::placing_error_m(frame, own));
   return {.low = placed.low - off, .high = placed.high + off};
@@ -244,7 +270,37 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
   if (!touch.done() && b.info->mesh) search_mesh(a, given, b, touch, cost);
 }
 
+namespace {
+
+const Box* only_box(const ObjectInfo& info) {
+  return info.mesh || info.primitives.size() != 1 ? nullptr : std::get_if<Box>(&info.primitives.front());
+}
+
+/// What search_parts() does for two objects of one box each, without variants, where the filter in double decides.
+/// False: it does not, and nothing was done.
+bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
+  const Box* own_a = only_box(*a.info);
+  const Box* own_b = only_box(*b.info);
+  if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
+  const auto error_m = [](const Placed& object) {
+    return object.pose == nullptr ? 0 : placing_error_m(*object.frame, object.info->primitives.front());
+  };
+  const double off_m = (error_m(a) + error_m(b)) * (1 + kBoundSlack);
+  if (!(off_m > 0)) return false;
+  const Box box_a = place(*a.frame, *own_a);
+  const Box box_b = place(*b.frame, *own_b);
+  const Decision quick = kernel::quickly_overlaps(box_a, box_b, off_m);
+  if (quick == Decision::undecided) return false;
+  ++touch.exact_tests;
+  touch.yes = quick == Decision::yes;
+  if (touch.yes && touch.wanted) touch.contact = contact(box_a, box_b);
+  return true;
+}
+
+}  // namespace
+
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+  if (search_boxes(a, b, touch)) return;
   const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
     search_object(place(*a.frame, primitive), a.given(primitive), b, touch, cost);

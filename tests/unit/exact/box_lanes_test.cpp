@@ -61,6 +61,32 @@ TEST(BoxLanes, KeepTheAxesThatOneAfterTheOtherKeeps) {
   });
 }
 
+TEST(BoxLanes, PartOnTheWayAsOneAxisAfterTheOther) {
+  std::mt19937_64 random = oracle::seeded(20261206);
+  std::uniform_real_distribution<double> part(-1, 1);
+  int parted = 0;
+  for_boxes(20261207, [&](const Box& a, const Box& b, int i) {
+    const double size_m = std::max(kernel::extent(Core(a)), kernel::extent(Core(b)));
+    const auto moving = [&](const Box& box) {
+      const auto frame = [&] {
+        const double turn = i % 3 == 0 ? 0 : 0.1;
+        const Vec3 moved(part(random), part(random), part(random));
+        return frame_of({.position = 0.1 * size_m * moved,
+                         .rotation = Quat(1, turn * part(random), turn * part(random), 0).normalized()});
+      };
+      const Frame before = frame();
+      const Frame now = i % 5 == 0 ? before : frame();
+      return kernel::MovingBox(box, before, now, size_m);
+    };
+    const kernel::MovingBox first = moving(a);
+    const kernel::MovingBox second = moving(b);
+    const bool is_parted = kernel::surely_apart(first, second);
+    EXPECT_EQ(is_parted, oracle::plain_parted(first, second)) << i;
+    parted += is_parted ? 1 : 0;
+  });
+  EXPECT_GT(parted, kPairs / 4);
+}
+
 TEST(BoxLanes, TheAxesOfBoxesHaveTheirPlaceInTheList) {
   std::mt19937_64 random = oracle::seeded(20261203);
   oracle::RandomShapes shapes(random, oracle::Family::random);

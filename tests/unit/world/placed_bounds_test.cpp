@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "server/geometry/placing_error.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/part_index.hpp"
@@ -45,6 +46,37 @@ TEST_F(WorldPlacedBounds, ATurnedMeshLiesWithinItsBoundsToTheLastBit) {
     EXPECT_LT((bounds.high - bounds.low).maxCoeff(), 2 * info.mesh->radius_m + 1e-3)
         << "no more than a rounding too large";
   }
+}
+
+// Corners in a wider type, moved by what placing may be off: none leaves the bounds, at any size, and they are not wider
+// than the tightest ones by more than roundings.
+TEST_F(WorldPlacedBounds, ATurnedBoxLiesWithinItsBoundsWhereverItsPlacingPutsIt) {
+  int turned = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const int power = static_cast<int>(any(-330, 300));
+    const double size_m = i % 2 == 0 ? 1 : std::pow(10, power);
+    const Box own{.center = i % 3 == 0 ? Vec3(Vec3::Zero()) : Vec3(size_m * point(1)),
+                  .half_m = size_m * (point(1).cwiseAbs() + Vec3::Constant(i % 5 == 0 ? 0 : 1e-3))};
+    const Frame frame = frame_of(pose(i % 4 == 0 ? 1e6 * size_m : size_m));
+    const double off_m = placing_error_m(frame, own);
+    if (off_m == 0) continue;  // all of it underflows, and the tightest bounds serve
+    ++turned;
+    const Box placed = place(frame, own);
+    const Aabb bounds = bounds_as_given(frame, own);
+    const Aabb tight = engine::bounds(placed);
+    for (int k = 0; k < 3; ++k) {
+      long double reach = off_m;
+      for (int axis = 0; axis < 3; ++axis) {
+        reach += std::abs(static_cast<long double>(placed.axes(k, axis))) * placed.half_m[axis];
+      }
+      ASSERT_LE(bounds.low[k], placed.center[k] - reach) << i;
+      ASSERT_GE(bounds.high[k], placed.center[k] + reach) << i;
+      const double largest_m = std::max(std::abs(tight.low[k]), std::abs(tight.high[k]));
+      EXPECT_GE(bounds.low[k], tight.low[k] - off_m - 1e-14 * largest_m - 1e-322) << i;
+      EXPECT_LE(bounds.high[k], tight.high[k] + off_m + 1e-14 * largest_m + 1e-322) << i;
+    }
+  }
+  EXPECT_GT(turned, 15'000);
 }
 
 TEST_F(WorldPlacedBounds, TurnedPartsWithAnIndexLieWithinTheirsToo) {
