@@ -61,6 +61,14 @@ struct alignas(32) WalkFrame {
 };
 HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
+/// A node's order as numbers: lane k holds which child the walk takes k-th. For eight lanes.
+using Numbers = hn::RebindToUnsigned<Floats>;
+HWY_INLINE hn::Vec<Numbers> places_in(std::uint32_t order) {
+  constexpr Numbers numbers;
+  const auto shift = hn::Mul(hn::Iota(numbers, 0), hn::Set(numbers, 3));
+  return hn::And(hn::Shr(hn::Set(numbers, order), shift), hn::Set(numbers, 7));
+}
+
 /// The order in which a walk takes a node's children: near to far, or, where any triangle is enough, those first that
 /// most rays stop at.
 enum class Way { near_first, most_occluding_first };
@@ -86,10 +94,8 @@ HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float lim
     Lanes enter = hn::Max(hn::Max(near[0], near[1]), hn::Max(near[2], hn::Zero(kFloats)));
     Lanes leave = hn::Min(hn::Min(far[0], far[1]), hn::Min(far[2], hn::Set(kFloats, limit)));
     if constexpr (kLanes == kWidth) {
-      using Numbers = hn::RebindToUnsigned<Floats>;
       constexpr Numbers numbers;
-      const auto shift = hn::Mul(hn::Iota(numbers, 0), hn::Set(numbers, 3));
-      const auto place = hn::And(hn::Shr(hn::Set(numbers, order), shift), hn::Set(numbers, 7));
+      const auto place = places_in(order);
       const auto children = hn::TableLookupLanes(hn::Load(numbers, node.child), hn::IndicesFromVec(numbers, place));
       hn::Store(children, numbers, frame.child);
       const auto places = hn::IndicesFromVec(kFloats, place);

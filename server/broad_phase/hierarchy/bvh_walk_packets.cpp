@@ -4,6 +4,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "server/broad_phase/hierarchy/bvh_walk-inl.hpp"
@@ -105,12 +106,16 @@ class Packet {
   }
 
   /// The children that some ray may meet, by the bounds of all rays' numbers: rounding preserves order, so none is
-  /// lost. Tests eight children at once, before single rays are tested child by child.
+  /// lost. Tests eight children at once, before single rays are tested child by child. Bit k stands for the k-th child
+  /// in the order of the walk.
   /// source  interval arithmetic for packets: Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for
   /// Entire Ray Packets", University of Utah, 2006
-  HWY_INLINE unsigned maybe_met(const Node& node, const RayFrame& first) const {
+  HWY_INLINE unsigned maybe_met(const Node& node, const RayFrame& first, std::uint32_t order) const {
     unsigned maybe = 0;
-    const auto limit = hn::Set(kFloats, *std::max_element(limit_, limit_ + kWidth));
+    Lanes limit = hn::MaxOfLanes(kFloats, hn::Load(kFloats, limit_));
+    for (int part = 1; part < kParts; ++part) {
+      limit = hn::Max(limit, hn::MaxOfLanes(kFloats, hn::Load(kFloats, limit_ + part * kLanes)));
+    }
     for (int part = 0; part < kParts; ++part) {
       const int lane = part * kLanes;
       Lanes near[3];
@@ -127,18 +132,24 @@ class Packet {
       }
       const Lanes enter = hn::Max(hn::Max(near[0], near[1]), hn::Max(near[2], hn::Zero(kFloats)));
       const Lanes leave = hn::Min(hn::Min(far[0], far[1]), hn::Min(far[2], limit));
+      if constexpr (kLanes == kWidth) {
+        const auto places = hn::IndicesFromVec(kFloats, places_in(order));
+        return bits_of(hn::Le(hn::TableLookupLanes(enter, places), hn::TableLookupLanes(leave, places)));
+      }
       maybe |= bits_of(hn::Le(enter, leave)) << lane;
     }
-    return maybe;
+    unsigned ordered = 0;
+    for (unsigned i = 0; i < kWidth; ++i) ordered |= (maybe >> (order >> (3 * i) & 7u) & 1u) << i;
+    return ordered;
   }
 
   /// Pushes the children that some ray meets, the next on top: in the order that each ray would take alone.
   HWY_INLINE std::size_t push_children(const Node& node, const RayFrame& first, std::size_t size) {
     const std::uint32_t order = kGoal == Goal::any ? node.occlusion_order() : node.order[first.octant];
-    const unsigned maybe = maybe_met(node, first);
-    for (int place = kWidth; place-- > 0;) {
+    for (unsigned rest = maybe_met(node, first, order); rest != 0;) {
+      const int place = std::bit_width(rest) - 1;
+      rest ^= 1u << place;
       const unsigned child = order >> (3 * place) & 7u;
-      if ((maybe >> child & 1u) == 0) continue;
       WaitingNode& waiting = stack_[size];
       bool is_met = false;
       for (int part = 0; part < kParts; ++part) {

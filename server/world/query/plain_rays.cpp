@@ -24,10 +24,11 @@ bool precedes_in_answer(const Snapshot& snapshot, const StaticScene& a_scene, st
 
 /// Takes the candidates of one scene's walk.
 struct PlainCandidate {
-  PlainRay* of = nullptr;
-  const StaticScene* scene = nullptr;
-  const Snapshot* snapshot = nullptr;
-  bool any = false;
+  // Without values of their own: a group's would be written twice.
+  PlainRay* of;
+  const StaticScene* scene;
+  const Snapshot* snapshot;
+  bool any;
 
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     PlainRay& ray = *of;
@@ -132,8 +133,7 @@ void walk_plain_ray(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
   }
 }
 
-void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays) {
-  std::array<Bvh::RayTask, kPlainRaysAtOnce> tasks;
+void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
   for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, mode, rays, tasks);
 }
 

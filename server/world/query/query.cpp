@@ -200,7 +200,7 @@ struct QuestionBatch {
   }
   void answer_rays(std::size_t place, std::size_t count) const;
   void answer_plain_ray(std::size_t place) const;
-  void answer_plain_rays(std::size_t first, std::size_t count, std::span<PlainRay> memory) const;
+  void answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
   void answer_all_plain(std::size_t count, bool together) const;
   void answer_all(std::size_t count, bool together) const {
     const std::size_t step = together ? kRaysAtOnce : 1;
@@ -219,7 +219,8 @@ void QuestionBatch::answer_plain_ray(std::size_t place) const {
   write_plain_ray(snapshot, asked.mode, ray, place, answers);
 }
 
-void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std::span<PlainRay> memory) const {
+void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const {
+  std::vector<PlainRay>& memory = scratch.plain_rays;
   std::array<PlainRay*, kPlainRaysAtOnce> walks;
   std::array<bool, kPlainRaysAtOnce> is_plain;
   std::size_t size = 0;
@@ -228,7 +229,7 @@ void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std:
     is_plain[i] = keeps_ray_rules(numbers) && start_plain_ray(numbers, memory[i]);
     if (is_plain[i]) walks[size++] = &memory[i];
   }
-  walk_plain_rays(snapshot, asked.mode, std::span(walks).first(size));
+  walk_plain_rays(snapshot, asked.mode, std::span(walks).first(size), tasks);
   for (std::size_t i = 0; i < count; ++i) {
     is_plain[i] ? write_plain_ray(snapshot, asked.mode, memory[i], first + i, answers) : answer_one(first + i);
   }
@@ -260,14 +261,14 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
 }
 
 void QuestionBatch::answer_all_plain(std::size_t count, bool together) const {
-  std::vector<PlainRay>& memory = scratch.plain_rays;
-  if (memory.empty()) memory.resize(kPlainRaysAtOnce);
+  if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
   if (!together) {
     for (std::size_t i = 0; i < count; ++i) answer_plain_ray(i);
     return;
   }
-  for (std::size_t i = 0; i < count; i += memory.size()) {
-    answer_plain_rays(i, std::min(memory.size(), count - i), memory);
+  std::array<Bvh::RayTask, kPlainRaysAtOnce> tasks;
+  for (std::size_t i = 0; i < count; i += tasks.size()) {
+    answer_plain_rays(i, std::min(tasks.size(), count - i), tasks);
   }
 }
 

@@ -206,6 +206,14 @@ std::string rungs_of(std::size_t rays, const WalkCost& cost, const RungCounts& b
   return text;
 }
 
+/// What the indexes cost: ours in the form in which the server builds it (server/service/commands/scene_loading.cpp).
+std::string builds_of(const Bvh& tree, const Embree& embree) {
+  char text[96];
+  std::snprintf(text, sizeof text, "built in %.2f s, form best as the server's; Embree in %.2f s",
+                tree.report().build_s, embree.build_s);
+  return text;
+}
+
 struct Agreement {
   std::size_t equal = 0;
   std::size_t ours_right = 0;  // of the unequal ones that were looked at
@@ -341,7 +349,7 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
                          return Answer{triangle, oracle::plain_ray(ray, mesh_.triangle(triangle)).value_or(kInfinity)};
                        })});
   }
-  std::string note = rungs_;
+  std::string note = rungs_ + "; " + builds_of(tree_, embree_);
   for (Method& method : methods) {
     if (!options_.takes(method.name)) continue;
     method.run();
