@@ -96,7 +96,8 @@ inline constexpr const char* kProbes = "probes";
 ///    neither), late (true: the deadline was over, and nothing else is told), and
 ///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound,
 ///          a_triangle, b_triangle]]
-///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)
+///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh);
+///          in a declared solid depth, depth_error (the shortest way out is between depth and their sum)
 ///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than reported)
 ///    with opinion:     opinion {verdict (agree, differ, failed, unsupported), touches, distance (m), why}; touches and
 ///                      distance are FCL's answer, absent where it gives none

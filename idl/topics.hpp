@@ -14,6 +14,8 @@ namespace collided::wire_contract {
 
 /// The triangle of a primitive, which has none.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
+/// In its place in events and contacts: the object lies wholly within the other, a solid.
+inline constexpr std::uint32_t kWithin = 0xfffffffe;
 
 /// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
@@ -43,8 +45,9 @@ enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 /// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
-/// persisted: a contact that has begun goes on.
-enum class EventKind : std::uint8_t { began, persisted, ended };
+/// persisted: a contact that has begun goes on. contained, emerged: one of the two has come to lie wholly within the
+/// other, a solid, or no longer does.
+enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 /// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart.
 enum class EndReason : std::uint8_t {
   none,

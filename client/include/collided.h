@@ -279,7 +279,7 @@ COLLIDED_API void collided_free_text(char* text);
  * returns. */
 typedef struct collided_event {
   uint32_t size;
-  int32_t kind;   /* 0 open, 1 began, 2 persisted, 3 ended */
+  int32_t kind;   /* 0 open, 1 began, 2 persisted, 3 ended, 4 contained, 5 emerged */
   int32_t reason; /* as collided::EndReason */
   int32_t doubt;  /* as collided::Doubt */
   int32_t resync;
@@ -302,6 +302,7 @@ typedef struct collided_event {
   double depth_error_m;
   double relative_velocity[3];
   double velocity_error;
+  int32_t contained; /* 0: no; 1: a lies within b, a solid; 2: b within a */
 } collided_event;
 
 typedef struct collided_watch_options {

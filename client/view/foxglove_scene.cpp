@@ -201,7 +201,7 @@ std::string contact_update(std::span<const Event> events) {
 }
 
 std::string event_json(const Event& event) {
-  constexpr const char* kNames[] = {"open", "began", "persisted", "ended"};
+  constexpr const char* kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
   return text_of({{"timestamp", time(event.world_time)},
                   {"what", kNames[static_cast<std::size_t>(event.kind)]},
                   {"a", event.a},

@@ -134,7 +134,7 @@ Vec3 middle(const Points& points, PointOf&& point_of) {
 }
 
 std::string_view name_of(EventKind what) {
-  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended"};
+  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
   return kNames[static_cast<std::size_t>(what)];
 }
 
@@ -182,6 +182,7 @@ json event_text(const Event& event) {
     text["error"] = number(event.depth_error_m);
   }
   if (event.doubt != Doubt::none) text["doubt"] = name_of(event.doubt);
+  if (event.contained != Containment::none) text["contained"] = event.contained == Containment::a_in_b ? "a" : "b";
   if (event.resync) text["resync"] = true;
   return text;
 }

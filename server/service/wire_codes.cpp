@@ -39,6 +39,8 @@ COLLIDED_SAME(UndecidedReason, UndecidedReason, not_covered);
 COLLIDED_SAME(EventKind, EventKind, began);
 COLLIDED_SAME(EventKind, EventKind, persisted);
 COLLIDED_SAME(EventKind, EventKind, ended);
+COLLIDED_SAME(EventKind, EventKind, contained);
+COLLIDED_SAME(EventKind, EventKind, emerged);
 COLLIDED_SAME(EndReason, EndReason, none);
 COLLIDED_SAME(EndReason, EndReason, separated);
 COLLIDED_SAME(EndReason, EndReason, removed);

@@ -183,6 +183,29 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
                                     "sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
 }
 
+TEST_F(Fields, OfWhatLiesWithinASolidNameItByItsPlaceInTheSortedPair) {
+  Event contained = event(EventKind::contained);
+  contained.contained = Containment::b_in_a;
+  Event emerged = event(EventKind::emerged);
+  emerged.contained = Containment::b_in_a;
+  std::swap(emerged.a, emerged.b);
+  fake::server().events = {contained, emerged};
+  const Ran ran = collide("watch -n 2 --json");
+  std::istringstream lines(ran.out);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  const json in = json::parse(first);
+  EXPECT_EQ(in["what"], "contained");
+  EXPECT_EQ(in["contained"], "b");
+  EXPECT_EQ(in["depth"], 17);
+  EXPECT_EQ(in["first_ns"], 17'500'000'000);
+  const json out = json::parse(second);
+  EXPECT_EQ(out["what"], "emerged");
+  EXPECT_EQ(out["contained"], "a");
+  EXPECT_FALSE(out.contains("depth"));
+}
+
 // Neither a depth nor a place is made up where it is not known whether the two touch.
 TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
   Event began = event(EventKind::began);

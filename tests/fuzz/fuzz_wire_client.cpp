@@ -62,7 +62,7 @@ class Listener {
     const std::pair<std::string, std::string> pair = std::minmax(event.a, event.b);
     if (event.kind == EventKind::ended) {
       fuzz::require(open_.erase(pair) == 1, "what ends has begun");
-    } else if (event.kind != EventKind::persisted) {
+    } else if (event.kind == EventKind::began || event.kind == EventKind::open) {
       fuzz::require(open_.insert(pair).second, "nothing begins twice");
     }
   }

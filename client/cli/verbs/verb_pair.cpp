@@ -37,6 +37,10 @@ RawJson manifold_json(const PairAnswer& pair) {
   return {points.dump()};
 }
 
+std::string deep_text(const PairAnswer& pair, Digits digits) {
+  return readable_length(pair.depth_m, pair.depth_error_m, digits) + " deep";
+}
+
 Record pair_record(const PairAnswer& pair, const Value& proof) {
   const Value none = std::monostate{};
   const bool touching = pair.verdict == Verdict::hit;
@@ -45,7 +49,8 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
   return {{"answer", word_of(pair.verdict)},
           {"reason", known ? none : Value(name_of(pair.reason))},
           {"distance", apart ? Value(pair.distance_m) : none},
-          {"depth", touching ? Value(pair.depth_m) : none},
+          {"depth", touching || pair.is_in_solid ? Value(pair.depth_m) : none},
+          {"depth_error", pair.is_in_solid ? Value(pair.depth_error_m) : none},
           {"error", known ? Value(pair.error_m) : none},
           {"normal", known ? MaybeVector(pair.normal) : MaybeVector()},
           {"point", touching ? MaybeVector(pair.point) : MaybeVector()},
@@ -70,7 +75,8 @@ void print_text(Printer& printer, const PairAnswer& pair) {
                              readable_point(pair.on_a, pair.error_m, digits),
                              readable_point(pair.on_b, pair.error_m, digits)));
     if (pair.contained != Containment::none)
-      printer.line(fmt::format("  {} lies within the other", word_of(pair.contained)));
+      printer.line(fmt::format("  {} lies within the other{}", word_of(pair.contained),
+                               pair.is_in_solid ? ", a solid, " + deep_text(pair, digits) : ""));
   } else {
     const Vec3 displacement = pair.depth_m * pair.normal;
     printer.line(fmt::format("{}  depth {}  at {}  apart by {}", printer.paint(Paint::bad, "touching"),

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include <collided/containment.hpp>
 #include <collided/geometry.hpp>
 
 /// Contacts as they begin, go on and end.
@@ -15,8 +16,10 @@
 
 namespace collided {
 
-/// open: the contact already held when the watch began. persisted: a contact that was reported goes on.
-enum class EventKind { open, began, persisted, ended };
+/// open: the contact already held when the watch began. persisted: a contact that was reported goes on. contained: one of
+/// the two has come to lie wholly within the other, a declared solid; emerged: it no longer does. These two alternate
+/// between a contact's `began` and its `ended`.
+enum class EventKind { open, began, persisted, ended, contained, emerged };
 /// Why a contact ended. none: the reason was missed, or the event is not an `ended`. decided: the pair was in doubt and
 /// no longer is; where no contact begins at once, the two are apart.
 enum class EndReason {
@@ -43,6 +46,9 @@ struct Event {
   /// Other than none: from the pair's `began` to its `ended` it is not known whether the two touch, and there is no
   /// point, normal or depth. Such a pair is reported as one that touches, which errs on the safe side.
   Doubt doubt = Doubt::none;
+  /// Whether one lies wholly within the other, a declared solid, without meeting its surface: after the event, and of
+  /// `emerged` before it. Of `began` it is none: `contained` says so next.
+  Containment contained = Containment::none;
   bool resync = false;  // inferred from the contact state: after a gap, at a late start, or from a new server
   std::string a;        // names of the two objects
   std::string b;

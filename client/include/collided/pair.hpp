@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <collided/certificate.hpp>
+#include <collided/containment.hpp>
 #include <collided/questions.hpp>
 
 /// Two objects by name: whether they touch, how deep they are in each other, or how far apart. Metres, world
@@ -59,9 +60,6 @@ struct SecondOpinion {
   std::string why = {};                   // it failed, does not support the shapes, or gives no distance
 };
 
-/// Whether one object lies wholly within the other's closed mesh.
-enum class Containment { none, a_in_b, b_in_a };
-
 /// How two objects stand to each other in one state of the world. Swapping the names turns the normal round and changes
 /// no number.
 /// hit   they share a point. A part is a triangle or a primitive; the depth is that of the two parts that overlap
@@ -77,7 +75,7 @@ struct PairAnswer {
   std::uint64_t version = 0;   // of the state
   Vec3 normal = Vec3::Zero();  // unit, from a to b
   double distance_m = 0;       // for a miss; |truth - distance_m| <= error_m
-  double depth_m = 0;          // for a hit; |truth - depth_m| <= error_m
+  double depth_m = 0;          // for a hit; |truth - depth_m| <= error_m. And for a miss where is_in_solid
   double error_m = 0;
   Vec3 on_a = Vec3::Zero();  // for a miss; within point_error_m of a
   Vec3 on_b = Vec3::Zero();  // for a miss; within point_error_m of b
@@ -88,6 +86,10 @@ struct PairAnswer {
   std::vector<ManifoldPoint> manifold;  // for a hit
   /// For a miss: the surfaces share no point, but one object lies within the other.
   Containment contained = Containment::none;
+  /// The other one was declared solid: no motion shorter than depth_m takes the inner one out of it, and one of depth_m +
+  /// depth_error_m does. The signed distance of the two is minus that.
+  bool is_in_solid = false;
+  double depth_error_m = 0;
   std::vector<TrianglePair> triangle_pairs;  // ordered by a_triangle, then b_triangle
   std::uint64_t triangle_pair_count = 0;     // of all there are, which is more than reported where `cut`
   bool cut = false;                          // there are more than PairOptions::most_triangle_pairs

@@ -80,6 +80,10 @@ void read_apart(const json& answer, PairAnswer& pair) {
   pair.point_error_m = number_of(answer.at("point_error"));
   const std::string contained = answer.at("contained");
   pair.contained = contained == "a" ? Containment::a_in_b : contained == "b" ? Containment::b_in_a : Containment::none;
+  pair.is_in_solid = answer.contains("depth");
+  if (!pair.is_in_solid) return;
+  pair.depth_m = answer.at("depth");
+  pair.depth_error_m = number_of(answer.at("depth_error"));
 }
 
 SecondOpinion opinion_of(const json& said) {

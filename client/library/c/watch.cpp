@@ -50,6 +50,7 @@ collided_event lent(const Event& event) {
   told.depth_error_m = event.depth_error_m;
   put(event.relative_velocity, told.relative_velocity);
   told.velocity_error = event.velocity_error;
+  told.contained = static_cast<std::int32_t>(event.contained);
   return told;
 }
 

@@ -1,6 +1,7 @@
 #include "client/library/recordings/recorded_events.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <variant>
 
@@ -95,6 +96,8 @@ class OpeningContacts {
       if (frame == nullptr || frame->from != life_) continue;
       for (const HeardFrame::Entry& entry : frame->entries) {
         if (entry.event.kind == EventKind::ended) take_end(entry.event);
+        else if (entry.event.kind == EventKind::contained || entry.event.kind == EventKind::emerged)
+          take_containment(entry.event);
       }
     }
   }
@@ -141,6 +144,14 @@ class OpeningContacts {
     return &held->second;
   }
 
+  /// The first change after `at` tells what was before it; a shard written since tells what came of it.
+  void take_containment(const Event& change) {
+    const auto known = held_.find({change.a_id, change.b_id});
+    if (known == held_.end() || known->second.episode != change.episode) return;
+    if (!changed_.insert(known->first).second) return;
+    known->second.contained = change.kind == EventKind::emerged ? change.contained : Containment::none;
+  }
+
   void take_end(const Event& ended) {
     if (ended.episode > at_) return;
     const auto known = held_.find({ended.a_id, ended.b_id});
@@ -164,6 +175,7 @@ class OpeningContacts {
   std::array<const HeardShard*, wire_contract::kContactShards> shards_{};  // the newest up to the begin
   std::vector<const HeardShard*> later_;
   std::map<Pair, Event> held_;
+  std::set<Pair> changed_;  // held ones of which a change of containment after `at` is known
   std::uint64_t undated_ = 0;
 };
 
@@ -245,6 +257,7 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
     Event& open = told.emplace_back(*contact);
     open.kind = EventKind::open;
     open.reason = EndReason::none;
+    if (contact->kind == EventKind::emerged) open.contained = Containment::none;
     open.resync = true;
     open.sequence = sequence;
   }

@@ -191,7 +191,7 @@ void Watch::State::emit(const Event& event) {
   }
   if (event.kind == EventKind::ended) {
     --open_contacts_;
-  } else if (event.kind != EventKind::persisted) {
+  } else if (event.kind == EventKind::began || event.kind == EventKind::open) {
     ++open_contacts_;
   }
   if (callback_) {

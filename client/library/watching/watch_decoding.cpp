@@ -28,7 +28,7 @@ bool fits(const wire::EventFrame& frame) {
          frame.episodes._length == count && frame.doubts._length == count &&
          wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
          std::all_of(kinds.begin(), kinds.end(),
-                     [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
+                     [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::emerged); }) &&
          std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::decided); });
 }
 
@@ -49,6 +49,10 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   event.b = names.name(event.b_id);
   event.a_triangle = dds::view(message.a_triangles)[index];
   event.b_triangle = dds::view(message.b_triangles)[index];
+  if (event.a_triangle == wire_contract::kWithin) event.contained = Containment::a_in_b;
+  if (event.b_triangle == wire_contract::kWithin) event.contained = Containment::b_in_a;
+  if (event.contained != Containment::none)
+    (event.contained == Containment::a_in_b ? event.a_triangle : event.b_triangle) = kNoTriangle;
   event.epoch = message.epoch;
   event.episode = dds::view(message.episodes)[index];
   event.point = vector_in(message.points, index);

@@ -20,13 +20,29 @@ Event as_open(const Event& event) {
   Event open = event;
   open.kind = EventKind::open;
   open.reason = EndReason::none;
+  if (event.kind == EventKind::emerged) open.contained = Containment::none;
   return open;
+}
+
+/// The name of the one that lies within the other; the order of the two changes with their ids.
+std::string inner_name(const Event& event) {
+  if (event.contained == Containment::none) return {};
+  return event.contained == Containment::a_in_b ? event.a : event.b;
+}
+
+bool is_change_of_containment(const Event& event) {
+  return event.kind == EventKind::contained || event.kind == EventKind::emerged;
 }
 
 /// When a contact began, by the bracket of its `began`. A doubt holds from the first instant that is not decided.
 std::chrono::nanoseconds start_of(const Event& began) {
   if (began.doubt == Doubt::none) return happened(began);
   return began.world_time - std::chrono::nanoseconds(std::llround(began.bracket_low_s * 1e9));
+}
+
+Containment turned_round(Containment which) {
+  if (which == Containment::none) return which;
+  return which == Containment::a_in_b ? Containment::b_in_a : Containment::a_in_b;
 }
 
 /// News of a contact, with the names under which it was reported: a shard too large to carry names leaves them out.
@@ -102,6 +118,8 @@ void WatchState::apply(const Event& event) {
     apply_began(event);
   } else if (event.kind == EventKind::ended) {
     apply_ended(event);
+  } else if (is_change_of_containment(event)) {
+    apply_containment(event);
   }
 }
 
@@ -117,6 +135,7 @@ void WatchState::apply_began(const Event& event) {
   end_namesake(event);
   Event began = event;
   began.began = start_of(event);
+  began.contained = Containment::none;
   hold(as_open(began));
   emit_(began);
 }
@@ -146,22 +165,46 @@ void WatchState::end_namesake(const Event& event) {
 void WatchState::apply_ended(const Event& event) {
   if (!held_.contains(pair_of(event))) { carry_over(event); }
   auto held = held_.find(pair_of(event));
-  if (held == held_.end() || held->second.episode != event.episode) {
-    doubt();
-    if (held != held_.end()) {
-      emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
-      release(held);
-    }
-    end_namesake(event);
-    emit_missed(event, EventKind::began, EndReason::none, event.sequence);
-    Event contact = as_open(event);
-    contact.began = happened(event);  // its real beginning was missed
-    hold(contact);
-    held = held_.find(pair_of(event));
-  }
+  if (held == held_.end() || held->second.episode != event.episode) { held = begin_missed(event); }
   Event ended = named_as(held->second, event);
+  if (held->second.contained != Containment::none) change_missed(held->second, ended, event.sequence);
   release(held);
   emit_(ended);
+}
+
+/// Of a contact, news of which have come, but not its beginning.
+WatchState::Contacts::iterator WatchState::begin_missed(const Event& event) {
+  doubt();
+  const auto held = held_.find(pair_of(event));
+  if (held != held_.end()) {
+    emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
+    release(held);
+  }
+  end_namesake(event);
+  Event contact = as_open(event);
+  contact.contained = event.kind == EventKind::emerged ? event.contained : Containment::none;
+  contact.began = happened(event);  // its real beginning was missed
+  emit_missed(contact, EventKind::began, EndReason::none, event.sequence);
+  hold(contact);
+  return held_.find(pair_of(event));
+}
+
+void WatchState::apply_containment(const Event& event) {
+  if (!held_.contains(pair_of(event))) { carry_over(event); }
+  auto held = held_.find(pair_of(event));
+  if (held == held_.end() || held->second.episode != event.episode) { held = begin_missed(event); }
+  const Containment now = event.kind == EventKind::contained ? event.contained : Containment::none;
+  if (held->second.contained == now) { return; }
+  held->second.contained = now;
+  emit_(named_as(held->second, event));
+}
+
+/// Emits what was missed of a contact that is held: who came to lie within the other, or no longer does.
+void WatchState::change_missed(Event& held, const Event& news, std::uint64_t sequence) {
+  if (held.contained == news.contained) { return; }
+  if (held.contained != Containment::none) { emit_missed(held, EventKind::emerged, EndReason::none, sequence); }
+  held.contained = news.contained;
+  if (held.contained != Containment::none) { emit_missed(held, EventKind::contained, EndReason::none, sequence); }
 }
 
 void WatchState::hear_persisted(const HeardFrame& frame) {
@@ -185,19 +228,29 @@ bool WatchState::carry_over(const Event& event) {
   if (carried == carried_.end()) { return false; }
   Event contact = as_open(event);
   contact.began = carried->second.began;
+  const Event before = carried->second;
   carried_.erase(carried);
   hold(contact);
+  if (inner_name(before) == inner_name(contact)) { return true; }
+  Event& held = held_.find(pair_of(contact))->second;
+  held.contained = before.a == held.a ? before.contained : turned_round(before.contained);
+  change_missed(held, contact, event.sequence);
   return true;
 }
 
 void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence) {
   Event missed = contact;
+  // One that lay within the other emerges before the contact ends, and comes to lie there after it has begun.
+  const bool was_contained = contact.contained != Containment::none;
+  if (what == EventKind::ended && was_contained) emit_missed(contact, EventKind::emerged, why, sequence);
+  if (what == EventKind::began || what == EventKind::ended) missed.contained = Containment::none;
   missed.kind = what;
   missed.reason = why;
   missed.resync = true;
   missed.sequence = sequence;
   missed.epoch = life_->epoch;
   emit_(missed);
+  if (what == EventKind::began && was_contained) emit_missed(contact, EventKind::contained, why, sequence);
 }
 
 // ---- state
@@ -296,6 +349,9 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
       Event contact = as_open(entry.event);
       contact.began = start_of(entry.event);
       state.insert_or_assign(pair_of(entry.event), contact);
+    } else if (is_change_of_containment(entry.event)) {
+      const auto contact = state.find(pair_of(entry.event));
+      if (contact != state.end()) contact->second.contained = as_open(entry.event).contained;
     }
   }
   return state;
@@ -325,6 +381,7 @@ void WatchState::adopt_differences() {
   for (auto held = held_.begin(); held != held_.end();) {
     const auto found = state.find(held->first);
     if (found != state.end() && found->second.episode == held->second.episode) {
+      change_missed(held->second, found->second, at);
       ++held;
       continue;
     }

@@ -62,7 +62,8 @@ struct HeardBookmark {
 /// `resync`.
 ///
 /// threads  one at a time
-/// Always: for every pair of ids, and for every pair of names, it emits `began` (or `open`) and `ended` in turn.
+/// Always: for every pair of ids, and for every pair of names, it emits `began` (or `open`) and `ended` in turn, and
+/// between them `contained` and `emerged` in turn; an `open` may begin contained.
 class WatchState {
  public:
   using Emit = std::function<void(const Event&)>;
@@ -94,6 +95,9 @@ class WatchState {
   void apply(const Event& event);
   void apply_began(const Event& event);
   void apply_ended(const Event& event);
+  void apply_containment(const Event& event);
+  Contacts::iterator begin_missed(const Event& event);
+  void change_missed(Event& held, const Event& news, std::uint64_t sequence);
   void hold(const Event& contact);
   Contacts::iterator release(Contacts::iterator held);
   void end_namesake(const Event& event);

@@ -243,6 +243,7 @@ class CEvent(Structure):
         ("depth_error_m", c_double),
         ("relative_velocity", c_double * 3),
         ("velocity_error", c_double),
+        ("contained", c_int32),
     ]
 
 

@@ -10,7 +10,8 @@ from typing import AsyncIterator, Iterator
 
 from ._library import NOTHING, CEvent, Owned, call, library, nanoseconds
 
-KINDS = ("open", "began", "persisted", "ended")
+KINDS = ("open", "began", "persisted", "ended", "contained", "emerged")
+CONTAINED = ("", "a_in_b", "b_in_a")
 REASONS = (
     "",
     "separated",
@@ -35,7 +36,7 @@ def _word(words: tuple[str, ...], number: int) -> str:
 class Event:
     """News of a contact between two objects. Metres, world coordinates."""
 
-    kind: str  #: open (held when the watch began), began, persisted or ended
+    kind: str  #: open (held when the watch began), began, persisted, ended; contained, emerged: of a solid
     reason: str  #: why it ended, such as "separated"; else empty
     doubt: str  #: not empty: it is not known whether the two touch, and there is no point, normal or depth
     resync: bool  #: inferred from the contact state after a gap
@@ -53,6 +54,7 @@ class Event:
     depth_error: float
     relative_velocity: tuple[float, float, float]
     velocity_error: float
+    contained: str  #: "a_in_b" or "b_in_a" where one lies wholly within the other, a declared solid; else empty
 
 
 def _event(told: CEvent) -> Event:
@@ -78,6 +80,7 @@ def _event(told: CEvent) -> Event:
         told.depth_error_m,
         triple(told.relative_velocity),
         told.velocity_error,
+        _word(CONTAINED, told.contained),
     )
 
 

@@ -86,6 +86,9 @@ void describe_apart(const PairReport& report, json& answer) {
   answer["on_b"] = numbers(report.separation.on_b);
   answer["point_error"] = number(report.separation.point_error_m);
   answer["contained"] = kContained[static_cast<std::size_t>(report.contained)];
+  if (!report.within) return;
+  answer["depth"] = report.within->depth_m + 0.0;
+  answer["depth_error"] = number(report.within->depth_error_m);
 }
 
 /// The answer to `pair` as idl/commands.hpp lists it.

@@ -41,7 +41,8 @@ void Broadcast::publish_events(const Stamp& stamp) {
     if (!persisted) {
       const std::uint64_t hash = wire_contract::contact_hash(event.of.a, event.of.b, event.of.episode);
       // A sum, so that an ended contact can be taken out again.
-      contact_hash_ += event.kind == EventKind::began ? hash : 0 - hash;
+      if (event.kind == EventKind::began) contact_hash_ += hash;
+      if (event.kind == EventKind::ended) contact_hash_ -= hash;
       dirty_shards_[wire_contract::contact_shard(event.of.a, event.of.b)] = 1;
       if (event.kind == EventKind::began) names_.note(event.of, world_);
     }

@@ -24,6 +24,14 @@ void append(std::vector<double>& numbers, const OpenContact& open) {
   }
 }
 
+std::uint32_t triangle_of_a(const OpenContact& of, const NameBook& book) {
+  return of.contained == Contained::a_in_b ? wire_contract::kWithin : book.triangle(of.a, of.a_triangle);
+}
+
+std::uint32_t triangle_of_b(const OpenContact& of, const NameBook& book) {
+  return of.contained == Contained::b_in_a ? wire_contract::kWithin : book.triangle(of.b, of.b_triangle);
+}
+
 }  // namespace
 
 void NameBook::note(ObjectId id, const World& world) {
@@ -93,8 +101,8 @@ void EventColumns::add(const Event& event, const NameBook& book) {
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
   a.push_back(event.of.a);
   b.push_back(event.of.b);
-  a_triangles.push_back(book.triangle(event.of.a, event.of.a_triangle));
-  b_triangles.push_back(book.triangle(event.of.b, event.of.b_triangle));
+  a_triangles.push_back(triangle_of_a(event.of, book));
+  b_triangles.push_back(triangle_of_b(event.of, book));
   episodes.push_back(event.of.episode);
   append(numbers, event.of);
   append(numbers, event.bracket_low_s);
@@ -149,8 +157,8 @@ void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
   a.push_back(contact.a);
   b.push_back(contact.b);
   episodes.push_back(contact.episode);
-  a_triangles.push_back(book.triangle(contact.a, contact.a_triangle));
-  b_triangles.push_back(book.triangle(contact.b, contact.b_triangle));
+  a_triangles.push_back(triangle_of_a(contact, book));
+  b_triangles.push_back(triangle_of_b(contact, book));
   began_ns.push_back(contact.began_ns);
   append(numbers, contact);
   named.add_id(contact.a);

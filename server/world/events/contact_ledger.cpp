@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace collided::engine {
 namespace {
@@ -16,7 +17,8 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .b_triangle = found.b_triangle,
           .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact,
-          .surface = found.contact};
+          .surface = found.contact,
+          .contained = found.contained};
 }
 
 OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_time_ns) {
@@ -25,6 +27,7 @@ OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_tim
   of.began_ns = world_time_ns - std::llround(found.bracket_low_s * 1e9);
   of.doubt = why;
   of.a_triangle = of.b_triangle = kNoTriangle;
+  of.contained = Contained::none;
   of.contact = Contact{};
   of.contact.depth_m = 0;
   of.contact.depth_error_m = std::numeric_limits<double>::infinity();
@@ -67,6 +70,7 @@ void ContactLedger::touches(const FoundContact& found) {
   }
   if (number == PairIndex::kNone) return open(opened(found, world_time_ns_), found);
   goes_on(number, found);
+  changes_containment(number, found.contained, {EndReason::none, found.bracket_low_s, found.bracket_high_s});
   if (!persisted_wanted_) return;
   events_.push_back({.kind = EventKind::persisted,
                      .of = open_[number],
@@ -88,6 +92,30 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
                      .bracket_high_s = found.bracket_high_s,
                      .relative_velocity = found.relative_velocity,
                      .velocity_error = found.velocity_error});
+  // It was outside before.
+  const Contained to = std::exchange(open_[number].contained, Contained::none);
+  changes_containment(number, to, {EndReason::none, found.parted_low_s, found.parted_high_s});
+}
+
+/// Tells of a contact that holds when one of the two came to lie within the other, or no longer does.
+void ContactLedger::changes_containment(std::uint32_t number, Contained to, const ContactEnd& when) {
+  OpenContact& open = open_[number];
+  if (open.doubt != Doubt::none || open.contained == to) return;
+  const auto tell = [&](EventKind kind) {
+    events_.push_back({.kind = kind,
+                       .reason = when.reason,
+                       .of = open,
+                       .bracket_low_s = when.bracket_low_s,
+                       .bracket_high_s = when.bracket_high_s});
+  };
+  if (open.contained != Contained::none) tell(EventKind::emerged);
+  open.contained = to;
+  if (to != Contained::none) tell(EventKind::contained);
+}
+
+Contained ContactLedger::contained(ObjectId a, ObjectId b) const {
+  const std::uint32_t number = number_of(a, b);
+  return number == PairIndex::kNone ? Contained::none : open_[number].contained;
 }
 
 bool ContactLedger::holds(ObjectId a, ObjectId b) const {
@@ -187,6 +215,7 @@ void ContactLedger::end(std::uint32_t number, const ContactEnd& of) {
   const bool was_doubt = is_doubt(number);
   const bool is_parted = of.reason == EndReason::separated || of.reason == EndReason::teleported;
   doubt_count_ -= was_doubt ? 1 : 0;
+  changes_containment(number, Contained::none, of);
   events_.push_back({.kind = EventKind::ended,
                      .reason = was_doubt && is_parted ? EndReason::decided : of.reason,
                      .of = open_[number],
@@ -216,7 +245,17 @@ void ContactLedger::finish_step() {
   // Contacts from before this step end first: an object that was defined anew has another id, and a client that knows
   // it by its name must hear of the old one's end before the new one's beginning. A contact that begins and ends in
   // this step does so in that order, which stable sorting keeps.
-  const auto is_old_end = [](const Event& e) { return e.kind == EventKind::ended && e.of.episode != 0; };
+  // So does what such a contact went through before its end.
+  ended_episodes_.clear();
+  for (const Event& event : events_) {
+    if (event.kind == EventKind::ended && event.of.episode != 0) ended_episodes_.push_back(event.of.episode);
+  }
+  std::sort(ended_episodes_.begin(), ended_episodes_.end());
+  const auto is_old_end = [&](const Event& e) {
+    if (e.kind == EventKind::ended) return e.of.episode != 0;
+    return (e.kind == EventKind::contained || e.kind == EventKind::emerged) &&
+           std::binary_search(ended_episodes_.begin(), ended_episodes_.end(), e.of.episode);
+  };
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
     return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
   });
@@ -227,7 +266,7 @@ void ContactLedger::finish_step() {
   for (Event& event : events_) {
     if (event.kind == EventKind::persisted) continue;
     event.sequence = ++last_sequence_;
-    if (event.kind == EventKind::ended) {
+    if (event.kind != EventKind::began) {
       if (event.of.episode == 0) event.of.episode = passing_episode;
       continue;
     }

@@ -22,7 +22,9 @@ struct FoundContact {
   Contact contact;
   double bracket_low_s = 0;  // begin of the contact, seconds before the step's world time: between high and low
   double bracket_high_s = 0;
-  double parted_low_s = 0;  // where the two parted again within the step
+  Contained contained = Contained::none;
+  // where the two, or of a contact that begins contained their surfaces, parted again within the step
+  double parted_low_s = 0;
   double parted_high_s = 0;
   Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
   double velocity_error = 0;              // |truth - relative_velocity| <= velocity_error
@@ -55,6 +57,10 @@ class ContactLedger {
   void touches(const FoundContact& found);
   /// A contact that holds ends.
   void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
+  /// One of the two, whose contact is about to end, no longer lies within the other.
+  void emerges(ObjectId a, ObjectId b, const ContactEnd& when) {
+    changes_containment(number_of(a, b), Contained::none, when);
+  }
   /// It is not known whether the pair touches; an open contact or doubt of it stays as reported. found.contact is none.
   void doubts(const FoundContact& found, Doubt why);
   /// It was not known whether the pair touched within this step; it is apart at the step's end.
@@ -97,6 +103,8 @@ class ContactLedger {
 
   bool holds(ObjectId a, ObjectId b) const;
   bool is_in_doubt(ObjectId a, ObjectId b) const;
+  /// Which of the two was within the other when their contact was last found; none where they have none.
+  Contained contained(ObjectId a, ObjectId b) const;
   /// The pair holds or is in doubt.
   bool is_open(ObjectId a, ObjectId b) const { return number_of(a, b) != PairIndex::kNone; }
   std::size_t doubt_count() const { return doubt_count_; }
@@ -133,6 +141,7 @@ class ContactLedger {
   void end(std::uint32_t number, const ContactEnd& of);
   void open(const OpenContact& opened, const FoundContact& found);
   void goes_on(std::uint32_t number, const FoundContact& found);
+  void changes_containment(std::uint32_t number, Contained to, const ContactEnd& when);
   void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
   std::vector<OpenContact> open_;
@@ -142,6 +151,7 @@ class ContactLedger {
   std::vector<std::uint32_t> found_slots_;
   std::vector<std::uint64_t> slot_found_in_step_;  // step in which the slot was last put into found_slots_
   std::vector<Ending> endings_;                    // reused from step to step
+  std::vector<std::uint64_t> ended_episodes_;      // likewise
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;

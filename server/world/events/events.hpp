@@ -4,11 +4,15 @@
 #include <vector>
 
 #include "server/exact_phase/distance/contact.hpp"
+#include "server/world/objects/contained.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
 
-enum class EventKind : std::uint8_t { began, persisted, ended };
+/// contained: one of two objects that touch has come to lie wholly within the other, a declared solid; emerged: no longer.
+/// Both stand between the contact's `began` and its `ended`, alternate, and begin with `contained`; a contact that ends
+/// while one holds the other emerges first.
+enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 
 /// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
 enum class EndReason : std::uint8_t {
@@ -47,6 +51,8 @@ struct OpenContact {
   Contact surface;
   // else whether they touch is unknown, and `contact` is empty
   Doubt doubt = Doubt::none;
+  // As last computed. Of `began`: as `contained` says next; of `emerged`: as it was before.
+  Contained contained = Contained::none;
 };
 
 /// A change of one contact, or its persistence, as subscribers receive it.

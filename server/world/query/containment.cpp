@@ -2,12 +2,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/intake/weld.hpp"
+#include "server/world/objects/object_placing.hpp"
 #include "server/world/query/pair_report.hpp"
-#include "server/world/solids/solid.hpp"
+#include "server/world/solids/within.hpp"
 
 namespace collided::engine {
 namespace {
@@ -115,70 +115,27 @@ Decision is_within(const Placed& outer, const Vec3& point) {
   return Decision::undecided;
 }
 
-/// A corner of each connected piece of a mesh; triangles are connected where they share a corner by its number. In a
-/// mesh that repeats its corners for each triangle, every triangle is a piece: more points than needed, and none
-/// missing.
-/// source  Galler, Fischer, "An improved equivalence algorithm", Communications of the ACM 7, 1964
-std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root_of = [&](std::uint32_t vertex) {
-    while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-    return vertex;
-  };
-  for (const TriangleCorners& corners : mesh.triangles) {
-    parent[root_of(corners[1])] = root_of(corners[0]);
-    parent[root_of(corners[2])] = root_of(corners[0]);
-  }
-  std::vector<std::uint32_t> found;
-  std::vector<bool> is_known(mesh.vertices.size());
-  for (const TriangleCorners& corners : mesh.triangles) {
-    const std::uint32_t root = root_of(corners[0]);
-    if (!is_known[root]) found.push_back(root);
-    is_known[root] = true;
-  }
-  return found;
-}
-
-Vec3 placed_point(const Placed& object, const Vec3& own) { return place(*object.frame, Triangle{own, own, own}).a; }
-
-Vec3 any_point_of(const Placed& object) {
-  if (!object.info->primitives.empty())
-    return numbers_of(place(*object.frame, object.info->primitives.front())).points.front();
-  return placed_point(object, object.info->mesh->mesh->triangle(0).a);
-}
-
-/// A point of each primitive and of each connected piece of the mesh.
-std::vector<Vec3> points_of(const Placed& object) {
-  std::vector<Vec3> points;
-  for (const Primitive& own : object.info->primitives)
-    points.push_back(numbers_of(place(*object.frame, own)).points.front());
-  if (!object.info->mesh) return points;
-  const TriangleMesh& mesh = *object.info->mesh->mesh;
-  for (const std::uint32_t corner : corner_of_each_piece(mesh))
-    points.push_back(placed_point(object, mesh.vertices[corner]));
-  return points;
-}
-
 /// The inner object lies within the outer one's closed mesh; the two surfaces must not touch. That a declared solid
 /// closes is known, and its side of a point is exact.
 bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
   if (outer.info->solid) {
-    const std::vector<Vec3> points = points_of(inner);
     WalkCost cost;
-    return std::all_of(points.begin(), points.end(), [&](const Vec3& point) {
-      return !deadline.is_over() && side_of_placed(*outer.info->solid, outer, point, cost).side == SolidSide::in;
-    });
+    std::uint32_t tests = 0;
+    const std::vector<Vec3> points = points_of_pieces(*inner.info);
+    return pieces_within(*outer.info->solid, outer, inner, points, deadline, cost, tests).all;
   }
   // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
   // surfaces do not meet, so one point decides for its whole connected piece.
-  if (is_within(outer, any_point_of(inner)) == Decision::no) return false;
+  const auto is_in = [&](const Vec3& own) { return is_within(outer, place(*inner.frame, own)); };
+  const bool has_primitives = !inner.info->primitives.empty();
+  if (is_in(has_primitives ? inner_ball(inner.info->primitives.front()).point
+                           : inner.info->mesh->mesh->triangle(0).a) == Decision::no)
+    return false;
   if (!is_closed(*outer.info->mesh->mesh, deadline)) return false;
-  const std::vector<Vec3> points = points_of(inner);
-  return std::all_of(points.begin(), points.end(), [&](const Vec3& point) {
-    return !deadline.is_over() && is_within(outer, point) == Decision::yes;
-  });
+  const std::vector<Vec3> points = points_of_pieces(*inner.info);
+  return std::all_of(points.begin(), points.end(),
+                     [&](const Vec3& own) { return !deadline.is_over() && is_in(own) == Decision::yes; });
 }
 
 }  // namespace
@@ -186,6 +143,19 @@ bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
 Contained containment(const Placed& a, const Placed& b, Deadline& deadline) {
   if (lies_in(a, b, deadline)) return Contained::a_in_b;
   return lies_in(b, a, deadline) ? Contained::b_in_a : Contained::none;
+}
+
+std::optional<Contact> contact_of_contained(const Placed& a, const Placed& b, Contained which) {
+  const Placed& outer = which == Contained::a_in_b ? b : a;
+  const Placed& inner = which == Contained::a_in_b ? a : b;
+  if (which == Contained::none || !outer.info->solid) return std::nullopt;
+  WalkCost cost;
+  std::uint32_t tests = 0;
+  const Vec3 point = place(*inner.frame, points_of_pieces(*inner.info).front());
+  Contact found = contact_within(*outer.info->solid, outer, inner, point, cost, tests).contact;
+  found.depth_error_m += placing_error_m(outer, kNoTriangle, inner, kNoTriangle);
+  if (which == Contained::a_in_b) found.normal = -found.normal;
+  return found;
 }
 
 }  // namespace collided::engine

@@ -144,6 +144,7 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
     report.separation.error_m += placing_m;
     report.separation.point_error_m += placing_m;
     report.contained = containment(a, b, deadline);
+    if (!deadline.was_over()) report.within = contact_of_contained(a, b, report.contained);
   }
   if (deadline.was_over()) return late();
   if (!ask.certificate) return report;
@@ -159,9 +160,8 @@ void turn_round(PairReport& report) {
   for (ManifoldPoint& point : report.manifold) std::swap(point.a_triangle, point.b_triangle);
   std::swap(report.separation.on_a, report.separation.on_b);
   report.separation.normal = -report.separation.normal;
-  if (report.contained != Contained::none) {
-    report.contained = report.contained == Contained::a_in_b ? Contained::b_in_a : Contained::a_in_b;
-  }
+  report.contained = turned_round(report.contained);
+  if (report.within) report.within->normal = -report.within->normal;
   for (TriangleCrossing& crossing : report.crossings) std::swap(crossing.a, crossing.b);
   std::sort(report.crossings.begin(), report.crossings.end(), [](const TriangleCrossing& x, const TriangleCrossing& y) {
     return std::tie(x.a, x.b) < std::tie(y.a, y.b);

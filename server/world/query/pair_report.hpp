@@ -8,6 +8,7 @@
 #include "server/exact_phase/manifold.hpp"
 #include "server/exact_phase/overlap/triangle_crossing.hpp"
 #include "server/exact_phase/proof.hpp"
+#include "server/world/objects/contained.hpp"
 #include "server/world/objects/deadline.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/part_pairs.hpp"
@@ -31,9 +32,6 @@ struct TriangleCrossing {
   Crossing crossing;
 };
 
-/// Whether one object lies wholly within the other's closed mesh.
-enum class Contained : std::uint8_t { none, a_in_b, b_in_a };
-
 /// How two objects stand to each other. The order of naming them changes nothing but the direction of the normal.
 struct PairReport {
   Decision touches = Decision::no;
@@ -50,7 +48,9 @@ struct PairReport {
   std::vector<ManifoldPoint> manifold;
   // For no:
   Separation separation;
-  Contained contained = Contained::none;
+  Contained contained = Contained::none;  // in a closed mesh, declared solid or not
+  // Of one that lies within a declared solid, its contact with it, as in events: how deep, and which way out.
+  std::optional<Contact> within;
   // Where requested:
   std::vector<TriangleCrossing> crossings;  // ordered by (a, b); the first most_crossings
   std::uint64_t crossing_count = 0;         // of all there are, which may be more than crossings holds
@@ -72,6 +72,8 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline);
 /// Whether one object lies within the other's mesh, if that is closed; the two must not touch.
 Contained containment(const Placed& a, const Placed& b, Deadline& deadline);
+/// The contact of one object that lies within the other, normal from a to b; nothing where that is no declared solid.
+std::optional<Contact> contact_of_contained(const Placed& a, const Placed& b, Contained which);
 /// At most four points for the contact, from all parts that touch along its normal.
 ///
 /// met  of two meshes: the triangles that overlap; null: look for the parts

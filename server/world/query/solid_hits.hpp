@@ -1,19 +1,12 @@
 #pragma once
 
 #include "server/world/query/question.hpp"
-#include "server/world/solids/solid.hpp"
+#include "server/world/solids/nearest_surface.hpp"
 
 namespace collided::engine {
 
-/// The nearest point of a solid's surface.
-struct NearestSurface {
-  double distance_m = 0;
-  double error_m = 0;  // infinite where the mesh is more than the border of the solid
-  std::uint32_t triangle = kNoTriangle;
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // unit, from the point asked about towards the surface; zero on it
-};
-/// Of a point that is in the solid or on it; nothing where it is outside, or the question's deadline ends the search.
+/// The nearest point of a solid's surface, of a point that is in the solid or on it; nothing where it is outside, or the
+/// question's deadline ends the search.
 std::optional<NearestSurface> surface_from_inside(const SolidMesh& solid, const Placed& object, const Vec3& point,
                                                   Question& question);
 
@@ -22,7 +15,7 @@ SolidSide side_in_question(const SolidMesh& solid, const Placed& object, const V
 
 /// Makes a contact of a ball or box with the surface of a solid one with the solid: where its middle is inside, it meets
 /// the solid even if it does not reach the surface. A ball's depth is then that of its centre and its radius together;
-/// a box keeps the contact with the surface or, where there is none, has the depth of its middle, a lower bound.
+/// a box keeps the contact with the surface or, where there is none, has the least way out.
 void meet_solid(const Sphere& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,
                 Question& question);
 void meet_solid(const Box& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,

@@ -80,19 +80,58 @@ double seen_slack_m(const Placed& object, double away_m, const Vec3& point, doub
   return (rounded_m + given_m) * (1 + kChainSlack);
 }
 
+/// Its points are where its own numbers have them, exactly.
 bool is_unmoved(const Placed& object) {
+  if (object.pose != nullptr && !object.pose->rotation.vec().isZero(0)) return false;
   return object.frame->position.isZero(0) && object.frame->rotation == Mat3::Identity();
 }
 
+/// A point with the coordinates at / weight.
+struct ExactPoint {
+  kernel::Vector<Dyadic> at;
+  Dyadic weight;
+};
+
+/// q p q*, exactly, for the quaternion of real part w and vector part v.
+kernel::Vector<Dyadic> turned(const Dyadic& w, const kernel::Vector<Dyadic>& v, const kernel::Vector<Dyadic>& p) {
+  const Dyadic two(2.0);
+  return (w * w - square(v)) * p + two * dot(v, p) * v + two * w * cross(v, p);
+}
+
 /// The point in the object's frame, exactly: q* (point - position) q / |q|^2.
-QuotientPoint seen_exactly(const Pose& pose, const Vec3& point) {
+QuotientPoint seen_exactly(const Pose& pose, const ExactPoint& point) {
   using Vector = kernel::Vector<Dyadic>;
   const Dyadic w(pose.rotation.w());
   const Vector v(-pose.rotation.x(), -pose.rotation.y(), -pose.rotation.z());
-  const Vector p = Vector(point) - Vector(pose.position);
-  const Dyadic two(2.0);
-  Vector at = (w * w - square(v)) * p + two * dot(v, p) * v + two * w * cross(v, p);
-  return {std::move(at), w * w + square(v)};
+  return {turned(w, v, point.at - point.weight * Vector(pose.position)), point.weight * (w * w + square(v))};
+}
+
+/// A point of the world, rounded by at most off_m where it is that of an object whose pose was given.
+struct AskedPoint {
+  Vec3 at;
+  double off_m = 0;
+  const Placed* of = nullptr;
+  Vec3 own = Vec3::Zero();
+
+  /// q own q* / |q|^2 + position, where it is rounded.
+  ExactPoint exact() const {
+    using Vector = kernel::Vector<Dyadic>;
+    if (off_m == 0) return {Vector(at), Dyadic(1.0)};
+    const Pose& pose = *of->pose;
+    const Dyadic w(pose.rotation.w());
+    const Vector v(pose.rotation.x(), pose.rotation.y(), pose.rotation.z());
+    const Dyadic weight = w * w + square(v);
+    return {turned(w, v, Vector(own)) + weight * Vector(pose.position), weight};
+  }
+};
+
+AskedPoint placed_point(const Placed& object, const Vec3& own) {
+  const Vec3 at = place(*object.frame, own);
+  const bool is_exact = object.pose == nullptr || is_unmoved(object);
+  return {.at = at,
+          .off_m = is_exact ? 0 : placing_error_m(*object.frame, Triangle{own, own, own}),
+          .of = &object,
+          .own = own};
 }
 
 /// Whether the surface has a triangle within reach of the point.
@@ -107,13 +146,16 @@ bool is_near_surface(const IndexedMesh& surface, const Vec3& point, double reach
 }
 
 /// For a pose that was not given, the placed corners are the exact input: the ray runs along an axis of the world.
-SideFound side_of_placed_corners(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost) {
-  const AxisDirection way = shortest_way_out(object.bounds, point);
-  CrossingCount<PlainPoint> count(PlainPoint(point), way);
+template <class Point>
+SideFound side_of_placed_corners(const IndexedMesh& surface, const Placed& object, const AskedPoint& asked, Point exact,
+                                 WalkCost& cost) {
+  const AxisDirection way = shortest_way_out(object.bounds, asked.at);
+  CrossingCount<Point> count(std::move(exact), way);
   const Mat3 back = object.frame->rotation.transpose();
-  const Vec3 away = point - object.frame->position;
+  const Vec3 away = asked.at - object.frame->position;
   const Ray seen{.origin = back * away, .direction = back * along(way)};
-  const double slack_m = 2 * placement_slack(*object.frame, away.lpNorm<1>() + point.lpNorm<1>(), surface.radius_m);
+  const double far_m = away.lpNorm<1>() + asked.at.lpNorm<1>();
+  const double slack_m = 2 * (placement_slack(*object.frame, far_m, surface.radius_m) + asked.off_m);
   const auto candidate = [&](std::uint32_t number, double limit) {
     return count(number, place(*object.frame, surface.mesh->triangle(number)), limit);
   };
@@ -141,19 +183,30 @@ SideFound side_by(const IndexedMesh& surface, const SolidTree* tree, const Vec3&
   return side_by_ray(surface, point, cost);
 }
 
-SideFound side_placed(const IndexedMesh& surface, const SolidTree* tree, const Placed& object, const Vec3& point,
-                      WalkCost& cost) {
-  if (is_unmoved(object)) return side_by(surface, tree, point, cost);
-  const Vec3 away = point - object.frame->position;
-  const Vec3 seen = object.frame->rotation.transpose() * away;
-  const double slack_m = seen_slack_m(object, away.lpNorm<1>(), point, surface.radius_m);
-  const bool is_seen = seen.allFinite() && std::isfinite(slack_m);
-  if (is_seen && !is_near_surface(surface, seen, slack_m, cost)) return side_by(surface, tree, seen, cost);
-  if (object.pose == nullptr) return side_of_placed_corners(surface, object, point, cost);
+/// Where the point is so near the surface that roundings may have moved it across: exactly.
+SideFound side_near_surface(const IndexedMesh& surface, const Placed& object, const AskedPoint& asked, const Vec3& seen,
+                            double slack_m, WalkCost& cost) {
+  if (object.pose == nullptr && !is_unmoved(object)) {
+    if (asked.off_m == 0) return side_of_placed_corners(surface, object, asked, PlainPoint(asked.at), cost);
+    ExactPoint exact = asked.exact();
+    return side_of_placed_corners(surface, object, asked, QuotientPoint(std::move(exact.at), exact.weight), cost);
+  }
   const AxisDirection way = shortest_way_out(surface.tree.bounds(), seen);
-  CrossingCount<QuotientPoint> count(seen_exactly(*object.pose, point), way);
+  CrossingCount<QuotientPoint> count(seen_exactly(object.pose != nullptr ? *object.pose : Pose{}, asked.exact()), way);
   surface.tree.walk_ray({.origin = seen, .direction = along(way)}, kInfinity, slack_m, *surface.mesh, count, cost);
   return count.found();
+}
+
+SideFound side_placed(const IndexedMesh& surface, const SolidTree* tree, const Placed& object, const AskedPoint& asked,
+                      WalkCost& cost) {
+  if (is_unmoved(object) && asked.off_m == 0) return side_by(surface, tree, asked.at, cost);
+  const Vec3 away = asked.at - object.frame->position;
+  const Vec3 seen = object.frame->rotation.transpose() * away;
+  const double slack_m =
+      (seen_slack_m(object, away.lpNorm<1>(), asked.at, surface.radius_m) + asked.off_m) * (1 + kChainSlack);
+  const bool is_seen = seen.allFinite() && std::isfinite(slack_m);
+  if (is_seen && !is_near_surface(surface, seen, slack_m, cost)) return side_by(surface, tree, seen, cost);
+  return side_near_surface(surface, object, asked, seen, slack_m, cost);
 }
 
 const SolidTree* tree_of(const SolidMesh& solid) { return solid.tree ? &*solid.tree : nullptr; }
@@ -165,17 +218,23 @@ SideFound side_of(const SolidMesh& solid, const Vec3& point, WalkCost& cost) {
 }
 
 SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Vec3& point, WalkCost& cost) {
-  return side_placed(*solid.surface, tree_of(solid), object, point, cost);
+  return side_placed(*solid.surface, tree_of(solid), object, {.at = point}, cost);
+}
+
+SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Placed& inner, const Vec3& own,
+                         WalkCost& cost) {
+  return side_placed(*solid.surface, tree_of(solid), object, placed_point(inner, own), cost);
 }
 
 SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost) {
-  return side_placed(surface, nullptr, object, point, cost);
+  return side_placed(surface, nullptr, object, {.at = point}, cost);
 }
 
 SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const Vec3& point) {
   const TriangleMesh& mesh = *solid.surface->mesh;
   const bool is_given = object.pose != nullptr && !is_unmoved(object);
-  QuotientPoint seen = is_given ? seen_exactly(*object.pose, point) : QuotientPoint(kernel::Vector<Dyadic>(point), 1.0);
+  const ExactPoint exact{kernel::Vector<Dyadic>(point), Dyadic(1.0)};
+  QuotientPoint seen = is_given ? seen_exactly(*object.pose, exact) : QuotientPoint(exact.at, exact.weight);
   CrossingCount<QuotientPoint> count(std::move(seen), AxisDirection{});
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle own = mesh.triangle(i);

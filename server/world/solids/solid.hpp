@@ -65,7 +65,11 @@ SideFound side_of(const SolidMesh& solid, const Vec3& point, WalkCost& cost);
 /// cost  that of side_of and of a walk about the point; microseconds a triangle near the ray where the point is so near
 ///       the surface that placing may have moved it across
 SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Vec3& point, WalkCost& cost);
-/// The same without a tree.
+/// The same for a point of another object, given in that object's own frame: exact for both poses as given, however they
+/// round.
+SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Placed& inner, const Vec3& own,
+                         WalkCost& cost);
+/// The same without a tree, for a point of the world.
 SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost);
 
 /// The same by rationals alone and without an index, for audits.

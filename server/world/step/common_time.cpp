@@ -148,12 +148,17 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     ledger_.decided_apart(a, b, seconds_ago(piece.from_ns), seconds_ago(piece.to_ns));
     return false;
   }
-  const ContactSearch touch = touch_at_end(piece);
+  Contained contained = Contained::none;
+  const ContactSearch touch = touch_at_end(piece, contained);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   if (is_held && touch.yes) {
-    ledger_.touches(found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1));
+    FoundContact found = found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1);
+    found.contained = contained;
+    set_change_of_containment(piece, found);
+    ledger_.touches(found);
     ++cost_.contacts;
   } else if (is_held && !touch.undecided) {
+    if (ledger_.contained(a, b) != Contained::none) ledger_.emerges(a, b, emerging(piece));
     const ContactEnd end = parting(piece);
     ledger_.parts(a, b, end.reason, end.bracket_low_s, end.bracket_high_s);
   } else if (!is_held) {
@@ -161,7 +166,7 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     ++cost_.swept;
     if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
     if (!touch.yes && !sweep.yes) doubt_piece(piece, touch, sweep);
-    else if (may_begin()) begin_in_motion(piece, touch, sweep);
+    else if (may_begin()) begin_in_motion(piece, touch, sweep, contained);
   }
   return ledger_.is_open(a, b);
 }
@@ -185,7 +190,8 @@ void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, 
 }
 
 /// A contact begins within the piece; if it is apart at the end, it also ends there.
-void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep) {
+void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep,
+                                Contained contained) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
   if (touch.yes || touch.undecided) {
@@ -195,6 +201,12 @@ void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& tou
                              : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
     found.bracket_low_s = first.low_s;
     found.bracket_high_s = first.high_s;
+    found.contained = contained;
+    if (contained != Contained::none) {
+      const ContactEnd parted = parting(piece);
+      found.parted_low_s = std::min(parted.bracket_low_s, found.bracket_low_s);
+      found.parted_high_s = parted.bracket_high_s;
+    }
     ledger_.touches(found);
     return;
   }
@@ -264,12 +276,17 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
                           .to_ns = time_ns,
                           .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].frame)),
                           .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].frame))};
-  const ContactSearch touch = touch_at_end(instant);
+  Contained contained = Contained::none;
+  const ContactSearch touch = touch_at_end(instant, contained);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const bool is_held = ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
   if (touch.yes && (is_held || may_begin())) {
     ++cost_.contacts;
-    ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
+    FoundContact found = found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1);
+    found.contained = contained;
+    found.parted_low_s = found.bracket_low_s;
+    found.parted_high_s = found.bracket_high_s;
+    ledger_.touches(found);
   } else if (is_held && !touch.undecided) {
     const double error_s = wire_contract::kNanosecond_s * static_cast<double>(clock_error_ns(a, b));
     ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s,
@@ -283,7 +300,7 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
 }
 
 /// Tests the two objects at the end of the piece.
-ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
+ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contained) {
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
@@ -299,6 +316,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
   const Placed b = placed_at(piece.b, piece.b_motion.to);
   if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
+  contained = look_within(a, b, touch);
   return touch;
 }
 

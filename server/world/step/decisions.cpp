@@ -104,7 +104,7 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 /// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
 /// step, or nothing new.
 void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
-                       std::uint32_t mover) {
+                       std::uint32_t mover, Contained contained) {
   if (sweep != nullptr) {
     ++cost_.swept;
     cost_.exact_tests += sweep->exact_tests;
@@ -124,7 +124,8 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
                      .b = b,
                      .a_triangle = touch.a_triangle,
                      .b_triangle = touch.b_triangle,
-                     .contact = passed || holds_on ? sweep->contact : touch.contact};
+                     .contact = passed || holds_on ? sweep->contact : touch.contact,
+                     .contained = contained};
   if (passed || holds_on) {
     found.a_triangle = sweep->a_triangle;
     found.b_triangle = sweep->b_triangle;
@@ -133,6 +134,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
     std::swap(found.a, found.b);
     std::swap(found.a_triangle, found.b_triangle);
     found.contact.normal = -found.contact.normal;
+    found.contained = turned_round(contained);
   }
   set_bracket(found, sweep, mover);
   const bool is_told = step_.step_options.persisted || !is_held;

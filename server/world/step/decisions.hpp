@@ -3,14 +3,17 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "server/geometry/function_ref.hpp"
 #include "server/world/events/contact_ledger.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/sweep.hpp"
 #include "server/world/step/motion_history.hpp"
+#include "server/world/step/piece_points.hpp"
 #include "server/world/step/separation_cache.hpp"
 #include "server/world/step/step_motion.hpp"
 #include "server/world/world.hpp"
@@ -35,10 +38,18 @@ struct PartSweep {
   SweptContact touch;
 };
 
+/// A part of a static scene of which the mover, or which of the mover, lies within the other; a is the mover.
+struct PartWithin {
+  std::uint32_t part = 0;
+  Contained contained = Contained::none;
+};
+
 /// Lists reused from step to step, so that deciding does not allocate.
 struct DecisionLists {
   PartContacts part_touches{true};
   std::vector<PartSweep> part_sweeps;
+  std::vector<PartWithin> parts_within;
+  PiecePoints pieces;
   std::vector<std::int64_t> cuts;
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
@@ -99,7 +110,8 @@ class Decisions {
 
  private:
   // decisions.cpp: turns findings into calls of the ledger
-  void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover);
+  void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover,
+              Contained contained);
   void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptContact* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
@@ -118,6 +130,16 @@ class Decisions {
   bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
   SweptContact& part_sweep(std::uint32_t part);
 
+  // within_decisions.cpp
+  bool look_in(const Placed& outer, const Placed& inner, std::span<const Vec3> points, bool is_turned,
+               ContactSearch& touch);
+  Contained look_within(const Placed& a, const Placed& b, ContactSearch& touch);
+  void look_within_scene(const Placed& a, const StaticScene& scene);
+  void look_within_part(const Placed& a, const StaticScene& scene, std::uint32_t part,
+                        FunctionRef<Contained(ContactSearch& touch)> look);
+  void set_change_of_containment(const PairPiece& piece, FoundContact& found);
+  ContactEnd emerging(const PairPiece& piece);
+
   // pair_decisions.cpp
   bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
   std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
@@ -133,11 +155,12 @@ class Decisions {
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
-  ContactSearch touch_at_end(const PairPiece& piece);
+  ContactSearch touch_at_end(const PairPiece& piece, Contained& contained);
   SweptContact sweep_piece(const PairPiece& piece);
   std::optional<SweptContact> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
   bool surely_stay_apart(const PairPiece& piece) const;
-  void begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep);
+  void begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep,
+                       Contained contained);
   ContactEnd parting(const PairPiece& piece);
   double placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const;
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,

@@ -83,7 +83,8 @@ class Correction {
     const bool is_sphere = rows_[slot].lone_sphere.has_value();
     ledger_.for_each_of(slot, [&](std::uint32_t number) {
       const OpenContact& open = ledger_.open()[number];
-      if (open.doubt != Doubt::none) return true;  // it has no normal
+      // A doubt has no normal, and a thing within a solid touches no face.
+      if (open.doubt != Doubt::none || open.contained != Contained::none) return true;
       const bool is_first = slot_of(open.a) == slot;
       const ObjectId body = is_first ? open.b : open.a;
       // Most contacts of a large world are between two balls, which is visible in rows that the step has just read.

@@ -42,12 +42,14 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   touch.wanted = step_.step_options.contacts;
   if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
+  const Contained contained = look_within(a, b, touch);
   std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
   if (!is_held) sweep = sweep_between(first, second, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
-         rows_.has_moved(mover) ? mover : first + second - mover);
-  if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
+         rows_.has_moved(mover) ? mover : first + second - mover, contained);
+  // What lies in a solid has a gap too, and is in contact.
+  if (are_meshes && !touch.yes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
 }
 
 std::uint32_t Decisions::sweep_looks() const {

@@ -15,13 +15,17 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   const StaticScene& scene = *step_.scenes[scene_number];
   const Placed a = placed(mover);
   touch_scene(a, scene);
+  look_within_scene(a, scene);
   sweep_through(mover, scene);
   for (PartContact& found : lists_.part_touches.list()) {
     cost_.exact_tests += found.touch.exact_tests;
     const auto sweep = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
                                     [&](const PartSweep& of) { return of.part == found.part; });
+    const auto within = std::find_if(lists_.parts_within.begin(), lists_.parts_within.end(),
+                                     [&](const PartWithin& of) { return of.part == found.part; });
     report(a.info->id, scene.part_objects[found.part], found.touch,
-           sweep != lists_.part_sweeps.end() ? &sweep->touch : nullptr, mover);
+           sweep != lists_.part_sweeps.end() ? &sweep->touch : nullptr, mover,
+           within != lists_.parts_within.end() ? within->contained : Contained::none);
   }
   if (lists_.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
 }

@@ -86,7 +86,7 @@ TEST(WatchDecoding, AFrameWhoseListsDifferIsRefused) {
       {"b triangles", [](FrameMessage& f) { f.b_triangles.pop_back(); }},
       {"episodes", [](FrameMessage& f) { f.episodes.pop_back(); }},
       {"numbers", [](FrameMessage& f) { f.numbers.pop_back(); }},
-      {"an unknown kind", [](FrameMessage& f) { f.kinds[1] = 3; }},
+      {"an unknown kind", [](FrameMessage& f) { f.kinds[1] = 5; }},
       {"an unknown reason", [](FrameMessage& f) { f.reasons[1] = 9; }},
   };
   for (const auto& [what, spoil] : spoilers) {

@@ -24,9 +24,22 @@ class Model {
     contacts_[pair] = ++sequence_;
     return frame(EventKind::began, EndReason::none, pair, sequence_);
   }
+  HeardFrame contained(Pair pair, Containment which) {
+    within_[pair] = which;
+    ++sequence_;
+    return frame(EventKind::contained, EndReason::none, pair, contacts_.at(pair));
+  }
+  HeardFrame emerged(Pair pair) {
+    ++sequence_;
+    HeardFrame heard = frame(EventKind::emerged, EndReason::none, pair, contacts_.at(pair));
+    within_.erase(pair);
+    return heard;
+  }
+  /// As a server does, what lies within emerges first.
   HeardFrame ended(Pair pair, EndReason why = EndReason::separated) {
     const std::uint64_t episode = contacts_.at(pair);
     contacts_.erase(pair);
+    within_.erase(pair);
     ++sequence_;
     return frame(EventKind::ended, why, pair, episode);
   }
@@ -66,6 +79,7 @@ class Model {
     made.a_id = id(pair.first);
     made.b_id = id(pair.second);
     made.episode = episode;
+    if (const auto within = within_.find(pair); within != within_.end()) made.contained = within->second;
     return made;
   }
   HeardFrame frame(EventKind what, EndReason why, Pair pair, std::uint64_t episode) const {
@@ -74,6 +88,7 @@ class Model {
 
   ServerLife life_;
   std::map<Pair, std::uint64_t> contacts_;
+  std::map<Pair, Containment> within_;
   std::uint64_t sequence_ = 0;
 };
 

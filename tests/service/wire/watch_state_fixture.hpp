@@ -23,9 +23,10 @@ using std::chrono::milliseconds;
 using test::Model;
 using test::Pair;
 
-inline constexpr const char* kWhat[] = {"open", "began", "persisted", "ended"};
+inline constexpr const char* kWhat[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
 
-/// A watch that remembers what it was told, and checks that began and ended alternate.
+/// A watch that remembers what it was told, and checks that began and ended alternate, and contained and emerged between
+/// them.
 class WatchStateTest : public testing::Test {
  protected:
   template <class Heard>
@@ -41,7 +42,13 @@ class WatchStateTest : public testing::Test {
     const Pair pair = std::minmax(std::stoull(event.a), std::stoull(event.b));
     if (event.kind == EventKind::ended) {
       EXPECT_EQ(open_.erase(pair), 1u) << event.a << ' ' << event.b << " ended without having begun";
+      EXPECT_FALSE(within_.contains(pair)) << "it did not emerge first";
+    } else if (event.kind == EventKind::contained) {
+      EXPECT_TRUE(open_.contains(pair) && within_.insert(pair).second) << "contained twice";
+    } else if (event.kind == EventKind::emerged) {
+      EXPECT_EQ(within_.erase(pair), 1u) << "it was not contained";
     } else if (event.kind != EventKind::persisted) {
+      if (event.kind == EventKind::open && event.contained != Containment::none) within_.insert(pair);
       EXPECT_TRUE(open_.insert(pair).second) << event.a << ' ' << event.b << " began twice";
     } else {
       EXPECT_TRUE(open_.contains(pair)) << event.a << ' ' << event.b << " persisted without having begun";
@@ -55,6 +62,7 @@ class WatchStateTest : public testing::Test {
                         (event.reason == EndReason::server_restarted ? " restarted" : ""));
   }
   std::set<Pair> open_;
+  std::set<Pair> within_;
   Clock::time_point now_{milliseconds(1'000)};
   std::vector<std::string> reported_;
   std::vector<Event> events_;  // all that were told
