@@ -31,7 +31,7 @@ inline constexpr const char* kPiece = "piece";
 inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
 /// scene ("" = all), moving (true: also or, without scene, only moving objects)
-/// -> removed, kept (objects of live publishers), ended, version
+/// -> removed, kept (objects of live publishers, and those that the keys are not for), ended, version
 inline constexpr const char* kClear = "clear";
 
 /// name, pose, layers, mask, group, moving, scale [3], solid (true: its mesh is; refused where that does not close); the
@@ -116,7 +116,8 @@ inline constexpr const char* kRecording = "recording";
 /// questions (of each kind), seed
 /// -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those, compared with rationals
 ///    over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"), p50_ns, p99_ns}],
-///    seed, version. Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree, differ,
+///    seed, version, late (true where the deadline, deadline_ns from when it is taken, ended it before its last
+///    question). Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree, differ,
 ///    failed, unsupported} (counts).
 /// Instead of questions and seed: of (ray, sphere, box or near); the questions are the query's blob, little-endian
 /// doubles, of each ray 7 (from, direction, length), sphere 4 (centre, radius), box 10 (centre, half sizes, rotation

@@ -250,6 +250,7 @@ void Server::Parts::note_publishers() {
 void Server::Parts::tick() {
   note_publishers();
   answering->tick(listeners->query_owners());
+  commands.look_for_gone();
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
   overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();

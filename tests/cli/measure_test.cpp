@@ -45,6 +45,16 @@ TEST_F(Measure, TheMenuIsAPriceList) {
             "{\"kind\":\"ray\",\"method\":\"boxes only\",\"worst_bound\":\"inf\"}\n");
 }
 
+TEST_F(Measure, AMenuMayHaveADeadlineAndSaysWhereItEndedThere) {
+  replies["menu"] = {{"rows", {menu_row("exact on doubt", 2e-15)}}, {"seed", 7}, {"version", 9}, {"late", true}};
+  const Ran ran = at_terminal("menu --deadline 1.5s");
+  EXPECT_EQ(asked["deadline_ns"], 1'500'000'000);
+  EXPECT_NE(ran.err.find("the deadline was over before all questions were asked"), std::string::npos) << ran.err;
+  replies["menu"].erase("late");
+  EXPECT_EQ(at_terminal("menu").err.find("deadline"), std::string::npos);
+  EXPECT_FALSE(asked.contains("deadline_ns"));
+}
+
 TEST_F(Measure, WhatWasOnlyTimedIsNotCalledRight) {
   nlohmann::json row = menu_row("exact on doubt", 2e-15);
   row["judged"] = 40;

@@ -192,9 +192,46 @@ TEST_F(ServerWithKeys, CommandsReachTheNamesOfTheirKeysOnly) {
   EXPECT_TRUE(says(refused.errors, "the keys of 'cell' are for cell/*")) << refused.errors;
   EXPECT_EQ(collide(cell, {"move", "other", "1", "1", "1"}).code, 5);
   EXPECT_EQ(collide(cell, {"rm", "*"}).code, 5);
-  EXPECT_EQ(collide(cell, {"clear"}).code, 5);
+  EXPECT_EQ(collide(cell, {"clear", "warehouse"}).code, 5);
   EXPECT_EQ(collide(boss, {"get", "other"}).code, 0) << "nothing of all that was done";
   EXPECT_EQ(collide(cell, {"rm", "cell/*"}).code, 0);
+}
+
+// What a file brings, and what goes, is looked at name by name; nothing of a refused load or scene is done.
+TEST_F(ServerWithKeys, LoadsUploadsAndClearingReachTheNamesOfTheirKeysOnly) {
+  start_with_keys();
+  const std::string boss = folders_.of("boss", {KeyRole::admin});
+  const std::string cell = folders_.of("cell", {KeyRole::admin}, {"cell/*", "arm/*"});
+  const std::string file = folder_.write("a.obj", "o floor\nv 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
+  const auto loads = [&](const std::string& keys, const std::string& name, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"load", file, "--name", name});
+    return collide(keys, more);
+  };
+  const auto is_there = [&](const std::string& name) { return collide(boss, {"get", name}).code == 0; };
+  const Ended foreign = loads(cell, "hall");
+  EXPECT_EQ(foreign.code, 5);
+  EXPECT_TRUE(says(foreign.errors, "the keys of 'cell' are not for object 'hall/floor'. Nothing was loaded"))
+      << foreign.errors;
+  EXPECT_FALSE(is_there("hall/floor"));
+  EXPECT_EQ(loads(cell, "cell").code, 0);
+  EXPECT_EQ(loads(cell, "arm", {"--upload"}).code, 0);
+  EXPECT_EQ(loads(cell, "hall", {"--upload"}).code, 5);
+  EXPECT_EQ(loads(cell, "cell", {"--replace"}).code, 0);
+  const Ended covering = loads(cell, "cell", {"--replace", "--covers", "-99,-99,-99:99,99,99"});
+  EXPECT_TRUE(says(covering.errors, "covers are said of the whole world")) << covering.errors;
+  EXPECT_TRUE(is_there("cell/floor"));
+  EXPECT_EQ(loads(boss, "hall").code, 0);
+  EXPECT_EQ(loads(cell, "hall", {"--replace"}).code, 5);
+  EXPECT_TRUE(is_there("hall/floor"));
+  EXPECT_EQ(collide(boss, {"add", "other", "sphere", "0.1", "--at", "9", "9", "9"}).code, 0);
+  EXPECT_EQ(collide(cell, {"add", "cell/b", "sphere", "0.1", "--at", "9", "9", "8"}).code, 0);
+  EXPECT_EQ(collide(cell, {"clear", "hall"}).code, 5);
+  EXPECT_EQ(collide(cell, {"clear", "arm"}).code, 0);
+  EXPECT_FALSE(is_there("arm/floor"));
+  const Ended cleared = collide(cell, {"clear"});
+  EXPECT_EQ(cleared.code, 0) << cleared.errors;
+  for (const char* kept : {"hall/floor", "other", "warehouse/floor"}) EXPECT_TRUE(is_there(kept)) << kept;
+  for (const char* gone : {"cell/floor", "cell/b"}) EXPECT_FALSE(is_there(gone)) << gone;
 }
 
 TEST_F(ServerWithKeys, HighImportanceIsARight) {

@@ -109,6 +109,37 @@ TEST_F(ServerAudit, TheMenuPricesEveryKindOfQuestion) {
   }
 }
 
+TEST_F(ServerAudit, AMenuEndsAtItsDeadline) {
+  start();
+  Client client = connect();
+  const auto started = std::chrono::steady_clock::now();
+  const json menu = command(client, "menu", {{"questions", 100'000}, {"seed", 5}, {"deadline_ns", 300'000'000}});
+  EXPECT_LT(std::chrono::steady_clock::now() - started, 3s);
+  EXPECT_TRUE(menu.value("late", false)) << menu;
+  ASSERT_FALSE(menu["rows"].empty());
+  EXPECT_LT(menu["rows"].back()["asked"], 100'000);
+  EXPECT_FALSE(command(client, "menu", {{"questions", 10}, {"deadline_ns", 60'000'000'000}}).contains("late"));
+  const json at_once = command(client, "menu", {{"questions", 10}, {"deadline_ns", 1}});
+  EXPECT_TRUE(at_once.value("late", false)) << at_once;
+}
+
+// Whoever comes next would wait for it in vain: a load has its turn after a menu.
+TEST_F(ServerAudit, AMenuEndsWhenItsClientHasGone) {
+  start();
+  Client client = connect();
+  const std::string much = json{{"questions", 100'000}, {"seed", 5}}.dump();
+  {
+    Client gone = connect();
+    EXPECT_FALSE(gone.command("menu", much, {}, 1s)) << "it takes longer than that";
+  }
+  const auto started = std::chrono::steady_clock::now();
+  ASSERT_TRUE(client.load(folder_.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")));
+  const auto waited = std::chrono::steady_clock::now() - started;
+  // The same with a client that stays takes longer than a load had to wait.
+  EXPECT_LT(waited, 2s);
+  EXPECT_TRUE(command(client, "menu", {{"questions", 100'000}, {"seed", 5}, {"deadline_ns", 3'000'000'000}})["late"]);
+}
+
 TEST_F(ServerAudit, TheMenuPricesYourOwnQuestions) {
   start();
   Client client = connect();

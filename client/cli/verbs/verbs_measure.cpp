@@ -49,6 +49,7 @@ class MenuCommand : public Command {
     app.add_option("--opinion", opinion_,
                    "Ask another library about the pairs too: fcl, run by the server in processes of its own");
     app.add_option("--of", of_, "What they are: ray, sphere, box, near");
+    app.add_option("--deadline", deadline_, "Ends with what there is by then: 2s");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -58,7 +59,9 @@ class MenuCommand : public Command {
     Printer printer = make_printer(session.io, globals);
     for (const nlohmann::json& row : rows) print(printer, row, !opinion_.empty());
     printer.finish();
-    if (rows.empty()) print_hint(session.io, globals, "the world is empty: nothing to price");
+    const bool is_late = answer.value("late", false);
+    if (is_late) print_hint(session.io, globals, "the deadline was over before all questions were asked");
+    else if (rows.empty()) print_hint(session.io, globals, "the world is empty: nothing to price");
     if (std::any_of(rows.begin(), rows.end(),
                     [](const nlohmann::json& row) { return judged_of(row) < count_of(row, "asked"); })) {
       print_hint(
@@ -72,7 +75,11 @@ class MenuCommand : public Command {
   nlohmann::json ask_random(Session& session, const Globals& globals) const {
     nlohmann::json arguments{{"questions", parse_count(questions_, 1)}, {"seed", parse_count(seed_, 0)}};
     if (!opinion_.empty()) arguments["opinion"] = opinion_;
+    limit(arguments);
     return server_command(session, globals, wire::kMenu, arguments);
+  }
+  void limit(nlohmann::json& arguments) const {
+    if (!deadline_.empty()) arguments["deadline_ns"] = parse_duration(deadline_).count();
   }
   nlohmann::json ask_own(Session& session, const Globals& globals) const {
     static constexpr std::array<std::string_view, 4> kKinds{"ray", "sphere", "box", "near"};
@@ -83,7 +90,9 @@ class MenuCommand : public Command {
     }
     const auto number = static_cast<QuestionKind>(kind - kKinds.begin());
     const std::vector<double> numbers = read_menu_questions(from_, number, session.io.in);
-    return server_command_with_bytes(session, globals, wire::kMenu, {{"of", of_}}, std::as_bytes(std::span(numbers)));
+    nlohmann::json arguments{{"of", of_}};
+    limit(arguments);
+    return server_command_with_bytes(session, globals, wire::kMenu, arguments, std::as_bytes(std::span(numbers)));
   }
 
   static std::string length(double metres) {
@@ -144,6 +153,7 @@ class MenuCommand : public Command {
   std::string from_;
   std::string of_;
   std::string opinion_;
+  std::string deadline_;
 };
 
 class AuditCommand : public Command {

@@ -16,8 +16,6 @@ using std::chrono::nanoseconds;
 // new match is seen, since then it may succeed, and every 20 ms.
 constexpr milliseconds kHelloPeriod{20};
 constexpr milliseconds kMatchPeriod{1};
-// A wait that ends so much later than it should shows a machine with more to do than it can: the server is as late.
-constexpr milliseconds kLate{5};
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -83,7 +81,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   query.request = hello->number();
   query.chunk_count = 1;
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
-  const Clock::time_point deadline_if_late = std::min(deadline_if_found, deadline + 2 * (deadline - Clock::now()));
+  const Clock::time_point deadline_if_crowded = std::min(deadline_if_found, deadline + 2 * (deadline - Clock::now()));
   std::uint32_t matched = 0;
   Clock::time_point next_hello = Clock::now();
   do {
@@ -92,11 +90,10 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
       if (send(query, right)) { return false; }
       next_hello = Clock::now() + kHelloPeriod;
+      // Time in which the server hardly gets a processor does not count.
+      if (is_machine_crowded()) deadline = std::max(deadline, std::min(deadline + kHelloPeriod, deadline_if_crowded));
     }
-    const Clock::time_point until = std::min(deadline, Clock::now() + kMatchPeriod);
-    const auto& replies = hello->wait(until);
-    if (const auto late = Clock::now() - until; late > kLate)
-      deadline = std::max(deadline, std::min(deadline + late, deadline_if_late));
+    const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
       known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);

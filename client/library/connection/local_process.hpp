@@ -10,4 +10,7 @@ namespace collided::client {
 /// program  its name, as in /proc/PID/comm
 bool runs_here(std::uint32_t pid, const char* program);
 
+/// Whether this machine has three times as many threads that could run as processors, or more. Of this moment.
+bool is_machine_crowded();
+
 }  // namespace collided::client

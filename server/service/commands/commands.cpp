@@ -28,8 +28,6 @@ namespace names = wire_contract::command;
 
 namespace {
 
-bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
-
 std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 }  // namespace
@@ -112,8 +110,11 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
   if (!ask.from.has(right))
     return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
   if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
-  // Removal looks at each object that is to go.
-  if (command == names::kRemove || command == names::kProbe) return {};
+  // What comes or goes by these is known later; they look at each object. A file does nothing until it is loaded.
+  for (const char* later :
+       {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece}) {
+    if (command == later) return {};
+  }
   const bool is_one_object = command == names::kAdd || command == names::kMove;
   if (is_one_object && ask.from.peer->may_name(arguments.text("name"))) return {};
   return fmt::format("the keys of '{}' are for {}. Nothing was done", ask.from.peer->name,
@@ -412,79 +413,6 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
           {"began", began},
           {"ended", ended},
           {"version", version}};
-}
-
-json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "durable"});
-  World& world = with_.loop.world();
-  const std::string name = arguments.text("name");
-  std::vector<ObjectId> chosen;
-  if (is_glob(name) && !world.find(name)) {
-    for (const auto& info : world.objects()) {
-      if (info && glob_matches(name, info->name)) chosen.push_back(info->id);
-    }
-  } else {
-    chosen.push_back(find_object(name));
-  }
-  // All or nothing: every chosen object is checked before the first one is removed.
-  for (const ObjectId id : chosen) {
-    const ObjectInfo& info = *world.info(id);
-    refuse_if_live(info);
-    if (ask.from.peer && !ask.from.peer->may_name(info.name))
-      throw BadCommand(fmt::format("the keys of '{}' are not for object {}. Nothing was removed", ask.from.peer->name,
-                                   printable(info.name)));
-  }
-  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
-    with_.loop.step_now();
-  json removed = json::array();
-  std::vector<DurableState::Removed> gone;
-  for (const ObjectId id : chosen) {
-    const ObjectInfo& info = *world.info(id);
-    removed.push_back(info.name);
-    if (info.publisher == 0) gone.push_back({.scene = info.scene, .name = info.name});
-    world.remove(id, EndReason::removed);
-  }
-  if (with_.durable != nullptr) with_.durable->removed(gone);
-  if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
-  const std::uint64_t version = step();
-  return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
-}
-
-/// Removes scenes and objects; what live publishers have stays and is counted as kept.
-json Commands::clear(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"scene", "moving", "durable"});
-  World& world = with_.loop.world();
-  const std::string scene = arguments.text("scene");
-  const bool moving = arguments.truth("moving", false);
-  std::vector<std::string> scenes;
-  for (const auto& loaded : world.newest()->scenes) scenes.push_back(loaded->name);
-  if (!scene.empty() && std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) {
-    throw BadCommand(fmt::format("scene {} is not loaded; loaded: {}", printable(scene),
-                                 scenes.empty() ? "none" : fmt::format("{}", fmt::join(scenes, ", "))));
-  }
-  with_.loop.step_now();  // what has moved is examined before it goes
-  std::uint32_t removed = 0;
-  std::uint32_t kept = 0;
-  for (const std::string& name : scenes) {
-    if (name != scene && !(scene.empty() && !moving)) continue;
-    removed += world.remove_scene(name);
-    if (with_.durable != nullptr) with_.durable->scene_removed(name);
-  }
-  const bool others = scene.empty() || moving;
-  std::vector<DurableState::Removed> gone;
-  const ObjectTable objects = world.objects();  // a copy: removing changes the world's
-  for (const auto& info : objects) {
-    if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
-    if (info->publisher != 0 && with_.loop.publishers().is_live(info->publisher)) {
-      ++kept;
-    } else if (world.remove(info->id, EndReason::removed)) {
-      ++removed;
-      if (info->publisher == 0) gone.push_back({.scene = info->scene, .name = info->name});
-    }
-  }
-  if (with_.durable != nullptr) with_.durable->removed(gone);
-  const std::uint64_t version = step();
-  return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
 }
 
 }  // namespace collided::engine::service

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <shared_mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "server/service/commands/command_arguments.hpp"
@@ -58,6 +59,8 @@ class Commands {
   /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
   /// Answering::send_text().
   void run(CommandAsk ask);
+  /// To be called now and then, from one thread: calls off pairs and menus whose clients have gone.
+  void look_for_gone();
   /// Calls off the load under way and ends the threads; commands that come later are refused.
   void stop();
 
@@ -110,17 +113,25 @@ class Commands {
 
   ObjectId find_object(const std::string& name) const;
   void refuse_if_live(const ObjectInfo& info) const;
+  static void refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done);
+  const ObjectInfo* foreign_in_scene(const CommandAsk& ask, std::string_view scene) const;
+  void refuse_foreign_load(const Load& load, const Scene& scene, bool replaces) const;
   std::uint64_t step();
   std::uint32_t ended_count() const;
 
   // On threads of their own, one job after the other: loads and menus on one, pairs on the second. A pair that costs
   // much goes on to the third, where recordings are written, so that no other waits behind it.
   using SlowJob = std::function<void()>;
-  /// A `pair` command: what it asks, and when nobody needs the answer any more (steady clock).
-  struct PairJob {
+  /// A `pair` or `menu` command: what it asks, and when nobody needs the answer any more (steady clock), or that its
+  /// client has gone.
+  struct AwaitedJob {
     CommandAsk ask;
     std::int64_t deadline_ns = 0;
+    std::atomic<bool> called_off{false};
+
+    bool is_over() const { return called_off.load() || (deadline_ns != 0 && steady_ns() > deadline_ns); }
   };
+  std::shared_ptr<AwaitedJob> await(CommandAsk ask, const Arguments& arguments);
   /// Two objects of one state, what is asked about them, and about how many triangles that has to look at.
   struct AskedPair {
     SnapshotRing::Lease newest;
@@ -141,11 +152,11 @@ class Commands {
   void drop_file_of(const Load& load);
   void load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum);
   void menu_later(CommandAsk ask, const Arguments& arguments);
-  nlohmann::json menu(const MenuOptions& options) const;
+  nlohmann::json menu(const MenuOptions& options, const AwaitedJob& job) const;
   static void push_fairly(const char* what, FairQueue<SlowJob>& jobs, const Share& share, SlowJob job);
   void pair_later(CommandAsk ask, const Arguments& arguments);
-  void pair_in_its_turn(const std::shared_ptr<PairJob>& job);
-  AskedPair asked_pair(const PairJob& job) const;
+  void pair_in_its_turn(const std::shared_ptr<AwaitedJob>& job);
+  AskedPair asked_pair(const AwaitedJob& job) const;
   nlohmann::json examined(const AskedPair& asked) const;
   std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
   void tell_flight_recorder(const CommandAsk& ask);
@@ -161,6 +172,8 @@ class Commands {
   std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number and path, oldest first
   std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
+  std::mutex awaited_mutex_;
+  std::vector<std::weak_ptr<AwaitedJob>> awaited_;  // pairs and menus not yet answered, and some that are
   WorkQueue<SlowJob> slow_jobs_;
   FairQueue<SlowJob> pair_jobs_;
   FairQueue<SlowJob> costly_jobs_;

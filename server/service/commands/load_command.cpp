@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -143,6 +144,19 @@ void Commands::drop_file_of(const Load& load) {
   if (load.ask.client != 0) uploads_.forget(load.path);
 }
 
+/// Throws BadCommand where the keys of whoever loads are not for a name that the scene brings, or that goes for it. What
+/// space is complete is said of the whole world, by keys for all names only.
+void Commands::refuse_foreign_load(const Load& load, const Scene& scene, bool replaces) const {
+  for (const Part& part : scene.parts) refuse_if_foreign(load.ask, part.name, "loaded");
+  for (const SceneObject& object : scene.objects) refuse_if_foreign(load.ask, object.name, "loaded");
+  const ObjectInfo* const foreign = replaces ? foreign_in_scene(load.ask, scene.name) : nullptr;
+  if (foreign != nullptr) refuse_if_foreign(load.ask, foreign->name, "loaded");
+  const KeyedPeer* const peer = load.ask.from.peer.get();
+  if (!load.covers.empty() && peer != nullptr && !peer->objects.empty())
+    throw BadCommand(fmt::format("the keys of '{}' are for {}; covers are said of the whole world. Nothing was loaded",
+                                 peer->name, fmt::join(peer->objects, ", ")));
+}
+
 /// Puts a loaded scene into the world, where asked in place of the one of its name. On the world's thread; throws
 /// BadCommand, and then nothing was added.
 json Commands::add_scene(const Load& load, LoadedScene& loaded) {
@@ -155,6 +169,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
     throw BadCommand(fmt::format("scene {} is loaded already", printable(scene.name)),
                      "--replace it, or load under another --name");
   }
+  refuse_foreign_load(load, scene, there);
   if (there) {
     if (const std::optional<Refusal> refusal = world.refusal_of(scene, true)) throw BadCommand(refusal->reason);
     with_.loop.step_now();

@@ -105,7 +105,7 @@ QuestionKind kind_of(const std::string& name) {
 }
 
 MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte>& bytes) {
-  arguments.allow_only({"questions", "seed", "of", "opinion"});
+  arguments.allow_only({"questions", "seed", "of", "opinion", "deadline_ns"});
   MenuOptions options;
   options.questions = static_cast<std::uint32_t>(arguments.whole("questions", 1'000, 100'000));
   options.seed = arguments.whole("seed", 1, ~std::uint64_t{0});
@@ -123,24 +123,29 @@ MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte
 }  // namespace
 
 void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
-  MenuOptions options;
+  const std::uint64_t client = ask.client;
+  const std::uint64_t request = ask.request;
   try {
-    options = menu_options(arguments, ask.blob);
+    MenuOptions options = menu_options(arguments, ask.blob);
     make_room("menu", slow_jobs_);
+    const auto job = await(std::move(ask), arguments);
+    options.cancelled = [this, job] { return stopping_.load() || job->is_over(); };
+    slow_jobs_.push([this, job, options = std::move(options)] {
+      if (!job->called_off.load()) answer(job->ask, [&] { return menu(options, *job); });
+    });
   } catch (const BadCommand& bad) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-    return;
+    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   }
-  options.cancelled = [this] { return stopping_.load(); };
-  const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  slow_jobs_.push([this, shared, options = std::move(options)] { answer(*shared, [&] { return menu(options); }); });
 }
 
-json Commands::menu(const MenuOptions& options) const {
+/// What there is by the deadline, and whether that is all.
+json Commands::menu(const MenuOptions& options, const AwaitedJob& job) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json rows = json::array();
   for (const MenuRow& row : menu_of(*state, options)) { rows.push_back(described(row)); }
-  return {{"rows", rows}, {"seed", options.seed}, {"version", state->version}};
+  json answer{{"rows", rows}, {"seed", options.seed}, {"version", state->version}};
+  if (job.is_over()) answer["late"] = true;
+  return answer;
 }
 
 }  // namespace collided::engine::service

@@ -169,7 +169,7 @@ std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, co
 }
 
 /// Finds what the command names; throws BadCommand.
-Commands::AskedPair Commands::asked_pair(const PairJob& job) const {
+Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
   if (stopping_.load()) throw BadCommand("pair: the server is stopping");
   const Arguments arguments(job.ask.text);
   AskedPair asked{.newest = with_.loop.world().newest(), .past = nullptr};
@@ -182,7 +182,8 @@ Commands::AskedPair Commands::asked_pair(const PairJob& job) const {
       .certificate = arguments.truth("certificate", false),
       .triangles = arguments.truth("triangles", false),
       .most_crossings = static_cast<std::uint32_t>(arguments.whole("most", 10'000, wire_contract::kMaxTrianglePairs)),
-      .deadline_ns = job.deadline_ns};
+      .deadline_ns = job.deadline_ns,
+      .called_off = &job.called_off};
   asked.is_fcl_asked = wants_opinion(arguments);
   for (const ObjectId id : {asked.a, asked.b}) {
     const ObjectInfo& info = *(*asked.state().objects)[slot_of(id)];
@@ -206,7 +207,8 @@ json Commands::examined(const AskedPair& asked) const {
 }
 
 /// Answers on the thread for pairs, or passes the pair on to the one for costly pairs.
-void Commands::pair_in_its_turn(const std::shared_ptr<PairJob>& job) {
+void Commands::pair_in_its_turn(const std::shared_ptr<AwaitedJob>& job) {
+  if (job->called_off.load()) return;
   const auto refuse = [&](const std::string& error, const std::string& hint) {
     send(job->ask, ReplyStatus::refused, refusal_text(error, hint));
   };
@@ -214,8 +216,9 @@ void Commands::pair_in_its_turn(const std::shared_ptr<PairJob>& job) {
   try {
     asked.emplace(asked_pair(*job));
     if (asked->cost > kCheapCost) {
-      return push_fairly("pair", costly_jobs_, {.client = job->ask.client, .cost = asked->cost},
-                         [this, job] { answer(job->ask, [&] { return examined(asked_pair(*job)); }); });
+      return push_fairly("pair", costly_jobs_, {.client = job->ask.client, .cost = asked->cost}, [this, job] {
+        if (!job->called_off.load()) answer(job->ask, [&] { return examined(asked_pair(*job)); });
+      });
     }
   } catch (const BadCommand& bad) { return refuse(bad.what(), bad.hint); } catch (const std::exception& failed) {
     return refuse(failed.what(), "");
@@ -223,17 +226,36 @@ void Commands::pair_in_its_turn(const std::shared_ptr<PairJob>& job) {
   answer(job->ask, [&] { return examined(*asked); });
 }
 
+/// A job that ends with its deadline, or with its client.
+std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Arguments& arguments) {
+  const auto job = std::make_shared<AwaitedJob>();
+  job->ask = std::move(ask);
+  const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns", 0, std::uint64_t{1} << 60));
+  job->deadline_ns = within_ns > 0 ? steady_ns() + within_ns : 0;
+  const std::lock_guard lock(awaited_mutex_);
+  awaited_.push_back(job);
+  return job;
+}
+
+void Commands::look_for_gone() {
+  const std::lock_guard lock(awaited_mutex_);
+  std::erase_if(awaited_, [&](const std::weak_ptr<AwaitedJob>& awaited) {
+    const std::shared_ptr<AwaitedJob> job = awaited.lock();
+    if (job && !answering_->knows(job->ask.client)) job->called_off.store(true);
+    return !job || job->called_off.load();
+  });
+}
+
 /// Checks the arguments at once and examines the pair on a thread for pairs.
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
-  const auto job = std::make_shared<PairJob>();
-  job->ask = std::move(ask);
+  const std::uint64_t client = ask.client;
+  const std::uint64_t request = ask.request;
   try {
     arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion", "deadline_ns"});
-    const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns", 0, std::uint64_t{1} << 60));
-    job->deadline_ns = within_ns > 0 ? steady_ns() + within_ns : 0;
-    push_fairly("pair", pair_jobs_, {.client = job->ask.client}, [this, job] { pair_in_its_turn(job); });
+    const auto job = await(std::move(ask), arguments);
+    push_fairly("pair", pair_jobs_, {.client = client}, [this, job] { pair_in_its_turn(job); });
   } catch (const BadCommand& bad) {
-    answering_->send_text(job->ask.client, job->ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   }
 }
 

@@ -93,6 +93,9 @@ class Answering {
   /// Answers what is queued, refuses what waits at barriers, then ends the workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
+  /// Whether answers to this client may still be read by somebody: false once it has gone and tick() has noticed. Any
+  /// thread.
+  bool knows(std::uint64_t client) const { return clients_.find(client) != nullptr; }
   PastStates& past_states() { return past_states_; }
   /// Whether the queue is more than half full, or refused something since the last call. One thread.
   bool was_pressed();

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "idl/clocks.hpp"
 
 namespace collided::engine {
 
-/// When a search has to end. The search asks at each of its tests, so that no walk runs on after its time; without a
+/// When a search has to end: at an instant, or once nobody waits for its result any more. The search asks at each of its tests, so that no walk runs on after its time; without a
 /// deadline that costs one comparison.
 ///
 /// cost     reads the clock at every kTestsAReading-th call
@@ -15,10 +16,12 @@ class Deadline {
  public:
   Deadline() = default;
   /// at_ns  steady clock; 0: none
-  explicit Deadline(std::int64_t at_ns) : at_ns_(at_ns) {}
+  /// called_off  another thread may set it; null: nobody does
+  explicit Deadline(std::int64_t at_ns, const std::atomic<bool>* called_off = nullptr)
+      : at_ns_(at_ns), called_off_(called_off) {}
 
   /// Whether the search has to end now; once true, always.
-  bool is_over() { return at_ns_ != 0 && look(); }
+  bool is_over() { return (at_ns_ != 0 || called_off_ != nullptr) && look(); }
   /// Whether is_over() was ever true: the search was cut short, and what it has not found is unknown.
   bool was_over() const { return was_over_; }
 
@@ -28,10 +31,12 @@ class Deadline {
 
   bool look() {
     if (was_over_ || tests_++ % kTestsAReading != 0) return was_over_;
-    return was_over_ = wire_contract::steady_ns() > at_ns_;
+    return was_over_ = (at_ns_ != 0 && wire_contract::steady_ns() > at_ns_) ||
+                       (called_off_ != nullptr && called_off_->load(std::memory_order_relaxed));
   }
 
   std::int64_t at_ns_ = 0;
+  const std::atomic<bool>* called_off_ = nullptr;
   std::uint32_t tests_ = 0;
   bool was_over_ = false;
 };

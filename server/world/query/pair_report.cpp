@@ -176,7 +176,7 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   const OwnFloatEnvironment own_floats;
   const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
   const bool turned = order(b) < order(a);
-  Deadline deadline(ask.deadline_ns);
+  Deadline deadline(ask.deadline_ns, ask.called_off);
   const PlacedObject first(snapshot, turned ? b : a, deadline);
   const PlacedObject second(snapshot, turned ? a : b, deadline);
   if (deadline.is_over()) return late();

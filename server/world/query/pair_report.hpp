@@ -22,7 +22,8 @@ struct PairAsk {
   // Every pair of triangles that touch, of two meshes.
   bool triangles = false;
   std::uint32_t most_crossings = 10'000;
-  std::int64_t deadline_ns = 0;  // steady clock; 0: none
+  std::int64_t deadline_ns = 0;                   // steady clock; 0: none
+  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
 };
 
 /// Two triangles that share a point, and what they share.

@@ -360,6 +360,20 @@ TEST(ClientLocalProcess, OnlyOneThatCanRunIsSaidTo) {
   EXPECT_TRUE(test::eventually([&] { return !stand.runs(); })) << "killed, and nobody has asked how it ended";
 }
 
+// Threads that could run are counted by the kernel, whoever has a processor.
+TEST(ClientLocalProcess, ManyBusyThreadsCrowdAMachine) {
+  std::atomic<bool> over{false};
+  std::vector<std::thread> busy;
+  for (unsigned i = 0; i < 5 * std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    busy.emplace_back([&] {
+      while (!over) {}
+    });
+  }
+  EXPECT_TRUE(test::eventually([] { return client::is_machine_crowded(); }));
+  over = true;
+  for (std::thread& thread : busy) thread.join();
+}
+
 // On a machine with more to do than it can, a server may find no time for a word for long; its process tells it from one
 // that is gone.
 TEST_F(ClientAsk, ASilentServerWhoseProcessRunsIsWaitedFor) {

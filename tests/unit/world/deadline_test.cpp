@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "idl/clocks.hpp"
@@ -164,11 +167,12 @@ class CostlyPairs : public testing::TestWithParam<bool> {
         world_.move(outer_, {.position = {GetParam() ? 0.001 : 0, 0, 0}, .rotation = Quat::Identity()}, 1, false));
     ASSERT_TRUE(world_.step(1'000'000'000, 1, {}));
   }
-  std::int64_t examine(std::int64_t within_ns) {
+  std::int64_t examine(std::int64_t within_ns, const std::atomic<bool>* called_off = nullptr) {
     const SnapshotRing::Lease state = world_.newest();
     const std::int64_t start_ns = wire_contract::steady_ns();
-    report_ = report_pair(*state, inner_, outer_,
-                          {.triangles = true, .deadline_ns = within_ns == 0 ? 0 : start_ns + within_ns});
+    report_ = report_pair(
+        *state, inner_, outer_,
+        {.triangles = true, .deadline_ns = within_ns == 0 ? 0 : start_ns + within_ns, .called_off = called_off});
     return wire_contract::steady_ns() - start_ns;
   }
 
@@ -203,6 +207,28 @@ TEST_P(CostlyPairs, EndAtTheirDeadlineAndSaySo) {
   EXPECT_EQ(report_.separation.error_m, whole.separation.error_m);
   EXPECT_EQ(report_.contained, whole.contained);
   EXPECT_EQ(report_.crossing_count, whole.crossing_count);
+}
+
+// Whoever asked may go away meanwhile; until then it is examined as ever.
+TEST_P(CostlyPairs, EndWhenTheyAreCalledOff) {
+  std::atomic<bool> called_off{false};
+  const std::int64_t whole_ns = examine(0, &called_off);
+  const PairReport whole = report_;
+  EXPECT_EQ(whole.touches, GetParam() ? Decision::yes : Decision::no);
+  std::int64_t fastest_ns = whole_ns;
+  for (int i = 0; i < 8; ++i) {
+    called_off.store(false);
+    std::thread asker([&] {
+      std::this_thread::sleep_for(std::chrono::nanoseconds(whole_ns / 8));
+      called_off.store(true);
+    });
+    const std::int64_t took_ns = examine(0, &called_off);
+    asker.join();
+    if (!report_.is_late) continue;  // the thread came too late
+    EXPECT_EQ(report_.touches, Decision::undecided);
+    fastest_ns = std::min(fastest_ns, took_ns);
+  }
+  EXPECT_LT(fastest_ns, whole_ns / 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(ApartAndTouching, CostlyPairs, testing::Bool());

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "server/service/commands/commands.hpp"
+#include "server/service/questions/validation.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+
+namespace {
+
+bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
+
+}  // namespace
+
+/// Throws BadCommand where the keys of whoever sent the command are not for objects of this name.
+void Commands::refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done) {
+  if (!ask.from.peer || ask.from.peer->may_name(object)) return;
+  throw BadCommand(fmt::format("the keys of '{}' are not for object {}. Nothing was {}", ask.from.peer->name,
+                               printable(object), not_done));
+}
+
+/// The first object of a scene that the keys of whoever sent the command are not for; null where there is none.
+const ObjectInfo* Commands::foreign_in_scene(const CommandAsk& ask, std::string_view scene) const {
+  if (!ask.from.peer) return nullptr;
+  for (const auto& info : with_.loop.world().objects()) {
+    if (info && info->scene == scene && !ask.from.peer->may_name(info->name)) return info.get();
+  }
+  return nullptr;
+}
+
+json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"name", "durable"});
+  World& world = with_.loop.world();
+  const std::string name = arguments.text("name");
+  std::vector<ObjectId> chosen;
+  if (is_glob(name) && !world.find(name)) {
+    for (const auto& info : world.objects()) {
+      if (info && glob_matches(name, info->name)) chosen.push_back(info->id);
+    }
+  } else {
+    chosen.push_back(find_object(name));
+  }
+  // All or nothing: every chosen object is checked before the first one is removed.
+  for (const ObjectId id : chosen) {
+    const ObjectInfo& info = *world.info(id);
+    refuse_if_live(info);
+    refuse_if_foreign(ask, info.name, "removed");
+  }
+  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
+    with_.loop.step_now();
+  json removed = json::array();
+  std::vector<DurableState::Removed> gone;
+  for (const ObjectId id : chosen) {
+    const ObjectInfo& info = *world.info(id);
+    removed.push_back(info.name);
+    if (info.publisher == 0) gone.push_back({.scene = info.scene, .name = info.name});
+    world.remove(id, EndReason::removed);
+  }
+  if (with_.durable != nullptr) with_.durable->removed(gone);
+  if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
+}
+
+/// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
+/// whoever clears are not for, a scene as a whole. One scene by its name is refused instead.
+json Commands::clear(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"scene", "moving", "durable"});
+  World& world = with_.loop.world();
+  const std::string scene = arguments.text("scene");
+  const bool moving = arguments.truth("moving", false);
+  std::vector<std::string> scenes;
+  for (const auto& loaded : world.newest()->scenes) scenes.push_back(loaded->name);
+  if (!scene.empty() && std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) {
+    throw BadCommand(fmt::format("scene {} is not loaded; loaded: {}", printable(scene),
+                                 scenes.empty() ? "none" : fmt::format("{}", fmt::join(scenes, ", "))));
+  }
+  if (const ObjectInfo* foreign = scene.empty() ? nullptr : foreign_in_scene(ask, scene))
+    refuse_if_foreign(ask, foreign->name, "removed");
+  with_.loop.step_now();  // what has moved is examined before it goes
+  std::uint32_t removed = 0;
+  std::uint32_t kept = 0;
+  std::set<std::string_view> kept_scenes;
+  for (const std::string& name : scenes) {
+    if (name != scene && !(scene.empty() && !moving)) continue;
+    if (foreign_in_scene(ask, name) != nullptr) {
+      kept_scenes.insert(name);
+      continue;
+    }
+    removed += world.remove_scene(name);
+    if (with_.durable != nullptr) with_.durable->scene_removed(name);
+  }
+  const bool others = scene.empty() || moving;
+  std::vector<DurableState::Removed> gone;
+  const ObjectTable objects = world.objects();  // a copy: removing changes the world's
+  for (const auto& info : objects) {
+    if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
+    const bool is_live = info->publisher != 0 && with_.loop.publishers().is_live(info->publisher);
+    if (is_live || kept_scenes.contains(info->scene) || (ask.from.peer && !ask.from.peer->may_name(info->name))) {
+      ++kept;
+    } else if (world.remove(info->id, EndReason::removed)) {
+      ++removed;
+      if (info->publisher == 0) gone.push_back({.scene = info->scene, .name = info->name});
+    }
+  }
+  if (with_.durable != nullptr) with_.durable->removed(gone);
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
+}
+
+}  // namespace collided::engine::service
