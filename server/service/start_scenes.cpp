@@ -61,6 +61,7 @@ LoadedScene load(const Options& options, const std::string& path) {
   load_options.unit_m = options.unit_m;
   load_options.up = options.up;
   load_options.mend_m = options.mend_m;
+  load_options.solid = options.solid;
   load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
   LoadedScene loaded = load_and_index(path, load_options);
@@ -69,13 +70,18 @@ LoadedScene load(const Options& options, const std::string& path) {
   if (options.up != 0) again["up"] = std::string(1, options.up);
   if (options.mend_m) again["mend"] = true;
   if (options.mend_m && *options.mend_m > 0) again["crack_m"] = *options.mend_m;
+  if (!options.solid.empty()) again["solid"] = options.solid;
   loaded.indexed.geometry->source = again.dump();
   return loaded;
 }
 
-LoadedScene embedded() {
-  LoadedScene loaded = embedded_and_indexed();
-  loaded.indexed.geometry->source = nlohmann::json{{"path", kEmbeddedPath}}.dump();
+LoadedScene embedded(const Options& options) {
+  LoadOptions load_options;
+  load_options.solid = options.solid;
+  LoadedScene loaded = load_and_index(kEmbeddedPath, load_options);
+  nlohmann::json again{{"path", kEmbeddedPath}};
+  if (!options.solid.empty()) again["solid"] = options.solid;
+  loaded.indexed.geometry->source = again.dump();
   return loaded;
 }
 
@@ -89,7 +95,7 @@ void add(World& world, const LoadedScene& loaded) {
 
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns) {
   for (const std::string& path : options.scenes) add(world, load(options, path));
-  if (options.scenes.empty()) add(world, embedded());
+  if (options.scenes.empty()) add(world, embedded(options));
   if (!options.covers.empty()) world.state_covers("", options.covers);
   world.step(now_ns, 1, {});
   std::fflush(stdout);

@@ -78,7 +78,7 @@ TEST_F(Fields, OfTheOtherQuestionsAreTheirHits) {
   EXPECT_EQ(
       records("sweep sphere 1 --from 0 0 0 --to 1 1 1").at(0),
       json::parse(
-          R"({"answer":"contact","object":"hit 32","time_low":44,"time_high":45,"point":[35,36,37],"normal":[38,39,40],"triangle":32,"stale":true})"));
+          R"({"answer":"contact","object":"hit 32","time_low":44,"time_high":45,"point":[35,36,37],"normal":[38,39,40],"triangle":32,"inside":true,"stale":true})"));
 }
 
 TEST_F(Fields, OfAPairAreThoseOfItsAnswer) {

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::string refusal(std::string_view text, Measure measure = Measure::none) {
+std::string number_refusal(std::string_view text, Measure measure = Measure::none) {
   try {
     parse_number(text, measure);
     return "accepted";
@@ -30,15 +30,15 @@ TEST(Number, EverySpellingOfADoubleIsRead) {
 }
 
 TEST(Number, WhatIsNoNumberIsRefusedByName) {
-  EXPECT_EQ(refusal("nan"), "'nan' has no place in a question or a pose");
-  EXPECT_EQ(refusal("-NaN"), "'-NaN' has no place in a question or a pose");
-  EXPECT_EQ(refusal("crate"), "'crate' is not a number");
-  EXPECT_EQ(refusal("1x"), "'1x' is not a number");
-  EXPECT_EQ(refusal(""), "'' is not a number");
-  EXPECT_EQ(refusal("+-1"), "'+-1' is not a number");
-  EXPECT_EQ(refusal("1e400"), "'1e400' is out of the range of a double (about 4.9e-324 to 1.8e308)");
-  EXPECT_EQ(refusal("3kg", Measure::length), "'3kg': 'kg' is not a unit here; known: nm um µm mm cm m km in ft");
-  EXPECT_EQ(refusal("3s", Measure::length), "'3s': 's' is not a unit here; known: nm um µm mm cm m km in ft");
+  EXPECT_EQ(number_refusal("nan"), "'nan' has no place in a question or a pose");
+  EXPECT_EQ(number_refusal("-NaN"), "'-NaN' has no place in a question or a pose");
+  EXPECT_EQ(number_refusal("crate"), "'crate' is not a number");
+  EXPECT_EQ(number_refusal("1x"), "'1x' is not a number");
+  EXPECT_EQ(number_refusal(""), "'' is not a number");
+  EXPECT_EQ(number_refusal("+-1"), "'+-1' is not a number");
+  EXPECT_EQ(number_refusal("1e400"), "'1e400' is out of the range of a double (about 4.9e-324 to 1.8e308)");
+  EXPECT_EQ(number_refusal("3kg", Measure::length), "'3kg': 'kg' is not a unit here; known: nm um µm mm cm m km in ft");
+  EXPECT_EQ(number_refusal("3s", Measure::length), "'3s': 's' is not a unit here; known: nm um µm mm cm m km in ft");
 }
 
 // 3.5mm is the double nearest to 0.0035, not 3.5 times a rounded 0.001.
@@ -78,7 +78,7 @@ TEST(Number, EveryUnitIsWhatItSays) {
     EXPECT_EQ(parse_number(one.text, one.measure), one.value) << one.text;
     for (const Measure other :
          {Measure::none, Measure::length, Measure::angle, Measure::duration, Measure::rate, Measure::speed}) {
-      if (other != one.measure) { EXPECT_NE(refusal(one.text, other), "accepted") << one.text; }
+      if (other != one.measure) { EXPECT_NE(number_refusal(one.text, other), "accepted") << one.text; }
     }
   }
   EXPECT_EQ(parse_vector("1m:20cm:300mm", Measure::length), Eigen::Vector3d(1, 0.2, 0.3));

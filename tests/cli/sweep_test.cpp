@@ -44,6 +44,13 @@ TEST_F(SweepVerb, ARecordHoldsTheBracket) {
       "\n");
 }
 
+TEST_F(SweepVerb, AShapeThatBeginsInASolidIsSaidTo) {
+  next.hits[0].inside = true;
+  EXPECT_EQ(at_terminal("sweep sphere 0.1 --from 0 0 1 --to 2 0 1").out,
+            "contact  wall  at t in [0.474749, 0.474751]  point 0.95 0 1  normal -1 0 0  begins inside\n");
+  EXPECT_EQ(collide("sweep sphere 0.1 --from 0 0 1 --to 2 0 1 --fields object,inside").out, "wall\ttrue\n");
+}
+
 TEST_F(SweepVerb, ATurnIsToldByItsEnds) {
   collide("sweep box 1 10cm 0.1 --from 0 0 0 --to 0 0 -1 --to-rpy 0 0 90deg");
   EXPECT_EQ(last_motion.from.rotation.coeffs(), Quat::Identity().coeffs());

@@ -7,7 +7,7 @@ namespace collided::drawing_test {
 namespace {
 
 using draw::Style;
-using Exact = boost::multiprecision::cpp_rational;
+using ExactNumber = boost::multiprecision::cpp_rational;
 
 struct Corners {
   Vec3 a, b, c;
@@ -60,9 +60,9 @@ bool meets(const RayQuestion& ray, const Corners& corners) {
     const double least = std::min({u, v, 1 - u - v, t});
     if (std::abs(least) > kDoubt) return least > 0;
   }
-  const Meeting<Exact> x = meeting<Exact>(ray, corners);
+  const Meeting<ExactNumber> x = meeting<ExactNumber>(ray, corners);
   if (x.denominator == 0) return false;  // in the plane: general eyes are in none
-  const Exact u = x.u / x.denominator, v = x.v / x.denominator;
+  const ExactNumber u = x.u / x.denominator, v = x.v / x.denominator;
   return u >= 0 && v >= 0 && u + v <= 1 && x.t / x.denominator >= 0;
 }
 

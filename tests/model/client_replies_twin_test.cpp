@@ -7,15 +7,11 @@
 #include "client/library/asking/answer_decoding.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/wire/rows.hpp"
+#include "tests/model/rounds_asked.hpp"
 
 // Replies in pieces, twice, out of turn, with holes and from other states of the world, beside a plain table of answers.
 namespace collided {
 namespace {
-
-int rounds_asked() {
-  const char* asked = std::getenv("COLLIDED_TWIN_ROUNDS");
-  return asked != nullptr ? std::atoi(asked) : 500;
-}
 
 /// A reply with the memory that it borrows.
 struct Piece {
@@ -173,7 +169,7 @@ class RepliesTwin : public testing::Test {
 
 TEST_F(RepliesTwin, PiecesTwiceOutOfTurnAndOfOtherStatesMakeTheAnswersThatWereGivenFirst) {
   random_ = oracle::seeded(176);
-  for (int round = 0; round < rounds_asked() && !HasFailure(); ++round) run_one();
+  for (int round = 0; round < rounds_asked(500) && !HasFailure(); ++round) run_one();
 }
 
 }  // namespace

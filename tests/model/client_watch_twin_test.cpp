@@ -6,6 +6,7 @@
 #include "client/library/watching/watch_state.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/wire/watch_model.hpp"
+#include "tests/model/rounds_asked.hpp"
 
 // One WatchState against peers that repeat, reorder, lose, restart and talk across each other, beside a plain log of all that
 // the current life of the current server ever said.
@@ -18,11 +19,6 @@ using client::HeardShard;
 using client::WatchState;
 using test::Model;
 using test::Pair;
-
-int rounds_asked() {
-  const char* asked = std::getenv("COLLIDED_TWIN_ROUNDS");
-  return asked != nullptr ? std::atoi(asked) : 300;
-}
 
 bool are_equal(const Event& told, const Event& said) {
   return told.kind == said.kind && told.reason == said.reason && told.a == said.a && told.b == said.b &&
@@ -230,7 +226,7 @@ class WatchTwin : public testing::Test {
 
 TEST_F(WatchTwin, WhateverPeersRepeatReorderAndLoseWhatIsToldIsWhatWasSaid) {
   random_ = oracle::seeded(175);
-  for (int round = 0; round < rounds_asked() && !HasFailure(); ++round) {
+  for (int round = 0; round < rounds_asked(300) && !HasFailure(); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     lossy_ = round % 2 == 0 ? 0 : 0.1;
     for (int i = 0; i < 100 && !HasFailure(); ++i) operate();

@@ -7,6 +7,7 @@
 #include "server/service/durability/journal.hpp"
 #include "tests/model/random_world.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/model/rounds_asked.hpp"
 
 // One journal, written, rewritten and opened again at random, beside a plain list of what it must hold.
 namespace collided::model {
@@ -16,11 +17,6 @@ namespace {
 using service::Disk;
 using service::Journal;
 using Bytes = std::vector<std::byte>;
-
-int rounds_asked() {
-  const char* asked = std::getenv("COLLIDED_TWIN_ROUNDS");
-  return asked != nullptr ? std::atoi(asked) : 3'000;
-}
 
 /// Files in memory; some calls fail, and half of what they were to do is done.
 class FlakyDisk final : public Disk {
@@ -78,7 +74,7 @@ TEST(JournalTwin, WhatIsReadBackIsWhatWasPutWhileItSaidNoProblem) {
   const auto find = [&](const std::string& key) {
     return std::find_if(plain.begin(), plain.end(), [&](const Journal::Entry& entry) { return entry.key == key; });
   };
-  for (int i = 0; i < rounds_asked(); ++i) {
+  for (int i = 0; i < rounds_asked(3'000); ++i) {
     fails = make.chance(0.03);
     const double what = make.uniform(0, 1);
     if (what < 0.6) {

@@ -26,6 +26,7 @@ Record sweep_record(const Answer& answer) {
           {"point", hit ? MaybeVector(hit->point) : MaybeVector()},
           {"normal", hit ? MaybeVector(hit->normal) : MaybeVector()},
           {"triangle", hit && hit->triangle != kNoTriangle ? Value(std::uint64_t{hit->triangle}) : none},
+          {"inside", hit && hit->inside ? Value(true) : none},
           {"stale", hit && hit->stale ? Value(true) : none},
           {"reason", answer.verdict == Verdict::undecided ? Value(name_of(answer.reason)) : none}};
 }
@@ -38,6 +39,7 @@ std::string contact_line(const Printer& printer, const Hit& hit) {
                   printable(hit.object), fraction(hit.time_low), fraction(hit.time_high),
                   readable_point(hit.point, hit.point_error_m, digits), readable_direction(hit.normal, digits));
   if (hit.triangle != kNoTriangle) line += fmt::format("  triangle {}", hit.triangle);
+  if (hit.inside) line += "  begins inside";
   if (hit.stale) line += "  stale";
   return line;
 }

@@ -115,7 +115,8 @@ struct Hit {
   /// |truth - distance_m| <= error_m. For a sweep: 0, see time_low.
   double distance_m = 0;
   double error_m = 0;
-  double exit_m = 0;  // for rays: where the ray leaves a convex solid; else 0
+  double exit_m =
+      0;  // for rays: where the ray leaves a convex solid or, from within a declared one, meets its surface; else 0
   Vec3 point = Vec3::Zero();
   double point_error_m = 0;  // |true point - point| at most; infinite for contacts, which have many points
   /// Unit. For a ray: against the ray; where it begins inside, outward where it leaves. For near: from the object
@@ -124,8 +125,9 @@ struct Hit {
   Vec3 weights = Vec3::Zero();  // of the triangle's corners in `point`; 0 for primitives
   double time_low = 0;          // for sweeps, 0 to 1: no contact up to here ...
   double time_high = 0;         // ... and contact by here
-  bool inside = false;  // rays: the origin is inside the solid; near, inside: the point is in it or on it; else not set
-  bool stale = false;   // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
+  // rays, sweeps: the origin, or the shape at its first pose, is in the solid; near, inside: the point is in it or on it
+  bool inside = false;
+  bool stale = false;  // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
 };
 
 /// What it took to answer a question.

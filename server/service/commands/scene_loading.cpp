@@ -68,8 +68,6 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
   return index(std::move(scene), std::move(report), options, started_ns);
 }
 
-LoadedScene embedded_and_indexed() { return load_and_index(kEmbeddedPath, {}); }
-
 std::string describe(const LoadedScene& loaded) {
   const Scene& scene = loaded.indexed.scene;
   std::string text =

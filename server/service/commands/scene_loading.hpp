@@ -19,10 +19,8 @@ struct LoadedScene {
 
 /// Reads and indexes a file, which may take minutes. options.progress reports the fraction of both; throws LoadError.
 LoadedScene load_and_index(const std::string& path, LoadOptions options);
-/// The scene that a server without an argument serves.
-LoadedScene embedded_and_indexed();
 
-/// In place of a path: the embedded scene.
+/// In place of a path: the embedded scene, which a server without an argument serves.
 inline constexpr const char* kEmbeddedPath = "embedded:";
 
 /// A report: "warehouse: 1204118 triangles in 312 parts, 40 objects, 412 ms", then a line for each thing placed,

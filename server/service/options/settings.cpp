@@ -87,6 +87,11 @@ Allowed apply_mend(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_solid(Options& options, Values values) {
+  options.solid = values[0];
+  return std::nullopt;
+}
+
 Allowed apply_covers(Options& options, Values values) {
   options.covers.clear();
   std::istringstream words(values[0]);
@@ -234,6 +239,9 @@ constexpr Setting kSettings[] = {
      false, apply_up},
     {"world.mend", "--mend", "COLLIDED_MEND", "off", "WIDTH",
      "of the scene files: join points and cut edges up to so wide a crack, or auto", false, apply_mend},
+    {"world.solid", "--solid", "COLLIDED_SOLID", "", "GLOB",
+     "meshes of the scene files that are solid, by name, * for all; those that do not close stay surfaces", false,
+     apply_solid},
     {"world.covers", "--covers", "COLLIDED_COVERS", "", "BOXES",
      "where what is loaded is complete: X0,Y0,Z0:X1,Y1,Z1; outside of it nothing is called free", false, apply_covers},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",

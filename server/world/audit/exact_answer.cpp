@@ -115,6 +115,8 @@ bool ExactAnswer::allowed(const Snapshot& snapshot, ObjectId id) const {
 
 void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   const Ray ray = ray_of(question_.numbers.data());
+  for (const ObjectId object : holders(snapshot, SolidSide::in))
+    keep_nearer(met_, PartName{object, kNoTriangle}, Interval(0, 0));
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || passes_by(ray, bounds(shape))) return;
     RayHit hit;
@@ -123,20 +125,20 @@ void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   });
 }
 
-std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot) const {
+std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide least) const {
   std::vector<ObjectId> found;
   const Vec3 point = point_of(question_.numbers.data());
   for (const auto& info : *snapshot.objects) {
     if (!info || !info->solid || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
-    if (side_by_rationals(*info->solid, placed, point) != SolidSide::out) found.push_back(info->id);
+    if (side_by_rationals(*info->solid, placed, point) >= least) found.push_back(info->id);
   }
   return found;
 }
 
 void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked,
                                const Aabb& near) {
-  for (const ObjectId object : holders(snapshot)) touched_.insert(object);
+  for (const ObjectId object : holders(snapshot, SolidSide::on)) touched_.insert(object);
   const bool only_solids = question_.kind == QuestionKind::inside;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart& given) {
     if (only_solids && triangle != kNoTriangle) return;
@@ -150,7 +152,7 @@ void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked,
 void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
   const Vec3 point = point_of(question_.numbers.data());
   const double reach_m = question_.numbers[3];
-  for (const ObjectId object : holders(snapshot)) keep_nearer(distances_, object, Interval(0, 0));
+  for (const ObjectId object : holders(snapshot, SolidSide::on)) keep_nearer(distances_, object, Interval(0, 0));
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + kSearchMargin)) return;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/exact_phase/given/given_part.hpp"
+#include "server/exact_phase/solid/surface_crossing.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
@@ -50,8 +51,8 @@ class ExactAnswer {
 
   bool allowed(const Snapshot& snapshot, ObjectId id) const;
   void cast_ray(const Snapshot& snapshot);
-  /// The declared solids that hold the middle of what is asked about.
-  std::vector<ObjectId> holders(const Snapshot& snapshot) const;
+  /// The declared solids in which the middle of what is asked about lies; least `on`: or on whose surface.
+  std::vector<ObjectId> holders(const Snapshot& snapshot, SolidSide least) const;
   /// near: bounds of the asked shape as given
   void find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked, const Aabb& near);
   void find_nearest(const Snapshot& snapshot, double far_m);

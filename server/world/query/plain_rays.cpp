@@ -102,6 +102,8 @@ void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers)
 bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
   if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
+  const auto has_solids = [](const auto& scene) { return !scene->solid_parts.empty(); };
+  if (std::any_of(snapshot.scenes.begin(), snapshot.scenes.end(), has_solids)) return false;
   return scratch.all_open && !snapshot.covers && !(snapshot.grid && snapshot.grid->size() > 0);
 }
 

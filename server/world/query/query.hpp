@@ -44,8 +44,8 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: the question reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
-/// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
-/// lost and its policy is `freeze`.
+/// kInside: the ray begins in the solid, the shape of a sweep does and does not meet its surface there, or the point of
+/// near or inside is in it or on it. kStale: the object's publisher is lost and its policy is `freeze`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 
 /// Questions of one kind, and the filter of what may answer them.
@@ -79,7 +79,8 @@ struct AnswerHit {
   // along the ray; depth for overlaps and inside; distance for near; 0 for sweeps, which have Answers::brackets
   double distance_m = 0;
   double error_m = 0;
-  double exit_m = 0;  // of rays: where they leave the solid
+  // Of rays: where they leave the solid; of one that begins in a closed mesh, where it first meets the surface.
+  double exit_m = 0;
   Vec3 point = Vec3::Zero();
   /// Of rays and near, metres: how far the point may be from the true one. A contact's point is one of many: infinite.
   double point_error_m = std::numeric_limits<double>::infinity();

@@ -13,6 +13,9 @@
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
 #include "server/world/query/ray_answer.hpp"
+#include "server/world/query/ray_from_inside.hpp"
+#include "server/world/query/ray_in_frame.hpp"
+#include "server/world/query/solid_hits.hpp"
 
 namespace collided::engine {
 namespace {
@@ -56,12 +59,13 @@ struct RayWalk {
   bool is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const;
   // How a scene's tree may be walked: see Bvh::RayGoal.
   Bvh::RayGoal goal(std::size_t scene) const;
+  /// A ray that begins in a solid has met it.
+  void begin_in(const SolidMesh& solid, const Placed& object);
+  void begin_in_scenes();
   void walk_scene(std::size_t scene);
   void walk_object(std::uint32_t slot);
   void finish();
   void walk_movers();
-  template <class Test>
-  void walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one);
   template <class Test>
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
@@ -165,6 +169,21 @@ Bvh::RayGoal RayWalk::goal(std::size_t scene) const {
   return is_plain && closest() && question.slack_m() == 0 ? Bvh::RayGoal::nearest : Bvh::RayGoal::every;
 }
 
+void RayWalk::begin_in(const SolidMesh& solid, const Placed& object) {
+  if (const std::optional<RayHit> hit = hit_from_inside(ray, solid, object, question))
+    keep(*hit, object.info->id, kNoTriangle, nullptr);
+  if (question.deadline.was_over()) limit = -1;
+}
+
+void RayWalk::begin_in_scenes() {
+  const Aabb start{.low = ray.origin, .high = ray.origin};
+  for (const auto& scene : question.snapshot.scenes) {
+    visit_solid_parts(*scene, start, question, [&](const SolidPart& part, const Placed& placed) {
+      if (!over()) begin_in(*part.solid, placed);
+    });
+  }
+}
+
 void RayWalk::walk_scene(std::size_t index) {
   const StaticScene& scene = *question.snapshot.scenes[index];
   const SceneWalk candidate{this, &scene};
@@ -177,25 +196,6 @@ void RayWalk::walk_scene(std::size_t index) {
       return candidate.meet(met, corners);
     }
   }
-}
-
-/// Calls test_one(number) for each candidate of an index in the object's frame.
-template <class Test>
-void RayWalk::walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one) {
-  const auto candidate = [&](std::uint32_t number, double) {
-    test_one(number);
-    return limit;
-  };
-  const Vec3 away = ray.origin - frame.position;
-  const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
-  const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), radius_m);
-  // A ray that is not finite in this frame cannot be walked: then everything is a candidate.
-  if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
-    // The limit is in s, which a rotation preserves up to the rounding of its matrix.
-    tree.walk_ray(local, limit * (1 + kChainSlack), slack_m, candidate, question.walk);
-    return;
-  }
-  for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(i, limit);
 }
 
 /// The tree of primitives knows bounds alone, which only its box walk uses: the ray is walked in pieces, near to far,
@@ -258,11 +258,14 @@ void RayWalk::walk_object(std::uint32_t slot) {
   } else {
     for (std::size_t i = 0; i < info.primitives.size() && !over(); ++i) test_primitive(i);
   }
+  if (info.solid && !over()) begin_in(*info.solid, question.placed(slot));
   if (!info.mesh || over()) return;
   const TriangleMesh& mesh = *info.mesh->mesh;
-  walk_local(info.mesh->tree, info.mesh->radius_m, mesh.triangles.size(), frame, [&](std::uint32_t triangle) {
+  const LocalIndex index{info.mesh->tree, info.mesh->radius_m, mesh.triangles.size()};
+  walk_ray_in_frame(ray, limit, index, frame, question.walk, [&](std::uint32_t triangle) {
     const Triangle own = mesh.triangle(triangle);
     test(place(frame, own), info.id, triangle, [&] { return placing_error_m(frame, own); });
+    return limit;
   });
 }
 
@@ -313,6 +316,7 @@ inline void RayWalk::finish() {
 
 void ask_ray(Question& question, const double* n) {
   RayWalk walk(question, n);
+  walk.begin_in_scenes();
   for (std::size_t scene = 0; scene < question.snapshot.scenes.size() && !walk.over(); ++scene) walk.walk_scene(scene);
   walk.finish();
 }
@@ -349,7 +353,7 @@ void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t in
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
   std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
   const std::span walks = std::span(memory).first(questions.size());
-  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(*questions[i], numbers[i]);
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(*questions[i], numbers[i]).begin_in_scenes();
   const std::size_t scene_count = questions.front()->snapshot.scenes.size();
   for (std::size_t scene = 0; scene < scene_count; ++scene) walk_scene_together(walks, scene);
   for (std::optional<RayWalk>& walk : walks) walk->finish();

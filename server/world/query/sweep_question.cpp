@@ -3,6 +3,8 @@
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/solid_hits.hpp"
+#include "server/world/solids/within.hpp"
 
 namespace collided::engine {
 namespace {
@@ -10,10 +12,8 @@ namespace {
 /// Resolves a micrometre of a motion of one metre.
 constexpr double kAskedWidth = 1e-6;
 
-/// The frame of a pose's seven numbers: position, then quaternion (w, x, y, z).
-Frame frame_at(const double* n) {
-  return frame_of({.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6])});
-}
+/// A pose's seven numbers: position, then quaternion (w, x, y, z).
+Pose pose_at(const double* n) { return {.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6])}; }
 
 /// The earliest contact of all objects tested so far.
 struct First {
@@ -53,14 +53,52 @@ void meet_scene(Question& question, const SweptBody& body, const StaticScene& sc
   first.take(object, touch.b_triangle - scene.parts[part].first_triangle, touch, question.flags_of(object));
 }
 
+/// What moves, where it begins.
+struct SweepStart {
+  Pose pose;
+  Frame frame;
+  Placed placed;
+  std::vector<Vec3> points;  // of its pieces; found when they are first needed
+
+  SweepStart(const ObjectInfo& mover, const double* n) : pose(pose_at(n)), frame(frame_of(pose)) {
+    placed = {.info = &mover, .frame = &frame, .bounds = bounds_of(mover, frame), .pose = &pose};
+  }
+  SweepStart(const SweepStart&) = delete;
+  SweepStart& operator=(const SweepStart&) = delete;
+};
+
+/// What begins in a solid has met it, though it may meet its surface later or never.
+void begin_in(Question& question, const SolidMesh& solid, const Placed& outer, SweepStart& start, First& first) {
+  const bool is_met_at_start = first.any && first.bracket.high == 0;
+  if (is_met_at_start || !overlaps(outer.bounds, start.placed.bounds) || question.deadline.is_over()) return;
+  if (start.points.empty()) start.points = points_of_pieces(*start.placed.info);
+  const PiecesWithin within =
+      pieces_within(solid, outer, start.placed, start.points, question.deadline, question.walk, question.exact_tests);
+  if (!within.some || question.deadline.was_over()) return;
+  const ContactWithin found =
+      contact_within(solid, outer, start.placed, within.point, question.walk, question.exact_tests);
+  SweptContact touch;
+  touch.yes = true;
+  touch.bracket = {.low = 0, .high = 0};
+  touch.contact = found.contact;
+  const ObjectId object = outer.info->id;
+  first.take(object, found.triangle, touch, static_cast<std::uint8_t>(question.flags_of(object) | kInside));
+}
+
 }  // namespace
 
 void ask_sweep(Question& question, const double* n) {
   question.found.clear();
   const ObjectInfo& mover = *question.asked.mover;
-  const SweptBody body(mover, BodyMotion(frame_at(n), frame_at(n + kPoseNumbers)));
+  SweepStart start(mover, n);
+  const SweptBody body(mover, BodyMotion(start.frame, frame_of(pose_at(n + kPoseNumbers))));
   First first;
-  for (const auto& scene : question.snapshot.scenes) meet_scene(question, body, *scene, first);
+  for (const auto& scene : question.snapshot.scenes) {
+    meet_scene(question, body, *scene, first);
+    visit_solid_parts(*scene, start.placed.bounds, question, [&](const SolidPart& part, const Placed& outer) {
+      begin_in(question, *part.solid, outer, start, first);
+    });
+  }
   const auto candidate = [&](std::uint32_t slot) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
@@ -70,6 +108,7 @@ void ask_sweep(Question& question, const double* n) {
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;
     if (touch.yes) first.take(other.id, touch.b_triangle, touch, question.flags_of(other.id));
+    if (other.solid) begin_in(question, *other.solid, question.placed(slot), start, first);
     return !question.deadline.was_over();
   };
   if (question.snapshot.grid) {

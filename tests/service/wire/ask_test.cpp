@@ -18,14 +18,12 @@ using test::FakeServer;
 const double kInf = std::numeric_limits<double>::infinity();
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-ConnectOptions here() { return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s}; }
-
 RayQuestion ray_from(double x) { return {{x, 0, 5}, {0, 0, -1}}; }
 
 class ClientAsk : public testing::Test {
  protected:
   void SetUp() override {
-    Result<Client> connected = Client::connect(here());
+    Result<Client> connected = Client::connect(test::here());
     ASSERT_TRUE(connected) << connected.error().message;
     client_.emplace(std::move(*connected));
   }
@@ -34,7 +32,7 @@ class ClientAsk : public testing::Test {
 };
 
 TEST(ClientConnect, NobodyThereIsSaidWithinTheWait) {
-  ConnectOptions options = here();
+  ConnectOptions options = test::here();
   options.wait = 300ms;
   const auto start = std::chrono::steady_clock::now();
   const Result<Client> client = Client::connect(options);
@@ -50,7 +48,7 @@ TEST(ClientConnect, NobodyThereIsSaidWithinTheWait) {
 
 TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
   const FakeServer server(test::own_namespace() + "_other");
-  ConnectOptions options = here();
+  ConnectOptions options = test::here();
   options.wait = 500ms;
   const Result<Client> client = Client::connect(options);
   ASSERT_FALSE(client);
@@ -61,7 +59,7 @@ TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
 TEST(ClientConnect, ABusyServerIsWaitedFor) {
   FakeServer server(test::own_namespace());
   server.answering = false;
-  ConnectOptions options = here();
+  ConnectOptions options = test::here();
   options.wait = 500ms;
   std::thread later([&] {
     std::this_thread::sleep_for(1500ms);  // three times the wait; how long the server has no time is what is tested
@@ -114,16 +112,16 @@ TEST(ClientConnect, TheEnvironmentSaysWhereToForTheLibraryAsForTheCommandLine) {
 }
 
 TEST(ClientConnect, BadWordsAreRefusedBeforeAnythingStarts) {
-  ConnectOptions options = here();
+  ConnectOptions options = test::here();
   options.name_space = "a-b";
   EXPECT_EQ(Client::connect(options).error().code, ErrorCode::bad_input);
-  options = here();
+  options = test::here();
   options.domain = 231;
   const Result<Client> client = Client::connect(options);
   ASSERT_FALSE(client);
   EXPECT_EQ(client.error().code, ErrorCode::bad_input);
   EXPECT_EQ(client.error().message, "domain 231: allowed 0 to 230");
-  options = here();
+  options = test::here();
   options.peers = {"10.0.0.2", "<evil>"};
   const Result<Client> peers = Client::connect(options);
   ASSERT_FALSE(peers);
@@ -131,9 +129,9 @@ TEST(ClientConnect, BadWordsAreRefusedBeforeAnythingStarts) {
 }
 
 TEST_F(ClientAsk, SeveralClientsShareTheProcessesParticipant) {
-  const Result<Client> second = Client::connect(here());
+  const Result<Client> second = Client::connect(test::here());
   ASSERT_TRUE(second) << second.error().message;
-  ConnectOptions elsewhere = here();
+  ConnectOptions elsewhere = test::here();
   elsewhere.interface = "auto";
   const Result<Client> third = Client::connect(elsewhere);
   ASSERT_FALSE(third);
@@ -400,7 +398,7 @@ TEST_F(ClientAsk, ASilentServerWhoseProcessRunsIsWaitedFor) {
 
 TEST(ClientReconnect, RestartedServerIsGreetedAnew) {
   auto first = std::make_unique<FakeServer>(test::own_namespace(), 1);
-  Result<Client> client = Client::connect(here());
+  Result<Client> client = Client::connect(test::here());
   ASSERT_TRUE(client) << client.error().message;
   ASSERT_TRUE(client->ask(ray_from(1)));
   first.reset();

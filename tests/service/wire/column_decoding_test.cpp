@@ -141,13 +141,14 @@ TEST(NamesOfIds, ASlotUsedAgainHasItsNewName) {
 TEST(AskedInstant, IsReadAsItIsWrittenAndNothingElseIs) {
   using wire_contract::asked_instant;
   using wire_contract::AskedInstant;
-  using Kind = AskedInstant::Kind;
+  using InstantKind = AskedInstant::Kind;
   for (const AskedInstant& instant :
-       {AskedInstant{}, AskedInstant{Kind::settled, 0}, AskedInstant{Kind::at, 1'795'348'990'500'000'000},
-        AskedInstant{Kind::at, 0}, AskedInstant{Kind::back, 0}, AskedInstant{Kind::back, 2'000'000'000}}) {
+       {AskedInstant{}, AskedInstant{InstantKind::settled, 0}, AskedInstant{InstantKind::at, 1'795'348'990'500'000'000},
+        AskedInstant{InstantKind::at, 0}, AskedInstant{InstantKind::back, 0},
+        AskedInstant{InstantKind::back, 2'000'000'000}}) {
     EXPECT_EQ(asked_instant(wire_contract::text_of(instant)), instant) << wire_contract::text_of(instant);
   }
-  EXPECT_EQ(wire_contract::text_of(AskedInstant{Kind::back, 5}), "-5");
+  EXPECT_EQ(wire_contract::text_of(AskedInstant{InstantKind::back, 5}), "-5");
   for (const char* text : {"latest", "settled ", "-", "--5", "5s", " 5", "1e9", "99999999999999999999"}) {
     EXPECT_EQ(asked_instant(text), std::nullopt) << text;
   }

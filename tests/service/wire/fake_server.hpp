@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -12,11 +13,17 @@
 #include <thread>
 #include <vector>
 
+#include "collided/client.hpp"
 #include "idl/dds.hpp"
 #include "tests/service/wire/network.hpp"
 #include "tests/service/wire/rows.hpp"
 
 namespace collided::test {
+
+/// Where a client finds the fake server.
+inline ConnectOptions here() {
+  return {.domain = own_domain(), .name_space = own_namespace(), .wait = std::chrono::seconds(5)};
+}
 
 /// Speaks a server's side of the wire with made-up answers, so that the client library is tested without an engine.
 /// A ray from (x, y, z) hits object 7, "wall", at distance x, and misses for x < 0. What a question's `only` says:

@@ -9,7 +9,7 @@
 namespace collided::client {
 namespace {
 
-using Numbers = std::vector<double>;
+using ShapeNumbers = std::vector<double>;
 
 class ShapeEncoding : public testing::Test {
  protected:
@@ -25,23 +25,25 @@ class ShapeEncoding : public testing::Test {
     const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, scale, "here");
     return bytes ? "taken" : bytes.error().message;
   }
-  static void put(Numbers& numbers, const format::Vec3& v) { numbers.insert(numbers.end(), {v.x(), v.y(), v.z()}); }
-  static void put(Numbers& numbers, const format::Quat& q) {
+  static void put(ShapeNumbers& numbers, const format::Vec3& v) {
+    numbers.insert(numbers.end(), {v.x(), v.y(), v.z()});
+  }
+  static void put(ShapeNumbers& numbers, const format::Quat& q) {
     numbers.insert(numbers.end(), {q.w(), q.x(), q.y(), q.z()});
   }
-  static void put(Numbers& numbers, const format::Mat3& m) {
+  static void put(ShapeNumbers& numbers, const format::Mat3& m) {
     for (const format::Vec3* column : {&m.column_0(), &m.column_1(), &m.column_2()}) put(numbers, *column);
   }
-  static void put(Numbers& numbers, double number) { numbers.push_back(number); }
+  static void put(ShapeNumbers& numbers, double number) { numbers.push_back(number); }
   template <class... Fields>
-  static Numbers all(const Fields&... fields) {
-    Numbers numbers;
+  static ShapeNumbers all(const Fields&... fields) {
+    ShapeNumbers numbers;
     (put(numbers, fields), ...);
     return numbers;
   }
   template <class Vector>
-  static Numbers list(const Vector* vector) {
-    return vector == nullptr ? Numbers() : Numbers(vector->begin(), vector->end());
+  static ShapeNumbers list(const Vector* vector) {
+    return vector == nullptr ? ShapeNumbers() : ShapeNumbers(vector->begin(), vector->end());
   }
   std::vector<std::uint8_t> bytes_;
 };
@@ -60,18 +62,19 @@ TEST_F(ShapeEncoding, EveryPrimitiveTravelsWithEveryFieldInItsPlace) {
   ASSERT_EQ(shape.spheres()->size(), 2U);
   const auto& sphere = *shape.spheres()->Get(0);
   const auto& other = *shape.spheres()->Get(1);
-  EXPECT_EQ(all(sphere.center(), sphere.radius(), other.center(), other.radius()), (Numbers{2, 3, 4, 1, 6, 7, 8, 5}));
+  EXPECT_EQ(all(sphere.center(), sphere.radius(), other.center(), other.radius()),
+            (ShapeNumbers{2, 3, 4, 1, 6, 7, 8, 5}));
   const auto& box = *shape.boxes()->Get(0);
-  EXPECT_EQ(all(box.center(), box.rotation(), box.half()), (Numbers{8, 9, 10, 0.5, 0.5, 0.5, 0.5, 5, 6, 7}));
+  EXPECT_EQ(all(box.center(), box.rotation(), box.half()), (ShapeNumbers{8, 9, 10, 0.5, 0.5, 0.5, 0.5, 5, 6, 7}));
   const auto& capsule = *shape.capsules()->Get(0);
-  EXPECT_EQ(all(capsule.a(), capsule.b(), capsule.radius()), (Numbers{1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(all(capsule.a(), capsule.b(), capsule.radius()), (ShapeNumbers{1, 2, 3, 4, 5, 6, 7}));
   const auto& cylinder = *shape.cylinders()->Get(0);
-  EXPECT_EQ(all(cylinder.a(), cylinder.b(), cylinder.radius()), (Numbers{11, 12, 13, 14, 15, 16, 17}));
+  EXPECT_EQ(all(cylinder.a(), cylinder.b(), cylinder.radius()), (ShapeNumbers{11, 12, 13, 14, 15, 16, 17}));
   const auto& cone = *shape.cones()->Get(0);
-  EXPECT_EQ(all(cone.apex(), cone.base(), cone.radius()), (Numbers{21, 22, 23, 24, 25, 26, 27}));
+  EXPECT_EQ(all(cone.apex(), cone.base(), cone.radius()), (ShapeNumbers{21, 22, 23, 24, 25, 26, 27}));
   const auto& ellipsoid = *shape.ellipsoids()->Get(0);
   EXPECT_EQ(all(ellipsoid.center(), ellipsoid.axes(), ellipsoid.half()),
-            (Numbers{34, 35, 36, 0, 1, 0, 0, 0, 1, 1, 0, 0, 31, 32, 33}));
+            (ShapeNumbers{34, 35, 36, 0, 1, 0, 0, 0, 1, 1, 0, 0, 31, 32, 33}));
   EXPECT_EQ(shape.mesh(), nullptr);
   EXPECT_EQ(shape.height_field(), nullptr);
   EXPECT_EQ(shape.half_spaces(), nullptr);
@@ -84,14 +87,14 @@ TEST_F(ShapeEncoding, EveryPrimitiveTravelsWithEveryFieldInItsPlace) {
 
 TEST_F(ShapeEncoding, PointsAndSurfacesTravelInTheirOrder) {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
-  const Numbers flat{0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3};
+  const ShapeNumbers flat{0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3};
   const format::Shape& shape = encoded({HullShape{.points = points}, CloudShape{.points = points, .radius_m = 5},
                                         PolylineShape{.points = points, .radius_m = 6},
                                         MeshShape{.vertices = points, .triangles = {{0, 1, 2}, {3, 2, 1}}}},
                                        {2, 3, 4});
   ASSERT_EQ(shape.hulls()->size(), 1U);
   EXPECT_EQ(list(shape.hulls()->Get(0)->vertices()), flat);
-  EXPECT_EQ(list(shape.hulls()->Get(0)->corners()), Numbers());
+  EXPECT_EQ(list(shape.hulls()->Get(0)->corners()), ShapeNumbers());
   ASSERT_EQ(shape.clouds()->size(), 1U);
   EXPECT_EQ(list(shape.clouds()->Get(0)->points()), flat);
   EXPECT_EQ(shape.clouds()->Get(0)->radius(), 5);
@@ -99,14 +102,14 @@ TEST_F(ShapeEncoding, PointsAndSurfacesTravelInTheirOrder) {
   EXPECT_EQ(list(shape.polylines()->Get(0)->points()), flat);
   EXPECT_EQ(shape.polylines()->Get(0)->radius(), 6);
   EXPECT_EQ(list(shape.mesh()->vertices()), flat);
-  EXPECT_EQ(list(shape.mesh()->corners()), (Numbers{0, 1, 2, 3, 2, 1}));
+  EXPECT_EQ(list(shape.mesh()->corners()), (ShapeNumbers{0, 1, 2, 3, 2, 1}));
   ASSERT_NE(shape.scale(), nullptr);
-  EXPECT_EQ(all(*shape.scale()), (Numbers{2, 3, 4}));
+  EXPECT_EQ(all(*shape.scale()), (ShapeNumbers{2, 3, 4}));
 }
 
 TEST_F(ShapeEncoding, AHalfSpaceAndAHeightFieldTravelWithEveryField) {
   const auto& half_space = *encoded({HalfSpaceShape{.normal = {1, 2, 3}, .point = {4, 5, 6}}}).half_spaces()->Get(0);
-  EXPECT_EQ(all(half_space.point(), half_space.normal()), (Numbers{4, 5, 6, 1, 2, 3}));
+  EXPECT_EQ(all(half_space.point(), half_space.normal()), (ShapeNumbers{4, 5, 6, 1, 2, 3}));
   const format::HeightField& field =
       *encoded(
            {HeightFieldShape{.columns = 3, .spacing_x_m = 0.5, .spacing_y_m = 0.25, .heights_m = {1, 2, 3, 4, 5, 6}}})
@@ -114,7 +117,7 @@ TEST_F(ShapeEncoding, AHalfSpaceAndAHeightFieldTravelWithEveryField) {
   EXPECT_EQ(field.columns(), 3U);
   EXPECT_EQ(field.spacing_x(), 0.5);
   EXPECT_EQ(field.spacing_y(), 0.25);
-  EXPECT_EQ(list(field.heights()), (Numbers{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(list(field.heights()), (ShapeNumbers{1, 2, 3, 4, 5, 6}));
 }
 
 TEST_F(ShapeEncoding, AScaleIsFiniteAndAboveZeroInEachDirection) {

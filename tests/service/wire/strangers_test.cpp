@@ -17,8 +17,6 @@ using test::eventually;
 using test::FakeServer;
 using testing_support::ChildProcess;
 
-ConnectOptions here() { return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s}; }
-
 dds::ParticipantOptions third_side() {
   return {.domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000};
 }
@@ -94,7 +92,7 @@ class Denier {
 class ClientStrangers : public testing::Test {
  protected:
   void SetUp() override {
-    Result<Client> connected = Client::connect(here());
+    Result<Client> connected = Client::connect(test::here());
     ASSERT_TRUE(connected) << connected.error().message;
     client_.emplace(std::move(*connected));
   }
@@ -148,7 +146,7 @@ TEST_F(ClientStrangers, ASuccessorIsNone) {
 
 TEST_F(ClientStrangers, ASecondServerIsToldByTheDoctorAndWarnedOfOnce) {
   const auto finding = [&]() -> std::optional<Finding> {
-    for (const Finding& one : diagnose(here())) {
+    for (const Finding& one : diagnose(test::here())) {
       if (one.about == "strangers") return one;
     }
     return std::nullopt;

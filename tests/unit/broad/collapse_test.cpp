@@ -13,13 +13,12 @@
 namespace collided::engine {
 namespace {
 
-using bvh::Primitive;
 using bvh::Range;
 
 /// Boxes of many sizes, numbered.
-std::vector<Primitive> boxes(std::size_t count, std::mt19937_64& random) {
+std::vector<bvh::Primitive> boxes(std::size_t count, std::mt19937_64& random) {
   std::uniform_real_distribution<float> place(-1, 1);
-  std::vector<Primitive> all(count);
+  std::vector<bvh::Primitive> all(count);
   for (std::size_t i = 0; i < count; ++i) {
     const bvh::Float4 at(place(random), place(random), place(random), 0);
     const float size = 0.3f * std::pow(0.01f, std::abs(place(random)));
@@ -29,16 +28,16 @@ std::vector<Primitive> boxes(std::size_t count, std::mt19937_64& random) {
   return all;
 }
 
-Range over(const std::vector<Primitive>& primitives) {
+Range over(const std::vector<bvh::Primitive>& primitives) {
   Range range{0, static_cast<std::uint32_t>(primitives.size()), {}, {}};
-  for (const Primitive& primitive : primitives) range.add(primitive);
+  for (const bvh::Primitive& primitive : primitives) range.add(primitive);
   return range;
 }
 
 /// The least sum of node surfaces, by trying every set of at most eight descendants as a node's children.
 class EveryWay {
  public:
-  explicit EveryWay(std::vector<Primitive> primitives) : primitives_(std::move(primitives)) {}
+  explicit EveryWay(std::vector<bvh::Primitive> primitives) : primitives_(std::move(primitives)) {}
 
   double least(const Range& range) {
     if (range.size() <= bvh::kWidth) return 0;
@@ -63,7 +62,7 @@ class EveryWay {
     divide(children, next, weighed, best);
   }
 
-  std::vector<Primitive> primitives_;
+  std::vector<bvh::Primitive> primitives_;
 };
 
 double weight(const bvh::Collapse& collapse, int part) {
@@ -79,7 +78,7 @@ TEST(BvhCollapse, NoOtherWayToGatherTheCutsWeighsLess) {
   std::mt19937_64 random = oracle::seeded(3);
   int gained = 0;
   for (int round = 0; round < 20; ++round) {
-    std::vector<Primitive> primitives = boxes(60 + random() % 25, random);
+    std::vector<bvh::Primitive> primitives = boxes(60 + random() % 25, random);
     const Range all = over(primitives);
     const double least = EveryWay(primitives).least(all);
     bvh::Collapse collapse;

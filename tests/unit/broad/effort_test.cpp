@@ -15,7 +15,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 Bvh tree_of(const TriangleMesh& mesh) { return Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }
 
@@ -38,7 +38,7 @@ TriangleMesh layers(std::uint32_t count, std::mt19937_64& random) {
 /// Takes what the ray meets and wants nothing beyond it.
 struct First {
   const Ray& ray;
-  double distance_m = kInfinity;
+  double distance_m = kNoLimit;
 
   double operator()(std::uint32_t, const Triangle& corners, double limit) {
     RayHit hit;
@@ -81,12 +81,12 @@ TEST(BroadEffort, TheNearestOfManyLayersIsFoundWithoutAVisitToTheOthers) {
   std::vector<First> first;
   for (const Ray& ray : rays) first.push_back({ray});
   std::vector<Bvh::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, first[i], &costs[i]});
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kNoLimit, first[i], &costs[i]});
   tree.walk_rays(tasks, mesh, Bvh::RayGoal::nearest);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     First alone{rays[i]};
     WalkCost cost;
-    tree.walk_ray_nearest(rays[i], kInfinity, mesh, alone, cost);
+    tree.walk_ray_nearest(rays[i], kNoLimit, mesh, alone, cost);
     EXPECT_NEAR(alone.distance_m, 0.125 + 1.0 / 4096, 1e-12);
     EXPECT_EQ(first[i].distance_m, alone.distance_m);
     EXPECT_LE(cost.nodes, 60U);
@@ -110,12 +110,12 @@ TEST(BroadEffort, ASurelyMetWallHidesWhatIsBehindIt) {
   std::vector<First> met;
   for (const Ray& ray : rays) met.push_back({ray});
   std::vector<Bvh::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, met[i], &costs[i]});
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kNoLimit, met[i], &costs[i]});
   tree.walk_rays(tasks, mesh, Bvh::RayGoal::nearest);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     First alone{rays[i]};
     WalkCost cost;
-    tree.walk_ray_nearest(rays[i], kInfinity, mesh, alone, cost);
+    tree.walk_ray_nearest(rays[i], kNoLimit, mesh, alone, cost);
     EXPECT_NEAR(alone.distance_m, 0.125, 1e-12);
     EXPECT_NEAR(met[i].distance_m, 0.125, 1e-12);
     EXPECT_LE(cost.nodes, 12U);
@@ -132,7 +132,7 @@ TEST(BroadEffort, ARayOfABatchThatHasMetSomethingGoesNoFarther) {
   std::vector<First> first;
   for (const Ray& ray : rays) first.push_back({ray});
   std::vector<Bvh::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, first[i], &costs[i]});
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kNoLimit, first[i], &costs[i]});
   tree.walk_rays(tasks, mesh, Bvh::RayGoal::any);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     EXPECT_NE(tasks[i].met, Bvh::kNoTriangle);
@@ -146,7 +146,7 @@ TEST(BroadEffort, OfALeafOnlyWhatMayBeNearestIsTold) {
   struct Nearest {
     const Vec3& point;
     const TriangleMesh& mesh;
-    double best_m = kInfinity;
+    double best_m = kNoLimit;
     double operator()(std::uint32_t number, double limit_m2) {
       best_m = std::min(best_m, closest(point, mesh.triangle(number)).distance_m);
       return std::min(limit_m2, best_m * best_m * (1 + 0x1p-40));
@@ -160,8 +160,8 @@ TEST(BroadEffort, OfALeafOnlyWhatMayBeNearestIsTold) {
   for (int i = 0; i < kPoints; ++i) {
     const Vec3 point(coordinate(random), coordinate(random), coordinate(random));
     Nearest nearest{point, mesh};
-    tree.walk_near(point, kInfinity, 0, nearest, cost);
-    double truth_m = kInfinity;
+    tree.walk_near(point, kNoLimit, 0, nearest, cost);
+    double truth_m = kNoLimit;
     for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k)
       truth_m = std::min(truth_m, closest(point, mesh.triangle(k)).distance_m);
     EXPECT_EQ(nearest.best_m, truth_m);
@@ -208,7 +208,7 @@ TEST(BroadEffort, ABatchOfRaysHearsEveryTriangleOfAMeshOfDoubles) {
   for (const Ray& ray : rays) met.push_back({ray});
   WalkCost cost;
   std::vector<Bvh::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, met[i], &cost});
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kNoLimit, met[i], &cost});
   tree.walk_rays(tasks, mesh, Bvh::RayGoal::every);
   std::size_t hits = 0;
   for (const Met& one : met) {

@@ -8,23 +8,17 @@
 #include "server/broad_phase/grid/grid.hpp"
 #include "tests/oracle/box_pairs.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/unit/broad/bvh_walks.hpp"
 
 namespace collided::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 using oracle::pairs_by_force;
 using oracle::pairs_of;
 using Numbers = std::vector<std::uint32_t>;
 
 Aabb make_box(const Vec3& low, const Vec3& size) { return {low, low + size}; }
-
-Vec3 in_cube(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> coordinate(-1, 1);
-  const double x = coordinate(random);
-  const double y = coordinate(random);
-  return {x, y, coordinate(random)};
-}
 
 Numbers in_box(const Grid& grid, const Aabb& asked) {
   Numbers all;
@@ -123,14 +117,14 @@ void expect_right(const Grid& grid, const std::vector<Aabb>& boxes, double exten
     const std::uint64_t zero = random() % 6;
     if (zero < 3) ray.direction[static_cast<int>(zero)] = 0;
     if (zero == 0) ray.direction[1] = -0.0;
-    const double limit = i % 2 == 0 ? kInfinity : 2 * extent;
+    const double limit = i % 2 == 0 ? kEndless : 2 * extent;
     const Numbers met = along_ray(grid, ray, limit);
     const Numbers expected = along_ray_by_force(boxes, ray, limit);
     EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
     EXPECT_LE(met.size(), expected.size() + 2);
     EXPECT_TRUE(each_once(met));
 
-    const double limit_m2 = i % 10 == 0 ? kInfinity : 0.01 * extent * extent;
+    const double limit_m2 = i % 10 == 0 ? kEndless : 0.01 * extent * extent;
     const Numbers close = near_point(grid, from, limit_m2);
     const Numbers expected_close = near_by_force(boxes, from, limit_m2);
     EXPECT_TRUE(std::includes(close.begin(), close.end(), expected_close.begin(), expected_close.end()));
@@ -166,7 +160,7 @@ TEST(BroadGrid, ALongRayIsToldEachOfManySmallBoxesOnce) {
     const Vec3 from = in_cube(random).cwiseProduct(Vec3(5, 1, 0.1));
     const Vec3 to = in_cube(random).cwiseProduct(Vec3(5, 1, 0.1));
     const Ray ray{.origin = from, .direction = to - from};
-    const double limit = i % 2 == 0 ? kInfinity : 1;
+    const double limit = i % 2 == 0 ? kEndless : 1;
     const Numbers met = along_ray(grid, ray, limit);
     const Numbers expected = along_ray_by_force(boxes, ray, limit);
     EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
@@ -220,8 +214,8 @@ TEST(BroadGrid, CoordinatesFarOutLoseNothing) {
     for (int i = 0; i < 50; ++i) {
       const Aabb& aim = boxes[random() % boxes.size()];
       const Ray ray{Vec3(far, -far, far) + 3 * extent * in_cube(random), Vec3(extent, 2 * extent, -extent)};
-      const Numbers met = along_ray(grid, ray, kInfinity);
-      const Numbers expected = along_ray_by_force(boxes, ray, kInfinity);
+      const Numbers met = along_ray(grid, ray, kEndless);
+      const Numbers expected = along_ray_by_force(boxes, ray, kEndless);
       EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
       EXPECT_EQ(in_box(grid, aim), in_box_by_force(boxes, aim));
       const Numbers close = near_point(grid, aim.low, extent * extent);
@@ -246,8 +240,8 @@ TEST(BroadGrid, EveryScaleOfDoublesInOneSceneLosesNothing) {
     const Aabb& asked = boxes[i];
     EXPECT_EQ(in_box(grid, asked), in_box_by_force(boxes, asked));
     const Ray ray{boxes[i].low, boxes[i + 1].low};
-    const Numbers met = along_ray(grid, ray, kInfinity);
-    const Numbers expected = along_ray_by_force(boxes, ray, kInfinity);
+    const Numbers met = along_ray(grid, ray, kEndless);
+    const Numbers expected = along_ray_by_force(boxes, ray, kEndless);
     EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
   }
 }
@@ -256,8 +250,8 @@ TEST(BroadGrid, InfiniteAndEmptyBoxes) {
   std::mt19937_64 random = oracle::seeded(20240623);
   std::vector<Aabb> boxes;
   for (int i = 0; i < 300; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.1)));
-  boxes.push_back({Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)});
-  boxes.push_back({Vec3(-kInfinity, -kInfinity, -kInfinity), Vec3(kInfinity, kInfinity, 0)});
+  boxes.push_back({Vec3::Constant(-kEndless), Vec3::Constant(kEndless)});
+  boxes.push_back({Vec3(-kEndless, -kEndless, -kEndless), Vec3(kEndless, kEndless, 0)});
   boxes.push_back({Vec3::Constant(-1.7e308), Vec3::Constant(1.7e308)});
   boxes.push_back(Aabb{});
   boxes.push_back({Vec3::Constant(std::nan("")), Vec3::Ones()});
@@ -272,8 +266,8 @@ TEST(BroadGrid, EmptySceneAndFewBoxes) {
   Grid grid;
   EXPECT_TRUE(pairs_of(grid).empty());
   EXPECT_TRUE(in_box(grid, {Vec3::Constant(-1), Vec3::Constant(1)}).empty());
-  EXPECT_TRUE(along_ray(grid, {Vec3::Zero(), Vec3::UnitX()}, kInfinity).empty());
-  EXPECT_TRUE(near_point(grid, Vec3::Zero(), kInfinity).empty());
+  EXPECT_TRUE(along_ray(grid, {Vec3::Zero(), Vec3::UnitX()}, kEndless).empty());
+  EXPECT_TRUE(near_point(grid, Vec3::Zero(), kEndless).empty());
   std::vector<Aabb> boxes;
   for (int count = 1; count < 40; ++count) {
     boxes.push_back(make_box(in_cube(random), in_cube(random).cwiseAbs()));
@@ -365,10 +359,10 @@ TEST(BroadGrid, AWalkThatEndsInTheSharedPartEndsAtAll) {
   EXPECT_EQ(told, 2);
   told = 0;
   const auto stop = [&](std::uint32_t, double) { return ++told, -1.0; };
-  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, cost);
+  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kEndless, stop, cost);
   EXPECT_EQ(told, 1);
   told = 0;
-  grid.walk_near(Vec3::Zero(), kInfinity, stop, cost);
+  grid.walk_near(Vec3::Zero(), kEndless, stop, cost);
   EXPECT_EQ(told, 1);
 }
 
@@ -409,10 +403,10 @@ TEST(BroadGrid, FalseAndNegativeLimitsEndTheWalk) {
   EXPECT_EQ(cost.candidates, 1u);
   cost = {};
   const auto stop = [](std::uint32_t, double) { return -1.0; };
-  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, cost);
+  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kEndless, stop, cost);
   EXPECT_EQ(cost.candidates, 1u);
   cost = {};
-  grid.walk_near(Vec3::Zero(), kInfinity, stop, cost);
+  grid.walk_near(Vec3::Zero(), kEndless, stop, cost);
   EXPECT_EQ(cost.candidates, 1u);
 }
 
@@ -427,9 +421,9 @@ TEST(BroadGrid, RaysAndPointsLookAtFewBoxes) {
   WalkCost near_cost;
   for (int i = 0; i < 20; ++i) {
     grid.walk_ray(
-        {in_cube(random), in_cube(random)}, kInfinity, [](std::uint32_t, double) { return 0.0; }, ray_cost);
+        {in_cube(random), in_cube(random)}, kEndless, [](std::uint32_t, double) { return 0.0; }, ray_cost);
     grid.walk_near(
-        in_cube(random), kInfinity, [](std::uint32_t, double) { return 1e-4; }, near_cost);
+        in_cube(random), kEndless, [](std::uint32_t, double) { return 1e-4; }, near_cost);
   }
   EXPECT_LT(ray_cost.nodes, 20u * 3000);
   EXPECT_LT(near_cost.nodes, 20u * 100);

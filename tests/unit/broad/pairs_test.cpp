@@ -10,18 +10,12 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/unit/broad/bvh_walks.hpp"
 
 namespace collided::engine {
 namespace {
 
-using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, int>;
-
-Vec3 in_cube(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> coordinate(-1, 1);
-  const double x = coordinate(random);
-  const double y = coordinate(random);
-  return {x, y, coordinate(random)};
-}
+using PairCounts = std::map<std::pair<std::uint32_t, std::uint32_t>, int>;
 
 Quat any_rotation(std::mt19937_64& random) {
   std::normal_distribution<double> part;
@@ -31,7 +25,7 @@ Quat any_rotation(std::mt19937_64& random) {
   return Quat(w, x, y, part(random)).normalized();
 }
 
-Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)}; }
+Aabb box_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)}; }
 
 TriangleMesh scaled(TriangleMesh mesh, double by, const Vec3& moved = Vec3::Zero()) {
   for (Vec3& vertex : mesh.vertices) vertex = by * vertex + moved;
@@ -45,8 +39,8 @@ double placing_slack(const TriangleMesh& mesh, const Frame& frame) {
   return 16 * 0x1p-53 * (reach + frame.position.lpNorm<1>()) + 0x1p-1070;
 }
 
-Pairs offered(const Bvh& a, const Bvh& b, const Frame& frame, double slack_m) {
-  Pairs all;
+PairCounts offered(const Bvh& a, const Bvh& b, const Frame& frame, double slack_m) {
+  PairCounts all;
   WalkCost cost;
   const auto collect = [&](std::uint32_t first, std::uint32_t second) {
     ++all[{first, second}];
@@ -66,7 +60,7 @@ struct Count {
 Count expect_none_lost(const TriangleMesh& a, const TriangleMesh& b, const Frame& frame, bool too_few_to_miss = false) {
   const Bvh tree_a = Bvh::build(a);
   const Bvh tree_b = Bvh::build(b);
-  const Pairs found = offered(tree_a, tree_b, frame, placing_slack(b, frame));
+  const PairCounts found = offered(tree_a, tree_b, frame, placing_slack(b, frame));
   Count count;
   count.offered = found.size();
   for (const auto& [pair, times] : found) EXPECT_LE(times, 4);
@@ -75,7 +69,7 @@ Count expect_none_lost(const TriangleMesh& a, const TriangleMesh& b, const Frame
   for (std::uint32_t i = 0; i < a.triangles.size(); ++i) {
     const Triangle own = a.triangle(i);
     for (std::uint32_t j = 0; j < placed.size(); ++j) {
-      if (!overlaps(bounds_of(own), bounds_of(placed[j])) || !overlaps(own, placed[j]).yes()) continue;
+      if (!overlaps(box_of(own), box_of(placed[j])) || !overlaps(own, placed[j]).yes()) continue;
       ++count.met;
       EXPECT_TRUE(found.contains({i, j})) << i << " " << j << std::hexfloat << " at " << frame.position.transpose();
       if (testing::Test::HasFailure()) return count;
@@ -206,7 +200,7 @@ TEST(BroadPairs, SlackCoversDisplacedVertices) {
     for (Vec3& vertex : moved.vertices) vertex += 0.999 * std::min(slack_m, 10.0) * in_cube(random);
     const Frame frame = frame_of(Pose{.position = Vec3(1.1, 0.3, -0.2), .rotation = any_rotation(random)});
     // The slack is told along the first tree's axes; as the displacement is along the second's it is up to sqrt(3) more.
-    const Pairs found = offered(Bvh::build(sphere), Bvh::build(sphere), frame, 1.75 * slack_m);
+    const PairCounts found = offered(Bvh::build(sphere), Bvh::build(sphere), frame, 1.75 * slack_m);
     std::size_t met = 0;
     for (std::uint32_t i = 0; i < sphere.triangles.size(); ++i) {
       for (std::uint32_t j = 0; j < moved.triangles.size(); ++j) {

@@ -10,12 +10,13 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/unit/broad/bvh_walks.hpp"
 
 // The walks that pass over triangles on their own account, against every triangle decided exactly.
 namespace collided::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndlessRay = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = Bvh::kNoTriangle;
 
 bool meets(const Ray& ray, const Triangle& triangle) {
@@ -61,13 +62,6 @@ struct Doubt {
 };
 
 double limit_of(const Ray& ray) { return ray.length_m / ray.direction.stableNorm() * (1 + 0x1p-50); }
-
-Vec3 in_cube(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> coordinate(-1, 1);
-  const double x = coordinate(random);
-  const double y = coordinate(random);
-  return {x, y, coordinate(random)};
-}
 
 /// Through corners, edges, middles and nothing in particular; some from far away, some along an axis, some short, some
 /// that end on what they aim at.

@@ -9,21 +9,15 @@
 #include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
 #include "tests/oracle/box_pairs.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/unit/broad/bvh_walks.hpp"
 
 namespace collided::engine {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndlessSweep = std::numeric_limits<double>::infinity();
 using oracle::pairs_by_force;
 using oracle::pairs_of;
 using Pairs = oracle::BoxPairs;
-
-Vec3 in_cube(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> coordinate(-1, 1);
-  const double x = coordinate(random);
-  const double y = coordinate(random);
-  return {x, y, coordinate(random)};
-}
 
 /// Half of them the bounds of spheres, some empty, one without end, many that only touch.
 std::vector<Aabb> mixed_boxes(std::size_t count, std::mt19937_64& random) {
@@ -38,7 +32,7 @@ std::vector<Aabb> mixed_boxes(std::size_t count, std::mt19937_64& random) {
       default: boxes.push_back(bounds(Sphere{.center = place, .radius_m = 0.5}));
     }
   }
-  boxes.front() = {Vec3(-kInfinity, 0, 0), Vec3(kInfinity, 1, 1)};
+  boxes.front() = {Vec3(-kEndlessSweep, 0, 0), Vec3(kEndlessSweep, 1, 1)};
   return boxes;
 }
 

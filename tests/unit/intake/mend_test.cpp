@@ -20,7 +20,7 @@
 namespace collided::engine {
 namespace {
 
-double area(const TriangleMesh& mesh) {
+double mended_area(const TriangleMesh& mesh) {
   double twice = 0;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangle(i);
@@ -203,7 +203,7 @@ TEST(IntakeMend, TVerticesGoAndTheAreaStaysAndNoVertexMoves) {
   EXPECT_EQ(mended.report.joined_point_count, 10u);
   EXPECT_EQ(mended.report.cut_triangle_count, 20u);
   EXPECT_LE(mended.report.largest_move_m, 1e-5);
-  EXPECT_NEAR(area(mended.mesh), area(planted.mesh), 1e-4);
+  EXPECT_NEAR(mended_area(mended.mesh), mended_area(planted.mesh), 1e-4);
   // Only the border of the fins is left: two edges each.
   EXPECT_EQ(health.boundary_edge_count, 20u);
   for (std::uint32_t i = 0; i < planted.mesh.triangles.size(); ++i) EXPECT_EQ(mended.origin[i], i);

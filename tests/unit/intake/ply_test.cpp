@@ -19,7 +19,7 @@ std::string text_ply(const std::string& body, int faces = 1) {
          std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n" + body;
 }
 
-constexpr const char* kSquare = "0 0 0\n1 0 0\n1 1 0.1\n0 1 0.1\n";
+constexpr const char* kPlySquare = "0 0 0\n1 0 0\n1 1 0.1\n0 1 0.1\n";
 
 template <class Number>
 void append_big(std::string& bytes, Number value) {
@@ -56,7 +56,7 @@ std::string binary_ply(bool big) {
 }
 
 TEST(IntakePly, TextKeepsItsDigits) {
-  const Scene scene = load("a.ply", text_ply(std::string(kSquare) + "4 0 1 2 3\n")).scene;
+  const Scene scene = load("a.ply", text_ply(std::string(kPlySquare) + "4 0 1 2 3\n")).scene;
   EXPECT_EQ(scene.mesh.triangles.size(), 2u);
   EXPECT_EQ(scene.mesh.vertices[2], Vec3(1, 1, 0.1));
   EXPECT_EQ(scene.parts.at(0).name, "a");
@@ -81,7 +81,7 @@ TEST(IntakePly, FacesMayStandBeforeTheirVertices) {
 }
 
 TEST(IntakePly, StripsKeepOneOrientation) {
-  std::string text = text_ply(std::string(kSquare) + "9 0 1 3 2 -1 0 1 2 -1\n");
+  std::string text = text_ply(std::string(kPlySquare) + "9 0 1 3 2 -1 0 1 2 -1\n");
   text.replace(text.find("element face"), 12, "element tristrips");
   const Scene scene = load("s.ply", text).scene;
   ASSERT_EQ(scene.mesh.triangles.size(), 3u);
@@ -91,7 +91,7 @@ TEST(IntakePly, StripsKeepOneOrientation) {
 }
 
 TEST(IntakePly, AHeaderThatClaimsTooMuchIsRefusedBeforeAnythingIsAllocated) {
-  std::string text = text_ply(std::string(kSquare) + std::string(40, ' '), 1'000'000'000);
+  std::string text = text_ply(std::string(kPlySquare) + std::string(40, ' '), 1'000'000'000);
   EXPECT_EQ(complaint("h.ply", text).substr(0, 60), "h.ply: header claims 1000000000 rows of element 'face', the ");
   text.replace(text.find("ascii"), 5, "binary_little_endian");
   EXPECT_EQ(complaint("h.ply", text).substr(0, 60), "h.ply: header claims 1000000000 rows of element 'face', the ");
@@ -101,14 +101,14 @@ TEST(IntakePly, AHeaderThatClaimsTooMuchIsRefusedBeforeAnythingIsAllocated) {
 }
 
 TEST(IntakePly, ComplaintsNameThePlace) {
-  const std::string square = kSquare;
+  const std::string square = kPlySquare;
   EXPECT_EQ(complaint("a.ply", text_ply(square + "3 0 1 4\n")),
             "a.ply: line 15: vertex number 4, allowed 0 to 3. Nothing was loaded.");
   EXPECT_EQ(complaint("a.ply", text_ply(square + "3 0 1\n")),
             "a.ply: line 16: whole number is missing. Nothing was loaded.");
   EXPECT_EQ(complaint("a.ply", text_ply(square + "3 0 1 -1\n")),
             "a.ply: line 15: vertex number -1, allowed 0 to 3. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.ply", text_ply(std::string("0 0 inf\n") + kSquare)),
+  EXPECT_EQ(complaint("a.ply", text_ply(std::string("0 0 inf\n") + kPlySquare)),
             "a.ply: line 11: vertex coordinate 'inf' is not finite. Nothing was loaded.");
   EXPECT_EQ(complaint("a.ply", text_ply(square + "3 0 1 2\n").replace(0, 3, "plx")),
             "a.ply: line 1: the first line is not 'ply'. Nothing was loaded.");
@@ -125,7 +125,7 @@ TEST(IntakePly, ComplaintsNameThePlace) {
 }
 
 TEST(IntakePly, ACommentWithoutItsWordIsTakenBeforeTheElementsOnly) {
-  std::string text = text_ply(std::string(kSquare) + "4 0 1 2 3\n");
+  std::string text = text_ply(std::string(kPlySquare) + "4 0 1 2 3\n");
   text.erase(text.find("comment "), 8);
   EXPECT_EQ(load("stray.ply", text).report.mended.size(), 1u);
   EXPECT_EQ(complaint("stray.ply", text, {.strict = true}),
@@ -238,7 +238,7 @@ TEST(IntakePly, StripsAndFacesBeforeTheirVerticesStayWhatTheyAre) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list uchar int vertex_indices\nelement face 1\n"
       "property list uchar int vertex_indices\n" +
-      vertices + "end_header\n9 0 1 3 2 -1 0 1 2 -1\n4 0 1 2 3\n" + kSquare;
+      vertices + "end_header\n9 0 1 3 2 -1 0 1 2 -1\n4 0 1 2 3\n" + kPlySquare;
   EXPECT_EQ(load("s.ply", text).scene.mesh.triangles,
             (std::vector<TriangleCorners>{{0, 1, 3}, {3, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
 }
@@ -246,7 +246,7 @@ TEST(IntakePly, StripsAndFacesBeforeTheirVerticesStayWhatTheyAre) {
 // A corner that is named twice turns the strip and is no triangle of its own; the turns are counted on over it.
 TEST(IntakePly, ACornerNamedTwiceSteersAStrip) {
   const auto strip = [](const std::string& numbers) {
-    std::string text = text_ply(std::string(kSquare) + numbers);
+    std::string text = text_ply(std::string(kPlySquare) + numbers);
     text.replace(text.find("element face"), 12, "element tristrips");
     return load("s.ply", text).scene.mesh.triangles;
   };

@@ -21,12 +21,12 @@
 namespace collided::engine {
 namespace {
 
-using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+using BoxPairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
-Pairs found_by(GrowingTree& tree, const std::vector<Aabb>& asked) {
+BoxPairs found_by(GrowingTree& tree, const std::vector<Aabb>& asked) {
   std::vector<GrowingTree::Meeting> meetings;
   tree.find(asked, meetings);
-  Pairs pairs;
+  BoxPairs pairs;
   for (const auto& [asked_index, triangle] : meetings) {
     EXPECT_TRUE(pairs.insert({asked_index, triangle}).second) << "found twice";
   }
@@ -58,7 +58,7 @@ TEST(IntakeGrowingTree, FindsTheBoxesAsTheyAreNowAndNoOthers) {
         const Vec3 low(95 + whole(50), whole(50) - 305, whole(50) - 5);
         box = {low, low + Vec3(whole(9), whole(9), whole(9))};
       }
-      Pairs expected;
+      BoxPairs expected;
       for (std::uint32_t i = 0; i < asked.size(); ++i) {
         for (const auto& [triangle, box] : boxes) {
           if (overlaps(asked[i], box)) expected.insert({i, triangle});

@@ -21,16 +21,16 @@ namespace collided::engine::service {
 namespace {
 
 using Entries = std::list<Journal::Entry>;
-using Bytes = std::vector<std::byte>;
+using JournalBytes = std::vector<std::byte>;
 
 /// A disk in memory: what was not synced may be gone, in part, when the power fails.
 struct Platter {
   struct Overwritten {
     std::size_t at = 0;
-    Bytes before;
+    JournalBytes before;
   };
   struct File {
-    Bytes content;
+    JournalBytes content;
     std::size_t synced = 0;
     std::vector<Overwritten> unsynced;
   };
@@ -59,7 +59,7 @@ struct Platter {
 class MemoryDisk final : public Disk {
  public:
   explicit MemoryDisk(Platter& platter) : platter_(platter) {}
-  std::optional<Bytes> read(const std::string& name) override {
+  std::optional<JournalBytes> read(const std::string& name) override {
     const auto found = platter_.files.find(name);
     return found == platter_.files.end() ? std::nullopt : std::optional(found->second.content);
   }
@@ -70,7 +70,7 @@ class MemoryDisk final : public Disk {
   }
   bool append(const std::string& name, std::span<const std::byte> bytes) override {
     const bool failed = fails();
-    Bytes& content = platter_.files[name].content;
+    JournalBytes& content = platter_.files[name].content;
     const std::size_t part = std::min(done_of(bytes.size(), failed), room_left());
     content.insert(content.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
     if (!failed && part < bytes.size()) errno = ENOSPC;
@@ -81,7 +81,7 @@ class MemoryDisk final : public Disk {
     Platter::File& file = platter_.files[name];
     const auto first = file.content.begin() + static_cast<std::ptrdiff_t>(at);
     const auto part = static_cast<std::ptrdiff_t>(done_of(bytes.size(), failed));
-    file.unsynced.push_back({.at = at, .before = Bytes(first, first + part)});
+    file.unsynced.push_back({.at = at, .before = JournalBytes(first, first + part)});
     std::copy_n(bytes.begin(), part, first);
     return !failed;
   }
@@ -137,7 +137,7 @@ class MemoryDisk final : public Disk {
 Journal open(Platter& platter) { return Journal(std::make_unique<MemoryDisk>(platter), "it"); }
 
 Journal::Entry entry(std::uint64_t number, std::mt19937_64& random) {
-  Bytes blob(random() % 300);
+  JournalBytes blob(random() % 300);
   for (std::byte& byte : blob) byte = static_cast<std::byte>(random());
   return {.key = "object/" + std::to_string(number), .text = "add " + std::to_string(random() % 1000), .blob = blob};
 }
@@ -240,8 +240,8 @@ TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
   Platter good;
   Journal journal = open(good);
   const std::vector<Entries> states = work(journal, 40, random);
-  const Bytes& whole = good.files["it"].content;
-  const auto damage_of = [&](const Bytes& content) {
+  const JournalBytes& whole = good.files["it"].content;
+  const auto damage_of = [&](const JournalBytes& content) {
     Platter damaged;
     damaged.files["it"].content = content;
     const Journal next = open(damaged);
@@ -251,11 +251,11 @@ TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
   ASSERT_EQ(damage_of(whole), "");
   // Every cut, those exactly between two records included.
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    ASSERT_NE(damage_of(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "")
+    ASSERT_NE(damage_of(JournalBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "")
         << "cut at " << size;
   }
   for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 1 + random() % 16) {
-    Bytes content = whole;
+    JournalBytes content = whole;
     content[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
     ASSERT_NE(damage_of(content), "") << "bit " << bit;
   }
@@ -297,7 +297,7 @@ TEST(ServiceJournal, ALossOfPowerIsNotTakenForALossOfWhatWasAcknowledged) {
 TEST(ServiceJournal, AFileOfBeforeThereWereCountsIsReadAndCountedFromThenOn) {
   std::mt19937_64 random = oracle::seeded(97);
   Platter platter;
-  Bytes& content = platter.files["it"].content;
+  JournalBytes& content = platter.files["it"].content;
   const auto append = [&](std::span<const std::byte> bytes) {
     content.insert(content.end(), bytes.begin(), bytes.end());
   };
@@ -358,7 +358,7 @@ TEST(ServiceJournal, TwiceAsManyEntriesTakeTwiceAsLong) {
 
 TEST(ServiceJournal, AFileOfSomethingElseIsLeftAlone) {
   Platter platter;
-  platter.files["it"].content = Bytes(100, std::byte{7});
+  platter.files["it"].content = JournalBytes(100, std::byte{7});
   const Journal journal = open(platter);
   EXPECT_TRUE(journal.entries().empty());
   EXPECT_NE(journal.damage().find("not a journal"), std::string::npos);
@@ -372,7 +372,7 @@ TEST(ServiceJournal, RecordsThatAreErasedTogetherAreEachCounted) {
   for (std::uint64_t i = 0; i < 5; ++i) journal.put(entry(i, random), Journal::Sync::now);
   const std::vector<std::string> keys{"object/1", "object/none", "object/2", "object/3"};
   journal.erase(keys, Journal::Sync::now);
-  const Bytes& content = platter.files["it"].content;
+  const JournalBytes& content = platter.files["it"].content;
   EXPECT_EQ(journal_layout::head_of(content).newest->records, 8U) << "five put, three of the four were there to erase";
   EXPECT_EQ(journal_layout::head_of(content).newest->bytes, content.size());
   const Journal next = open(platter);
@@ -383,7 +383,7 @@ TEST(ServiceJournal, RecordsThatAreErasedTogetherAreEachCounted) {
   EXPECT_EQ(next.entries().back().key, "object/4");
   // The last record goes: of eight there are seven.
   Platter cut = platter;
-  Bytes& shorter = cut.files["it"].content;
+  JournalBytes& shorter = cut.files["it"].content;
   shorter.resize(shorter.size() - journal_layout::encode({.key = "object/3", .text = {}, .blob = {}}, true).size());
   EXPECT_NE(open(cut).damage().find("8 records and"), std::string::npos) << open(cut).damage();
   EXPECT_NE(open(cut).damage().find("acknowledged, 7 and"), std::string::npos) << open(cut).damage();

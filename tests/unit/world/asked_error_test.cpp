@@ -15,15 +15,15 @@ using oracle::MixedWorld;
 
 constexpr double kErrors_m[] = {1e-12, 1e-6, 1e-3, 0.1, 2, 1e9};
 
-struct Asked {
+struct ErrorAsked {
   Answers exact;
   Answers loose;
   std::uint64_t exact_nodes = 0;
   std::uint64_t loose_nodes = 0;
 };
 
-Asked ask_both(const Snapshot& snapshot, Questions questions, double error_m) {
-  Asked asked;
+ErrorAsked ask_both(const Snapshot& snapshot, Questions questions, double error_m) {
+  ErrorAsked asked;
   QueryScratch scratch;
   answer(snapshot, questions, asked.exact, scratch);
   questions.error_m = error_m;
@@ -33,7 +33,7 @@ Asked ask_both(const Snapshot& snapshot, Questions questions, double error_m) {
   return asked;
 }
 
-void expect_promise_kept(const Asked& asked, double error_m) {
+void expect_promise_kept(const ErrorAsked& asked, double error_m) {
   ASSERT_EQ(asked.exact.answers, asked.loose.answers);
   ASSERT_EQ(asked.exact.hit_counts, asked.loose.hit_counts);
   for (std::size_t i = 0; i < asked.loose.hits.size(); ++i) {
@@ -70,7 +70,7 @@ TEST(WorldAskedError, NearestDistancesAreNeverOffByMoreThanAskedAndCostLess) {
   const auto state = (*mixed).newest();
   for (const std::uint32_t nearest : {1u, 4u}) {
     for (const double error_m : kErrors_m) {
-      const Asked asked =
+      const ErrorAsked asked =
           ask_both(*state, {.kind = QuestionKind::near, .max_hits = nearest, .numbers = numbers}, error_m);
       expect_promise_kept(asked, error_m);
       EXPECT_LE(asked.loose_nodes, asked.exact_nodes);
@@ -90,7 +90,7 @@ TEST(WorldAskedError, OverlapsKeepEveryDecision) {
   const auto state = (*mixed).newest();
   const Questions questions{.kind = QuestionKind::sphere, .numbers = numbers};
   for (const double error_m : kErrors_m) {
-    const Asked asked = ask_both(*state, questions, error_m);
+    const ErrorAsked asked = ask_both(*state, questions, error_m);
     ASSERT_EQ(asked.exact.answers, asked.loose.answers);
     ASSERT_EQ(asked.exact.hit_counts, asked.loose.hit_counts);
   }
@@ -114,7 +114,7 @@ TEST(WorldAskedError, AGrazingDistanceIsSharpenedOnlyForWhoNeedsIt) {
   const Vec3 origin = target - 100 * direction;
   const std::vector<double> numbers{origin.x(),    origin.y(),    origin.z(), direction.x(),
                                     direction.y(), direction.z(), INFINITY};
-  const Asked asked = ask_both(*world.newest(), {.kind = QuestionKind::ray, .numbers = numbers}, 1e-2);
+  const ErrorAsked asked = ask_both(*world.newest(), {.kind = QuestionKind::ray, .numbers = numbers}, 1e-2);
   ASSERT_EQ(asked.exact.answers[0], Verdict::hit);
   expect_promise_kept(asked, 1e-2);
   EXPECT_LT(asked.exact.hits[0].error_m, 1e-7);

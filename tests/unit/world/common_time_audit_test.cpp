@@ -17,8 +17,8 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kStart = 1'000'000'000'000;
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kAuditStart = 1'000'000'000'000;
+constexpr std::int64_t kAuditMs = 1'000'000;
 constexpr double kRadius_m = 0.5;
 constexpr std::int64_t kMemoryNs = 10'000'000'000;
 constexpr std::uint64_t kPublishers = 4;
@@ -73,7 +73,7 @@ class Audit {
  public:
   explicit Audit(std::mt19937_64& random) : random_(random) {
     for (std::uint64_t publisher = 1; publisher <= kPublishers; ++publisher)
-      lag_ns_[publisher] = up_to(200 * kMs) - 50 * kMs;
+      lag_ns_[publisher] = up_to(200 * kAuditMs) - 50 * kAuditMs;
     step();
   }
 
@@ -84,9 +84,10 @@ class Audit {
     else if (dice < 0.08) remove(any_of(publisher));
     else if (dice < 0.11) redefine(publisher);
     else if (dice < 0.13) lose(publisher);
-    else if (dice < 0.14) lag_ns_[publisher] = chance(0.2) ? 12'000 * kMs : up_to(3'000 * kMs) - 20 * kMs;
+    else if (dice < 0.14)
+      lag_ns_[publisher] = chance(0.2) ? 12'000 * kAuditMs : up_to(3'000 * kAuditMs) - 20 * kAuditMs;
     else if (dice < 0.145) lag_ns_[publisher] = 0;
-    else if (dice < 0.16) now_ns_ += up_to(12'000 * kMs);
+    else if (dice < 0.16) now_ns_ += up_to(12'000 * kAuditMs);
     else if (dice < 0.56) flush(publisher);
     else step();
   }
@@ -182,9 +183,9 @@ class Audit {
                     [&](ObjectId id) { return world_.has_moved(id) && balls_.at(id).birth_ns != 0; }))
       step();
     const bool is_late = chance(0.05);
-    std::int64_t time_ns = now_ns_ - lag_ns_[publisher] - (is_late ? up_to(500 * kMs) : 0);
+    std::int64_t time_ns = now_ns_ - lag_ns_[publisher] - (is_late ? up_to(500 * kAuditMs) : 0);
     if (voices_.contains(publisher))
-      time_ns = std::max(time_ns, voices_[publisher].known_ns - (is_late ? 100 * kMs : -1));
+      time_ns = std::max(time_ns, voices_[publisher].known_ns - (is_late ? 100 * kAuditMs : -1));
     for (const ObjectId id : posed) {
       if (posed_.insert(id).second) pose(id, time_ns, chance(0.1));
     }
@@ -233,7 +234,7 @@ class Audit {
   }
 
   void step() {
-    now_ns_ += 1 + up_to(30 * kMs);
+    now_ns_ += 1 + up_to(30 * kAuditMs);
     ASSERT_TRUE(world_.step(now_ns_, 1, {}));
     posed_.clear();
     for (auto& [publisher, voice] : voices_) {
@@ -298,8 +299,8 @@ class Audit {
             world_.info(pair.second)->name + " of " + std::to_string(b.publisher) + (holds ? " are" : " are not") +
             " in contact, begun " + std::to_string(told_begins) + " times, expected " +
             (state.is_held ? "contact, " : "none, ") + std::to_string(expected) + "; known to " +
-            std::to_string(to_ns - kStart) + ", both there from " + std::to_string(begin_ns - kStart) + ", floor " +
-            std::to_string(floor_ns_ - kStart) + ", now " + std::to_string(now_ns_ - kStart);
+            std::to_string(to_ns - kAuditStart) + ", both there from " + std::to_string(begin_ns - kAuditStart) +
+            ", floor " + std::to_string(floor_ns_ - kAuditStart) + ", now " + std::to_string(now_ns_ - kAuditStart);
   }
 
   void instant(const Ball& a, const Ball& b, std::int64_t time_ns, PairState& state, int& expected) {
@@ -338,7 +339,7 @@ class Audit {
 
   std::mt19937_64& random_;
   World world_{WorldOptions{}};
-  std::int64_t now_ns_ = kStart;
+  std::int64_t now_ns_ = kAuditStart;
   std::int64_t floor_ns_ = 0;
   std::map<std::uint64_t, Voice> voices_;
   std::map<std::uint64_t, std::int64_t> lag_ns_;

@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
+FoundContact found_pair(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_unfound(ContactLedger& ledger) {
   constexpr std::uint32_t kSlots[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
@@ -21,7 +21,7 @@ void end_unfound(ContactLedger& ledger) {
 TEST(Doubt, IsToldFromItsBeginningToItsEnd) {
   ContactLedger ledger;
   ledger.begin_step(1'000, false);
-  ledger.doubts(pair_of(1, 2), Doubt::numeric);
+  ledger.doubts(found_pair(1, 2), Doubt::numeric);
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 1u);
   EXPECT_EQ(ledger.events()[0].kind, EventKind::began);
@@ -31,7 +31,7 @@ TEST(Doubt, IsToldFromItsBeginningToItsEnd) {
   EXPECT_EQ(ledger.doubt_count(), 1u);
 
   ledger.begin_step(2'000, false);
-  ledger.doubts(pair_of(1, 2), Doubt::numeric);
+  ledger.doubts(found_pair(1, 2), Doubt::numeric);
   end_unfound(ledger);
   ledger.finish_step();
   EXPECT_TRUE(ledger.events().empty()) << "it goes on";
@@ -48,10 +48,10 @@ TEST(Doubt, IsToldFromItsBeginningToItsEnd) {
 TEST(Doubt, EndsBeforeTheContactThatItTurnsOutToBe) {
   ContactLedger ledger;
   ledger.begin_step(1'000, false);
-  ledger.doubts(pair_of(1, 2), Doubt::numeric);
+  ledger.doubts(found_pair(1, 2), Doubt::numeric);
   ledger.finish_step();
   ledger.begin_step(2'000, false);
-  ledger.touches(pair_of(1, 2));
+  ledger.touches(found_pair(1, 2));
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 2u);
   EXPECT_EQ(ledger.events()[0].kind, EventKind::ended);
@@ -66,10 +66,10 @@ TEST(Doubt, EndsBeforeTheContactThatItTurnsOutToBe) {
 TEST(Doubt, DoesNotEndWhatHolds) {
   ContactLedger ledger;
   ledger.begin_step(1'000, false);
-  ledger.touches(pair_of(1, 2));
+  ledger.touches(found_pair(1, 2));
   ledger.finish_step();
   ledger.begin_step(2'000, false);
-  ledger.doubts(pair_of(1, 2), Doubt::numeric);
+  ledger.doubts(found_pair(1, 2), Doubt::numeric);
   end_unfound(ledger);
   ledger.finish_step();
   EXPECT_TRUE(ledger.events().empty());
@@ -79,7 +79,7 @@ TEST(Doubt, DoesNotEndWhatHolds) {
 TEST(Doubt, EndsWithItsObject) {
   ContactLedger ledger;
   ledger.begin_step(1'000, false);
-  ledger.doubts(pair_of(1, 2), Doubt::cost_limit);
+  ledger.doubts(found_pair(1, 2), Doubt::cost_limit);
   ledger.finish_step();
   ledger.begin_step(2'000, false);
   ledger.end_object(2, EndReason::removed);

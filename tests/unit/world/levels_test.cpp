@@ -17,7 +17,7 @@
 namespace collided::engine {
 namespace {
 
-struct Surface {
+struct LevelSurface {
   TriangleMesh mesh;
   Bvh tree = Bvh::build(mesh);
   std::vector<std::uint32_t> part_of = std::vector<std::uint32_t>(mesh.triangles.size(), 0);
@@ -39,7 +39,7 @@ Vec3 random_point(const TriangleMesh& mesh, std::mt19937_64& random) {
 }
 
 /// The largest distance that samples of one find to the other, both ways.
-double sampled_m(const Surface& a, const Surface& b, std::mt19937_64& random, int count) {
+double sampled_m(const LevelSurface& a, const LevelSurface& b, std::mt19937_64& random, int count) {
   double farthest = 0;
   for (int i = 0; i < count; ++i) {
     farthest =
@@ -53,9 +53,9 @@ TEST(WorldSurfaceDistance, IsAtLeastWhatSamplesFindAndNotMuchMore) {
   for (const TriangleMesh& mesh : {scenes::icosphere(3, 1), scenes::terrain(16, 10, 6)}) {
     SimplifyReport report;
     const CollapseOrder order = simplify(mesh, {}, report);
-    const Surface full{mesh};
+    const LevelSurface full{mesh};
     for (const std::size_t divisor : {2, 6, 20}) {
-      const Surface level{compact_mesh(mesh, level_with(mesh, order, mesh.triangles.size() / divisor))};
+      const LevelSurface level{compact_mesh(mesh, level_with(mesh, order, mesh.triangles.size() / divisor))};
       const double bound_m = surface_distance(full.parted(), level.parted());
       const double found_m = sampled_m(full, level, random, 300);
       EXPECT_GE(bound_m, found_m) << divisor;
@@ -67,13 +67,13 @@ TEST(WorldSurfaceDistance, IsAtLeastWhatSamplesFindAndNotMuchMore) {
 
 TEST(WorldSurfaceDistance, KnownByHand) {
   // A square and the same square with a tent of height 1/4 over it: a quarter, whichever way it is asked.
-  const Surface flat{{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}, {0, 2, 3}}}};
-  const Surface tent{
+  const LevelSurface flat{{{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}, {0, 2, 3}}}};
+  const LevelSurface tent{
       {{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 0.25}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}}};
   EXPECT_NEAR(surface_distance(flat.parted(), tent.parted()), 0.25, 0.01);
   EXPECT_GE(surface_distance(flat.parted(), tent.parted()), 0.25);
   // A triangle less leaves a hole, whose middle is as far from the rest as its inscribed circle is wide.
-  const Surface half{{flat.mesh.vertices, {{0, 1, 2}}}};
+  const LevelSurface half{{flat.mesh.vertices, {{0, 1, 2}}}};
   EXPECT_NEAR(surface_distance(flat.parted(), half.parted()), std::sqrt(8.0), 0.1) << "the corner over the diagonal";
   EXPECT_GE(surface_distance(flat.parted(), half.parted()), std::sqrt(8.0));
   EXPECT_LE(surface_distance(flat.parted(), flat.parted()), 1e-5);
@@ -97,8 +97,8 @@ TEST(WorldSurfaceDistance, SheetsThatFoldOrEndAreNotTakenForACover) {
       }
       return mesh;
     };
-    const Surface a{soup(4)};
-    const Surface b{soup(8)};
+    const LevelSurface a{soup(4)};
+    const LevelSurface b{soup(8)};
     const double bound_m = surface_distance(a.parted(), b.parted(), {.pieces_at_most = 2000});
     EXPECT_GE(bound_m, sampled_m(a, b, random, 200)) << i;
   }
@@ -107,13 +107,13 @@ TEST(WorldSurfaceDistance, SheetsThatFoldOrEndAreNotTakenForACover) {
 TEST(WorldSurfaceDistance, APartIsMeasuredToItselfAlone) {
   TriangleMesh two = scenes::box({1, 1, 1});
   scenes::append(two, scenes::box({1, 1, 1}, {2.5, 0, 0}));
-  Surface both{two};
+  LevelSurface both{two};
   std::fill(both.part_of.begin() + 12, both.part_of.end(), 1u);
-  Surface swapped{two};
+  LevelSurface swapped{two};
   std::fill(swapped.part_of.begin(), swapped.part_of.begin() + 12, 1u);
   EXPECT_GE(surface_distance(both.parted(), swapped.parted()), 2.5);
   EXPECT_LE(surface_distance(both.parted(), both.parted()), 1e-5);
-  Surface one{scenes::box({1, 1, 1})};
+  LevelSurface one{scenes::box({1, 1, 1})};
   EXPECT_EQ(surface_distance(both.parted(), one.parted()), INFINITY) << "part 1 is not there at all";
 }
 

@@ -12,7 +12,7 @@ namespace {
 using extreme::at;
 using extreme::Stage;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 Answers ask(const Stage& stage, QuestionKind kind, const std::vector<double>& numbers,
             HitMode mode = HitMode::closest) {
@@ -39,7 +39,7 @@ TEST(NumberMeaning, WhatIsEquallyFarStandsByName) {
     Stage stage;
     for (const std::size_t i : order) stage.ball(in_order[i], around[i], 0.5);
     stage.step();
-    EXPECT_EQ(names(stage, ask(stage, QuestionKind::near, {0, 0, 0, kInfinity})), in_order);
+    EXPECT_EQ(names(stage, ask(stage, QuestionKind::near, {0, 0, 0, kUnbounded})), in_order);
     EXPECT_EQ(names(stage, ask(stage, QuestionKind::sphere, {0, 0, 0, 1.75})), in_order);
   }
 }
@@ -92,7 +92,7 @@ TEST(NumberMeaning, BoundsHoldWhereLengthsUnderflow) {
     ++apart;
     EXPECT_LE(std::abs(static_cast<long double>(pair.separation.distance_m) - static_cast<long double>(gap) * unit),
               pair.separation.error_m);
-    const Answers answers = ask(stage, QuestionKind::near, {-gap * unit, 0, 0, kInfinity});
+    const Answers answers = ask(stage, QuestionKind::near, {-gap * unit, 0, 0, kUnbounded});
     ASSERT_EQ(answers.hits.size(), 2u);
     const long double to_a = static_cast<long double>(gap - radius_a) * unit;
     if (to_a > 0) {

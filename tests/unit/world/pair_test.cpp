@@ -20,7 +20,7 @@ PairReport report(const World& world, ObjectId a, ObjectId b, const PairAsk& ask
   return report_pair(*world.newest(), a, b, ask);
 }
 
-Placed placed(const Snapshot& state, ObjectId id) {
+Placed placed_by_frame(const Snapshot& state, ObjectId id) {
   return {.info = (*state.objects)[slot_of(id)].get(),
           .frame = &state.frames[slot_of(id)],
           .bounds = state.bounds[slot_of(id)]};
@@ -34,8 +34,8 @@ struct Twin {
 
   Twin(const World& world, ObjectId a, ObjectId b) {
     const SnapshotRing::Lease state = world.newest();
-    for (const PlacedPart& of_a : parts_of(placed(*state, a))) {
-      for (const PlacedPart& of_b : parts_of(placed(*state, b))) {
+    for (const PlacedPart& of_a : parts_of(placed_by_frame(*state, a))) {
+      for (const PlacedPart& of_b : parts_of(placed_by_frame(*state, b))) {
         if (overlaps(of_a.part, of_b.part).yes()) {
           touches = true;
           triangles.emplace(of_a.triangle, of_b.triangle);
@@ -75,7 +75,7 @@ TEST(WorldPartPairs, AWalkEndsWhereItsVisitorSaysSo) {
         int told = 0;
         WalkCost cost;
         visit_part_pairs(
-            placed(*state, a), placed(*state, b), 0,
+            placed_by_frame(*state, a), placed_by_frame(*state, b), 0,
             [&](const PlacedPart&, const PlacedPart&) { return ++told < wanted; }, cost);
         EXPECT_LE(told, wanted) << first << " with " << second;
         EXPECT_GT(told, 0) << first << " with " << second;
@@ -104,14 +104,14 @@ TEST(WorldTouch, ThePairOfAMeshAndASolidSaysHowExactlyItWasDecided) {
       const SnapshotRing::Lease state = stage.world.newest();
       ContactSearch touch;
       WalkCost cost;
-      search_objects(placed(*state, a), placed(*state, b), touch, cost);
+      search_objects(placed_by_frame(*state, a), placed_by_frame(*state, b), touch, cost);
       EXPECT_TRUE(touch.yes) << mesh_first << ' ' << height_m;
       EXPECT_EQ(touch.level > Level::filter, height_m == 0.3) << mesh_first;
       EXPECT_FALSE(touch.undecided);
       EXPECT_EQ(touch.exact_tests, 1u);
       const PrecisionScope filter_alone({.highest = Level::filter});
       ContactSearch quick;
-      search_objects(placed(*state, a), placed(*state, b), quick, cost);
+      search_objects(placed_by_frame(*state, a), placed_by_frame(*state, b), quick, cost);
       EXPECT_EQ(quick.yes, height_m == 0.1) << mesh_first;
       EXPECT_EQ(quick.undecided, height_m == 0.3) << "what was not allowed to be decided is not called apart";
     }

@@ -12,8 +12,8 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kStart = 1'000 * kSecond;
+constexpr std::int64_t kMemorySecond = 1'000'000'000;
+constexpr std::int64_t kMemoryStart = 1'000 * kMemorySecond;
 constexpr std::int64_t kTick = 10'000'000;
 
 Pose at(double x, double y = 0, double z = 0) { return {.position = {x, y, z}}; }
@@ -53,46 +53,46 @@ class WorldPoseMemory : public testing::Test {
     return answers;
   }
 
-  World world{WorldOptions{.memory = {.reach_ns = 30 * kSecond}}};
-  std::int64_t now_ns = kStart;
+  World world{WorldOptions{.memory = {.reach_ns = 30 * kMemorySecond}}};
+  std::int64_t now_ns = kMemoryStart;
 };
 
 TEST_F(WorldPoseMemory, BetweenTwoPosesAnObjectGoesStraightAndBeforeItsWayItRested) {
   const ObjectId a = ball("a", 1, at(0));
-  say(1, kStart, {{a, at(0)}});
-  say(1, kStart + kTick, {{a, at(1)}});
-  say(1, kStart + 3 * kTick, {});
-  say(1, kStart + 4 * kTick, {{a, at(2)}});
-  EXPECT_EQ(place(kStart, a), Vec3(0, 0, 0));
-  EXPECT_EQ(place(kStart + kTick / 4, a), Vec3(0.25, 0, 0));
-  EXPECT_EQ(place(kStart + kTick, a), Vec3(1, 0, 0));
-  EXPECT_EQ(place(kStart + 2 * kTick, a), Vec3(1, 0, 0)) << "left out by a flush, it rested";
-  EXPECT_EQ(place(kStart + 3 * kTick, a), Vec3(1, 0, 0));
-  EXPECT_EQ(place(kStart + 3 * kTick + kTick / 2, a), Vec3(1.5, 0, 0));
-  EXPECT_EQ(place(kStart + 4 * kTick, a), Vec3(2, 0, 0));
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(1, kMemoryStart + kTick, {{a, at(1)}});
+  say(1, kMemoryStart + 3 * kTick, {});
+  say(1, kMemoryStart + 4 * kTick, {{a, at(2)}});
+  EXPECT_EQ(place(kMemoryStart, a), Vec3(0, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + kTick / 4, a), Vec3(0.25, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + kTick, a), Vec3(1, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + 2 * kTick, a), Vec3(1, 0, 0)) << "left out by a flush, it rested";
+  EXPECT_EQ(place(kMemoryStart + 3 * kTick, a), Vec3(1, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + 3 * kTick + kTick / 2, a), Vec3(1.5, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + 4 * kTick, a), Vec3(2, 0, 0));
 }
 
 TEST_F(WorldPoseMemory, AJumpHasNoWay) {
   const ObjectId a = ball("a", 1, at(0));
-  say(1, kStart, {{a, at(0)}});
-  say(1, kStart + kTick, {{a, at(8)}}, true);
-  EXPECT_EQ(place(kStart + kTick - 1, a), Vec3(0, 0, 0));
-  EXPECT_EQ(place(kStart + kTick, a), Vec3(8, 0, 0));
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(1, kMemoryStart + kTick, {{a, at(8)}}, true);
+  EXPECT_EQ(place(kMemoryStart + kTick - 1, a), Vec3(0, 0, 0));
+  EXPECT_EQ(place(kMemoryStart + kTick, a), Vec3(8, 0, 0));
 }
 
 TEST_F(WorldPoseMemory, ObjectsOfTwoPublishersStandAtOneInstant) {
   const ObjectId a = ball("a", 1, at(0));
   const ObjectId b = ball("b", 2, at(10));
-  say(1, kStart, {{a, at(0)}});
-  say(2, kStart + 3'000'000, {{b, at(10)}});
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(2, kMemoryStart + 3'000'000, {{b, at(10)}});
   for (int i = 1; i <= 5; ++i) {
-    say(1, kStart + i * kTick, {{a, at(i)}});
-    say(2, kStart + i * kTick + 3'000'000, {{b, at(10 - i)}});
+    say(1, kMemoryStart + i * kTick, {{a, at(i)}});
+    say(2, kMemoryStart + i * kTick + 3'000'000, {{b, at(10 - i)}});
   }
-  const std::int64_t time_ns = kStart + 3 * kTick + 1'000'000;
+  const std::int64_t time_ns = kMemoryStart + 3 * kTick + 1'000'000;
   EXPECT_NEAR(place(time_ns, a).x(), 3.1, 1e-12);
   EXPECT_NEAR(place(time_ns, b).x(), 10 - 2.8, 1e-12);
-  EXPECT_EQ(world.newest()->settled_ns, kStart + 5 * kTick) << "the first has said no more than that";
+  EXPECT_EQ(world.newest()->settled_ns, kMemoryStart + 5 * kTick) << "the first has said no more than that";
 }
 
 // The same pose lists by another way: piecewise linear in long double, over many publishers, births, ends and jumps.
@@ -117,11 +117,11 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
     const std::string name = "ball" + std::to_string(named++);
     const ObjectId id = ball(name, publisher, at(0));
     own[publisher].push_back(id);
-    last[publisher] = kStart;
-    truths[id] = {.name = name, .born_ns = kStart, .moves = {}};
+    last[publisher] = kMemoryStart;
+    truths[id] = {.name = name, .born_ns = kMemoryStart, .moves = {}};
   }
-  for (const auto& [publisher, objects] : own) world.advance(publisher, kStart);
-  ASSERT_TRUE(world.step(kStart, 1, {}));
+  for (const auto& [publisher, objects] : own) world.advance(publisher, kMemoryStart);
+  ASSERT_TRUE(world.step(kMemoryStart, 1, {}));
   for (int i = 0; i < 600; ++i) {
     const std::uint64_t publisher = 1 + random() % 3;
     const std::int64_t time_ns =
@@ -156,7 +156,7 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
   int compared = 0;
   for (int i = 0; i < 300; ++i) {
     const std::int64_t time_ns =
-        kStart + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(settled_ns - kStart));
+        kMemoryStart + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(settled_ns - kMemoryStart));
     const std::shared_ptr<const Snapshot> state = world.memory().at(time_ns);
     ASSERT_TRUE(state);
     EXPECT_TRUE(state->stale_objects.empty()) << "all is known of what is settled";
@@ -177,7 +177,7 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
       ASSERT_NE(found, state->objects->end()) << truth.name;
       const auto slot = static_cast<std::size_t>(found - state->objects->begin());
       EXPECT_EQ(slot_of((*found)->id), slot);
-      ASSERT_LE((state->frames[slot].position - expected).norm(), 1e-12) << i << " at " << time_ns - kStart;
+      ASSERT_LE((state->frames[slot].position - expected).norm(), 1e-12) << i << " at " << time_ns - kMemoryStart;
       ++compared;
     }
     const auto is_object = [](const auto& info) { return info != nullptr; };
@@ -190,29 +190,29 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
 TEST_F(WorldPoseMemory, WhatIsGoneWasThereAndWhatCameLaterWasNot) {
   const ObjectId a = ball("a", 1, at(0));
   const ObjectId other = ball("other", 1, at(50));
-  say(1, kStart, {{a, at(0)}});
-  say(1, kStart + kTick, {{other, at(51)}});
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(1, kMemoryStart + kTick, {{other, at(51)}});
   ASSERT_TRUE(world.remove(a, EndReason::removed));
-  now_ns = kStart + 5 * kTick;
+  now_ns = kMemoryStart + 5 * kTick;
   ASSERT_TRUE(world.step(now_ns, 1, {}));
-  say(1, kStart + 3 * kTick, {{other, at(52)}});
+  say(1, kMemoryStart + 3 * kTick, {{other, at(52)}});
   const ObjectId b = ball("b", 1, at(5));
-  say(1, kStart + 4 * kTick, {{b, at(5)}});
+  say(1, kMemoryStart + 4 * kTick, {{b, at(5)}});
   EXPECT_EQ(slot_of(a), slot_of(b)) << "in one place, one after the other";
-  EXPECT_TRUE(was_there(kStart + kTick, a));
-  EXPECT_FALSE(was_there(kStart + kTick + 1, a)) << "its publisher had said no more of it";
-  EXPECT_FALSE(was_there(kStart + 3 * kTick - 1, b));
-  EXPECT_TRUE(was_there(kStart + 3 * kTick, b));
-  EXPECT_EQ(ray_down(kStart + kTick / 2, 0).answers.at(0), Verdict::hit);
-  EXPECT_EQ(ray_down(kStart + 2 * kTick, 0).answers.at(0), Verdict::miss);
-  EXPECT_EQ(ray_down(kStart + 3 * kTick, 5).answers.at(0), Verdict::hit);
+  EXPECT_TRUE(was_there(kMemoryStart + kTick, a));
+  EXPECT_FALSE(was_there(kMemoryStart + kTick + 1, a)) << "its publisher had said no more of it";
+  EXPECT_FALSE(was_there(kMemoryStart + 3 * kTick - 1, b));
+  EXPECT_TRUE(was_there(kMemoryStart + 3 * kTick, b));
+  EXPECT_EQ(ray_down(kMemoryStart + kTick / 2, 0).answers.at(0), Verdict::hit);
+  EXPECT_EQ(ray_down(kMemoryStart + 2 * kTick, 0).answers.at(0), Verdict::miss);
+  EXPECT_EQ(ray_down(kMemoryStart + 3 * kTick, 5).answers.at(0), Verdict::hit);
 }
 
 // Two maps would take the room of two.
 TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
   const ObjectId a = ball("a", 1, at(0));
-  say(1, kStart, {{a, at(0)}});
-  say(1, kStart + kTick, {{a, at(1)}});
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(1, kMemoryStart + kTick, {{a, at(1)}});
   Scene scene;
   scene.name = "scene";
   scene.mesh = {{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
@@ -221,14 +221,14 @@ TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
   const std::weak_ptr<const StaticScene> seen = indexed.geometry;
   ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
   indexed = {};
-  say(1, kStart + 2 * kTick, {{a, at(2)}});
-  EXPECT_EQ(world.memory().at(kStart + kTick), nullptr);
-  EXPECT_EQ(ray_down(kStart + 2 * kTick, -3).answers.at(0), Verdict::hit) << "the scene";
+  say(1, kMemoryStart + 2 * kTick, {{a, at(2)}});
+  EXPECT_EQ(world.memory().at(kMemoryStart + kTick), nullptr);
+  EXPECT_EQ(ray_down(kMemoryStart + 2 * kTick, -3).answers.at(0), Verdict::hit) << "the scene";
   world.remove_scene("scene");
-  say(1, kStart + 3 * kTick, {{a, at(3)}});
-  EXPECT_EQ(world.memory().at(kStart + 2 * kTick), nullptr);
-  EXPECT_EQ(ray_down(kStart + 3 * kTick, -3).answers.at(0), Verdict::miss);
-  for (int i = 4; i < 40; ++i) say(1, kStart + i * kTick, {{a, at(i)}});
+  say(1, kMemoryStart + 3 * kTick, {{a, at(3)}});
+  EXPECT_EQ(world.memory().at(kMemoryStart + 2 * kTick), nullptr);
+  EXPECT_EQ(ray_down(kMemoryStart + 3 * kTick, -3).answers.at(0), Verdict::miss);
+  for (int i = 4; i < 40; ++i) say(1, kMemoryStart + i * kTick, {{a, at(i)}});
   EXPECT_TRUE(seen.expired()) << "nothing of it is kept";
 }
 
@@ -236,12 +236,12 @@ TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
 TEST_F(WorldPoseMemory, BeyondWhatIsKnownNothingWithinReachIsDecided) {
   const ObjectId a = ball("a", 1, at(0));
   const ObjectId b = ball("b", 2, at(100));
-  say(1, kStart, {{a, at(0)}});
-  say(1, kStart + kTick, {{a, at(0.1)}});  // 10 m/s
-  say(2, kStart + 2 * kSecond, {{b, at(100)}});
-  const std::int64_t time_ns = kStart + kSecond;
-  EXPECT_EQ(world.newest()->settled_ns, kStart + kTick);
-  EXPECT_EQ(ray_down(kStart + kTick, 5).answers.at(0), Verdict::miss) << "known: it was at 0.1 then";
+  say(1, kMemoryStart, {{a, at(0)}});
+  say(1, kMemoryStart + kTick, {{a, at(0.1)}});  // 10 m/s
+  say(2, kMemoryStart + 2 * kMemorySecond, {{b, at(100)}});
+  const std::int64_t time_ns = kMemoryStart + kMemorySecond;
+  EXPECT_EQ(world.newest()->settled_ns, kMemoryStart + kTick);
+  EXPECT_EQ(ray_down(kMemoryStart + kTick, 5).answers.at(0), Verdict::miss) << "known: it was at 0.1 then";
   EXPECT_EQ(ray_down(time_ns, 5).answers.at(0), Verdict::undecided);
   EXPECT_EQ(ray_down(time_ns, 5).reasons.at(0), UndecidedReason::stale_object);
   EXPECT_EQ(ray_down(time_ns, 60).answers.at(0), Verdict::miss) << "it cannot have come so far";
@@ -250,9 +250,9 @@ TEST_F(WorldPoseMemory, BeyondWhatIsKnownNothingWithinReachIsDecided) {
 
 TEST_F(WorldPoseMemory, ReachesAsFarBackAsItWasAskedTo) {
   const ObjectId a = ball("a", 1, at(0));
-  for (int i = 0; i <= 400; ++i) say(1, kStart + i * kSecond / 10, {{a, at(i)}});
+  for (int i = 0; i <= 400; ++i) say(1, kMemoryStart + i * kMemorySecond / 10, {{a, at(i)}});
   const PoseMemory::Reach reach = world.memory().reach();
-  EXPECT_EQ(reach.to_ns - reach.from_ns, 30 * kSecond);
+  EXPECT_EQ(reach.to_ns - reach.from_ns, 30 * kMemorySecond);
   EXPECT_EQ(world.memory().at(reach.from_ns - 1), nullptr);
   EXPECT_EQ(world.memory().at(reach.to_ns + 1), nullptr) << "nobody knows what will be";
   EXPECT_EQ(place(reach.from_ns, a), Vec3(100, 0, 0));
@@ -260,7 +260,7 @@ TEST_F(WorldPoseMemory, ReachesAsFarBackAsItWasAskedTo) {
 }
 
 TEST(WorldPoseMemoryBounds, WithMorePosesThanThereIsRoomForItReachesLessFar) {
-  World world{WorldOptions{.memory = {.reach_ns = 3'600 * kSecond, .max_bytes = 100'000}}};
+  World world{WorldOptions{.memory = {.reach_ns = 3'600 * kMemorySecond, .max_bytes = 100'000}}};
   ObjectDefinition definition;
   definition.publisher = 1;
   definition.shape.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = 1}};
@@ -270,23 +270,23 @@ TEST(WorldPoseMemoryBounds, WithMorePosesThanThereIsRoomForItReachesLessFar) {
     ids.push_back(std::get<ObjectId>(world.define(definition)));
   }
   for (int i = 1; i <= 3'000; ++i) {
-    for (const ObjectId id : ids) world.move(id, at(i), kStart + i * kTick, false);
-    world.advance(1, kStart + i * kTick);
-    ASSERT_TRUE(world.step(kStart + i * kTick, 1, {}));
+    for (const ObjectId id : ids) world.move(id, at(i), kMemoryStart + i * kTick, false);
+    world.advance(1, kMemoryStart + i * kTick);
+    ASSERT_TRUE(world.step(kMemoryStart + i * kTick, 1, {}));
   }
   EXPECT_LE(world.memory().bytes(), 250'000u);
   const PoseMemory::Reach reach = world.memory().reach();
-  EXPECT_GT(reach.to_ns - reach.from_ns, kSecond / 2);
-  EXPECT_LT(reach.to_ns - reach.from_ns, 4 * kSecond);
+  EXPECT_GT(reach.to_ns - reach.from_ns, kMemorySecond / 2);
+  EXPECT_LT(reach.to_ns - reach.from_ns, 4 * kMemorySecond);
   EXPECT_EQ(world.memory().at(reach.to_ns)->frames[slot_of(ids[0])].position.x(), 3'000);
 }
 
 TEST(WorldPoseMemoryBounds, WithoutReachNothingIsKept) {
   World world{WorldOptions{}};
-  ASSERT_TRUE(world.step(kStart, 1, {}));
+  ASSERT_TRUE(world.step(kMemoryStart, 1, {}));
   EXPECT_FALSE(world.memory().is_on());
   EXPECT_EQ(world.memory().bytes(), 0u);
-  EXPECT_EQ(world.memory().at(kStart), nullptr);
+  EXPECT_EQ(world.memory().at(kMemoryStart), nullptr);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kMillisecond = 1'000'000;
 
 Quat any_rotation(std::mt19937_64& random) {
   std::normal_distribution<double> any;
@@ -76,7 +76,7 @@ class SolidContact : public testing::Test {
   }
 
   void step(bool persisted = false) {
-    ASSERT_TRUE(world_.step(time_ns_ += 10 * kMs, 1, {.contacts = true, .persisted = persisted}));
+    ASSERT_TRUE(world_.step(time_ns_ += 10 * kMillisecond, 1, {.contacts = true, .persisted = persisted}));
     for (const Event& event : world_.events()) hear(event);
     for (const OpenContact& open : world_.contacts()) {
       PairStory& pair = pairs_[{open.a, open.b}];
@@ -84,7 +84,7 @@ class SolidContact : public testing::Test {
       EXPECT_EQ(open.contained, pair.contained);
     }
   }
-  void move(ObjectId id, const Pose& pose) { EXPECT_TRUE(world_.move(id, pose, time_ns_ + 5 * kMs, false)); }
+  void move(ObjectId id, const Pose& pose) { EXPECT_TRUE(world_.move(id, pose, time_ns_ + 5 * kMillisecond, false)); }
   PairStory& of(ObjectId a, ObjectId b) { return pairs_[{std::min(a, b), std::max(a, b)}]; }
   /// Which of the two the events say lies within the other; 0: neither.
   ObjectId inner(ObjectId a, ObjectId b) {
@@ -126,7 +126,7 @@ class SolidContact : public testing::Test {
   }
 
   World world_{WorldOptions{}};
-  std::int64_t time_ns_ = 1'000'000 * kMs;
+  std::int64_t time_ns_ = 1'000'000 * kMillisecond;
   std::uint64_t episode_ = 0;
   std::map<std::pair<ObjectId, ObjectId>, PairStory> pairs_;
 };
@@ -204,13 +204,13 @@ TEST_F(SolidContact, AMovingSolidHoldsWhatItComesToLieAround) {
   const ObjectId hood = add("hood", mesh_of(scenes::box({2, 2, 2})), at(8), true);
   step();
   // By a jump over both, since on a way there it would touch them.
-  ASSERT_TRUE(world_.move(hood, at(0), time_ns_ + 5 * kMs, true));
+  ASSERT_TRUE(world_.move(hood, at(0), time_ns_ + 5 * kMillisecond, true));
   step();
   const ObjectId stone = *world_.find("stone");
   EXPECT_EQ(of(hood, stone).told, "bc");
   EXPECT_EQ(inner(hood, stone), stone);
   EXPECT_EQ(inner(hood, pin), pin);
-  ASSERT_TRUE(world_.move(hood, at(8), time_ns_ + 5 * kMs, true));
+  ASSERT_TRUE(world_.move(hood, at(8), time_ns_ + 5 * kMillisecond, true));
   step();
   EXPECT_EQ(of(hood, stone).told, "bcxe");
   EXPECT_EQ(of(hood, pin).told, "bcxe");
@@ -403,7 +403,7 @@ TEST_F(SolidContact, SeveralPublishersAtOddInstantsAgreeWithAnOracle) {
   for (std::size_t who = 0; who < 2; ++who) {
     std::int64_t time_ns = time_ns_;
     for (int i = 0; i < 150; ++i) {
-      time_ns += std::uniform_int_distribution<std::int64_t>(3 * kMs, 40 * kMs)(random);
+      time_ns += std::uniform_int_distribution<std::int64_t>(3 * kMillisecond, 40 * kMillisecond)(random);
       ways[who].times_ns.push_back(time_ns);
       const double share = who == 0 ? 0.3 : 1;
       ways[who].places.push_back(share * Vec3(in(random), in(random), in(random)));

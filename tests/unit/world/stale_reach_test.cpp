@@ -13,7 +13,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kStaleSecond = 1'000'000'000;
 
 ObjectDefinition ball(const std::string& name, const Vec3& position, double radius_m = 0.5) {
   Shape shape;
@@ -32,11 +32,11 @@ ObjectDefinition ball(const std::string& name, const Vec3& position, double radi
 struct LostBall {
   LostBall(const Vec3& from, const Vec3& to) {
     id = std::get<ObjectId>(world.define(ball("lost", from)));
-    step(10 * kSecond);
-    world.move(id, {.position = to}, 11 * kSecond, false);
-    step(11 * kSecond);
+    step(10 * kStaleSecond);
+    world.move(id, {.position = to}, 11 * kStaleSecond, false);
+    step(11 * kStaleSecond);
     world.set_stale(id, true);
-    step(11 * kSecond);
+    step(11 * kStaleSecond);
   }
   void step(std::int64_t time_ns) { ASSERT_TRUE(world.step(time_ns, 1, {})); }
   Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
@@ -58,7 +58,7 @@ void expect_stale(const Answers& answers) {
 // 1 m/s for 10 s and half a second: everything from -10.5 to 12.5 m and the ball's own half metre.
 TEST(StaleReach, AMissWithinReachIsUndecidedAndOneBeyondIsNot) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
-  lost.step(21 * kSecond);
+  lost.step(21 * kStaleSecond);
   expect_stale(lost.ask(QuestionKind::ray, {-11.5 + 2, 5, -50, 0, 0, 1, 100}));
   EXPECT_EQ(lost.ask(QuestionKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
   expect_stale(lost.ask(QuestionKind::ray, {0, 0, -50, 0, 0, 1, 40}));
@@ -77,9 +77,9 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
   const ObjectId near = std::get<ObjectId>(lost.world.define(ball("near", {0, 0, 11.4})));
   const ObjectId far = std::get<ObjectId>(lost.world.define(ball("far", {0, 0, 14})));
   const ObjectId met = std::get<ObjectId>(lost.world.define(ball("met", {1.5, 0, 0})));
-  lost.step(11 * kSecond);
+  lost.step(11 * kStaleSecond);
   EXPECT_EQ(report_pair(*lost.world.newest(), lost.id, near, {}).touches, Decision::no) << "no time has gone by";
-  lost.step(21 * kSecond);
+  lost.step(21 * kStaleSecond);
   for (const bool turned : {false, true}) {
     const auto report = [&](ObjectId other) {
       return report_pair(*lost.world.newest(), turned ? other : lost.id, turned ? lost.id : other,
@@ -97,7 +97,7 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
   EXPECT_FALSE(report_pair(*lost.world.newest(), near, far, {}).is_stale);
   LostBall still({1, 0, 0}, {1, 0, 0});
   const ObjectId summand = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
-  still.step(21 * kSecond);
+  still.step(21 * kStaleSecond);
   EXPECT_EQ(report_pair(*still.world.newest(), still.id, summand, {}).touches, Decision::no)
       << "what stood still is where it was";
   EXPECT_FALSE(report_pair(*still.world.newest(), still.id, summand, {}).is_stale);
@@ -107,18 +107,18 @@ TEST(StaleReach, TheReachGrowsWithTheAge) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   const std::vector<double> ray{5, 0, -50, 0, 0, 1, 100};
   EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss);
-  lost.step(12 * kSecond);
+  lost.step(12 * kStaleSecond);
   EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss);
-  lost.step(15 * kSecond);
+  lost.step(15 * kStaleSecond);
   expect_stale(lost.ask(QuestionKind::ray, ray));
   lost.world.set_stale(lost.id, false);
-  lost.step(15 * kSecond);
+  lost.step(15 * kStaleSecond);
   EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss) << "its publisher is back";
 }
 
 TEST(StaleReach, WhatStoodStillIsWhereItWas) {
   LostBall lost({1, 0, 0}, {1, 0, 0});
-  lost.step(1'000 * kSecond);
+  lost.step(1'000 * kStaleSecond);
   EXPECT_EQ(lost.ask(QuestionKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
   const Answers hit = lost.ask(QuestionKind::ray, {1, 0, -50, 0, 0, 1, 100});
   EXPECT_EQ(hit.answers[0], Verdict::hit);
@@ -129,7 +129,7 @@ TEST(StaleReach, WhatStoodStillIsWhereItWas) {
 TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   static_cast<void>(lost.world.define(ball("wall", {0, 0, 30})));
-  lost.step(21 * kSecond);
+  lost.step(21 * kStaleSecond);
   EXPECT_EQ(lost.ask(QuestionKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Verdict::hit) << "the wall comes first";
   const Answers behind = lost.ask(QuestionKind::ray, {6, 0, -50, -6, 0, 80, 1'000});
   expect_stale(behind);
@@ -146,7 +146,7 @@ TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
 }
 
 /// Numbers of a question near the origin.
-std::vector<double> any_question(QuestionKind kind, std::mt19937_64& random) {
+std::vector<double> any_question_about(QuestionKind kind, std::mt19937_64& random) {
   std::uniform_real_distribution<double> coordinate(-30, 30);
   std::uniform_real_distribution<double> size(0, 5);
   const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
@@ -178,23 +178,23 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
     const Vec3 to(normal(random), normal(random), normal(random));
     LostBall lost(from, to);
     static_cast<void>(lost.world.define(ball("wall", {0, 0, 20}, 3)));
-    const std::int64_t age_ns = static_cast<std::int64_t>(random() % 10) * kSecond;
-    lost.step(11 * kSecond + age_ns);
+    const std::int64_t age_ns = static_cast<std::int64_t>(random() % 10) * kStaleSecond;
+    lost.step(11 * kStaleSecond + age_ns);
     const double reach_m = (to - from).norm() * 1e-9 * static_cast<double>(age_ns);
     LostBall there(from, to);
     const ObjectId elsewhere = there.id;
     there.world.set_stale(elsewhere, false);
     static_cast<void>(there.world.define(ball("wall", {0, 0, 20}, 3)));
     for (const QuestionKind kind : kKinds) {
-      const std::vector<double> numbers = any_question(kind, random);
+      const std::vector<double> numbers = any_question_about(kind, random);
       const Answers given = lost.ask(kind, numbers, HitMode::closest, &mover);
       doubted += given.reasons[0] == UndecidedReason::stale_object ? 1 : 0;
       for (int place = 0; place < 20; ++place) {
         const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized() * reach_m;
         there.world.move(elsewhere,
                          {.position = to + out * std::cbrt(std::uniform_real_distribution<double>()(random))},
-                         12 * kSecond, true);
-        there.step(12 * kSecond);
+                         12 * kStaleSecond, true);
+        there.step(12 * kStaleSecond);
         const Answers truth = there.ask(kind, numbers, HitMode::closest, &mover);
         const bool names_it = !given.hits.empty() && given.hits[0].object == lost.id;
         const bool differs =

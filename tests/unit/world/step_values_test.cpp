@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kStepSecond = 1'000'000'000;
 
 ObjectDefinition object(const std::string& name, const Primitive& primitive, const Vec3& at) {
   ObjectDefinition definition;
@@ -59,12 +59,12 @@ TEST_P(WorldPassing, TellsWhereWhenHowFastAndInWhichDirection) {
   const ObjectId second = define(how.mover_first ? sheet("sheet") : mover);
   const ObjectId moving = how.mover_first != how.sheet_moves ? first : second;
   // Two poses before the way that counts, so that both have a speed to be told.
-  step(1 * kSecond);
-  world.move(moving, how.sheet_moves ? at(0, 0, 0) : at(3, 1, 1), 2 * kSecond, false);
-  step(2 * kSecond);
+  step(1 * kStepSecond);
+  world.move(moving, how.sheet_moves ? at(0, 0, 0) : at(3, 1, 1), 2 * kStepSecond, false);
+  step(2 * kStepSecond);
   ASSERT_TRUE(world.events().empty());
-  world.move(moving, how.sheet_moves ? at(0, 0, 4) : at(3, 1, -3), 3 * kSecond, false);
-  step(3 * kSecond);
+  world.move(moving, how.sheet_moves ? at(0, 0, 4) : at(3, 1, -3), 3 * kStepSecond, false);
+  step(3 * kStepSecond);
   ASSERT_EQ(world.events().size(), 2u);
   const double height_m = how.sheet_moves ? 0.75 : 0;
   const double down = how.mover_first ? -1 : 1;  // from the mover to the sheet, or from the sheet to the mover
@@ -124,11 +124,11 @@ TEST_F(WorldStepValues, AStaticPartIsToldWithItsOwnTriangleInBothOrders) {
       const auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
       ASSERT_TRUE(std::holds_alternative<std::uint32_t>(here.add_scene(indexed)));
       if (is_part_first) define_ball();
-      here.step(1 * kSecond, 1, {});
-      here.move(ball, at(3, 1, 1), 2 * kSecond, false);
-      here.step(2 * kSecond, 1, {});
-      here.move(ball, at(3, 1, passes ? -1 : 0.125), 3 * kSecond, false);
-      here.step(3 * kSecond, 1, {});
+      here.step(1 * kStepSecond, 1, {});
+      here.move(ball, at(3, 1, 1), 2 * kStepSecond, false);
+      here.step(2 * kStepSecond, 1, {});
+      here.move(ball, at(3, 1, passes ? -1 : 0.125), 3 * kStepSecond, false);
+      here.step(3 * kStepSecond, 1, {});
       ASSERT_EQ(here.events().size(), passes ? 2u : 1u);
       const Event& began = here.events()[0];
       EXPECT_EQ(here.info(is_part_first ? began.of.a : began.of.b)->name, "hall/floor");
@@ -159,9 +159,9 @@ TEST_F(WorldStepValues, TwoThatMeetOnTheirWaysAreToldInTheOrderOfTheirIds) {
       const ObjectId second = define_at(left_first ? 8 : -8);
       const ObjectId left = left_first ? first : second;
       const ObjectId right = left_first ? second : first;
-      here.step(1 * kSecond, 1, {});
+      here.step(1 * kStepSecond, 1, {});
       for (const double x : {8.0, -8.0}) {
-        const std::int64_t now_ns = (x > 0 ? 2 : 3) * kSecond;
+        const std::int64_t now_ns = (x > 0 ? 2 : 3) * kStepSecond;
         here.move(left, at(-x, 0, 0), now_ns, false);
         here.move(right, at(x, 0, 0), now_ns, false);
         here.step(now_ns, 1, {});
@@ -183,11 +183,11 @@ TEST_F(WorldStepValues, TwoThatMeetOnTheirWaysAreToldInTheOrderOfTheirIds) {
 TEST_F(WorldStepValues, ASlowContactBeganWhereItsWaySaysAndEndedSinceTheStepBefore) {
   const ObjectId box = define(object("box", Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(0.5)}, {3, 1, 0.75}));
   define(sheet("sheet"));
-  step(1 * kSecond);
-  world.move(box, at(3, 1, 0.625), 2 * kSecond, false);
-  step(2 * kSecond);
-  world.move(box, at(3, 1, 0.4375), 5 * kSecond / 2, false);
-  step(11 * kSecond / 4);
+  step(1 * kStepSecond);
+  world.move(box, at(3, 1, 0.625), 2 * kStepSecond, false);
+  step(2 * kStepSecond);
+  world.move(box, at(3, 1, 0.4375), 5 * kStepSecond / 2, false);
+  step(11 * kStepSecond / 4);
   ASSERT_EQ(world.events().size(), 1u);
   // Two thirds of the way from 2.0 s to 2.5 s.
   EXPECT_GE(event(0).bracket_low_s, 5.0 / 12);
@@ -196,14 +196,14 @@ TEST_F(WorldStepValues, ASlowContactBeganWhereItsWaySaysAndEndedSinceTheStepBefo
   EXPECT_NEAR(static_cast<double>(event(0).of.began_ns), 7e9 / 3, 1e3);
   EXPECT_NEAR(event(0).relative_velocity.z(), 0.375, 1e-12) << "of the sheet against the box";
   EXPECT_NEAR(event(0).of.contact.depth_m, 0.0625, 1e-12);
-  world.move(box, at(3, 1, 0.45), 3 * kSecond, false);
-  step(3 * kSecond);
+  world.move(box, at(3, 1, 0.45), 3 * kStepSecond, false);
+  step(3 * kStepSecond);
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_EQ(event(0).kind, EventKind::persisted);
   EXPECT_NEAR(event(0).of.contact.depth_m, 0.05, 1e-12);
   EXPECT_NEAR(event(0).relative_velocity.z(), -0.025, 1e-12);
-  world.move(box, at(3, 1, 0.75), 4 * kSecond, false);
-  step(9 * kSecond / 2);
+  world.move(box, at(3, 1, 0.75), 4 * kStepSecond, false);
+  step(9 * kStepSecond / 2);
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_EQ(event(0).kind, EventKind::ended);
   EXPECT_EQ(event(0).bracket_low_s, 1.5) << "at 3.0 s it still touched";
@@ -215,22 +215,22 @@ TEST_F(WorldStepValues, ASlowContactBeganWhereItsWaySaysAndEndedSinceTheStepBefo
 TEST_F(WorldStepValues, TheTimeOfAnObjectDoesNotGoBackWithItsPublishersClock) {
   const ObjectId ball = define(object("ball", Sphere{Vec3::Zero(), 0.25}, {3, 1, 5}));
   define(sheet("sheet"));
-  step(1 * kSecond);
-  world.move(ball, at(3, 1, 4), 3 * kSecond, false);
-  step(3 * kSecond);
+  step(1 * kStepSecond);
+  world.move(ball, at(3, 1, 4), 3 * kStepSecond, false);
+  step(3 * kStepSecond);
   const auto posed_ns = [&] { return world.newest()->posed_ns[slot_of(ball)]; };
-  ASSERT_EQ(posed_ns(), 3 * kSecond);
-  world.move(ball, at(3, 1, 0), 1 * kSecond, false);
-  step(4 * kSecond);
-  EXPECT_EQ(posed_ns(), 3 * kSecond);
+  ASSERT_EQ(posed_ns(), 3 * kStepSecond);
+  world.move(ball, at(3, 1, 0), 1 * kStepSecond, false);
+  step(4 * kStepSecond);
+  EXPECT_EQ(posed_ns(), 3 * kStepSecond);
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_GE(event(0).bracket_low_s, event(0).bracket_high_s) << "began before it began";
   EXPECT_LE(event(0).bracket_low_s, 1.0) << "at 3 s it did not touch";
-  EXPECT_GE(event(0).of.began_ns, 3 * kSecond);
+  EXPECT_GE(event(0).of.began_ns, 3 * kStepSecond);
   EXPECT_EQ(event(0).relative_velocity, Vec3(0, 0, 0)) << "a way without time has no speed";
-  world.move(ball, at(3, 1, 5), 5 * kSecond, false);
-  step(5 * kSecond);
-  EXPECT_EQ(posed_ns(), 5 * kSecond) << "once its clock is past that, it goes on";
+  world.move(ball, at(3, 1, 5), 5 * kStepSecond, false);
+  step(5 * kStepSecond);
+  EXPECT_EQ(posed_ns(), 5 * kStepSecond) << "once its clock is past that, it goes on";
 }
 
 // The age of an answer is that of the oldest pose among those that decided it.
@@ -274,10 +274,10 @@ TEST_F(WorldStepValues, ABladeThatTurnsFastMeetsWhatStandsBetweenItsPoses) {
     here.define(post);
     const ObjectId blade = std::get<ObjectId>(
         here.define(object("blade", Box{.center = {1.5, 0, 0}, .half_m = {0.6, 0.002, 0.01}}, {0, 0, 0})));
-    here.step(1 * kSecond, 1, {});
-    here.move(blade, {.position = Vec3::Zero(), .rotation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))}, 2 * kSecond,
-              false);
-    here.step(2 * kSecond, 1, {});
+    here.step(1 * kStepSecond, 1, {});
+    here.move(blade, {.position = Vec3::Zero(), .rotation = Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))},
+              2 * kStepSecond, false);
+    here.step(2 * kStepSecond, 1, {});
     ASSERT_EQ(here.events().size(), 2u) << angle;
     EXPECT_GT(here.events()[0].bracket_low_s, 0.5) << "half way, less half of the blade";
     EXPECT_LT(here.events()[0].bracket_high_s, 0.56) << angle;

@@ -25,7 +25,7 @@ ObjectInfo primitive_object(const Primitive& primitive) {
   return info;
 }
 
-Frame at(const Vec3& position) { return {Mat3::Identity(), position}; }
+Frame frame_at(const Vec3& position) { return {Mat3::Identity(), position}; }
 
 TEST(SweptContact, TheEarliestContactWinsAndOfEqualOnesThatWithTheLowestNumbers) {
   SweptContact touch;
@@ -41,10 +41,10 @@ TEST(SweptContact, TheEarliestContactWinsAndOfEqualOnesThatWithTheLowestNumbers)
   EXPECT_EQ(touch.bracket.low, 0.25);
 }
 
-struct Scene {
+struct IndexedTriangles {
   StaticScene scene;
 
-  explicit Scene(TriangleMesh mesh) {
+  explicit IndexedTriangles(TriangleMesh mesh) {
     scene.tree = Bvh::build(mesh);
     scene.mesh = std::move(mesh);
   }
@@ -60,17 +60,17 @@ TEST(WorldSweptObject, ABoxAndTheMeshOfItsSidesMeetAScanAtTheSameTime) {
   std::mt19937_64 generator = oracle::seeded(61);
   std::uniform_real_distribution<double> place(-3, 3);
   const auto point = [&] { return Vec3(place(generator), place(generator), place(generator)); };
-  const Scene scene{scenes::icosphere(3, 1)};
+  const IndexedTriangles scene{scenes::icosphere(3, 1)};
   const Vec3 half_m(0.25, 0.5, 0.125);
   const ObjectInfo box = primitive_object(Box{.center = Vec3::Zero(), .half_m = half_m});
   const ObjectInfo mesh = mesh_object(scenes::box(half_m));
   int hits = 0;
   for (int i = 0; i < 200; ++i) {
     const Vec3 from = 3 * point().normalized();
-    Frame to = at(point());
+    Frame to = frame_at(point());
     if (i % 2 == 1) to.rotation = Eigen::AngleAxisd(place(generator), point().normalized()).toRotationMatrix();
-    const SweptContact one = scene.ask(box, at(from), to);
-    const SweptContact other = scene.ask(mesh, at(from), to);
+    const SweptContact one = scene.ask(box, frame_at(from), to);
+    const SweptContact other = scene.ask(mesh, frame_at(from), to);
     ASSERT_FALSE(one.undecided || other.undecided);
     ASSERT_EQ(one.yes, other.yes) << i;
     if (!one.yes) continue;
@@ -83,9 +83,9 @@ TEST(WorldSweptObject, ABoxAndTheMeshOfItsSidesMeetAScanAtTheSameTime) {
 }
 
 TEST(WorldSweptObject, NoKindOfMoverPassesThroughASheet) {
-  const Scene sheet{{{{5, -9, -9}, {5, 9, -9}, {5, 0, 9}}, {{0, 1, 2}}}};
+  const IndexedTriangles sheet{{{{5, -9, -9}, {5, 9, -9}, {5, 0, 9}}, {{0, 1, 2}}}};
   const Vec3 half_m = Vec3::Constant(0x1p-10);
-  const Frame to = at({0x1p20, 0, 0});
+  const Frame to = frame_at({0x1p20, 0, 0});
   for (const ObjectInfo& info : {primitive_object(Box{.center = Vec3::Zero(), .half_m = half_m}),
                                  primitive_object(Capsule{{0, 0, 0}, {0, 0x1p-10, 0}, 0x1p-10}),
                                  primitive_object(Cylinder{{-0x1p-10, 0, 0}, {0x1p-10, 0, 0}, 0x1p-10}),
@@ -93,7 +93,7 @@ TEST(WorldSweptObject, NoKindOfMoverPassesThroughASheet) {
                                  primitive_object(Ellipsoid{.center = Vec3::Zero(), .half_m = half_m}),
                                  primitive_object(Sphere{Vec3::Zero(), 0x1p-10}), mesh_object(scenes::box(half_m))}) {
     const double truth = (5 - 0x1p-10) * 0x1p-20;
-    const SweptContact touch = sheet.ask(info, at(Vec3::Zero()), to, {.width = 1e-9});
+    const SweptContact touch = sheet.ask(info, frame_at(Vec3::Zero()), to, {.width = 1e-9});
     ASSERT_TRUE(touch.yes);
     EXPECT_LE(touch.bracket.low, truth);
     EXPECT_GE(touch.bracket.high, truth);
@@ -104,16 +104,16 @@ TEST(WorldSweptObject, NoKindOfMoverPassesThroughASheet) {
 
 /// A blade from the origin along x sweeps a quarter turn; a wire stands at 45 degrees.
 TEST(WorldSweptObject, ATurningBladeMeetsAWireHalfWay) {
-  const Scene wire{{{{0.5, 0.5, -1}, {0.5, 0.5, 1}, {0.5, 0.5, 0}}, {{0, 1, 2}}}};
+  const IndexedTriangles wire{{{{0.5, 0.5, -1}, {0.5, 0.5, 1}, {0.5, 0.5, 0}}, {{0, 1, 2}}}};
   const ObjectInfo blade = mesh_object({{{0, 0, -0.5}, {1, 0, 0}, {0, 0, 0.5}}, {{0, 1, 2}}});
   const ObjectInfo rod = primitive_object(Box{.center = {0.5, 0, 0}, .half_m = {0.5, 1e-3, 1e-3}});
   const Frame to{Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix(), Vec3::Zero()};
-  const SweptContact cut = wire.ask(blade, at(Vec3::Zero()), to, {.width = 1e-9});
+  const SweptContact cut = wire.ask(blade, frame_at(Vec3::Zero()), to, {.width = 1e-9});
   // They share points for an instant, which no pose but the one half way would show.
   ASSERT_TRUE(cut.yes);
   EXPECT_NEAR(cut.bracket.high, 0.5, 1e-9);
   EXPECT_LE(cut.bracket.low, 0.5);
-  const SweptContact hit = wire.ask(rod, at(Vec3::Zero()), to, {.width = 1e-9});
+  const SweptContact hit = wire.ask(rod, frame_at(Vec3::Zero()), to, {.width = 1e-9});
   ASSERT_TRUE(hit.yes);
   // The rod's side is 1 mm ahead of its axis.
   EXPECT_NEAR(hit.bracket.high, 0.5 - std::asin(1e-3 / std::sqrt(0.5)) / (M_PI / 2), 1e-8);
@@ -125,16 +125,16 @@ TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold
   for (const double side : {1.0, -1.0}) {
     const std::vector<Vec3> corners{{5, side, -1},  {5, side, 1},  {5, 1.5 * side, 0},
                                     {5, -side, -1}, {5, -side, 1}, {5, -1.5 * side, 0}};
-    const Scene both{{corners, {{0, 1, 2}, {3, 4, 5}}}};
-    const Scene first{{corners, {{0, 1, 2}}}};
-    const SweptContact touch = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
-    const SweptContact alone = first.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
+    const IndexedTriangles both{{corners, {{0, 1, 2}, {3, 4, 5}}}};
+    const IndexedTriangles first{{corners, {{0, 1, 2}}}};
+    const SweptContact touch = both.ask(box, frame_at(Vec3::Zero()), frame_at({16, 0, 0}));
+    const SweptContact alone = first.ask(box, frame_at(Vec3::Zero()), frame_at({16, 0, 0}));
     ASSERT_TRUE(touch.yes && alone.yes);
     EXPECT_EQ(touch.b_triangle, 0u);
     EXPECT_EQ(touch.contact.point, alone.contact.point);
     EXPECT_GE(side * touch.contact.point.y(), 1 - 1e-9);
     EXPECT_NEAR((touch.contact.normal - Vec3(1, 0, 0)).norm(), 0, 1e-9);
-    const SweptContact bare = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}), {.contacts = false});
+    const SweptContact bare = both.ask(box, frame_at(Vec3::Zero()), frame_at({16, 0, 0}), {.contacts = false});
     EXPECT_TRUE(bare.yes);
     EXPECT_EQ(bare.bracket.high, touch.bracket.high);
     EXPECT_EQ(bare.contact.point, Contact{}.point) << "nobody asked where";
@@ -142,11 +142,11 @@ TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold
 }
 
 TEST(WorldSweptObject, ASearchWithoutRoomSaysSo) {
-  const Scene scene{scenes::icosphere(4, 1)};
+  const IndexedTriangles scene{scenes::icosphere(4, 1)};
   const ObjectInfo mesh = mesh_object(scenes::icosphere(2, 0.5));
-  const SweptContact touch = scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0}), {.most_looks = 3});
+  const SweptContact touch = scene.ask(mesh, frame_at({2, 0, 0}), frame_at({-2, 0, 0}), {.most_looks = 3});
   EXPECT_TRUE(touch.undecided);
-  EXPECT_TRUE(scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0})).yes);
+  EXPECT_TRUE(scene.ask(mesh, frame_at({2, 0, 0}), frame_at({-2, 0, 0})).yes);
 }
 
 }  // namespace

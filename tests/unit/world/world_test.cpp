@@ -23,7 +23,7 @@ void load(World& world, Scene scene) {
   ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(indexed)));
 }
 
-ObjectDefinition ball(const std::string& name, const Vec3& at, double radius_m) {
+ObjectDefinition added_ball(const std::string& name, const Vec3& at, double radius_m) {
   ObjectDefinition definition;
   definition.name = name;
   definition.shape.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = radius_m}};
@@ -61,14 +61,14 @@ class WorldTest : public testing::Test {
 
 // A part has no pose: not that of a mover whose place in the tables it got, and neither its age nor its speed.
 TEST_F(WorldTest, AScenesPartHasNothingOfAMoverThatWasThereBefore) {
-  const ObjectId mover = define(world, ball("mover", {0, 0, 9}, 0.25));
+  const ObjectId mover = define(world, added_ball("mover", {0, 0, 9}, 0.25));
   step(1'000'000'000);
   world.move(mover, at({1, 0, 9}), 1'010'000'000, false);
   step(1'010'000'000);
   world.remove(mover, EndReason::removed);
   step(1'011'000'000);
   load(world, floor_scene("floor", 0));
-  define(world, ball("ball", {2, 0, 0.125}, 0.25));
+  define(world, added_ball("ball", {2, 0, 0.125}, 0.25));
   step(1'012'000'000);
   EXPECT_EQ(slot_of(*world.find("floor")), slot_of(mover)) << "the scene must be worth testing";
   const Answers down = ask(world, QuestionKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
@@ -87,9 +87,9 @@ TEST_F(WorldTest, AContactWithWhatIsNewBeganWhenThatCame) {
     EXPECT_EQ(world.events()[0].bracket_high_s, 0) << what;
     EXPECT_EQ(world.events()[0].of.began_ns, kNow) << what;
   };
-  const ObjectId ball_id = define(world, ball("resting", {0, 0, 0}, 0.25));
+  const ObjectId ball_id = define(world, added_ball("resting", {0, 0, 0}, 0.25));
   step(1'000'000'000);
-  ObjectDefinition post = ball("post", {0.25, 0, 0}, 0.25);
+  ObjectDefinition post = added_ball("post", {0.25, 0, 0}, 0.25);
   post.moving = false;
   define(world, post);
   step(kNow);
@@ -101,7 +101,7 @@ TEST_F(WorldTest, AContactWithWhatIsNewBeganWhenThatCame) {
   expect_now("a scene");
   world.remove_scene("floor");
   step(kNow);
-  define(world, ball("other", {0.3, 0, 0}, 0.25));
+  define(world, added_ball("other", {0.3, 0, 0}, 0.25));
   world.move(ball_id, at({0.01, 0, 0}), 4'999'000'000, false);
   step(kNow);
   expect_now("a mover");
@@ -109,7 +109,7 @@ TEST_F(WorldTest, AContactWithWhatIsNewBeganWhenThatCame) {
 
 TEST_F(WorldTest, ARayMeetsTheNearerOfFloorAndBall) {
   load(world, floor_scene("floor", 0));
-  define(world, ball("ball", {0, 0, 1}, 0.25));
+  define(world, added_ball("ball", {0, 0, 1}, 0.25));
   step(1);
   const Answers down = ask(world, QuestionKind::ray, {0, 0, 5, 0, 0, -2, INFINITY});
   ASSERT_EQ(down.answers[0], Verdict::hit);
@@ -125,8 +125,8 @@ TEST_F(WorldTest, ARayMeetsTheNearerOfFloorAndBall) {
 
 TEST_F(WorldTest, AllHitsComeInOrderAndFiltersHide) {
   load(world, floor_scene("floor", 0));
-  define(world, ball("low", {0.5, 0.25, 1}, 0.25));
-  define(world, ball("high", {0.5, 0.25, 3}, 0.25));
+  define(world, added_ball("low", {0.5, 0.25, 1}, 0.25));
+  define(world, added_ball("high", {0.5, 0.25, 3}, 0.25));
   step(1);
   const Answers all = ask(world, QuestionKind::ray, {0.5, 0.25, 5, 0, 0, -1, INFINITY}, HitMode::all);
   ASSERT_EQ(all.hits.size(), 3u);
@@ -139,7 +139,7 @@ TEST_F(WorldTest, AllHitsComeInOrderAndFiltersHide) {
 
 TEST_F(WorldTest, SphereBoxAndNearSeeStaticAndMoving) {
   load(world, floor_scene("floor", 0));
-  define(world, ball("ball", {1, 1, 0.5}, 0.25));
+  define(world, added_ball("ball", {1, 1, 0.5}, 0.25));
   step(1);
   const Answers sphere = ask(world, QuestionKind::sphere, {1, 1, 0.2, 0.3});
   ASSERT_EQ(sphere.hits.size(), 2u);
@@ -159,7 +159,7 @@ TEST_F(WorldTest, SphereBoxAndNearSeeStaticAndMoving) {
 
 TEST_F(WorldTest, EventsBeginAndEndOnce) {
   load(world, floor_scene("floor", 0));
-  const ObjectId id = define(world, ball("ball", {0, 0, 1}, 0.25));
+  const ObjectId id = define(world, added_ball("ball", {0, 0, 1}, 0.25));
   step(1'000'000'000);
   EXPECT_TRUE(world.events().empty());
   world.move(id, at({0, 0, 0.2}), 2'000'000'000, false);
@@ -182,7 +182,7 @@ TEST_F(WorldTest, EventsBeginAndEndOnce) {
 // A 1 mm wall and a ball that is before it in one pose and behind it in the next.
 TEST_F(WorldTest, AFastBallDoesNotPassThroughAWall) {
   load(world, floor_scene("wall", 0));
-  const ObjectId id = define(world, ball("bullet", {0, 0, 500}, 0.001));
+  const ObjectId id = define(world, added_ball("bullet", {0, 0, 500}, 0.001));
   step(0);
   world.move(id, at({0, 0, -500}), 1'000'000'000, false);
   step(1'000'000'000);
@@ -196,7 +196,7 @@ TEST_F(WorldTest, AFastBallDoesNotPassThroughAWall) {
 
 TEST_F(WorldTest, ATeleportedBallDoesNotSweep) {
   load(world, floor_scene("wall", 0));
-  const ObjectId id = define(world, ball("ball", {0, 0, 5}, 0.1));
+  const ObjectId id = define(world, added_ball("ball", {0, 0, 5}, 0.1));
   step(0);
   world.move(id, at({0, 0, -5}), 1, true);
   step(1);
@@ -204,8 +204,8 @@ TEST_F(WorldTest, ATeleportedBallDoesNotSweep) {
 }
 
 TEST_F(WorldTest, TwoMoversMeetWithTheNormalFromTheFirst) {
-  const ObjectId a = define(world, ball("a", {0, 0, 0}, 0.5));
-  const ObjectId b = define(world, ball("b", {5, 0, 0}, 0.5));
+  const ObjectId a = define(world, added_ball("a", {0, 0, 0}, 0.5));
+  const ObjectId b = define(world, added_ball("b", {5, 0, 0}, 0.5));
   step(0);
   world.move(b, at({0.75, 0, 0}), 1, false);
   step(1);
@@ -262,18 +262,18 @@ TEST_F(WorldTest, FarFromOriginAMovingMeshIsStillFound) {
 }
 
 TEST_F(WorldTest, NamesAreUniqueAndSlotsAreReused) {
-  const ObjectId first = define(world, ball("ball", {0, 0, 0}, 1));
-  EXPECT_TRUE(std::holds_alternative<Refusal>(world.define(ball("ball", {0, 0, 0}, 1))));
+  const ObjectId first = define(world, added_ball("ball", {0, 0, 0}, 1));
+  EXPECT_TRUE(std::holds_alternative<Refusal>(world.define(added_ball("ball", {0, 0, 0}, 1))));
   world.remove(first, EndReason::removed);
   step(1);
-  const ObjectId second = define(world, ball("ball", {0, 0, 0}, 1));
+  const ObjectId second = define(world, added_ball("ball", {0, 0, 0}, 1));
   EXPECT_EQ(slot_of(first), slot_of(second));
   EXPECT_NE(first, second);
   EXPECT_EQ(world.info(first), nullptr);
 }
 
 TEST_F(WorldTest, LoadingASceneFindsWhatAlreadyTouchesIt) {
-  define(world, ball("ball", {0, 0, 0}, 0.5));
+  define(world, added_ball("ball", {0, 0, 0}, 0.5));
   step(0);
   load(world, floor_scene("floor", 0));
   step(1);
