@@ -144,8 +144,8 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
     if (result.exit_code == kRefused && !said.empty()) refuse_file(file_name(path), said);
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);
-    refuse_file(
-        path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
+    refuse_file(file_name(path), said.empty() ? fmt::format("the converter {}", ended)
+                                              : fmt::format("the converter {}: {}", ended, said));
   }
   std::error_code missing;
   if (const auto size = fs::file_size(this->path(), missing); missing || size == 0) {

@@ -109,7 +109,7 @@ class ClientStrangers : public testing::Test {
       EXPECT_TRUE(answer) << answer.error().message;
       misses += answer && answer->verdict == Verdict::miss ? 1 : 0;
     }
-    EXPECT_EQ(denier.denied(), static_cast<std::uint64_t>(rays));
+    EXPECT_GE(denier.denied(), static_cast<std::uint64_t>(rays));  // a question that waited long is asked again
     return misses;
   }
   FakeServer server_{test::own_namespace()};
@@ -122,7 +122,8 @@ TEST_F(ClientStrangers, ForgedRepliesAreNotBelieved) {
   Denier denier(stranger);
   EXPECT_EQ(client_->strangers().samples, 0U);
   EXPECT_EQ(misses_of(300, denier), 0);
-  EXPECT_TRUE(eventually([&] { return client_->strangers().samples == 300; })) << client_->strangers().samples;
+  EXPECT_TRUE(eventually([&] { return client_->strangers().samples == denier.denied(); }))
+      << client_->strangers().samples;
   EXPECT_TRUE(client_->strangers().speak_now);
 }
 

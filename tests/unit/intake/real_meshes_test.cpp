@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 fs::path data_folder() {
   const char* given = std::getenv("COLLIDED_DATA");
   const fs::path folder =
-      given != nullptr ? fs::path(given) : fs::path(__FILE__).parent_path() / "../../../shared/data";
+      given != nullptr ? fs::path(given) : fs::path(__FILE__).parent_path() / "../../../../shared/data";
   return fs::exists(folder) ? folder : fs::path();
 }
 
