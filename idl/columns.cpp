@@ -21,6 +21,7 @@ Columns<Query> question_columns(RequestKind kind) {
     case RequestKind::near: return kNearColumns;
     case RequestKind::sweep: return kSweepColumns;
     case RequestKind::inside: return kInsideColumns;
+    case RequestKind::what_if: return kWhatIfColumns;
     default: return {};
   }
 }
@@ -37,7 +38,16 @@ std::optional<std::uint32_t> question_count(const Query& query) {
         std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
     if (!is_own && (query.*sequence)._length > 0) return std::nullopt;
   }
-  return row_count(query, columns);
+  const std::optional<std::uint32_t> rows = row_count(query, columns);
+  if (!rows || query.kind != static_cast<std::uint8_t>(RequestKind::what_if)) return rows;
+  const std::uint32_t poses = moved_count(query);
+  if (poses == 0 || *rows % poses != 0) return std::nullopt;
+  return *rows / poses;
+}
+
+std::uint32_t moved_count(const Query& query) {
+  const auto blob = dds::view(query.blob);
+  return static_cast<std::uint32_t>(std::count(blob.begin(), blob.end(), std::uint8_t{0}));
 }
 
 std::size_t bytes_of(const Query& query) {

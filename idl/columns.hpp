@@ -26,6 +26,8 @@ inline constexpr Column<Query> kBoxColumns[] = {
     {&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
 inline constexpr Column<Query> kNearColumns[] = {{&Query::points, 3}, {&Query::lengths, 1}};
 inline constexpr Column<Query> kInsideColumns[] = {{&Query::points, 3}};
+/// A row for each pose: a configuration is as many as the question names objects.
+inline constexpr Column<Query> kWhatIfColumns[] = {{&Query::points, 3}, {&Query::orientations, 4}};
 inline constexpr Column<Query> kSweepColumns[] = {
     {&Query::points, 3}, {&Query::orientations, 4}, {&Query::end_points, 3}, {&Query::end_orientations, 4}};
 inline constexpr Column<PoseBatch> kPoseColumns[] = {{&PoseBatch::positions, 3}, {&PoseBatch::orientations, 4}};
@@ -90,9 +92,12 @@ std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> 
   return count;
 }
 
-/// How many questions of its kind a message has; nothing where its columns differ in length or columns of another kind
-/// are filled.
+/// How many questions of its kind a message has; nothing where its columns differ in length, columns of another kind are
+/// filled, or the poses of a what-if are no whole number of configurations.
 std::optional<std::uint32_t> question_count(const Query& query);
+
+/// Of a what-if, how many objects its blob names: zero-terminated names, one after the other.
+std::uint32_t moved_count(const Query& query);
 
 /// Memory that a message and its columns take, in bytes.
 std::size_t bytes_of(const Query& query);

@@ -104,6 +104,19 @@ inline constexpr const char* kProbes = "probes";
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
+/// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
+/// (all that was loaded with it) or a glob. from, to ("": all that `from` has not), skip (glob; left out of both), most
+/// (pairs told; 1, at most 10,000, with certificates 1,000), nearer_m (only pairs not surely farther apart; absent:
+/// all), with_filtered (true: pairs that masks and groups let pass through each other too), certificate, as_of,
+/// deadline_ns (as of pair)
+/// -> answer (hit: a pair touches; miss; undecided), version, pairs [{a (of from), b, a_id, b_id, answer, clearance (m; negative:
+///    depth), error, contained ("", "a", "b": which lies within the other, a solid), on_a, on_b, point_error, normal
+///    (from a to b), a_triangle, b_triangle, stale, certificate or no_certificate as of pair}] least clearance first,
+///    from_count, to_count (objects), filtered (pairs left out that pass through each other, among those near enough to
+///    be looked at), tested (pairs), cut (true: there are more), late (true: the deadline was over, some pairs were not
+///    looked at), stale (true: an object of a lost publisher may be in a nearer pair by now)
+inline constexpr const char* kClearance = "clearance";
+
 /// show (true: nothing is accepted) -> losses [text] (what had been acknowledged before a crash and is missing),
 /// accepted (the world counts as whole without it from now on)
 inline constexpr const char* kAcceptLoss = "accept_loss";

@@ -22,10 +22,12 @@ inline constexpr int kLastDomain = 230;
 
 /// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
 /// near: the nearest points of objects. sweep: a shape that moves from pose to pose. inside: the solids that hold a point.
-enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep, inside };
+/// what_if: some objects thought elsewhere.
+enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep, inside, what_if };
 /// The kind must be one of the above.
 inline const char* name_of(RequestKind kind) {
-  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep", "inside"};
+  static constexpr const char* kNames[] = {"hello",   "ray",   "sphere", "box",    "near",
+                                           "command", "sweep", "inside", "what-if"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 /// Which hits are wanted: the first one, any one, or all of them. signed_near, of near: of a solid that holds the point
@@ -89,9 +91,10 @@ inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kSweepNumbers = 14;
 inline constexpr std::uint32_t kInsideNumbers = 3;
+inline constexpr std::uint32_t kPoseNumbers = 7;
 /// The last one of the kinds.
-inline constexpr RequestKind kLastKind = RequestKind::inside;
-/// Numbers of a question of this kind; 0 for kinds that ask nothing about the world.
+inline constexpr RequestKind kLastKind = RequestKind::what_if;
+/// Numbers of a question of this kind; of what-if of each object's pose; 0 for kinds that ask nothing about the world.
 inline constexpr std::uint32_t numbers_of(RequestKind kind) {
   switch (kind) {
     case RequestKind::ray: return kRayNumbers;
@@ -100,17 +103,18 @@ inline constexpr std::uint32_t numbers_of(RequestKind kind) {
     case RequestKind::near: return kNearNumbers;
     case RequestKind::sweep: return kSweepNumbers;
     case RequestKind::inside: return kInsideNumbers;
+    case RequestKind::what_if: return kPoseNumbers;
     default: return 0;
   }
 }
-/// Numbers of a pose, a velocity and a hit.
-inline constexpr std::uint32_t kPoseNumbers = 7;
+/// Numbers of a velocity and a hit.
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
 
 /// Limits that validation checks: beyond them a sample is refused with a message that names the number, never cut
 /// silently.
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
+inline constexpr std::uint32_t kMaxPosesPerChunk = 1'000;  // of what-if configurations
 inline constexpr std::uint32_t kMaxQuestionsPerRequest = 100'000;
 inline constexpr std::uint32_t kChunksInFlight = 4;       // of one request, sent but not answered
 inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;  // 96 B a hit and more: a reply stays under 1 MiB

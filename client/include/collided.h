@@ -213,6 +213,32 @@ typedef struct collided_pair_answer {
 COLLIDED_API int collided_pair(collided_client* client, const char* a, const char* b, int64_t timeout_ns,
                                collided_pair_answer* answer, collided_error* error);
 
+/* The nearest pairs of two groups of objects; see collided::Client::clearance. A group is an object, a scene or a glob.
+ * The answer is one question's; each pair is two hits that follow each other, that of the first group first: both have
+ * the clearance as distance_m (negative where the two touch) and the normal from the first to the second, and each its
+ * nearest point; `inside` is set of one that lies within the other, a solid. Reason 4 (truncated) without being
+ * undecided: there are more pairs.
+ * to        the other group; null or "": everything that the first has not
+ * most      pairs told, 1 to 10,000
+ * nearer_m  pairs surely farther apart are not told; HUGE_VAL: all are
+ * options   skip, deadline_ns, timeout_ns and the instant; may be null */
+COLLIDED_API int collided_clearance(collided_client* client, const char* from, const char* to, uint32_t most,
+                                    double nearer_m, const collided_ask_options* options, collided_answers** answers,
+                                    collided_error* error);
+
+/* Objects thought elsewhere; see collided::Client::what_if. An answer for each configuration: a miss is free. Its pair is
+ * two hits as above, that of a moved object first.
+ * objects   names of those that are moved, object_count of them
+ * poses     count configurations, each with a pose for each object in order: x y z, then w x y z
+ * attached  2 * attached_count names: one that moves along, and with what; may be null
+ * nearer_m  with clearances: pairs surely farther apart do not count
+ * options   mode COLLIDED_ANY: the first contact found, without numbers; else the least clearance. `only` names what the
+ *           configurations are judged against, an object, a scene or a glob. max_hits and error_m mean nothing */
+COLLIDED_API int collided_what_if(collided_client* client, const char* const* objects, size_t object_count,
+                                  size_t count, const double* poses, const char* const* attached,
+                                  size_t attached_count, double nearer_m, const collided_ask_options* options,
+                                  collided_answers** answers, collided_error* error);
+
 /* ---- Objects ---- */
 
 typedef enum collided_kind {

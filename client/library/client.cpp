@@ -1,5 +1,7 @@
 #include "client/library/asking/ask.hpp"
+#include "client/library/asking/clearance.hpp"
 #include "client/library/asking/pair.hpp"
+#include "client/library/asking/what_if.hpp"
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/geometry.hpp"
 #include "client/library/commands/upload.hpp"
@@ -74,6 +76,10 @@ Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion>
   return client::sweep(*state_->connection, shape, motions, options);
 }
 
+Result<WhatIfAnswers> Client::what_if(const WhatIfConfigurations& configurations, const WhatIfOptions& options) {
+  return client::what_if(*state_->connection, configurations, options);
+}
+
 Result<Watch> Client::watch(const WatchOptions& options) { return watch(options, {}); }
 
 Result<Watch> Client::watch(const WatchOptions& options, std::function<void(const Event&)> callback) {
@@ -84,6 +90,10 @@ Result<Watch> Client::watch(const WatchOptions& options, std::function<void(cons
 
 Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, const PairOptions& options) {
   return client::pair(*state_->connection, a, b, options);
+}
+
+Result<ClearanceAnswer> Client::clearance(const std::string& from, const ClearanceOptions& options) {
+  return client::clearance(*state_->connection, from, options);
 }
 
 Result<void> Client::add_probe(const Probe& probe) { return client::add_probe(*state_->connection, probe); }

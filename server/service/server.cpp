@@ -124,6 +124,7 @@ struct Server::Parts {
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
   WorldLoop loop;
+  PartMeshes part_meshes;
   Commands commands;
   dds::Topic<wire::Reply> reply_topic;
   std::unique_ptr<Answering> answering;
@@ -183,7 +184,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get()},
+      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
@@ -285,7 +286,8 @@ Server::~Server() { stop(); }
 std::string Server::start() {
   Parts& p = *parts_;
   p.answering = std::make_unique<Answering>(
-      Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit}, p.reply_topic,
+      Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit, p.part_meshes},
+      p.reply_topic,
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get(),
                        p.peers.get()},

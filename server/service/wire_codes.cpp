@@ -21,6 +21,7 @@ COLLIDED_SAME(QuestionKind, RequestKind, box);
 COLLIDED_SAME(QuestionKind, RequestKind, near);
 COLLIDED_SAME(QuestionKind, RequestKind, sweep);
 COLLIDED_SAME(QuestionKind, RequestKind, inside);
+COLLIDED_SAME(QuestionKind, RequestKind, what_if);
 COLLIDED_SAME(HitMode, HitMode, closest);
 COLLIDED_SAME(HitMode, HitMode, any);
 COLLIDED_SAME(HitMode, HitMode, all);

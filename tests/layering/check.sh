@@ -53,7 +53,7 @@ declare -A within=(
   [service/durability]="questions runtime"
   [service/ingest]="questions recording roles runtime"
   [service/commands]=". durability ingest questions roles runtime"
-  [service/options]="commands"
+  [service/options]="commands questions"
 )
 violations=0
 say() { echo "$1"; violations=$((violations + 1)); }

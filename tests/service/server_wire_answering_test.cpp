@@ -189,9 +189,9 @@ class WireAnswering : public testing::Test {
     if (!options.recovering) options.recovering = [] { return false; };
     reader.reset();
     answering.reset();
-    answering =
-        std::make_unique<Answering>(Answering::Collaborators{world, clock, write_barriers, leases, counts, audit},
-                                    reply_topic, options, [](CommandAsk) {});
+    answering = std::make_unique<Answering>(
+        Answering::Collaborators{world, clock, write_barriers, leases, counts, audit, part_meshes}, reply_topic,
+        options, [](CommandAsk) {});
     reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) {
                      answering->listen(taker);
                    }});
@@ -249,6 +249,7 @@ class WireAnswering : public testing::Test {
   SnapshotLeases leases{world};
   QuestionCounts counts;
   BackgroundAudit audit{0, {}};
+  PartMeshes part_meshes;
   std::vector<double> grazing;
   const std::vector<double> down{0, 0, 60, 0, 0, -1, 20};
   std::uint64_t request = 0;

@@ -9,8 +9,10 @@ namespace {
 
 /// By option; options of the same name take the same kind of value in every verb.
 constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"--against", "GLOB"},
     {"--as-of", "TIME"},
     {"--at", "X Y Z"},
+    {"--attach", "NAME=NAME"},
     {"--back", "LENGTH"},
     {"--bands", "N"},
     {"--bind", "ADDRESS"},
@@ -46,6 +48,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--most", "N"},
     {"--name", "NAME"},
     {"--namespace", "NAME"},
+    {"--nearer", "LENGTH"},
     {"--objects", "GLOB"},
     {"--of", "KIND"},
     {"--on", "OBJECT"},

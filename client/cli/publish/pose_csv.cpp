@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, kColumnCount> kOtherNames{"timestamp", "o
                                                                  "",          "",       "",   ""};
 constexpr std::size_t kLongestName = 255;
 
-int find_column(std::string_view name) {
+int find_column(std::string_view name, bool has_configs) {
+  if (has_configs && name == "config") return kTime;
   for (int column = 0; column < kColumnCount; ++column) {
     const auto index = static_cast<std::size_t>(column);
     if (kNames[index] == name || (!kOtherNames[index].empty() && kOtherNames[index] == name)) return column;
@@ -48,17 +49,18 @@ bool PoseCsv::take_header() {
     for (int column = 0; column < kColumnCount; ++column) column_of_cell_.push_back(column);
     return false;
   }
+  std::vector<int> columns;
   for (const std::string& cell : cells_) {
-    const int column = find_column(cell);
+    const int column = find_column(cell, has_configs_);
     if (column == kColumnCount) {
       const std::vector<std::string> names(kNames.begin(), kNames.end());
       throw bad_use(fmt::format("{} line {}: no column '{}'{}", file_.name(), lines_.line_number(), printable(cell),
                                 did_you_mean(cell, names)),
-                    "columns: t,name,x,y,z,qw,qx,qy,qz");
+                    has_configs_ ? "columns: config,name,x,y,z,qw,qx,qy,qz" : "columns: t,name,x,y,z,qw,qx,qy,qz");
     }
-    column_of_cell_.push_back(column);
+    columns.push_back(column);
   }
-  const auto given = [&](int column) { return std::count(column_of_cell_.begin(), column_of_cell_.end(), column); };
+  const auto given = [&](int column) { return std::count(columns.begin(), columns.end(), column); };
   for (const int column : {kX, kY, kZ}) {
     if (given(column) != 1)
       throw bad_use(fmt::format("{} line {}: column '{}' must stand once", file_.name(), lines_.line_number(),
@@ -68,10 +70,12 @@ bool PoseCsv::take_header() {
   if (rotation_count != 0 && rotation_count != 4)
     throw bad_use(fmt::format("{} line {}: a rotation takes qw, qx, qy and qz", file_.name(), lines_.line_number()));
   has_time_ = given(kTime) > 0;
+  column_of_cell_ = std::move(columns);
   return true;
 }
 
 void PoseCsv::read(PoseRow& row) {
+  row.config.clear();
   split_cells(text_, separator_, cells_);
   const bool bare = column_of_cell_.size() == kColumnCount && cells_.size() == kQw;  // no header and no rotation
   if (cells_.size() != column_of_cell_.size() && !bare) {
@@ -87,6 +91,10 @@ void PoseCsv::read(PoseRow& row) {
       row.name = cells_[at];
       continue;
     }
+    if (column == kTime && has_configs_) {
+      row.config = cells_[at];
+      continue;
+    }
     try {
       value[column] = parse_finite(cells_[at]);
     } catch (const Failure&) { throw bad_use(fmt::format("'{}' in column {}", printable(cells_[at]), kNames[column])); }
@@ -98,8 +106,15 @@ void PoseCsv::read(PoseRow& row) {
   row.pose.rotation = rotation_of(value);
 }
 
+bool PoseCsv::take_line() {
+  if (!first_line_) return lines_.next(text_);
+  text_ = std::move(*first_line_);
+  first_line_.reset();
+  return true;
+}
+
 PoseCsv::Found PoseCsv::next(PoseRow& row, std::string& refusal) {
-  while (lines_.next(text_)) {
+  while (take_line()) {
     if (is_blank_line(text_)) continue;
     try {
       if (lines_.line_was_cut()) throw bad_use(fmt::format("longer than {} bytes", LineReader::kLongestLine));

@@ -13,6 +13,7 @@ namespace collided::cli {
 /// A row of poses.
 struct PoseRow {
   std::optional<double> time_s;
+  std::string config;  // that the pose is of, where the file has configurations instead of times
   std::string name;
   Pose pose;
 };
@@ -25,21 +26,31 @@ class PoseCsv {
   enum class Found { row, refused, end };
 
   explicit PoseCsv(const InputFile& file) : file_(file), lines_(file.descriptor()) {}
+  /// Of configurations: in place of the time is the name of one, any text.
+  ///
+  /// lines       of the file, of which the first was read
+  /// first_line  that one
+  PoseCsv(const InputFile& file, LineReader lines, std::string first_line)
+      : file_(file), lines_(std::move(lines)), has_configs_(true), first_line_(std::move(first_line)) {}
 
-  /// Reads the next row. Where it is refused, `refusal` says why: "poses.csv line 7: 'nan' in column x". Throws Failure
-  /// where the header is not understood.
+  /// Reads the next row. Where it is refused, `refusal` says why: "poses.csv line 7: 'nan' in column x", and the row has its
+  /// config where that was read. Throws Failure where the header is not understood.
   Found next(PoseRow& row, std::string& refusal);
   /// Whether next() would not wait.
   bool ready() { return lines_.ready(); }
   /// Whether rows have times; known once a row was read.
   bool has_time() const { return has_time_; }
+  std::size_t line_number() const { return lines_.line_number(); }
 
  private:
+  bool take_line();
   bool take_header();
   void read(PoseRow& row);
 
   const InputFile& file_;
   LineReader lines_;
+  bool has_configs_ = false;
+  std::optional<std::string> first_line_;  // read, not yet taken
   bool started_ = false;
   bool has_time_ = true;
   char separator_ = ',';

@@ -29,16 +29,12 @@ void declare_mesh_reading(CLI::App& app, MeshReading& reading) {
   app.add_option("--up", reading.up, "Axis of that file that points up: y or z")->check(CLI::IsMember({"y", "z"}));
 }
 
-namespace {
-
 Importance parse_importance(const std::string& text) {
   if (text.empty() || text == "normal") return Importance::normal;
   if (text == "low") return Importance::low;
   if (text == "high") return Importance::high;
   throw bad_use("--importance " + text + " is not known; allowed: low, normal, high");
 }
-
-}  // namespace
 
 Instant parse_instant(const std::string& text) {
   if (text.empty() || text == "latest") return {};

@@ -29,6 +29,9 @@ struct AskTexts {
 /// The instant that a text means: latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970. Throws Failure.
 Instant parse_instant(const std::string& text);
 
+/// low, normal or high; empty: normal. Throws Failure.
+Importance parse_importance(const std::string& text);
+
 /// Declares those options on the parser.
 void declare_ask_options(CLI::App& app, AskTexts& texts);
 /// Declares how the file of a shape is read.

@@ -56,6 +56,16 @@ constexpr Verb kVerbs[] = {
     {"pair", "Ask", "how two objects stand to each other", "pair A B",
      "pair crate warehouse/floor\npair gear_a gear_b --triangles --csv\npair crate shelf --certificate",
      make_pair_verb},
+    {"clearance", "Ask", "how near two groups of objects are, and which pairs are nearest",
+     "clearance GROUP [--to GROUP]",
+     "clearance 'robot/*' --to 'cell/*'\nclearance 'robot/*' -k 5\nclearance 'robot/*' --to cell --nearer 5mm --json",
+     make_clearance},
+    {"clash", "Ask", "all pairs of a scene or group that touch, or are too near", "clash [SCENE|GLOB]",
+     "clash\nclash plant --nearer 5mm --csv\nclash 'pipe_*' --certificate", make_clash},
+    {"what-if", "Ask", "whether objects would be free at other poses, and how near to the rest", "what-if FILE|-",
+     "what-if plan.csv --against 'cell/*'\nwhat-if plan.csv --clearance --json\nwhat-if - --attach crate=robot/hand < "
+     "plan.jsonl",
+     make_what_if},
     {"watch", "Follow", "collisions as they begin and end", "watch",
      "watch --only 'drone_*' -n 1 --for 10s\nwatch --format '{t} {what} {a} {b} {depth}'\nwatch --since -10s\nwatch "
      "--exec 'notify-send \"{a} hit {b}\"'\nwatch --post http://127.0.0.1:8080/contacts",

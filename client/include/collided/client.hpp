@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include <collided/clearance.hpp>
 #include <collided/commands.hpp>
 #include <collided/events.hpp>
 #include <collided/pair.hpp>
@@ -21,6 +22,7 @@
 #include <collided/questions.hpp>
 #include <collided/result.hpp>
 #include <collided/shown_objects.hpp>
+#include <collided/what_if.hpp>
 
 /// The client of a collision server: connect, ask, watch, and change what is there. This header includes all the others
 /// except recording.hpp and diagnosis.hpp.
@@ -140,6 +142,14 @@ class Client {
 
   /// How two objects stand to each other: whether they touch, how deep or how far apart, and what the options ask for.
   Result<PairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options = {});
+  /// The nearest pairs of two groups of objects, signed: one search over all pairs, on one state.
+  ///
+  /// from  the first group: an object, a scene or a glob
+  Result<ClearanceAnswer> clearance(const std::string& from, const ClearanceOptions& options = {});
+
+  /// Whether each of 1 to 100,000 configurations of some objects is free, and how near it comes to what it is judged
+  /// against. All are answered on one state of the world, which stays as it is.
+  Result<WhatIfAnswers> what_if(const WhatIfConfigurations& configurations, const WhatIfOptions& options = {});
 
   // Events and probes.
 

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "client/library/asking/answer_decoding.hpp"
+#include "client/library/asking/question_request.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/columns.hpp"
@@ -20,16 +21,6 @@ using wire_contract::kMaxQuestionsPerRequest;
 // The answers to more questions than this take longer than waking up does, and the processor is better used by the
 // server that computes them.
 constexpr std::size_t kMostAtOnce = 16;
-
-// The questions of one call, whatever their type.
-struct QuestionRequest {
-  wire_contract::RequestKind kind;
-  const char* noun;
-  std::uint32_t number_count;  // per question
-  std::size_t question_count;
-  std::function<void(std::size_t first, std::size_t count, double* numbers)> encode;  // writes some of the questions
-  std::span<const std::uint8_t> shape = {};                                           // for sweeps
-};
 
 template <class Question>
 auto encoder_of(std::span<const Question> questions) {
@@ -64,7 +55,7 @@ std::optional<Error> options_fault(const QuestionRequest& request, const AskOpti
 void fill_header(wire::Query& query, const QuestionRequest& request, const AskOptions& options,
                  const WriteBarrier& barrier) {
   query.chunk_count =
-      static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
+      static_cast<std::uint32_t>((request.question_count + request.most_in_chunk - 1) / request.most_in_chunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
   query.mode = static_cast<std::uint8_t>(options.mode);
   query.importance = static_cast<std::uint8_t>(options.importance);
@@ -78,15 +69,15 @@ void fill_header(wire::Query& query, const QuestionRequest& request, const AskOp
   query.barrier_sequence = barrier.sequence;
   static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
   static_cast<void>(dds::set_text(query.skip, options.skip));
-  query.text[0] = 0;
-  dds::borrow(query.blob, request.shape);
+  static_cast<void>(dds::set_text(query.text, request.text));
+  dds::borrow(query.blob, request.blob);
 }
 
 // Each chunk is made just before it is sent: the server works on the first while the next ones are made.
 std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const QuestionRequest& request,
                                 std::uint32_t chunk) {
-  const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
-  const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
+  const std::size_t first = std::size_t{chunk} * request.most_in_chunk;
+  const std::size_t count = std::min<std::size_t>(request.most_in_chunk, request.question_count - first);
   std::vector<double>& numbers = running.numbers();
   numbers.resize(count * request.number_count);
   request.encode(first, count, numbers.data());
@@ -122,7 +113,7 @@ std::optional<Error> run_once(Connection& connection, const QuestionRequest& req
     return error;
   };
   if (auto error = send_to(kChunksInFlight)) { return error; }
-  AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(answers));
+  AnswerCollector collector(request.question_count, request.most_in_chunk, connection.names(), std::move(answers));
   while (!collector.complete()) {
     if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) { return error; }
     const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
@@ -141,7 +132,8 @@ std::optional<Error> run_once(Connection& connection, const QuestionRequest& req
   return std::nullopt;
 }
 
-// A server that has no room says when it will have some: the request waits as long as its timeout allows.
+}  // namespace
+
 Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options,
                     Answers&& earlier) {
   if (auto error = options_fault(request, options)) { return *error; }
@@ -154,6 +146,8 @@ Result<Answers> run(Connection& connection, const QuestionRequest& request, cons
   }
   return answers;
 }
+
+namespace {
 
 template <class Question>
 Error question_fault(const std::string& reason, std::size_t index, std::size_t count) {

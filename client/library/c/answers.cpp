@@ -2,21 +2,11 @@
 #include <limits>
 #include <vector>
 
+#include "client/library/c/answers.hpp"
 #include "client/library/c/values.hpp"
 
 using namespace collided;
 using namespace collided::c;
-
-struct collided_answers {
-  Answers answers;
-  std::vector<std::size_t> first_hit;  // number of each question's first hit; one more at the end: of all hits
-
-  void count() {
-    first_hit.assign(1, 0);
-    first_hit.reserve(answers.answers.size() + 1);
-    for (const Answer& answer : answers.answers) first_hit.push_back(first_hit.back() + answer.hits.size());
-  }
-};
 
 namespace {
 
@@ -30,8 +20,7 @@ Result<void> ask(collided_client* client, const std::vector<Q>& questions, const
   if (!kept) kept = std::make_unique<collided_answers>();
   Result<Answers> said = client->client.ask(questions, ask_options(options), std::move(kept->answers));
   if (!said) return said.error();
-  kept->answers = std::move(*said);
-  kept->count();
+  kept->take(std::move(*said));
   *answers = kept.release();
   return {};
 }

@@ -111,8 +111,8 @@ class Sorting {
     const bool command = query_->kind == static_cast<std::uint8_t>(RequestKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
     if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
-    const bool is_asked_again =
-        what == names::kPair && !run_.items[index].opening && word_of(parsed(query_->text), "as_of").empty();
+    const bool is_asked_again = (what == names::kPair || what == names::kClearance) && !run_.items[index].opening &&
+                                word_of(parsed(query_->text), "as_of").empty();
     if (command && !is_asked_again && !is_change(what)) return;
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
 #include "client/library/connection/errors.hpp"
 #include "client/library/recordings/asked_again.hpp"
 #include "client/library/recordings/recorded_run.hpp"
@@ -29,6 +31,12 @@ using client::ReplayedPublishers;
 using recording::Recorded;
 
 constexpr std::chrono::milliseconds kAlivePeriod{100};
+
+/// The name of the command that a query gives.
+std::string command_of(const wire::Query& query) {
+  const nlohmann::json text = nlohmann::json::parse(query.text, nullptr, false);
+  return text.is_object() ? text.value("command", "") : std::string();
+}
 
 /// Thrown where a replay cannot go on.
 struct ReplayFailure : std::runtime_error {
@@ -260,8 +268,8 @@ class AskedReplay : public Replaying {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
     const auto asked = static_cast<wire_contract::RequestKind>(queries[0]->kind);
-    const char* kind =
-        asked == wire_contract::RequestKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
+    const std::string kind = asked == wire_contract::RequestKind::command ? command_of(*queries[0])
+                                                                          : std::string(wire_contract::name_of(asked));
     client::ComparedAnswers answers;
     ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });
     const std::map<std::uint64_t, ComparedAnswer> now = answers.take();
@@ -280,8 +288,8 @@ class AskedReplay : public Replaying {
     }
   }
 
-  void tell(const client::StateNumber& number, const char* kind, std::uint64_t question, const ComparedAnswer& then,
-            const std::string& now) {
+  void tell(const client::StateNumber& number, const std::string& kind, std::uint64_t question,
+            const ComparedAnswer& then, const std::string& now) {
     constexpr std::size_t kMost = 20;
     if (report_.differences.size() >= kMost) return;
     const std::string unlike = then.words == now ? " (in bits that this does not show)" : "";

@@ -15,6 +15,7 @@ libcollided_client.so.1 where the system looks, or where the environment variabl
 
 from ._answers import Answer, Answers, Hit, Undecided, Verdict
 from ._client import Client, PairAnswer, Status, connect
+from ._groups import Clearance, ClearancePair
 from ._library import (
     BadInput,
     Disconnected,
@@ -51,6 +52,8 @@ __all__ = [
     "BadInput",
     "Box",
     "Capsule",
+    "Clearance",
+    "ClearancePair",
     "Client",
     "Cloud",
     "Cone",

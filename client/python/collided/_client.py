@@ -10,6 +10,7 @@ from typing import Any, Sequence
 
 from . import _numbers
 from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
+from ._groups import Clearance, read_clearance
 from ._library import (
     AskOptions,
     BadInput,
@@ -244,6 +245,73 @@ class Client(Owned):
             None if told.b_triangle == NO_TRIANGLE else told.b_triangle,
             told.version,
         )
+
+    def clearance(
+        self,
+        group: str,
+        to: str = "",
+        *,
+        most: int = 1,
+        nearer: float = math.inf,
+        skip: str = "",
+        with_filtered: bool = False,
+        deadline: float = 0.0,
+        timeout: float = 10.0,
+    ) -> Clearance:
+        """Which pairs of two groups are nearest to each other, and how near? One search over all pairs, on one state.
+
+        group, to      an object, a scene or a glob each; to "": everything that the first group has not
+        most           pairs told, 1 to 10,000
+        nearer         metres; pairs surely farther apart are not told
+        skip           glob of objects that are left out of both
+        with_filtered  also pairs that masks and groups let pass through each other"""
+        arguments: dict[str, Any] = {"from": group, "to": to, "most": most, "skip": skip, "with_filtered": with_filtered}
+        if nearer != math.inf:
+            arguments["nearer_m"] = nearer
+        if deadline != 0:
+            arguments["deadline_ns"] = nanoseconds(deadline, "deadline")
+        return read_clearance(self.command("clearance", timeout=timeout, **arguments))
+
+    def what_if(
+        self,
+        objects: Sequence[str],
+        poses: Rows,
+        against: str = "",
+        *,
+        clearance: bool = False,
+        nearer: float = math.inf,
+        attached: Sequence[tuple[str, str]] = (),
+        timeout: float = 60.0,
+        **options: Any,
+    ) -> Answers:
+        """Whether configurations would be free, with nothing moved: of each answer a miss is free.
+
+        objects    names of those thought elsewhere
+        poses      (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for each
+                   object, in order
+        against    an object, a scene or a glob; "": everything else
+        clearance  the distance of an answer is its least clearance, negative where something touches, and object names
+                   the moved one; hits() has both of the pair. Without it the first contact found, only its names
+        nearer     metres; with clearance: pairs surely farther apart do not count
+        attached   (name, name of what it moves with)
+        skip, mask, deadline, as_of, importance, fresh: as of other questions"""
+        if _numbers.numpy is not None and getattr(poses, "ndim", 2) == 3:
+            poses = _numbers.numpy.asarray(poses).reshape(-1, 7)
+        numbers = _numbers.rows(poses, 7, "poses")
+        count, left_over = divmod(numbers.count, max(1, len(objects)))
+        if left_over:
+            raise BadInput(f"{numbers.count} poses for {len(objects)} objects", "each configuration has one for each")
+        asked = _ask_options(mode="closest" if clearance else "any", only=against, timeout=timeout, **options)
+        names = (ctypes.c_char_p * len(objects))(*[encoded(name, "the name") for name in objects])
+        tied = (ctypes.c_char_p * (2 * len(attached)))(*[encoded(name, "the name") for pair in attached for name in pair])
+        answers = Answers()
+        kept = answers._empty()
+        call(
+            "what_if", self._handle, names, len(objects), count, numbers.pointer, tied, len(attached), nearer,
+            ctypes.byref(asked), ctypes.byref(kept),
+        )
+        answers._refill()
+        return answers
 
     def status(self) -> Status:
         """What the server said of itself last, twenty times a second."""

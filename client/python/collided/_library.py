@@ -278,6 +278,10 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "read_columns": (None, [c_void_p, POINTER(Columns)]),
     "hit_object": (c_char_p, [c_void_p, c_size_t]),
     "pair": (c_int32, [c_void_p, c_char_p, c_char_p, c_int64, POINTER(CPairAnswer), _ERROR]),
+    "what_if": (
+        c_int32,
+        [c_void_p, POINTER(c_char_p), c_size_t, c_size_t, c_void_p, POINTER(c_char_p), c_size_t, c_double, *_ASK_END],
+    ),
     "object_defaults": (None, [POINTER(CObject), c_uint32]),
     "add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint64), _ERROR]),
     "move": (c_int32, [c_void_p, c_char_p, c_void_p, c_void_p, c_int32, _ERROR]),

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {

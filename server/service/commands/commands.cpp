@@ -11,7 +11,7 @@
 #include "idl/commands.hpp"
 #include "server/intake/mesh/shape_scale.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/service/runtime/named_thread.hpp"
@@ -157,6 +157,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
+  if (command == names::kClearance) return clearance_later(std::move(ask), *arguments);
   if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
   if (command == names::kPoses) {
     return answer_text(ask, [&] {
@@ -168,10 +169,11 @@ void Commands::run(CommandAsk ask) {
     return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{
-        names::kLoad,   names::kClear,     names::kAdd,    names::kMove,   names::kRemove,  names::kList,
-        names::kGet,    names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
-        names::kProbes, names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
-        names::kPoses,  names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss};
+        names::kLoad,   names::kClear,   names::kAdd,    names::kMove,       names::kRemove,
+        names::kList,   names::kGet,     names::kPlan,   names::kAudit,      names::kMenu,
+        names::kPair,   names::kProbe,   names::kProbes, names::kFigures,    names::kSteps,
+        names::kShapes, names::kSurface, names::kMore,   names::kPoses,      names::kRecording,
+        names::kCovers, names::kUpload,  names::kPiece,  names::kAcceptLoss, names::kClearance};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

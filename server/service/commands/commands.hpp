@@ -25,6 +25,7 @@
 #include "server/service/runtime/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 #include "server/world/audit/menu.hpp"
+#include "server/world/groups/clearance.hpp"
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine::service {
@@ -43,6 +44,7 @@ class Commands {
     const BackgroundAudit& audit;
     DurableState* durable;   // keeps over a crash what commands add; null: nothing is kept
     FlightRecorder* flight;  // for `recording`; null: there is none
+    PartMeshes& part_meshes;
   };
 
   /// uploads  folder for files that clients send; empty: none are taken
@@ -59,7 +61,7 @@ class Commands {
   /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
   /// Answering::send_text().
   void run(CommandAsk ask);
-  /// To be called now and then, from one thread: calls off pairs and menus whose clients have gone.
+  /// To be called now and then, from one thread: calls off pairs, clearances and menus whose clients have gone.
   void look_for_gone();
   /// Calls off the load under way and ends the threads; commands that come later are refused.
   void stop();
@@ -122,7 +124,7 @@ class Commands {
   // On threads of their own, one job after the other: loads and menus on one, pairs on the second. A pair that costs
   // much goes on to the third, where recordings are written, so that no other waits behind it.
   using SlowJob = std::function<void()>;
-  /// A `pair` or `menu` command: what it asks, and when nobody needs the answer any more (steady clock), or that its
+  /// A `pair`, `clearance` or `menu` command: what it asks, and when nobody needs the answer any more (steady clock), or that its
   /// client has gone.
   struct AwaitedJob {
     CommandAsk ask;
@@ -144,6 +146,15 @@ class Commands {
 
     const Snapshot& state() const { return past ? *past : *newest; }
   };
+  /// Two groups of objects of one state, likewise.
+  struct AskedGroups {
+    SnapshotRing::Lease newest;
+    std::shared_ptr<const Snapshot> past;
+    ClearanceAsk options = {};
+    double cost = 0;
+
+    const Snapshot& state() const { return past ? *past : *newest; }
+  };
   void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
@@ -154,11 +165,21 @@ class Commands {
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(const MenuOptions& options, const AwaitedJob& job) const;
   static void push_fairly(const char* what, FairQueue<SlowJob>& jobs, const Share& share, SlowJob job);
+  /// A command up to this cost takes some milliseconds at most where its surfaces are not everywhere near each other, and
+  /// some 50 ms where they are; what costs more has a thread of its own, where only its like waits for it.
+  static constexpr double kCheapCost = 4'000;
+  /// Certificates and lists of triangles take this many times longer.
+  static constexpr double kDetailCost = 8;
+  template <class Check, class Asked>
+  void in_turn(CommandAsk ask, const Arguments& arguments, const char* what, const Check& check,
+               Asked (Commands::*find)(const AwaitedJob&) const, nlohmann::json (Commands::*work)(const Asked&) const);
   void pair_later(CommandAsk ask, const Arguments& arguments);
-  void pair_in_its_turn(const std::shared_ptr<AwaitedJob>& job);
   AskedPair asked_pair(const AwaitedJob& job) const;
   nlohmann::json examined(const AskedPair& asked) const;
-  std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
+  std::shared_ptr<const Snapshot> past_state(const Arguments& arguments, const Snapshot& newest) const;
+  void clearance_later(CommandAsk ask, const Arguments& arguments);
+  AskedGroups asked_groups(const AwaitedJob& job) const;
+  nlohmann::json measured(const AskedGroups& asked) const;
   void tell_flight_recorder(const CommandAsk& ask);
   void recording_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json write_recording(std::int64_t last_ns);
@@ -173,7 +194,7 @@ class Commands {
   std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
   std::mutex awaited_mutex_;
-  std::vector<std::weak_ptr<AwaitedJob>> awaited_;  // pairs and menus not yet answered, and some that are
+  std::vector<std::weak_ptr<AwaitedJob>> awaited_;  // those not yet answered, and some that are
   WorkQueue<SlowJob> slow_jobs_;
   FairQueue<SlowJob> pair_jobs_;
   FairQueue<SlowJob> costly_jobs_;

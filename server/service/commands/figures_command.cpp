@@ -28,7 +28,7 @@ json stages(const StepSums& sums) {
 json questions(const QuestionCounts& counts) {
   json rows = json::array();
   for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
-                                  QuestionKind::sweep, QuestionKind::inside}) {
+                                  QuestionKind::sweep, QuestionKind::inside, QuestionKind::what_if}) {
     const auto number = static_cast<std::size_t>(kind);
     std::uint64_t answered = 0;
     for (const auto& level : counts.levels[number]) answered += level.load(std::memory_order_relaxed);

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "server/geometry/mesh.hpp"
+#include "server/service/commands/awaited_jobs-inl.hpp"
+#include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/object_description.hpp"
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/query/pair_report.hpp"
@@ -18,54 +20,10 @@ using wire_contract::ReplyStatus;
 
 namespace {
 
-/// JSON has no infinity; it is written as the text "inf".
-json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }
-
-json described(const ProofPart& proof_part) {
-  static constexpr const char* kBeside[] = {"nothing", "ball", "box", "ellipsoid", "disc", "half_space"};
-  using Summand = PartNumbers::Summand;
-  const PartNumbers set = numbers_of(proof_part.part);
-  json part{{"beside", kBeside[static_cast<std::size_t>(set.summand)]}, {"points", json::array()}};
-  if (proof_part.triangle != kNoTriangle) part["triangle"] = proof_part.triangle;
-  for (const Vec3& point : set.points) part["points"].push_back(numbers(point));
-  if (set.summand == Summand::box || set.summand == Summand::ellipsoid || set.summand == Summand::half_space) {
-    part["axes"] = {numbers(set.axes.col(0)), numbers(set.axes.col(1)), numbers(set.axes.col(2))};
-    part["half_m"] = numbers(set.half_m);
-  }
-  if (set.summand == Summand::ball || set.summand == Summand::disc) part["radius_m"] = set.radius_m;
-  if (set.summand == Summand::disc) part["tapers"] = set.tapers;
-  return part;
-}
-
-json described(const ProofStep& step) {
-  switch (step.kind) {
-    case ProofStep::Kind::plane: return {{"normal", numbers(step.normal)}, {"point", numbers(step.point)}};
-    case ProofStep::Kind::split_a: return {{"split_a", step.at}};
-    case ProofStep::Kind::split_b: break;
-  }
-  return {{"split_b", step.at}};
-}
-
-json described(const Proof& proof) {
-  json certificate{{"touches", proof.touches}, {"a", json::array()}, {"b", json::array()}};
-  for (const ProofPart& part : proof.a) certificate["a"].push_back(described(part));
-  for (const ProofPart& part : proof.b) certificate["b"].push_back(described(part));
-  if (proof.touches) {
-    certificate["point"] = {proof.point[0], proof.point[1], proof.point[2]};
-    certificate["divisor"] = proof.divisor;
-    certificate["mix_a"] = proof.mix_a;
-    certificate["mix_b"] = proof.mix_b;
-    return certificate;
-  }
-  certificate["steps"] = json::array();
-  for (const ProofStep& step : proof.steps) certificate["steps"].push_back(described(step));
-  return certificate;
-}
-
 void describe_touching(const PairReport& report, json& answer) {
   const Contact& contact = report.contact;
   answer["depth"] = contact.depth_m + 0.0;
-  answer["error"] = number(contact.depth_error_m);
+  answer["error"] = number_or_inf(contact.depth_error_m);
   answer["normal"] = numbers(contact.normal);
   answer["point"] = numbers(contact.point);
   answer["a_triangle"] = report.a_triangle;
@@ -73,22 +31,22 @@ void describe_touching(const PairReport& report, json& answer) {
   answer["manifold"] = json::array();
   for (const ManifoldPoint& p : report.manifold) {
     answer["manifold"].push_back(
-        {p.point.x(), p.point.y(), p.point.z(), p.depth_m, number(p.depth_error_m), p.a_triangle, p.b_triangle});
+        {p.point.x(), p.point.y(), p.point.z(), p.depth_m, number_or_inf(p.depth_error_m), p.a_triangle, p.b_triangle});
   }
 }
 
 void describe_apart(const PairReport& report, json& answer) {
   static constexpr const char* kContained[] = {"", "a", "b"};
   answer["distance"] = report.separation.distance_m;
-  answer["error"] = number(report.separation.error_m);
+  answer["error"] = number_or_inf(report.separation.error_m);
   answer["normal"] = numbers(report.separation.normal);
   answer["on_a"] = numbers(report.separation.on_a);
   answer["on_b"] = numbers(report.separation.on_b);
-  answer["point_error"] = number(report.separation.point_error_m);
+  answer["point_error"] = number_or_inf(report.separation.point_error_m);
   answer["contained"] = kContained[static_cast<std::size_t>(report.contained)];
   if (!report.within) return;
   answer["depth"] = report.within->depth_m + 0.0;
-  answer["depth_error"] = number(report.within->depth_error_m);
+  answer["depth_error"] = number_or_inf(report.within->depth_error_m);
 }
 
 /// The answer to `pair` as idl/commands.hpp lists it.
@@ -109,7 +67,7 @@ json described(const PairReport& report, const PairAsk& ask) {
       pairs.push_back({c.a, c.b, from.x(), from.y(), from.z(), to.x(), to.y(), to.z(), c.crossing.error_m});
     }
   }
-  if (report.proof) answer["certificate"] = described(*report.proof);
+  if (report.proof) answer["certificate"] = certificate_json(*report.proof);
   else if (ask.certificate) answer["no_certificate"] = report.no_proof;
   return answer;
 }
@@ -148,23 +106,19 @@ double part_count(const ObjectInfo& info) {
 
 bool has_parts(const ObjectInfo& info) { return part_count(info) > 0; }
 
-/// A pair up to this cost takes some milliseconds at most where its surfaces are not everywhere near each other, and
-/// some 50 ms where they are; what costs more has a thread of its own, where only its like waits for it.
-constexpr double kCheapCost = 4'000;
-/// Certificates and lists of triangles take this many times longer; another library's opinion, in a process of its own,
-/// takes as long as about so many triangles.
-constexpr double kDetailCost = 8;
+/// Another library's opinion, in a process of its own, takes as long as about so many triangles.
 constexpr double kOpinionCost = 100'000;
 
 }  // namespace
 
 /// The state at the named instant; null for the latest. Throws BadCommand.
-std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, const Snapshot& newest) const {
+std::shared_ptr<const Snapshot> Commands::past_state(const Arguments& arguments, const Snapshot& newest) const {
+  const std::string text = arguments.text("as_of");
   const std::optional<wire_contract::AskedInstant> instant = wire_contract::asked_instant(text);
-  if (!instant) throw BadCommand(fmt::format("pair: as_of {} is no instant", printable(text)));
+  if (!instant) throw BadCommand(fmt::format("{}: as_of {} is no instant", arguments.command(), printable(text)));
   if (instant->kind == wire_contract::AskedInstant::Kind::latest) return nullptr;
   auto past = answering_->past_states().at(*instant, newest);
-  if (const auto* why_not = std::get_if<std::string>(&past)) throw BadCommand("pair: " + *why_not);
+  if (const auto* why_not = std::get_if<std::string>(&past)) throw BadCommand(arguments.command() + ": " + *why_not);
   return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
 }
 
@@ -173,7 +127,7 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
   if (stopping_.load()) throw BadCommand("pair: the server is stopping");
   const Arguments arguments(job.ask.text);
   AskedPair asked{.newest = with_.loop.world().newest(), .past = nullptr};
-  asked.past = past_state(arguments.text("as_of"), *asked.newest);
+  asked.past = past_state(arguments, *asked.newest);
   asked.a = find_shown(asked.state(), arguments.text("a"));
   asked.b = find_shown(asked.state(), arguments.text("b"));
   if (asked.a == asked.b)
@@ -206,26 +160,6 @@ json Commands::examined(const AskedPair& asked) const {
   return answer;
 }
 
-/// Answers on the thread for pairs, or passes the pair on to the one for costly pairs.
-void Commands::pair_in_its_turn(const std::shared_ptr<AwaitedJob>& job) {
-  if (job->called_off.load()) return;
-  const auto refuse = [&](const std::string& error, const std::string& hint) {
-    send(job->ask, ReplyStatus::refused, refusal_text(error, hint));
-  };
-  std::optional<AskedPair> asked;
-  try {
-    asked.emplace(asked_pair(*job));
-    if (asked->cost > kCheapCost) {
-      return push_fairly("pair", costly_jobs_, {.client = job->ask.client, .cost = asked->cost}, [this, job] {
-        if (!job->called_off.load()) answer(job->ask, [&] { return examined(asked_pair(*job)); });
-      });
-    }
-  } catch (const BadCommand& bad) { return refuse(bad.what(), bad.hint); } catch (const std::exception& failed) {
-    return refuse(failed.what(), "");
-  }
-  answer(job->ask, [&] { return examined(*asked); });
-}
-
 /// A job that ends with its deadline, or with its client.
 std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Arguments& arguments) {
   const auto job = std::make_shared<AwaitedJob>();
@@ -248,15 +182,12 @@ void Commands::look_for_gone() {
 
 /// Checks the arguments at once and examines the pair on a thread for pairs.
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
-  const std::uint64_t client = ask.client;
-  const std::uint64_t request = ask.request;
-  try {
-    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion", "deadline_ns"});
-    const auto job = await(std::move(ask), arguments);
-    push_fairly("pair", pair_jobs_, {.client = client}, [this, job] { pair_in_its_turn(job); });
-  } catch (const BadCommand& bad) {
-    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  }
+  in_turn(
+      std::move(ask), arguments, "pair",
+      [](const Arguments& given) {
+        given.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion", "deadline_ns"});
+      },
+      &Commands::asked_pair, &Commands::examined);
 }
 
 }  // namespace collided::engine::service

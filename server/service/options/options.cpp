@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/options/options_file.hpp"
 #include "server/service/options/quantities.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <toml++/toml.h>
 
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/options/options.hpp"
 
 namespace collided::engine::service {

@@ -15,6 +15,7 @@
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/questions/reply_columns.hpp"
 #include "server/service/questions/time_slice.hpp"
+#include "server/service/questions/what_if_question.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/query/query.hpp"
 
@@ -56,6 +57,8 @@ class Answering::Worker {
   void work(ExpireLeases gone);
   void answer_or_throw(Client& client, const Ask& ask);
   void answer_sweeps(Client& client, const Ask& ask);
+  void answer_configurations(Client& client, const Ask& ask);
+  std::int64_t deadline_of(const Ask& ask) const;
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
   void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
   void doubt(const Questions& questions);
@@ -126,6 +129,8 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
     write_text(client, query.request, ReplyStatus::ok, {});
   } else if (query.kind == static_cast<std::uint8_t>(RequestKind::sweep)) {
     answer_sweeps(client, ask);
+  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::what_if)) {
+    answer_configurations(client, ask);
   } else {
     answer_questions(client, ask, nullptr);
   }
@@ -174,21 +179,51 @@ void Answering::Worker::work(ExpireLeases gone) {
   }
 }
 
+/// Steady clock; 0: none.
+std::int64_t Answering::Worker::deadline_of(const Ask& ask) const {
+  const std::int64_t asked_ns = ask.query->deadline_ns;
+  const std::int64_t allowed_ns = asked_ns > 0 ? asked_ns : owner_.options_.deadline_ns;
+  return allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0;
+}
+
+/// Objects thought elsewhere. Every chunk of a request names them anew, and all are answered on one state.
+void Answering::Worker::answer_configurations(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const auto refuse = [&](const std::string& reason) {
+    ++owner_.with_.counts.refused;
+    write_text(client, query.request, ReplyStatus::refused, refusal_text(reason));
+  };
+  const auto lease = std::make_shared<SnapshotRing::Lease>(ask.hold ? ask.hold.state() : owner_.with_.world.newest());
+  std::shared_ptr<const Snapshot> state(lease, &**lease);
+  if (query.instant != 0) {
+    auto past = owner_.past_states_.at(instant_of(query), *state);
+    if (const auto* reason = std::get_if<std::string>(&past)) return refuse(*reason);
+    state = std::get<std::shared_ptr<const Snapshot>>(std::move(past));
+  }
+  const auto asked = what_if_asked(query, *state);
+  if (const auto* refusal = std::get_if<Refusal>(&asked)) return refuse(refusal->reason);
+  wire::gather_rows(query, wire::question_columns(RequestKind::what_if), numbers_);
+  WhatIf what_if(state, std::get<WhatIfAsk>(asked), owner_.with_.part_meshes);
+  Deadline deadline(deadline_of(ask));
+  answer_what_if(
+      what_if, numbers_, deadline, [&] { return owner_.knows(query.client); }, answers_);
+  if (owner_.options_.recovering()) doubt({.kind = QuestionKind::what_if, .numbers = {}});
+  write_answers(client, ask, *state);
+}
+
 void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
   wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
-  const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
-  const Questions questions{
-      .kind = static_cast<QuestionKind>(query.kind),
-      .mode = static_cast<HitMode>(query.mode),
-      .mask = query.mask,
-      .max_hits = query.max_hits,
-      .only = query.only,
-      .skip = query.skip,
-      .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
-      .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
-      .numbers = numbers_,
-      .mover = mover};
+  const Questions questions{.kind = static_cast<QuestionKind>(query.kind),
+                            .mode = static_cast<HitMode>(query.mode),
+                            .mask = query.mask,
+                            .max_hits = query.max_hits,
+                            .only = query.only,
+                            .skip = query.skip,
+                            .deadline_ns = deadline_of(ask),
+                            .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
+                            .numbers = numbers_,
+                            .mover = mover};
   const SnapshotRing::Lease lease = ask.hold ? ask.hold.state() : owner_.with_.world.newest();
   if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
   if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
@@ -226,7 +261,8 @@ void Answering::Worker::count_levels(QuestionKind kind) {
 
 /// Turns every answer that a missing object could change into undecided.
 void Answering::Worker::doubt(const Questions& questions) {
-  const bool any_will_do = questions.kind == QuestionKind::ray && questions.mode == HitMode::any;
+  const bool any_will_do = questions.kind == QuestionKind::what_if ||
+                           (questions.kind == QuestionKind::ray && questions.mode == HitMode::any);
   for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
     const bool hit = answers_.answers[i] == Verdict::hit;
     if (answers_.answers[i] != Verdict::miss && (!hit || any_will_do)) continue;

@@ -22,6 +22,7 @@
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/counters.hpp"
 #include "server/service/runtime/fair_queue.hpp"
+#include "server/world/groups/part_meshes.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -70,6 +71,7 @@ class Answering {
     SnapshotLeases& leases;
     QuestionCounts& counts;
     BackgroundAudit& audit;
+    PartMeshes& part_meshes;
   };
 
   /// Starts the workers. `replies` must outlive the Answering.

@@ -16,6 +16,7 @@ namespace {
 using wire_contract::AskedInstant;
 using wire_contract::HitMode;
 using wire_contract::Importance;
+using wire_contract::kMaxPosesPerChunk;
 using wire_contract::RequestKind;
 
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
@@ -92,6 +93,7 @@ double cost_of(const wire::Query& query) {
     case RequestKind::inside: return state + 3 * questions;
     case RequestKind::near: return state + 25 * questions;
     case RequestKind::sweep: return state + 45 * questions;
+    case RequestKind::what_if: return state + 200 * questions * std::max(1U, wire::moved_count(query));
     case RequestKind::command: return 1'000;
     default: return state + questions;
   }
@@ -110,6 +112,9 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        count ? "empty" : "not of one length, or others are filled too");
   }
   if (auto reason = why_bad_chunk(query, *count)) return reason;
+  if (kind == RequestKind::what_if && std::uint64_t{*count} * wire::moved_count(query) > kMaxPosesPerChunk)
+    return fmt::format("a chunk of {} poses; allowed {}", std::uint64_t{*count} * wire::moved_count(query),
+                       kMaxPosesPerChunk);
   const HitMode last_mode = kind == RequestKind::near ? HitMode::signed_near : HitMode::all;
   if (auto reason = why_unknown("hit mode", query.mode, last_mode)) return reason;
   if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;

@@ -65,7 +65,10 @@ class NearestPairs {
 class GroupSearch {
  public:
   GroupSearch(const Snapshot& snapshot, const ClearanceAsk& ask, PartMeshes& part_meshes)
-      : ask_(ask), members_(snapshot, part_meshes), deadline_(ask.deadline_ns), nearest_(ask.within_m, ask.most) {
+      : ask_(ask),
+        members_(snapshot, part_meshes),
+        deadline_(ask.deadline_ns, ask.called_off),
+        nearest_(ask.within_m, ask.most) {
     collect(ask.from, from_, is_from_);
     collect(ask.to, to_, is_to_);
   }

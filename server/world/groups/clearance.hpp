@@ -1,6 +1,6 @@
 #pragma once
 
-#include <functional>
+#include <atomic>
 #include <limits>
 #include <vector>
 
@@ -16,9 +16,10 @@ struct ClearanceAsk {
   std::vector<ObjectId> to;
   double within_m = std::numeric_limits<double>::infinity();  // pairs surely farther apart are not told
   std::size_t most = 1;                                       // of the nearest pairs are told
-  bool with_filtered = false;    // also pairs whose filters let them pass through each other
-  bool certificates = false;     // a proof for each pair that is told
-  std::int64_t deadline_ns = 0;  // steady clock; 0: none
+  bool with_filtered = false;                     // also pairs whose filters let them pass through each other
+  bool certificates = false;                      // a proof for each pair that is told
+  std::int64_t deadline_ns = 0;                   // steady clock; 0: none
+  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
 };
 
 /// One pair of a group question's answer; the clearance's `a` is of `from`.

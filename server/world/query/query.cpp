@@ -25,6 +25,7 @@ const char* name_of(QuestionKind kind) {
     case QuestionKind::near: return "near";
     case QuestionKind::sweep: return "sweep";
     case QuestionKind::inside: return "inside";
+    case QuestionKind::what_if: return "what-if";
   }
   return "";
 }
@@ -37,6 +38,7 @@ std::uint32_t numbers_of(QuestionKind kind) {
     case QuestionKind::near: return kNearNumbers;
     case QuestionKind::sweep: return kSweepNumbers;
     case QuestionKind::inside: return kInsideNumbers;
+    case QuestionKind::what_if: return kPoseNumbers;
   }
   return 0;
 }

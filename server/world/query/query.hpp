@@ -19,8 +19,8 @@ namespace collided::engine {
 using wire_contract::glob_matches;
 
 /// The wire's codes have the same values (server/service/wire_codes.cpp checks it).
-enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6, inside };
-/// Those that are numbers alone; a sweep has a shape as well.
+enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6, inside, what_if };
+/// Those that are numbers alone; a sweep has a shape as well, a what-if names objects (world/groups).
 inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
                                                    QuestionKind::near};
 const char* name_of(QuestionKind kind);

@@ -154,6 +154,16 @@ Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, cons
   return fake::server().pair(a, b, options);
 }
 
+Result<ClearanceAnswer> Client::clearance(const std::string& from, const ClearanceOptions& options) {
+  if (!fake::server().clearance) return Error{ErrorCode::refused, "no clearances", ""};
+  return fake::server().clearance(from, options);
+}
+
+Result<WhatIfAnswers> Client::what_if(const WhatIfConfigurations& configurations, const WhatIfOptions& options) {
+  if (!fake::server().what_if) return Error{ErrorCode::refused, "no what-ifs", ""};
+  return fake::server().what_if(configurations, options);
+}
+
 Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObjects*) {
   if (!fake::server().shapes) return Error{ErrorCode::refused, "no shapes", ""};
   return fake::server().shapes(options);

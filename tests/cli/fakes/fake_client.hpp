@@ -39,6 +39,8 @@ struct Server {
   std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
   std::vector<std::byte> bytes;  // that came with the last command that takes some
   std::function<Result<PairAnswer>(const std::string&, const std::string&, const PairOptions&)> pair;
+  std::function<Result<ClearanceAnswer>(const std::string&, const ClearanceOptions&)> clearance;
+  std::function<Result<WhatIfAnswers>(const WhatIfConfigurations&, const WhatIfOptions&)> what_if;
   std::function<Result<ShownObjects>(const ShapesOptions&)> shapes;
   std::function<Result<Poses>()> poses;
   std::vector<Probe> probes;

@@ -8,7 +8,7 @@
 #include <map>
 #include <unistd.h>
 
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 #include "server/service/options/quantities.hpp"
 #include "tests/oracle/seed.hpp"
 

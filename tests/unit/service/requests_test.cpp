@@ -420,7 +420,7 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
   EXPECT_NE(refusal([](wire::Query& q) { q.deadline_ns = -1; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.error_asked = -1e-300; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.error_asked = std::numeric_limits<double>::quiet_NaN(); }), "");
-  EXPECT_NE(refusal([](wire::Query& q) { q.kind = 8; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.kind = 9; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.mode = 3; }), "");
 }
 

@@ -1,4 +1,4 @@
-#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/nearest_word.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,166 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/answer_output.hpp"
+#include "client/cli/output/readable.hpp"
+#include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/clearance_output.hpp"
+
+namespace collided::cli {
+namespace {
+
+constexpr std::uint32_t kMostPairs = 10'000;
+constexpr std::uint32_t kMostCertificates = 1'000;
+
+/// What clearance and clash have in common: the options, and how pairs are printed.
+class GroupCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    declare_own(app);
+    app.add_option("--nearer", nearer_, nearer_help());
+    app.add_option("--skip", skip_, "Not objects whose name matches this glob");
+    app.add_flag("--with-filtered", with_filtered_, "Also pairs that masks and groups let pass through each other");
+    app.add_flag("--certificate", certificate_, "Ask for a proof of each pair and check it here");
+    app.add_option("--as-of", as_of_,
+                   "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
+                   "newest pose)");
+    app.add_option("--deadline", deadline_, "What takes longer ends undecided: 100ms");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    ClearanceOptions options;
+    if (!nearer_.empty()) options.nearer_m = parse_finite(nearer_, Measure::length);
+    if (options.nearer_m < 0) throw bad_use("--nearer " + nearer_ + " is below 0");
+    options.skip = skip_;
+    options.with_filtered = with_filtered_;
+    options.certificate = certificate_;
+    options.as_of = parse_instant(as_of_);
+    options.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
+    options.timeout = timeout_of(globals, std::chrono::seconds(60));
+    const std::string from = adjust(options);
+    const ClearanceAnswer answer = take(session.client(globals).clearance(from, options));
+    check_certificates(answer.pairs);
+    Printer printer = make_printer(session.io, globals);
+    print_clearance(printer, answer, certificate_);
+    if (answer.pairs.empty() && printer.human()) printer.line(none_line(from, options));
+    printer.finish();
+    say_how_much(session.io, globals, answer);
+    return exit_of(answer);
+  }
+
+ protected:
+  virtual void declare_own(CLI::App& app) = 0;
+  virtual std::string nearer_help() const = 0;
+  /// Sets the options of its own; returns the first group.
+  virtual std::string adjust(ClearanceOptions& options) = 0;
+  bool has_nearer() const { return !nearer_.empty(); }
+  std::uint32_t most_told(const std::string& text) const {
+    const std::uint64_t most = certificate_ ? kMostCertificates : kMostPairs;
+    if (text.empty()) return static_cast<std::uint32_t>(most);
+    const std::uint64_t count = parse_count(text, 1);
+    if (count > most)
+      throw bad_use(fmt::format("{} pairs are above {}{}", text, most, certificate_ ? ", with --certificate" : ""));
+    return static_cast<std::uint32_t>(count);
+  }
+
+ private:
+  static void check_certificates(const std::vector<ClearancePair>& pairs) {
+    for (const ClearancePair& pair : pairs) {
+      if (!pair.certificate) continue;
+      if (pair.certificate->touches == (pair.verdict == Verdict::hit) && proves(*pair.certificate)) continue;
+      throw Failure(Exit::undecided,
+                    fmt::format("the server's certificate does not prove its answer to {} and {}", printable(pair.a),
+                                printable(pair.b)),
+                    "without --certificate the answers are shown");
+    }
+  }
+  static std::string none_line(const std::string& from, const ClearanceOptions& options) {
+    const std::string to = options.to.empty() ? "anything else" : printable(options.to);
+    if (options.nearer_m > 0 && std::isfinite(options.nearer_m))
+      return fmt::format("no pair of {} and {} is nearer than {}", printable(from), to,
+                         readable_length(options.nearer_m, 0, Digits::rounded));
+    return fmt::format("no pair of {} and {} touches", printable(from), to);
+  }
+  void say_how_much(Io& io, const Globals& globals, const ClearanceAnswer& answer) const {
+    if (answer.cut && has_nearer())
+      print_hint(io, globals, "cut: more pairs are so near than are told here; -k tells more, up to 10000");
+    if (answer.late)
+      print_hint(io, globals, "the deadline was over: some pairs were not looked at, and a nearer one may be missing");
+    else if (answer.stale)
+      print_hint(io, globals, "an object of a lost publisher may by now be nearer than is told here");
+    if (answer.filtered > 0)
+      print_hint(io, globals,
+                 fmt::format("{} pair{} near enough may pass through each other and {} left out; --with-filtered tells "
+                             "{}",
+                             answer.filtered, answer.filtered == 1 ? "" : "s", answer.filtered == 1 ? "is" : "are",
+                             answer.filtered == 1 ? "it" : "them"));
+    if (!certificate_) return;
+    const auto is_proved = [](const ClearancePair& pair) { return pair.certificate.has_value(); };
+    print_hint(io, globals,
+               fmt::format("proved here: {} of {} pairs",
+                           std::count_if(answer.pairs.begin(), answer.pairs.end(), is_proved), answer.pairs.size()));
+  }
+  static Exit exit_of(const ClearanceAnswer& answer) {
+    if (answer.verdict == Verdict::undecided || answer.late) return Exit::undecided;
+    return answer.pairs.empty() ? Exit::no : Exit::yes;
+  }
+
+  std::string nearer_;
+  std::string skip_;
+  bool with_filtered_ = false;
+  bool certificate_ = false;
+  std::string as_of_;
+  std::string deadline_;
+};
+
+class ClearanceCommand : public GroupCommand {
+ private:
+  void declare_own(CLI::App& app) override {
+    app.add_option("group", from_, "The first group: an object, a scene or a glob");
+    app.add_option("--to", to_, "The other group (everything else)");
+    app.add_option("-k", count_, "So many of the nearest pairs (1; with --nearer up to 10000)");
+  }
+  std::string nearer_help() const override { return "All pairs nearer than this, not only the nearest: 5mm"; }
+  std::string adjust(ClearanceOptions& options) override {
+    if (from_.size() != 1)
+      throw bad_use(fmt::format("{} groups; one is needed, and --to for the other", from_.size()),
+                    "collide clearance 'robot/*' --to 'cell/*'");
+    options.to = to_;
+    options.most = count_.empty() && !has_nearer() ? 1 : most_told(count_);
+    return from_[0];
+  }
+
+  std::vector<std::string> from_;
+  std::string to_;
+  std::string count_;
+};
+
+class ClashCommand : public GroupCommand {
+ private:
+  void declare_own(CLI::App& app) override {
+    app.add_option("group", of_, "A scene, or a glob of objects (everything)");
+    app.add_option("-k", count_, "At most so many pairs, the nearest (10000)");
+  }
+  std::string nearer_help() const override { return "Pairs nearer than this too: 5mm (0: only those that touch)"; }
+  std::string adjust(ClearanceOptions& options) override {
+    if (!has_nearer()) options.nearer_m = 0;
+    options.to = of_;
+    options.most = most_told(count_);
+    return of_;
+  }
+
+  std::string of_ = "*";
+  std::string count_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_clearance() { return std::make_unique<ClearanceCommand>(); }
+std::unique_ptr<Command> make_clash() { return std::make_unique<ClashCommand>(); }
+
+}  // namespace collided::cli

@@ -1,0 +1,189 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/configuration_reader.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/answer_output.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/cli/output/readable.hpp"
+#include "client/cli/verbs/ask_options.hpp"
+
+namespace collided::cli {
+namespace {
+
+/// Of one request, which is answered on one state.
+constexpr std::size_t kMostAtOnce = 100'000;
+
+std::string_view word_of_verdict(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::miss: return "free";
+    case Verdict::hit: return "touching";
+    case Verdict::undecided: return "undecided";
+    case Verdict::invalid: break;
+  }
+  return "invalid";
+}
+
+class WhatIfCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("file", files_, "Rows config,name,x,y,z,qw,qx,qy,qz, or a configuration of JSON a line");
+    app.add_option("--against", options_.against, "An object, a scene or a glob (everything else)");
+    app.add_option("--skip", options_.skip, "Not objects whose name matches this glob");
+    app.add_option("--mask", mask_, "Layers that count: bits, 0x3 or 0b11");
+    app.add_flag("--clearance", options_.with_clearance,
+                 "The least clearance of each too; of a contact the greatest depth, instead of the first found");
+    app.add_option("--nearer", nearer_, "With --clearance: not pairs farther apart than this: 5mm");
+    app.add_flag("--with-filtered", options_.with_filtered,
+                 "Also pairs that masks and groups let pass through each other");
+    app.add_option("--attach", attached_, "Moves along in thought: crate=robot/hand; may be given again");
+    app.add_option("--deadline", deadline_, "Configurations not answered by then are undecided: 5s");
+    app.add_option("--importance", importance_, "low: refused first by an overloaded server; high: never (normal)");
+    app.add_option("--as-of", as_of_,
+                   "All objects that are not moved at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
+    app.add_flag("--fresh", options_.fresh, "Answer after this connection's own last write");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (files_.size() != 1)
+      throw bad_use(fmt::format("{} files; one is needed, or - for standard input", files_.size()),
+                    "collide what-if plan.csv --against 'cell/*'");
+    read_options(globals);
+    const InputFile file(files_[0], session.io.in);
+    ConfigurationReader reader(file);
+    Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields({"config", "answer", "a", "b", "clearance"});
+    Progress progress(session.io, globals);
+    while (read_some(session, reader)) {
+      if (ids_.empty()) continue;
+      configurations_.objects = reader.objects();
+      print(printer, take(session.client(globals).what_if(configurations_, options_)));
+      progress.show(counts_.all(), "configurations");
+    }
+    progress.clear();
+    printer.finish();
+    print_hint(
+        session.io, globals,
+        fmt::format("{} configuration{}  free {}  touching {}  undecided {}  refused {}", format_count(counts_.all()),
+                    counts_.all() == 1 ? "" : "s", format_count(counts_.free), format_count(counts_.touching),
+                    format_count(counts_.undecided), format_count(counts_.refused)));
+    if (counts_.refused > 0) return Exit::partly_refused;
+    if (counts_.touching > 0) return Exit::no;
+    return counts_.undecided > 0 ? Exit::undecided : Exit::yes;
+  }
+
+ private:
+  struct AnswerTally {
+    std::size_t free = 0;
+    std::size_t touching = 0;
+    std::size_t undecided = 0;
+    std::size_t refused = 0;
+    std::size_t all() const { return free + touching + undecided + refused; }
+  };
+
+  void read_options(const Globals& globals) {
+    if (!nearer_.empty()) options_.nearer_m = parse_finite(nearer_, Measure::length);
+    if (options_.nearer_m < 0) throw bad_use("--nearer " + nearer_ + " is below 0");
+    if (!nearer_.empty() && !options_.with_clearance) throw bad_use("--nearer goes with --clearance");
+    if (!mask_.empty()) options_.mask = parse_bits(mask_);
+    for (const std::string& pair : attached_) {
+      const std::size_t sign = pair.find('=');
+      if (sign == 0 || sign == std::string::npos || sign + 1 == pair.size())
+        throw bad_use(fmt::format("--attach {}: it takes two names, crate=robot/hand", printable(pair)));
+      options_.attached.emplace_back(pair.substr(0, sign), pair.substr(sign + 1));
+    }
+    options_.importance = parse_importance(importance_);
+    options_.as_of = parse_instant(as_of_);
+    options_.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
+    options_.timeout = timeout_of(globals, std::chrono::seconds(60));
+  }
+
+  /// Reads up to one request; false: there was nothing left.
+  bool read_some(Session& session, ConfigurationReader& reader) {
+    ids_.clear();
+    configurations_.poses.clear();
+    bool has_any = false;
+    while (ids_.size() < kMostAtOnce) {
+      auto next = reader.next();
+      if (!next) return has_any;
+      has_any = true;
+      if (!next->refusal.empty()) {
+        ++counts_.refused;
+        session.io.err << "error: " << next->refusal << "; this configuration was not asked about\n";
+        continue;
+      }
+      ids_.push_back(std::move(next->id));
+      configurations_.poses.insert(configurations_.poses.end(), next->poses.begin(), next->poses.end());
+    }
+    return has_any;
+  }
+
+  void print(Printer& printer, const WhatIfAnswers& answers) {
+    for (std::size_t i = 0; i < answers.configurations.size(); ++i) {
+      const ConfigurationAnswer& answer = answers.configurations[i];
+      if (answer.verdict == Verdict::miss) ++counts_.free;
+      if (answer.verdict == Verdict::hit) ++counts_.touching;
+      if (answer.verdict == Verdict::undecided) ++counts_.undecided;
+      if (answer.verdict == Verdict::invalid) ++counts_.refused;
+      if (printer.human()) print_row(printer, ids_[i], answer);
+      else printer.record(record_of(ids_[i], answer, answers.version));
+    }
+  }
+
+  /// Without --clearance a pair has its names alone.
+  bool has_numbers(const ConfigurationAnswer& answer) const { return answer.nearest && options_.with_clearance; }
+
+  void print_row(Printer& printer, const std::string& id, const ConfigurationAnswer& answer) const {
+    static constexpr Paint kPaints[] = {Paint::good, Paint::bad, Paint::doubt, Paint::doubt};
+    std::string word(word_of_verdict(answer.verdict));
+    if (answer.verdict == Verdict::undecided) word += fmt::format(" ({})", name_of(answer.reason));
+    std::vector<std::string> cells{
+        printable(id), printer.paint(kPaints[static_cast<std::size_t>(answer.verdict)], word),
+        answer.nearest ? printable(answer.nearest->a) : "", answer.nearest ? printable(answer.nearest->b) : ""};
+    std::vector<std::string> header{"CONFIG", "", "A", "B"};
+    if (options_.with_clearance) {
+      header.emplace_back("CLEARANCE");
+      cells.push_back(has_numbers(answer)
+                          ? readable_length(answer.nearest->clearance_m, answer.nearest->error_m, printer.digits())
+                          : "");
+    }
+    printer.row(header, std::move(cells));
+  }
+
+  Record record_of(const std::string& id, const ConfigurationAnswer& answer, std::uint64_t version) const {
+    const Value none = std::monostate{};
+    const auto& pair = answer.nearest;
+    const bool known = has_numbers(answer);
+    return {{"config", std::string_view(id)},
+            {"answer", word_of_verdict(answer.verdict)},
+            {"reason", answer.verdict == Verdict::undecided ? Value(name_of(answer.reason)) : none},
+            {"a", pair ? Value(std::string_view(pair->a)) : none},
+            {"b", pair ? Value(std::string_view(pair->b)) : none},
+            {"clearance", known ? Value(pair->clearance_m) : none},
+            {"error", known ? Value(pair->error_m) : none},
+            {"on_a", known ? MaybeVector(pair->on_a) : MaybeVector()},
+            {"on_b", known ? MaybeVector(pair->on_b) : MaybeVector()},
+            {"normal", known ? MaybeVector(pair->normal) : MaybeVector()},
+            {"stale", pair && pair->stale ? Value(true) : none},
+            {"world", version}};
+  }
+
+  std::vector<std::string> files_;
+  std::vector<std::string> attached_;
+  std::string nearer_;
+  std::string mask_;
+  std::string deadline_;
+  std::string importance_;
+  std::string as_of_;
+  WhatIfOptions options_;
+  WhatIfConfigurations configurations_;
+  std::vector<std::string> ids_;  // of those
+  AnswerTally counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_what_if() { return std::make_unique<WhatIfCommand>(); }
+
+}  // namespace collided::cli

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "client/library/connection/connection.hpp"
+
+namespace collided::client {
+
+/// Client::what_if: checks the configurations and asks for them in chunks, which are answered on one state.
+Result<WhatIfAnswers> what_if(Connection& connection, const WhatIfConfigurations& given, const WhatIfOptions& options);
+
+}  // namespace collided::client

@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include "server/geometry/mesh.hpp"
+#include "server/service/commands/awaited_jobs-inl.hpp"
+#include "server/service/commands/certificate_encoding.hpp"
+#include "server/service/commands/commands.hpp"
+#include "server/service/questions/group_names.hpp"
+#include "server/service/commands/object_description.hpp"
+#include "server/service/questions/validation.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::ReplyStatus;
+
+namespace {
+
+const char* word_of(Decision touches) {
+  static constexpr const char* kAnswers[] = {"miss", "hit", "undecided"};
+  return kAnswers[static_cast<std::size_t>(touches)];
+}
+
+json described(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
+  static constexpr const char* kContained[] = {"", "a", "b"};
+  const auto info_of = [&](ObjectId id) -> const ObjectInfo& { return *(*state.objects)[slot_of(id)]; };
+  const ObjectClearance& found = pair.clearance;
+  json row{{"a", info_of(pair.a).name},
+           {"b", info_of(pair.b).name},
+           {"a_id", pair.a},
+           {"b_id", pair.b},
+           {"answer", word_of(found.touches)},
+           {"clearance", found.clearance_m + 0.0},
+           {"error", number_or_inf(found.error_m)},
+           {"contained", kContained[static_cast<std::size_t>(found.contained)]},
+           {"on_a", numbers(found.on_a)},
+           {"on_b", numbers(found.on_b)},
+           {"point_error", number_or_inf(found.point_error_m)},
+           {"normal", numbers(found.normal)},
+           {"a_triangle", info_of(pair.a).reported_triangle(found.a_triangle)},
+           {"b_triangle", info_of(pair.b).reported_triangle(found.b_triangle)}};
+  if (pair.is_stale) row["stale"] = true;
+  if (pair.proof) row["certificate"] = certificate_json(*pair.proof);
+  else if (with_certificate) row["no_certificate"] = pair.no_proof;
+  return row;
+}
+
+/// As kMaxTrianglePairs bounds the answer to `pair`; a certificate has up to some thousand numbers.
+constexpr std::uint64_t kMostPairs = 10'000;
+constexpr std::uint64_t kMostCertificates = 1'000;
+
+std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) {
+  std::uint64_t count = 0;
+  for (const ObjectId id : ids) {
+    const ObjectInfo& info = *(*state.objects)[slot_of(id)];
+    count += info.primitives.size() + (info.mesh ? info.mesh->mesh->triangles.size() : info.part_triangles);
+  }
+  return count;
+}
+
+/// The search is best first, so that mostly one part in some eight is looked at.
+constexpr double kPartsPerCost = 8;
+
+ClearanceAsk clearance_options_of(const Arguments& arguments) {
+  arguments.allow_only(
+      {"from", "to", "skip", "most", "nearer_m", "with_filtered", "certificate", "as_of", "deadline_ns"});
+  ClearanceAsk options;
+  options.certificates = arguments.truth("certificate", false);
+  options.with_filtered = arguments.truth("with_filtered", false);
+  options.most = arguments.whole("most", 1, options.certificates ? kMostCertificates : kMostPairs);
+  if (options.most == 0) throw BadCommand("clearance: 'most' is 0; allowed 1 and more");
+  options.within_m = arguments.number("nearer_m", options.within_m);
+  if (options.within_m < 0)
+    throw BadCommand(fmt::format("clearance: 'nearer_m' is {}; allowed 0 and more", options.within_m));
+  return options;
+}
+
+std::vector<ObjectId> group_of(const Snapshot& state, const std::string& text, const std::string& skip) {
+  auto meant = objects_meant(state, "clearance", text, skip);
+  if (const auto* refusal = std::get_if<Refusal>(&meant)) throw BadCommand(refusal->reason);
+  return std::get<std::vector<ObjectId>>(std::move(meant));
+}
+
+}  // namespace
+
+/// Finds what the command names; throws BadCommand.
+Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
+  if (stopping_.load()) throw BadCommand("clearance: the server is stopping");
+  const Arguments arguments(job.ask.text);
+  AskedGroups asked{.newest = with_.loop.world().newest(), .past = nullptr, .options = clearance_options_of(arguments)};
+  asked.past = past_state(arguments, *asked.newest);
+  asked.options.deadline_ns = job.deadline_ns;
+  asked.options.called_off = &job.called_off;
+  const std::string from = arguments.text("from");
+  const std::string to = arguments.text("to");
+  const std::string skip = arguments.text("skip");
+  const Snapshot& state = asked.state();
+  asked.options.from = group_of(state, from, skip);
+  asked.options.to = to.empty() ? all_others(state, asked.options.from, skip) : group_of(state, to, skip);
+  if (asked.options.to.empty())
+    throw BadCommand(fmt::format("clearance: beside {} nothing is in the world", printable(from)),
+                     "--to names the other group; a group may be measured against itself");
+  if (asked.options.to.size() == 1 && asked.options.from == asked.options.to)
+    throw BadCommand(fmt::format("clearance: both groups are {} alone", printable(from)), "two objects are needed");
+  const std::uint64_t parts = parts_of(state, asked.options.from) + parts_of(state, asked.options.to);
+  asked.cost = static_cast<double>(parts) / kPartsPerCost * (asked.options.certificates ? kDetailCost : 1);
+  return asked;
+}
+
+json Commands::measured(const AskedGroups& asked) const {
+  const Snapshot& state = asked.state();
+  // One more than is told shows whether there are more.
+  ClearanceAsk one_more = asked.options;
+  ++one_more.most;
+  GroupClearance found = clearance_of(state, one_more, with_.part_meshes);
+  found.is_cut = found.pairs.size() > asked.options.most;
+  if (found.is_cut) found.pairs.pop_back();
+  json answer{{"answer", word_of(found.touches)},
+              {"pairs", json::array()},
+              {"from_count", asked.options.from.size()},
+              {"to_count", asked.options.to.size()},
+              {"filtered", found.filtered},
+              {"tested", found.tested},
+              {"version", state.version}};
+  for (const MemberPair& pair : found.pairs)
+    answer["pairs"].push_back(described(pair, state, asked.options.certificates));
+  if (found.is_cut) answer["cut"] = true;
+  if (found.is_late) answer["late"] = true;
+  if (found.is_stale) answer["stale"] = true;
+  return answer;
+}
+
+void Commands::clearance_later(CommandAsk ask, const Arguments& arguments) {
+  const auto check = [](const Arguments& given) { static_cast<void>(clearance_options_of(given)); };
+  in_turn(std::move(ask), arguments, "clearance", check, &Commands::asked_groups, &Commands::measured);
+}
+
+}  // namespace collided::engine::service
