@@ -84,8 +84,9 @@ constexpr Verb kVerbs[] = {
     {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z",
      "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},
     {"rm", "Change", "take objects out of the world", "rm NAME|GLOB ...", "rm crate", make_rm},
-    {"publish", "Change", "move objects: from a file, a recording, a path, or spheres in a cube",
-     "publish FILE.csv|-\npublish FILE.bvh\npublish --spheres N\npublish --path FILE | --waypoints POINTS",
+    {"publish", "Change", "move objects: from a file, a recording, a robot's joints, a path, or spheres in a cube",
+     "publish FILE.csv|-\npublish FILE.bvh\npublish FILE.urdf --joints FILE.csv|-\npublish --spheres N\npublish --path "
+     "FILE | --waypoints POINTS",
      "publish poses.csv --rate 200 --loop\npublish 01_01.bvh --unit 0.056444 --up z --loop\n"
      "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1\" "
      "--speed 0.5m/s --shape sphere:20cm",
