@@ -91,6 +91,8 @@ constexpr Verb kVerbs[] = {
      "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1\" "
      "--speed 0.5m/s --shape sphere:20cm",
      make_publish},
+    {"ros", "Change", "objects follow the frames of ROS 2, and contacts go back as markers; needs no ROS here", "ros",
+     "ros\nros --frame map --ros-domain 7\nros --joint-states --only 'arm/*'", make_ros},
     {"load", "Change", "load a file as a scene", "load FILE",
      "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
     {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
