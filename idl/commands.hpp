@@ -13,8 +13,8 @@
 /// server has no folder to keep anything in. Before each command below stand its arguments, an arrow, and the members of its answer.
 namespace collided::wire_contract::command {
 
-/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, foreign,
-/// replace (a scene of that name), solid (name glob of the parts and objects whose meshes are solid), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
+/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, packages ["NAME=DIR"], foreign,
+/// replace (a scene of that name), moving (true: its objects take poses, so that a publisher can claim them), solid (name glob of the parts and objects whose meshes are solid), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
 /// complete)
 /// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
 ///    covers, version.
@@ -52,6 +52,10 @@ inline constexpr const char* kList = "list";
 /// name -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
 /// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
 inline constexpr const char* kGet = "get";
+
+/// publisher (its number) -> objects [{name, why}] (at most 20 that it has defined and the world does not have),
+/// version
+inline constexpr const char* kLeftOut = "left_out";
 
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], scenes [{scene, load}], bytes. load: the
 /// arguments of the command load that would bring the scene back; null for a file that a client sent
@@ -159,6 +163,7 @@ inline constexpr const char* kPoses = "poses";
 ///
 /// has_upload  its arguments name an upload
 inline QueryRight right_for(std::string_view name, bool has_upload) {
+  if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
   for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAcceptLoss, kRecording})
     if (name == change) return QueryRight::change;

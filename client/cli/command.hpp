@@ -57,6 +57,7 @@ std::unique_ptr<Command> make_watch();
 std::unique_ptr<Command> make_probe();
 std::unique_ptr<Command> make_top();
 std::unique_ptr<Command> make_metrics();
+std::unique_ptr<Command> make_ros();
 std::unique_ptr<Command> make_view();
 std::unique_ptr<Command> make_add();
 std::unique_ptr<Command> make_move();

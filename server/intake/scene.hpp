@@ -65,6 +65,7 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
+  bool is_moving = false;     // its objects take poses, half-spaces apart; its triangles stand still
   SavedIndex index{};         // of the mesh
   CollapseOrder collapses{};  // of the mesh; empty: no levels of detail are made
 };
@@ -91,6 +92,7 @@ struct LoadOptions {
   bool is_foreign = false;         // sent by a client, so not trusted: only the converter process reads it
   std::string solid{};             // name glob of the parts and objects whose meshes are declared solid; empty: none
   std::string srdf{};              // of a URDF robot: the file that says which links may touch
+  std::vector<std::string> packages{};  // of a URDF robot: folders of packages that it names, as "NAME=DIR"
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // called with the fraction done, in [0, 1]

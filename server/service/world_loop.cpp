@@ -149,7 +149,7 @@ void WorldLoop::take(Arrival& arrival) {
 
 void WorldLoop::take(DefinitionSample& sample) {
   const std::int64_t now_ns = with_.clock.now_ns();
-  if (!sample.removed) {
+  if (!sample.removed && !sample.claims) {
     DecodedShape decoded = decode_shape(std::as_bytes(std::span(sample.shape_bytes)));
     if (decoded.shape) {
       sample.shape = std::move(*decoded.shape);

@@ -164,7 +164,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
                                                   .shape = object.shape,
                                                   .pose = object.pose,
                                                   .filter = object.filter,
-                                                  .moving = false,
+                                                  .moving = scene.is_moving && !is_endless(object.shape),
                                                   .indexed = i < meshes.size() ? meshes[i] : nullptr,
                                                   .cut = object.cut,
                                                   .solid = i < solids.size() ? solids[i] : nullptr});
@@ -238,6 +238,20 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   const std::int64_t born_ns = says_instants ? s.sources[source].known_ns : kPosedAtStep;
   s.rows.put(std::move(info), definition.pose, source, born_ns);
   return id;
+}
+
+ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
+  return {.name = info.name,
+          .scene = info.scene,
+          .shape = {.primitives = info.primitives, .mesh = info.mesh ? info.mesh->mesh : nullptr},
+          .pose = pose,
+          .filter = info.filter,
+          .moving = info.moving,
+          .lost_policy = info.lost_policy,
+          .publisher = info.publisher,
+          .indexed = info.mesh,
+          .cut = info.cut,
+          .solid = info.solid};
 }
 
 bool World::remove(ObjectId id, EndReason reason) {

@@ -45,6 +45,9 @@ struct ObjectDefinition {
   std::shared_ptr<const SolidMesh> solid{};      // what the shape's mesh encloses; null: it is a surface
 };
 
+/// What defines again an object that is in the world, at a pose. Not for a part of a static scene.
+ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose);
+
 /// Why something was refused, as a sentence for the user.
 struct Refusal {
   std::string reason;

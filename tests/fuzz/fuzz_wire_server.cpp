@@ -51,10 +51,12 @@ class Side {
     dds::Sample<wire::Definition> sample;
     if (!wire::read_cdr(bytes, sample)) return;
     const std::unique_ptr<service::DefinitionSample> definition = service::decoded(*sample);
-    DecodedShape shape = decode_shape(std::as_bytes(std::span(definition->shape_bytes)),
-                                      {.max_triangles = 1'000, .max_primitives = 100});
-    if (shape.shape) definition->shape = std::move(*shape.shape);
-    else definition->shape = Refusal{shape.refusal};
+    if (!definition->claims) {
+      DecodedShape shape = decode_shape(std::as_bytes(std::span(definition->shape_bytes)),
+                                        {.max_triangles = 1'000, .max_primitives = 100});
+      if (shape.shape) definition->shape = std::move(*shape.shape);
+      else definition->shape = Refusal{shape.refusal};
+    }
     repeat([&] { return publishers_.define(*definition, now_ns_); });
     repeat([&] { return publishers_.release_parked(now_ns_); });
   }

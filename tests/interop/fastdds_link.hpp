@@ -30,6 +30,7 @@ struct TopicSettings {
   bool is_durable = false;
   std::string partition = {};
   int lease_ms = 0;
+  std::string prefix = "collided/";
 };
 
 /// Calls `condition` until it is true; throws with `what` after 20 s.
@@ -127,7 +128,7 @@ class Link {
     const fast::TypeSupport type(new Type);
     type.register_type(participant_);
     fast::Topic* made =
-        participant_->create_topic("collided/" + settings.suffix, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+        participant_->create_topic(settings.prefix + settings.suffix, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
     if (made == nullptr) throw std::runtime_error("no topic " + settings.suffix);
     return made;
   }

@@ -96,9 +96,10 @@ std::string load_line(const std::string& scene, const nlohmann::json& load) {
   length("crack_m", "--crack", 0);
   if (!text_of(load, "up").empty()) line += " --up " + text_of(load, "up");
   if (!text_of(load, "srdf").empty()) line += " --srdf " + shell_word(text_of(load, "srdf"));
+  for (const std::string& package : texts_of(load, "packages")) line += " --package " + shell_word(package);
   if (const std::string solid = text_of(load, "solid"); !solid.empty())
     line += solid == "*" ? " --solid" : " --solid-only " + shell_word(solid);
-  for (const char* flag : {"strict", "mend"}) {
+  for (const char* flag : {"strict", "mend", "moving"}) {
     if (flag_of(load, flag)) line += fmt::format(" --{}", flag);
   }
   for (const nlohmann::json& box : load.value("covers", nlohmann::json::array())) {

@@ -3,17 +3,20 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_file.hpp"
+#include "client/cli/input/shape_text.hpp"
 #include "client/cli/publish/bounce_source.hpp"
 #include "client/cli/publish/csv_source.hpp"
 #include "client/cli/publish/loop.hpp"
 #include "client/cli/publish/path.hpp"
+#include "client/cli/publish/robot_source.hpp"
 #include "client/cli/publish/walker.hpp"
 
 namespace collided::cli {
 namespace {
 
-enum class Kind { poses, recording, spheres, path };
+enum class Kind { poses, recording, robot, spheres, path };
 
 /// An option that only some kinds of publisher have: its text as written, and those kinds.
 struct Setting {
@@ -28,10 +31,11 @@ struct Setting {
 class PublishCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", file_, "Poses (.csv, -) or a motion capture (.bvh)");
+    app.add_option("file", file_, "Poses (.csv, -), a motion capture (.bvh) or, with --joints, a robot (.urdf)");
     declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
+    declare_group(app, "Robot", {"--joints", "--at", "--rpy", "--beyond-limits", "--package"});
     declare_group(app, "Spheres in a cube",
                   {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce",
                    "--as-asked", "--response", "--restitution", "--stiffness"});
@@ -72,6 +76,7 @@ class PublishCommand : public Command {
     if (motions > 1) throw bad_use("a file, --spheres, --path and --waypoints exclude each other");
     if (given("--spheres")) return Kind::spheres;
     if (file_.empty()) return Kind::path;
+    if (given("--joints") || file_.ends_with(".urdf")) return Kind::robot;
     return file_.ends_with(".bvh") ? Kind::recording : Kind::poses;
   }
 
@@ -115,6 +120,7 @@ class PublishCommand : public Command {
     switch (kind) {
       case Kind::poses: return poses(io, loop);
       case Kind::recording: return recording(loop);
+      case Kind::robot: return robot(io, loop);
       case Kind::spheres: return spheres();
       case Kind::path: break;
     }
@@ -144,6 +150,21 @@ class PublishCommand : public Command {
       throw bad_use(fmt::format("--up '{}'; allowed: y, z", text("--up")));
     if (given("--up")) options.up = text("--up").front();
     return make_walker(read_bvh(file_), options);
+  }
+
+  std::unique_ptr<MotionSource> robot(Io& io, PublishLoopOptions& loop) {
+    if (!given("--joints")) throw bad_use("a robot moves by its joints", "--joints FILE: t and the names of joints");
+    loop.rate_hz = positive("--rate", Measure::rate, 0);
+    loop.speed = positive("--speed", Measure::none, 1);
+    if (loop.loop && text("--joints") == "-") throw bad_use("--loop needs a file that can be read again, not a pipe");
+    RobotSourceOptions options{.robot_path = file_, .joints_path = text("--joints"), .scene = text("--name")};
+    options.base = parse_pose(text("--at"), text("--rpy"), {});
+    print_warning(io, angle_warning("--rpy", text("--rpy")));
+    if (given("--when-lost")) options.lost_policy = object_texts().lost_policy;
+    options.beyond_limits = setting("--beyond-limits").flag;
+    if (given("--package")) options.package = absolute_package(text("--package"));
+    options.paced = loop.rate_hz > 0;
+    return make_robot_source(io, options);
   }
 
   std::unique_ptr<MotionSource> spheres() {
@@ -206,27 +227,35 @@ class PublishCommand : public Command {
     return make_path_source(std::move(points), setting("--loop").flag, options);
   }
 
-  static constexpr std::string_view kFlags[]{"--loop", "--stay", "--round", "--bounce", "--as-asked", "--face"};
+  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",        "--bounce",
+                                             "--as-asked", "--face", "--beyond-limits"};
 
   std::string file_;
   std::vector<Setting> settings_{
       {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
       {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
-      {"--loop", {Kind::poses, Kind::recording, Kind::path}, "Again from the start"},
+      {"--loop", {Kind::poses, Kind::recording, Kind::robot, Kind::path}, "Again from the start"},
       {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
       {"--steps", {}, "End after so many frames"},
       {"--for", {}, "End after this time"},
       {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, mesh:part.stl"},
-      {"--name", {Kind::recording, Kind::spheres, Kind::path}, "Of the object, or what its parts' names begin with"},
-      {"--layers", {}, "Layers the objects are in: bits (1)"},
-      {"--mask", {}, "Layers that they meet: bits (all)"},
-      {"--when-lost", {}, "If this publisher is lost: remove (default), freeze or hold"},
+      {"--name",
+       {Kind::recording, Kind::robot, Kind::spheres, Kind::path},
+       "Of the object or the robot's scene, or what its parts' names begin with"},
+      {"--layers", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers the objects are in: bits (1)"},
+      {"--mask", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers that they meet: bits (all)"},
+      {"--when-lost", {}, "If this publisher is lost: remove (default; robots: freeze), freeze or hold"},
       {"--as", {}, "Name of the publisher"},
       {"--unit", {Kind::recording}, "Metres a unit of the file (1): 0.056444, 1cm"},
       {"--radius", {Kind::recording}, "Of the spheres at feet and toes (0.12)"},
       {"--bone-radius", {Kind::recording}, "Of the other bones (0.05)"},
       {"--up", {Kind::recording}, "y: as recorded (default); z: turned so that z is up"},
       {"--group", {Kind::recording}, "Parts of one group never meet (made from the name)"},
+      {"--joints", {Kind::robot}, "Positions of its joints (.csv, -): t and the names of joints, rad and m"},
+      {"--at", {Kind::robot}, "Where its root link stands: 1,2,0"},
+      {"--rpy", {Kind::robot}, "Roll, pitch and yaw of its root link: 0,0,90deg"},
+      {"--beyond-limits", {Kind::robot}, "Take positions beyond the joints' limits"},
+      {"--package", {Kind::robot}, "NAME=DIR, where a package lies that the robot's file names"},
       {"--spheres", {Kind::spheres}, "So many spheres in a cube about the origin"},
       {"--polygons", {Kind::spheres}, "Triangles a sphere, by latitude and longitude (256)"},
       {"--round", {Kind::spheres}, "Real spheres instead of polygons"},

@@ -94,12 +94,15 @@ constexpr Verb kVerbs[] = {
     {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z",
      "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},
     {"rm", "Change", "take objects out of the world", "rm NAME|GLOB ...", "rm crate", make_rm},
-    {"publish", "Change", "move objects: from a file, a recording, a path, or spheres in a cube",
-     "publish FILE.csv|-\npublish FILE.bvh\npublish --spheres N\npublish --path FILE | --waypoints POINTS",
+    {"publish", "Change", "move objects: from a file, a recording, a robot's joints, a path, or spheres in a cube",
+     "publish FILE.csv|-\npublish FILE.bvh\npublish FILE.urdf --joints FILE.csv|-\npublish --spheres N\npublish --path "
+     "FILE | --waypoints POINTS",
      "publish poses.csv --rate 200 --loop\npublish 01_01.bvh --unit 0.056444 --up z --loop\n"
      "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1\" "
      "--speed 0.5m/s --shape sphere:20cm",
      make_publish},
+    {"ros", "Change", "objects follow the frames of ROS 2, and contacts go back as markers; needs no ROS here", "ros",
+     "ros\nros --frame map --ros-domain 7\nros --joint-states --only 'arm/*'", make_ros},
     {"load", "Change", "load a file as a scene", "load FILE",
      "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
     {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},

@@ -11,6 +11,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/shape_file.hpp"
+#include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/server_command.hpp"
@@ -258,7 +259,10 @@ class LoadCommand : public Command {
     app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
     app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
     app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
+    app.add_option("--package", packages_, "Of a .urdf robot: NAME=DIR, where a package that it names lies")
+        ->allow_extra_args(false);
     app.add_flag("--replace", replace_, "Replace the scene of that name");
+    app.add_flag("--moving", moving_, "Its objects take poses: of `move`, or of a publisher that claims them");
     app.add_flag("--solid", solid_, "Its meshes with what they enclose; those that do not close stay surfaces");
     app.add_option("--solid-only", solid_only_, "The same for parts and objects whose name matches this glob");
     app.add_option("--covers", covers_,
@@ -280,6 +284,8 @@ class LoadCommand : public Command {
         {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
         {"replace", replace_}};
     arguments = with_durable(std::move(arguments), durable_);
+    if (moving_) arguments["moving"] = true;
+    for (const std::string& package : packages_) arguments["packages"].push_back(absolute_package(package));
     if (solid_ && !solid_only_.empty()) throw bad_use("--solid and --solid-only exclude each other");
     if (solid_ || !solid_only_.empty()) arguments["solid"] = solid_ ? "*" : solid_only_;
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
@@ -388,6 +394,7 @@ class LoadCommand : public Command {
   std::string radius_ = "0";
   std::string crack_;
   std::string srdf_;
+  std::vector<std::string> packages_;
   std::vector<std::string> covers_;
   std::string solid_only_;
   bool solid_ = false;
@@ -395,6 +402,7 @@ class LoadCommand : public Command {
   bool mend_ = false;
   bool upload_ = false;
   bool replace_ = false;
+  bool moving_ = false;
   bool durable_ = false;
 };
 

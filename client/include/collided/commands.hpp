@@ -72,7 +72,10 @@ struct LoadOptions {
   bool mend = false;      // cut edges at T-vertices and close cracks
   double crack_m = 0;     // the widest crack to close; 0: a ten-thousandth of the diagonal
   std::string srdf = {};  // for a robot: path, on the server, of the file that says which links may touch
-  bool replace = false;   // the scene of that name, if there is one
+  /// For a robot: "NAME=DIR" each, where on the server a package lies that its file names (package://NAME/FILE).
+  std::vector<std::string> packages = {};
+  bool replace = false;  // the scene of that name, if there is one
+  bool moving = false;   // its objects take poses: by Client::move, or of a publisher that claims them
   /// Name glob of the parts and objects whose meshes are solid ("*": all); empty: none. Those that do not close stay
   /// surfaces, and Loaded::refused says why.
   std::string solid = {};

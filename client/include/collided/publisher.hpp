@@ -56,8 +56,17 @@ class Publisher {
 
   /// Handle of an object. The handle of a removed object names no other one until its number was used 4,096 times.
   using Object = std::uint32_t;
-  /// Defines an object. Its name must be free in this publisher; up to 1,048,576 objects.
+  /// Defines an object. Its name must be free in this publisher; up to 1,048,576 objects. A name that the world has
+  /// already is an error of wait_applied(), and the object waits until the name is free.
   Result<Object> add(const ObjectOptions& options);
+  /// Takes over an object that is in the world without a living publisher and that moves: one that Client::add added,
+  /// or of a scene loaded with LoadOptions::moving. Its shape and filters stay. This publisher moves it from then on;
+  /// remove() and the end of the publisher give it back where it stands, and so does its loss with LostPolicy::remove.
+  /// The object's contacts end and begin anew. One that is not there, stands still or has a publisher is an error of
+  /// wait_applied(), and is claimed as soon as it can be.
+  ///
+  /// pose  where it is placed
+  Result<Object> claim(const std::string& name, const Pose& pose, LostPolicy lost_policy = LostPolicy::remove);
   Result<void> remove(Object object);
   /// Collects the newest pose of an object; flush() sends it. The object moves there from its last pose, and contacts
   /// on the path count, unless it is teleported. A pose that is not finite, or whose rotation's norm is not 1 within
@@ -78,7 +87,9 @@ class Publisher {
   /// Tells the server that this publisher is alive, without moving anything; move() and flush() do so too.
   Result<void> keep_alive();
   /// Waits until the server has applied every object and pose sent so far. It does not wait for a flush without poses,
-  /// which only says how far the time has come: Answers::world_time shows when that has arrived.
+  /// which only says how far the time has come: Answers::world_time shows when that has arrived. Error refused where an
+  /// object is not in the world as it was defined, since its name is taken or the server refused it: the message says
+  /// why, of the first one. The other objects are in the world.
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:

@@ -64,6 +64,8 @@ json arguments_of(const LoadOptions& options) {
                  {"crack_m", options.crack_m},   {"srdf", options.srdf},     {"replace", options.replace}};
   // A server that does not know the word refuses it, so it is said only where it is meant.
   if (!options.solid.empty()) arguments["solid"] = options.solid;
+  if (options.moving) arguments["moving"] = true;
+  if (!options.packages.empty()) arguments["packages"] = options.packages;
   for (const CoveredBox& box : options.covers) arguments["covers"].push_back(list_of(box));
   return arguments;
 }

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
 #include "client/library/asking/question_encoding.hpp"
+#include "client/library/commands/command.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/wait_until.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/clocks.hpp"
+#include "idl/commands.hpp"
 
 namespace collided {
 
@@ -48,6 +52,9 @@ Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
 
 Result<Publisher::Object> Publisher::add(const ObjectOptions& options) { return state_->add(options); }
+Result<Publisher::Object> Publisher::claim(const std::string& name, const Pose& pose, LostPolicy lost_policy) {
+  return state_->claim({.name = name, .pose = pose, .lost_policy = lost_policy});
+}
 Result<void> Publisher::remove(Object object) { return state_->remove(object); }
 Result<void> Publisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
@@ -138,8 +145,18 @@ Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
   if (!shape) { return shape.error(); }
+  return define(options, std::move(*shape));
+}
+
+Result<Publisher::Object> Publisher::State::claim(const ObjectOptions& options) {
+  const std::lock_guard lock(mutex_);
+  if (auto error = object_fault(options)) { return *error; }
+  return define(options, {});  // without a shape: that of the object there
+}
+
+Result<Publisher::Object> Publisher::State::define(const ObjectOptions& options, std::vector<std::uint8_t> shape) {
   if (auto error = say_alive()) { return *error; }
-  const std::optional<Object> object = objects_.add(options, std::move(*shape));
+  const std::optional<Object> object = objects_.add(options, std::move(shape));
   if (!object) {
     return bad_input("object '" + options.name + "': a publisher holds at most " +
                      std::to_string(PublishedObjects::kMost) + " objects");
@@ -209,6 +226,39 @@ Result<void> Publisher::State::keep_alive() {
   return {};
 }
 
+/// Applied is also a definition that the server has refused or keeps waiting, so it is asked about those that are new.
+Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
+  std::uint64_t through = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (found_in_world_through_ == definitions_through_) { return {}; }
+    through = definitions_through_;
+  }
+  // The wait is over; this takes one round trip, which a deadline that has just passed must not cut off.
+  const nanoseconds timeout = std::max<nanoseconds>(deadline - Clock::now(), kLease);
+  const Result<std::string> answer =
+      client::command(*connection_, wire_contract::command::kLeftOut, {{"publisher", publisher_}}, timeout);
+  // A server from before this command answers nothing of use.
+  if (!answer && answer.error().code == ErrorCode::refused) { return {}; }
+  if (!answer) { return answer.error(); }
+  const nlohmann::json parsed = nlohmann::json::parse(*answer, nullptr, false);
+  const auto objects = parsed.is_object() ? parsed.find("objects") : parsed.end();
+  if (!parsed.is_object() || objects == parsed.end() || !objects->is_array()) {
+    return Error{ErrorCode::internal, "publish: the server's answer about what it left out cannot be read", ""};
+  }
+  if (!objects->empty()) {
+    const std::size_t others = objects->size() - 1;
+    return Error{ErrorCode::refused,
+                 "object '" + objects->front().value("name", "") +
+                     "' is not in the world: " + objects->front().value("why", "") +
+                     (others > 0 ? "; so are " + std::to_string(others) + " more" : std::string()),
+                 "what waits for a name enters as soon as that is free"};
+  }
+  const std::lock_guard lock(mutex_);
+  found_in_world_through_ = through;
+  return {};
+}
+
 Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   while (true) {
@@ -222,7 +272,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     }
     const auto view = connection_->pulse().publisher(publisher_);
     const std::uint64_t applied = view ? view->applied_sequence : 0;
-    if (applied >= wanted) { return {}; }
+    if (applied >= wanted) { return ask_for_left_out(deadline); }
     if (Clock::now() >= deadline) {
       return Error{ErrorCode::timeout,
                    "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +

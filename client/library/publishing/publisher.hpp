@@ -20,6 +20,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   ~State();
 
   Result<Object> add(const ObjectOptions& options);
+  Result<Object> claim(const ObjectOptions& options);
   Result<void> remove(Object object);
   Result<void> move(Object object, const Pose& pose, bool teleport);
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
@@ -30,6 +31,8 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& name);
   std::optional<Error> object_fault(const ObjectOptions& options) const;
+  Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape);
+  Result<void> ask_for_left_out(client::Clock::time_point deadline);
   Error unknown(Object object) const;
 
   // Asserts liveliness; where the server has forgotten this publisher or is behind, defines everything again.
@@ -55,7 +58,8 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   client::PublishedObjects objects_;
   std::uint64_t sequence_ = 0;
   std::uint64_t definitions_through_ = 0;
-  std::uint64_t defined_all_at_ = 0;  // sequence number at which everything was last defined again
+  std::uint64_t found_in_world_through_ = 0;  // the definitions up to here are in the world, as the server has said
+  std::uint64_t defined_all_at_ = 0;          // sequence number at which everything was last defined again
   std::uint64_t server_ = 0;
   std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
   bool is_streamed_ = false;

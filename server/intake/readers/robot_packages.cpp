@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "server/intake/scene.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -65,9 +67,23 @@ std::vector<fs::path> candidates(const std::string& robot_folder, const PackageN
 
 }  // namespace
 
+RobotPackages::RobotPackages(std::string folder, const std::vector<std::string>& packages)
+    : folder_(std::move(folder)) {
+  for (const std::string& package : packages) {
+    const std::size_t sign = package.find('=');
+    if (sign == 0 || sign == std::string::npos || sign + 1 == package.size())
+      throw LoadError(fmt::format("package '{}': it is to be NAME=DIR. Nothing was loaded.", package));
+    packages_.emplace_back(package.substr(0, sign), package.substr(sign + 1));
+  }
+}
+
 fs::path RobotPackages::find(const std::string& name) const {
   const PackageName parts = taken_apart(name);
   if (folder_.empty() || parts.file.empty()) return {};
+  for (const auto& [package, folder] : packages_) {
+    std::error_code error;
+    if (package == parts.package && fs::is_regular_file(folder / parts.file, error)) return folder / parts.file;
+  }
   for (const fs::path& path : candidates(folder_, parts)) {
     std::error_code error;
     if (fs::is_regular_file(path, error)) return path;
@@ -82,8 +98,10 @@ std::string RobotPackages::advice(const std::string& name) const {
   const std::string where = fmt::format("looked in the robot's folder and the {} above it", kMostLevels - 1);
   if (parts.package.empty()) return where;
   const bool is_set = !folders_in("ROS_PACKAGE_PATH").empty() || !folders_in("AMENT_PREFIX_PATH").empty();
-  return fmt::format("{}{}; set ROS_PACKAGE_PATH, where the server starts, to the folder that holds {}", where,
-                     is_set ? " and in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH" : "", parts.package);
+  return fmt::format(
+      "{}{}; say where it is, --package {}=DIR, or set ROS_PACKAGE_PATH, where the server starts, to the "
+      "folder that holds it",
+      where, is_set ? " and in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH" : "", parts.package);
 }
 
 }  // namespace collided::engine

@@ -35,7 +35,8 @@ struct Joint {
 /// source    ROS URDF specification, wiki.ros.org/urdf/XML; units and axes: REP 103
 class UrdfReader {
  public:
-  explicit UrdfReader(const Reading& reading) : reading_(reading), packages_(reading.folder) {}
+  explicit UrdfReader(const Reading& reading)
+      : reading_(reading), packages_(reading.folder, reading.options.packages) {}
 
   Scene read() {
     pugi::xml_document document;

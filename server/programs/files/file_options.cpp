@@ -64,6 +64,7 @@ Scene load(const FileOptions& file, LoadReport& report, const std::function<void
   options.up = file.up.empty() ? '\0' : file.up[0];
   options.strict = file.strict;
   options.srdf = file.srdf;
+  options.packages = file.packages;
   if (file.mend) options.mend_m = crack_in_metres(file);
   if (!file.radius.empty()) options.radius_m = length_in_metres("--radius", file.radius);
   options.progress = progress;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/intake/scene.hpp"
 
@@ -12,14 +13,15 @@ namespace collided::engine::files {
 /// How a file is to be read, as the user wrote it; load() checks it.
 struct FileOptions {
   std::string path;
-  std::string name;        // of the scene; empty: the file's stem
-  std::string unit = "m";  // of the file's numbers, for unit_in_metres()
-  std::string up{};        // empty: as the format says, else z
-  bool strict = false;     // refuse what would be mended
-  bool mend = false;       // cut edges at T-vertices and close cracks
-  std::string crack{};     // widest crack, a length with a unit; empty: a share of the diagonal
-  std::string radius{};    // of the balls about a cloud's points, a length with a unit; empty: 0
-  std::string srdf{};      // for a URDF robot: path of the file that says which links may touch
+  std::string name;                     // of the scene; empty: the file's stem
+  std::string unit = "m";               // of the file's numbers, for unit_in_metres()
+  std::string up{};                     // empty: as the format says, else z
+  bool strict = false;                  // refuse what would be mended
+  bool mend = false;                    // cut edges at T-vertices and close cracks
+  std::string crack{};                  // widest crack, a length with a unit; empty: a share of the diagonal
+  std::string radius{};                 // of the balls about a cloud's points, a length with a unit; empty: 0
+  std::string srdf{};                   // for a URDF robot: path of the file that says which links may touch
+  std::vector<std::string> packages{};  // for a URDF robot: "NAME=DIR", where a package that it names lies
 };
 
 /// Metres per unit of "mm", "in", ..., or of a number above 0. Nothing for any other text.

@@ -52,6 +52,8 @@ void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file)
   verb.add_option("--crack", file.crack, "Widest crack, as 0.1mm (a ten-thousandth of the diagonal)");
   verb.add_option("--radius", file.radius, "Of the balls about the points of an .xyz or .pcd file (0)");
   verb.add_option("--srdf", file.srdf, "Of a .urdf robot: the file that says which links may touch");
+  verb.add_option("--package", file.packages, "Of a .urdf robot: NAME=DIR, where a package that it names lies")
+      ->allow_extra_args(false);
 }
 
 /// The command line's words, last first as the parser takes them. In `implicit` a polynomial or a number may begin with

@@ -69,6 +69,16 @@ std::uint64_t Arguments::whole(const char* name, std::uint64_t otherwise, std::u
   return value->get<std::uint64_t>();
 }
 
+std::vector<std::string> Arguments::texts(const char* name) const {
+  constexpr std::size_t kMost = 1'000;
+  const nlohmann::json* value = find(name);
+  if (!value) return {};
+  const bool good = value->is_array() && value->size() <= kMost &&
+                    std::all_of(value->begin(), value->end(), [](const auto& item) { return item.is_string(); });
+  if (!good) refuse(name, fmt::format("a list of at most {} texts", kMost));
+  return value->get<std::vector<std::string>>();
+}
+
 std::optional<Vec3> Arguments::vector(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return std::nullopt;

@@ -39,6 +39,8 @@ class Arguments {
   std::optional<Vec3> vector(const char* name) const;
   /// A text; `otherwise` where there is no such argument, here and below.
   std::string text(const char* name, const std::string& otherwise = {}) const;
+  /// At most 1,000 texts; empty where there is no such argument.
+  std::vector<std::string> texts(const char* name) const;
   bool truth(const char* name, bool otherwise) const;
   /// A finite number.
   double number(const char* name, double otherwise) const;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "idl/commands.hpp"
@@ -123,10 +124,11 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
 
 void Commands::run(CommandAsk ask) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
-      {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},
-      {names::kMove, &Commands::move},     {names::kRemove, &Commands::remove},
-      {names::kClear, &Commands::clear},   {names::kProbe, &Commands::probe},
-      {names::kProbes, &Commands::probes}, {names::kAcceptLoss, &Commands::accept_loss},
+      {names::kGet, &Commands::get},          {names::kAdd, &Commands::add},
+      {names::kMove, &Commands::move},        {names::kRemove, &Commands::remove},
+      {names::kClear, &Commands::clear},      {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes},    {names::kAcceptLoss, &Commands::accept_loss},
+      {names::kLeftOut, &Commands::left_out},
   };
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
@@ -169,11 +171,11 @@ void Commands::run(CommandAsk ask) {
     return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{
-        names::kLoad,   names::kClear,   names::kAdd,    names::kMove,       names::kRemove,
-        names::kList,   names::kGet,     names::kPlan,   names::kAudit,      names::kMenu,
-        names::kPair,   names::kProbe,   names::kProbes, names::kFigures,    names::kSteps,
-        names::kShapes, names::kSurface, names::kMore,   names::kPoses,      names::kRecording,
-        names::kCovers, names::kUpload,  names::kPiece,  names::kAcceptLoss, names::kClearance};
+        names::kLoad,      names::kClear,     names::kAdd,    names::kMove,   names::kRemove,  names::kList,
+        names::kGet,       names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
+        names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
+        names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss,
+        names::kClearance, names::kLeftOut};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -182,7 +184,7 @@ void Commands::run(CommandAsk ask) {
 /// at once.
 void Commands::on_world_thread(CommandAsk ask, Change change, bool is_durable) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  const bool is_change = change != &Commands::get && change != &Commands::probes;
+  const bool is_change = change != &Commands::get && change != &Commands::probes && change != &Commands::left_out;
   once_there_is_room(*shared, is_durable && is_change, [this, shared, change, is_change, is_durable] {
     const bool taken = with_.inbox.push_job([this, shared, change, is_change, is_durable] {
       const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
@@ -283,6 +285,17 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
   if (!waiting.empty()) object["name_wanted_by"] = waiting;
   object["version"] = state->version;
   return object;
+}
+
+/// What a publisher has defined and the world does not have.
+json Commands::left_out(const CommandAsk&, const Arguments& arguments) {
+  constexpr std::size_t kMost = 20;
+  arguments.allow_only({"publisher"});
+  const std::uint64_t publisher = arguments.whole("publisher", 0, std::numeric_limits<std::uint64_t>::max());
+  json objects = json::array();
+  for (const Publishers::LeftOut& object : with_.loop.publishers().left_out(publisher, kMost))
+    objects.push_back({{"name", object.name}, {"why", object.why}});
+  return {{"objects", objects}, {"version", with_.loop.world().newest()->version}};
 }
 
 // ---- commands that change the world

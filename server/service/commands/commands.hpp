@@ -78,6 +78,7 @@ class Commands {
     LoadOptions options;
     std::vector<Aabb> covers;
     bool replace = false;
+    bool is_moving = false;                 // its objects take poses
     bool is_durable = false;                // refused where it cannot be kept
     std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
   };
@@ -103,6 +104,7 @@ class Commands {
   nlohmann::json steps(const Arguments& arguments) const;
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);

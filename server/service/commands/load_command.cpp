@@ -36,7 +36,7 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign", "covers", "crc32", "durable", "solid"});
+                        "foreign", "covers", "crc32", "durable", "solid", "moving", "packages"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -44,6 +44,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   const std::string up = arguments.text("up");
   load.options.strict = arguments.truth("strict", false);
   load.replace = arguments.truth("replace", false);
+  load.is_moving = arguments.truth("moving", false);
   if (load.path.empty()) throw BadCommand("load: without a path");
   if (!load.options.name.empty() && !is_good_name(load.options.name))
     throw BadCommand("load: the name is too long or not text");
@@ -54,6 +55,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
   if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
   load.options.srdf = arguments.text("srdf");
+  load.options.packages = arguments.texts("packages");
   load.options.solid = arguments.text("solid");
   load.options.is_foreign = arguments.truth("foreign", false);
   load.covers = arguments.boxes("covers");
@@ -177,6 +179,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
     with_.loop.note_change();
   }
   loaded.indexed.geometry->source = load.ask.text;
+  loaded.indexed.scene.is_moving = load.is_moving;
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (!load.covers.empty()) world.state_covers(scene.name, load.covers);

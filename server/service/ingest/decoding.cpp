@@ -21,6 +21,7 @@ std::unique_ptr<DefinitionSample> decoded(const wire::Definition& from) {
   std::copy_n(from.orientation, 4, std::copy_n(from.position, 3, sample->pose.begin()));
   const auto shape = dds::view(from.shape);
   sample->shape_bytes.assign(shape.begin(), shape.end());
+  sample->claims = !from.removed && shape.empty();
   return sample;
 }
 

@@ -122,7 +122,7 @@ std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) c
     return fmt::format("lost policy {}; allowed 0 to 2", sample.lost_policy);
   }
   if (const auto* refusal = std::get_if<Refusal>(&sample.shape)) return refusal->reason;
-  if (std::get<Shape>(sample.shape).empty()) return "its shape is empty";
+  if (!sample.claims && std::get<Shape>(sample.shape).empty()) return "its shape is empty";
   const std::variant<Pose, Refusal> pose = checked_pose(sample.pose);
   if (const auto* refusal = std::get_if<Refusal>(&pose)) return refusal->reason;
   return std::nullopt;
@@ -140,6 +140,8 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   }
   if (const std::optional<std::string> reason = why_bad(sample)) {
     ++counts_.definitions_refused;
+    record.described->definition.name = sample.name;
+    record.described->why_left_out = *reason;
     notice(fmt::format("object {} of publisher {} refused: {}. Refused so far: {}.", printable(sample.name),
                        printable(publisher.name), *reason, counts_.definitions_refused));
     return;
@@ -148,70 +150,127 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   const bool renamed = record.place == Place::in_world && record.described->definition.name != sample.name;
   leave(record, renamed ? EndReason::removed : EndReason::geometry_changed);
   record.pose = std::get<Pose>(checked_pose(sample.pose));
-  record.moving = sample.moving;
+  record.moving = sample.moving || sample.claims;
+  record.is_claim = sample.claims;
   record.described->definition = {.name = sample.name,
                                   .scene = {},
                                   .shape = std::move(std::get<Shape>(sample.shape)),
                                   .pose = record.pose,
                                   .filter = sample.filter,
-                                  .moving = sample.moving,
+                                  .moving = record.moving,
                                   .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
                                   .publisher = publisher.id};
   record.has_velocity = false;
   enter(publisher, record);
 }
 
-/// Puts a defined object into the world, or lets it wait until its name is free.
+/// Puts a defined object into the world, or lets it wait until its name is free. A claim takes over the object of that
+/// name, or waits for one.
 void Publishers::enter(Publisher& publisher, Record& record) {
   ObjectDefinition& definition = record.described->definition;
   definition.pose = record.pose;
-  const std::string& name = definition.name;
-  if (const std::optional<ObjectId> owner = world_.find(name); owner && !give_way(*owner)) {
-    if (record.place != Place::waits_for_name) {
-      record.place = Place::waits_for_name;
-      waiting_.emplace_back(publisher.id, record.number);
-      ++counts_.name_conflicts;
-      notice(fmt::format(
-          "object {} of publisher {} waits: the name is taken, and the first keeps it. Conflicts so far: {}.",
-          printable(name), printable(publisher.name), counts_.name_conflicts));
-    }
-    return;
-  }
-  const std::variant<ObjectId, Refusal> defined = world_.define(definition);
+  make_lost_give_way(definition.name);
+  if (std::string why = why_waits(record); !why.empty()) return wait(publisher, record, std::move(why));
+  const std::variant<ObjectId, Refusal> defined =
+      record.is_claim ? take_over(*world_.find(definition.name), definition) : world_.define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) {
     record.place = Place::gone;
+    record.described->why_left_out = refusal->reason;
     ++counts_.definitions_refused;
-    notice(fmt::format("object {} of publisher {} refused: {}. Refused so far: {}.", printable(name),
+    notice(fmt::format("object {} of publisher {} refused: {}. Refused so far: {}.", printable(definition.name),
                        printable(publisher.name), refusal->reason, counts_.definitions_refused));
     return;
   }
   record.place = Place::in_world;
+  record.described->why_left_out.clear();
   record.id = std::get<ObjectId>(defined);
   record.touched_step = step_;
+  if (record.is_claim) claims_.emplace_back(publisher.id, record.number);
   ++changes_;
   ++counts_.definitions_applied;
 }
 
-/// Removes the object of a lost publisher for one of the same name; mostly it is the same program, restarted.
-bool Publishers::give_way(ObjectId owner) {
-  const ObjectInfo* info = world_.info(owner);
+/// What keeps the object out of the world for now; empty: nothing.
+std::string Publishers::why_waits(const Record& record) const {
+  const std::optional<ObjectId> holder = world_.find(record.described->definition.name);
+  const ObjectInfo* const info = holder ? world_.info(*holder) : nullptr;
+  if (!record.is_claim && info == nullptr) return {};
+  if (info == nullptr) return "nothing of that name is in the world, to be claimed";
+  const Publisher* const owner = info->publisher == 0 ? nullptr : find(info->publisher);
+  if (owner != nullptr) return fmt::format("the name is taken, by publisher {}", printable(owner->name));
+  if (record.is_claim && info->scene_part != kNoScenePart)
+    return fmt::format("it is a part of the mesh of scene {}, which stands still", printable(info->scene));
+  if (record.is_claim && !info->moving) return "it was added as static; a scene is to be loaded as moving";
+  if (record.is_claim) return {};
+  return info->scene.empty() ? std::string("the name is taken")
+                             : fmt::format("the name is taken, by scene {}", printable(info->scene));
+}
+
+void Publishers::wait(const Publisher& publisher, Record& record, std::string why) {
+  record.described->why_left_out = std::move(why);
+  if (record.place == Place::waits_for_name) return;
+  record.place = Place::waits_for_name;
+  waiting_.emplace_back(publisher.id, record.number);
+  ++counts_.name_conflicts;
+  notice(fmt::format("object {} of publisher {} waits: {}. Conflicts so far: {}.",
+                     printable(record.described->definition.name), printable(publisher.name),
+                     record.described->why_left_out, counts_.name_conflicts));
+}
+
+/// Removes the object of a lost publisher for one of the same name; mostly it is the same program, restarted. One that
+/// it had claimed goes back to the world.
+void Publishers::make_lost_give_way(std::string_view name) {
+  const std::optional<ObjectId> owner = world_.find(name);
+  const ObjectInfo* info = owner ? world_.info(*owner) : nullptr;
   Publisher* publisher = info && info->publisher != 0 ? find(info->publisher) : nullptr;
-  if (!publisher || !publisher->lost) return false;
+  if (!publisher || !publisher->lost) return;
   for (Record& record : publisher->objects.records()) {
-    if (record.place != Place::in_world || record.id != owner) continue;
+    if (record.place != Place::in_world || record.id != *owner) continue;
     leave(record, EndReason::publisher_lost);
     record.place = Place::taken_away;
-    return true;
+    return;
   }
-  return false;
+}
+
+/// Defines an object that the world has again, as one of the publisher: shape, filter and scene stay.
+std::variant<ObjectId, Refusal> Publishers::take_over(ObjectId there, ObjectDefinition& definition) {
+  ObjectDefinition taken = definition_of(*world_.info(there), definition.pose);
+  taken.lost_policy = definition.lost_policy;
+  taken.publisher = definition.publisher;
+  definition = std::move(taken);
+  world_.remove(there, EndReason::geometry_changed);
+  return world_.define(definition);
+}
+
+/// The claimed object stays where it is, without a publisher.
+void Publishers::give_back(const Record& record, EndReason reason) {
+  const ObjectInfo* const info = world_.info(record.id);
+  if (info == nullptr) return;  // a command has removed it
+  ObjectDefinition released = definition_of(*info, record.pose);
+  released.publisher = 0;
+  world_.remove(record.id, reason);
+  world_.define(released);  // its name and its place are free: it had them
 }
 
 void Publishers::leave(Record& record, EndReason reason) {
   if (record.place != Place::in_world) return;
-  world_.remove(record.id, reason);
+  if (record.is_claim) give_back(record, reason);
+  else world_.remove(record.id, reason);
   record.place = Place::gone;
   record.id = 0;
   ++changes_;
+}
+
+/// A claim outlives its object: what a command has removed may come again with its scene.
+void Publishers::find_lost_claims() {
+  std::erase_if(claims_, [this](const auto& claim) {
+    Publisher* publisher = find(claim.first);
+    Record* record = publisher ? publisher->objects.find(claim.second) : nullptr;
+    if (!record || record->place != Place::in_world || !record->is_claim) return true;
+    if (world_.info(record->id) != nullptr) return false;
+    wait(*publisher, *record, why_waits(*record));
+    return true;
+  });
 }
 
 void Publishers::retry_names() {
@@ -485,6 +544,18 @@ std::vector<std::uint64_t> Publishers::waiting_for(std::string_view name) const 
       waiting.push_back(id);
   }
   return waiting;
+}
+
+std::vector<Publishers::LeftOut> Publishers::left_out(std::uint64_t id, std::size_t most) const {
+  std::vector<LeftOut> objects;
+  const Publisher* const publisher = find(id);
+  if (publisher == nullptr) return objects;
+  for (const Record& record : publisher->objects.records()) {
+    if (record.described->why_left_out.empty()) continue;
+    if (objects.size() == most) break;
+    objects.push_back({record.described->definition.name, record.described->why_left_out});
+  }
+  return objects;
 }
 
 }  // namespace collided::engine::service

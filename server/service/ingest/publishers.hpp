@@ -34,7 +34,7 @@ struct PublisherCounts {
   std::uint64_t definitions_applied = 0;
   std::uint64_t definitions_late = 0;  // older than what is known, or a repetition
   std::uint64_t definitions_refused = 0;
-  std::uint64_t name_conflicts = 0;  // definitions that wait until their name is free
+  std::uint64_t name_conflicts = 0;  // definitions that wait until their name is free, or is there to be claimed
   std::uint64_t batches_applied = 0;
   std::uint64_t batches_parked = 0;   // waited, or still wait, for definitions
   std::uint64_t batches_dropped = 0;  // the oldest parked ones, beyond the limit
@@ -67,7 +67,8 @@ struct PublisherView {
 
 /// Turns what publishers send into changes of the world. Finds objects by (publisher, object number), orders samples by
 /// (incarnation, sequence), settles which object has a name that two want, and follows publishers that die and come
-/// back. Knows nothing of DDS.
+/// back. A definition without a shape claims an object that is in the world without a publisher: the publisher moves it,
+/// and gives it back where it stands instead of removing it. Knows nothing of DDS.
 ///
 /// threads  the one that writes the world
 /// Always: a record is `in_world` while its object is in the world, and stays so if a command removes that object.
@@ -112,6 +113,13 @@ class Publishers {
   std::optional<std::array<double, 6>> velocity(ObjectId id) const;
   /// The publishers whose object of this name waits, since another object has the name.
   std::vector<std::uint64_t> waiting_for(std::string_view name) const;
+  /// An object of a publisher that is not in the world as it was defined last, and why.
+  struct LeftOut {
+    std::string name;
+    std::string why;
+  };
+  /// Those of a publisher, at most `most`, by object number as they came.
+  std::vector<LeftOut> left_out(std::uint64_t publisher, std::size_t most) const;
 
   /// Visits every publisher, ascending by number, but those that removed all their objects before they left.
   template <class Visit>
@@ -124,19 +132,22 @@ class Publishers {
   void list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const;
 
  private:
-  /// Where a record's object is. gone: removed, or never accepted. waits_for_name: another object has its name.
+  /// Where a record's object is. gone: removed, or never accepted. waits_for_name: another object has its name, or none
+  /// that could be claimed.
   /// taken_away: it left the world with its lost publisher and returns with it.
   enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
   /// What a pose without a velocity does not touch; apart, so that a Record stays small.
   struct Described {
     ObjectDefinition definition;  // its pose is that of the record, which is newer
     std::array<double, 6> velocity{};
+    std::string why_left_out;  // of the newest definition; empty: it is in the world
   };
   /// One object of a publisher. Two cache lines: that is all that a pose touches here.
   struct alignas(64) Record {
     Place place = Place::gone;
     bool has_velocity = false;
     bool moving = false;
+    bool is_claim = false;  // of an object that the world had; it goes back there instead of leaving
     std::uint32_t number = 0;
     std::uint64_t definition_sequence = 0;
     std::uint64_t pose_sequence = 0;
@@ -178,7 +189,12 @@ class Publishers {
   std::optional<std::string> why_bad(const DefinitionSample& sample) const;
   void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
   void enter(Publisher& publisher, Record& record);
-  bool give_way(ObjectId owner);
+  void make_lost_give_way(std::string_view name);
+  std::string why_waits(const Record& record) const;
+  void wait(const Publisher& publisher, Record& record, std::string why);
+  std::variant<ObjectId, Refusal> take_over(ObjectId there, ObjectDefinition& definition);
+  void give_back(const Record& record, EndReason reason);
+  void find_lost_claims();
   void leave(Record& record, EndReason reason);
   void retry_names();
   void forget_lost(std::int64_t now_ns);
@@ -202,6 +218,7 @@ class Publishers {
   std::size_t record_count_ = 0;  // of all publishers, removed objects included
   std::size_t parked_count_ = 0;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting_;  // for a name: publisher, object number
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> claims_;   // likewise: objects that were taken over
   std::vector<std::string> notices_;
   std::uint64_t unsaid_ = 0;  // notices beyond the limit
 

@@ -66,6 +66,7 @@ void Publishers::forget_lost(std::int64_t now_ns) {
 }
 
 void Publishers::settle(std::int64_t now_ns) {
+  if (!claims_.empty()) find_lost_claims();
   if (!waiting_.empty()) retry_names();
   for (auto& [id, publisher] : publishers_) publisher->watermark.settle(now_ns);
   forget_lost(now_ns);

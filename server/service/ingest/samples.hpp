@@ -28,6 +28,7 @@ struct DefinitionSample {
   std::array<double, 7> pose{0, 0, 0, 1, 0, 0, 0};  // m; then w x y z
   std::vector<std::uint8_t> shape_bytes;            // as received
   std::variant<Shape, Refusal> shape;               // decoded on the world's thread, or the reason why it cannot be
+  bool claims = false;                              // without a shape: an object that is there is to be taken over
 };
 
 /// A PoseBatch of collided.idl, copied from the wire. Its vectors are reused from batch to batch.

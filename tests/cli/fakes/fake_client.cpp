@@ -256,6 +256,9 @@ Result<Publisher::Object> Publisher::add(const ObjectOptions& options) {
   objects[handle] = options;
   return handle;
 }
+Result<Publisher::Object> Publisher::claim(const std::string& name, const Pose& pose, LostPolicy lost_policy) {
+  return add({.name = name, .pose = pose, .lost_policy = lost_policy});
+}
 Result<void> Publisher::remove(Object object) {
   fake::server().publishers[state_->index].objects.erase(object);
   return {};
@@ -277,7 +280,10 @@ Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
 }
 void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
 Result<void> Publisher::keep_alive() { return {}; }
-Result<void> Publisher::wait_applied(std::chrono::nanoseconds) { return {}; }
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds) {
+  const std::optional<Error>& left_out = fake::server().left_out;
+  return left_out ? Result<void>(*left_out) : Result<void>();
+}
 
 std::string_view library_version() { return "0.1.0"; }
 

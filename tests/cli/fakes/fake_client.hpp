@@ -49,6 +49,7 @@ struct Server {
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way
+  std::optional<Error> left_out;                  // what waiting for a publisher's samples says
   std::optional<Error> ask_error;
 
   std::string recorded_to;

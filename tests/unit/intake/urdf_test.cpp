@@ -116,20 +116,28 @@ TEST(IntakeUrdf, PackagesAreFoundWhereRosSaysTheyAre) {
     std::ofstream(robot) << "<robot name='r'><link name='l'><collision><geometry><mesh filename='" << mesh
                          << "'/></geometry></collision></link></robot>";
   };
+  LoadOptions options;
   const auto complaint_about = [&](const std::string& mesh) -> std::string {
     write(mesh);
     LoadReport report;
     try {
-      load_scene(robot, {}, report);
+      load_scene(robot, options, report);
       return "";
     } catch (const LoadError& error) { return error.what(); }
   };
   const std::string in_sources = "package://arm_description/meshes/t.obj";
-  EXPECT_EQ(
-      complaint_about(in_sources),
-      "r.urdf: 1 mesh file is not there, the first is 'package://arm_description/meshes/t.obj'; looked in the "
-      "robot's folder and the 3 above it; set ROS_PACKAGE_PATH, where the server starts, to the folder that holds "
-      "arm_description. Nothing was loaded.");
+  EXPECT_EQ(complaint_about(in_sources),
+            "r.urdf: 1 mesh file is not there, the first is 'package://arm_description/meshes/t.obj'; looked in the "
+            "robot's folder and the 3 above it; say where it is, --package arm_description=DIR, or set "
+            "ROS_PACKAGE_PATH, where "
+            "the server starts, to the folder that holds it. Nothing was loaded.");
+  options.packages = {"arm_description=" + (root / "sources/arm_description").string()};
+  EXPECT_EQ(complaint_about(in_sources), "");
+  EXPECT_NE(complaint_about("package://other_description/meshes/t.obj"), "") << "it is for that package";
+  EXPECT_NE(complaint_about("package://arm_description/../arm_description/meshes/t.obj"), "");
+  options.packages = {"arm_description"};
+  EXPECT_EQ(complaint_about(in_sources), "package 'arm_description': it is to be NAME=DIR. Nothing was loaded.");
+  options.packages = {};
   ::setenv("ROS_PACKAGE_PATH", ("/nowhere:" + (root / "sources").string()).c_str(), 1);
   EXPECT_EQ(complaint_about(in_sources), "");
   ::setenv("ROS_PACKAGE_PATH", (root / "sources/arm_description").string().c_str(), 1);

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <collided/robot.hpp>
+
+#include "client/cli/input/line_reader.hpp"
+
+namespace collided::cli {
+
+/// A row of joint positions.
+struct JointRow {
+  std::optional<double> time_s;
+  std::vector<JointValue> joints;
+};
+
+/// Reads rows of joint positions from a file with a header: t and the names of joints, in any order, separated by commas
+/// or blanks; t may be missing. Radians and metres, or with a unit (30deg). A joint whose cell is empty stays. One
+/// thread.
+class JointCsv {
+ public:
+  enum class Found { row, refused, end };
+
+  /// robot  whose joints the header may name; must outlive this
+  JointCsv(const InputFile& file, const Robot& robot) : file_(file), robot_(robot), lines_(file.descriptor()) {}
+
+  /// Reads the next row. Where it is refused, `refusal` says why: "joints.csv line 7: 'nan' in column elbow". Throws
+  /// Failure where the header names no joint of the robot, or one twice.
+  Found next(JointRow& row, std::string& refusal);
+  /// Whether rows have times; known once a row was read.
+  bool has_time() const { return has_time_; }
+  std::size_t line_number() const { return lines_.line_number(); }
+
+ private:
+  void take_header();
+  void read(JointRow& row);
+
+  const InputFile& file_;
+  const Robot& robot_;
+  LineReader lines_;
+  bool started_ = false;
+  bool has_time_ = false;
+  char separator_ = ',';
+  std::vector<std::optional<std::size_t>> joint_of_cell_;  // none: the time
+  std::string text_;
+  std::vector<std::string> cells_;
+};
+
+}  // namespace collided::cli

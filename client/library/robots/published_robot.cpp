@@ -1,0 +1,59 @@
+#include <unordered_set>
+
+#include "client/library/connection/errors.hpp"
+#include "collided/robot.hpp"
+
+namespace collided {
+
+PublishedRobot::PublishedRobot(Robot robot, const PublishedRobotOptions& options)
+    : robot_(std::move(robot)), options_(options), positions_(robot_.joints().size()) {}
+
+Result<PublishedRobot> PublishedRobot::claim(Client& client, Publisher& publisher, Robot robot,
+                                             const PublishedRobotOptions& options) {
+  PublishedRobot made(std::move(robot), options);
+  const std::string scene = options.scene.empty() ? made.robot_.name() : options.scene;
+  const Result<ObjectList> listed = client.list({.name = scene + "/*", .limit = 1'000'000});
+  if (!listed) return listed.error();
+  std::unordered_set<std::string> there;
+  for (const ListedObject& object : listed->objects) there.insert(object.name);
+  const Result<std::vector<std::string>> set = made.robot_.set(options.joints, made.positions_, options.beyond_limits);
+  if (!set) return set.error();
+  const std::vector<Pose> poses = made.robot_.link_poses(made.positions_, options.base);
+  for (std::size_t link = 0; link < poses.size(); ++link) {
+    const std::string name = scene + "/" + made.robot_.links()[link];
+    if (!there.contains(name)) continue;
+    const Result<Publisher::Object> object = publisher.claim(name, poses[link], options.lost_policy);
+    if (!object) return object.error();
+    made.objects_.push_back({link, *object});
+  }
+  if (made.objects_.empty()) {
+    return Error{ErrorCode::refused,
+                 "no link of robot '" + made.robot_.name() + "' is in the world as '" + scene + "/LINK'",
+                 "load it as a scene that moves: collide load FILE --moving"};
+  }
+  if (const Result<void> applied = publisher.wait_applied(std::chrono::seconds(5)); !applied) return applied.error();
+  return made;
+}
+
+Result<std::vector<std::string>> PublishedRobot::set_joints(Publisher& publisher, std::span<const JointValue> values,
+                                                            bool teleport) {
+  Result<std::vector<std::string>> warnings = robot_.set(values, positions_, options_.beyond_limits);
+  if (!warnings) return warnings;
+  if (const Result<void> moved = move_links(publisher, teleport); !moved) return moved.error();
+  return warnings;
+}
+
+Result<void> PublishedRobot::set_base(Publisher& publisher, const Pose& base) {
+  options_.base = base;
+  return move_links(publisher, false);
+}
+
+Result<void> PublishedRobot::move_links(Publisher& publisher, bool teleport) {
+  const std::vector<Pose> poses = robot_.link_poses(positions_, options_.base);
+  for (const ClaimedLink& link : objects_) {
+    if (Result<void> moved = publisher.move(link.object, poses[link.link], teleport); !moved) return moved;
+  }
+  return {};
+}
+
+}  // namespace collided
