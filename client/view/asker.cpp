@@ -49,6 +49,12 @@ std::string Asker::answer(const PageQuestion& question) {
     if (!answers) return refused_text(question.id, answers.error().message);
     return ray_answer_text(question.id, *ray, answers->answers.front());
   }
+  if (const auto* object = std::get_if<ObjectOfName>(&question.what))
+    return object_answer_text(question.id, client_.get(object->name));
+  if (std::holds_alternative<Owners>(question.what)) {
+    constexpr std::uint64_t kMostListed = 100'000;
+    return owners_answer_text(question.id, client_.list({.moving = true, .limit = kMostListed}));
+  }
   const auto& pair = std::get<PairOfNames>(question.what);
   return pair_answer_text(question.id, pair.a, pair.b, client_.pair(pair.a, pair.b));
 }

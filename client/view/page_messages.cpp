@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -91,6 +92,8 @@ json object_text(const ShownObject& object) {
           {"moving", object.moving},
           {"stale", object.stale},
           {"layers", object.layers},
+          {"mask", object.mask},
+          {"group", object.group},
           {"pose", pose},
           {"parts", parts},
           {"runs", runs}};
@@ -290,13 +293,17 @@ std::string contacts_text(std::span<const Event> contacts, std::size_t most) {
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent) {
   json publishers = json::array();
   for (const PublisherInfo& publisher : status.publishers) {
-    publishers.push_back({{"name", publisher.name}, {"silent", seconds(publisher.silent)}, {"lost", publisher.lost}});
+    publishers.push_back({{"name", publisher.name},
+                          {"messages", publisher.applied_sequence},
+                          {"silent", seconds(publisher.silent)},
+                          {"lost", publisher.lost}});
   }
   json text{{"type", "status"},
             {"state", status.state},
             {"version_text", status.version_text},
             {"pid", status.pid},
             {"namespace", status.name_space},
+            {"in_doubt", recent ? json(recent->in_doubt) : json(nullptr)},
             {"epoch", status.epoch},
             {"world", status.version},
             {"world_time", seconds(status.world_time)},
@@ -351,6 +358,52 @@ std::string pair_answer_text(double id, const std::string& a, const std::string&
     text["on_b"] = numbers(answer->on_b);
   }
   return text_of(text);
+}
+
+std::string object_answer_text(double id, const Result<ObjectDetails>& object) {
+  if (!object) return refused_text(id, object.error().message);
+  json text{{"type", "answer"},
+            {"ask", "object"},
+            {"id", id},
+            {"name", object->name},
+            {"kind", object->kind},
+            {"moving", object->moving},
+            {"scene", object->scene},
+            {"publisher", object->publisher},
+            {"layers", object->layers},
+            {"mask", object->mask},
+            {"group", object->group},
+            {"triangles", object->triangles},
+            {"stale", object->stale},
+            {"solid", object->solid},
+            {"bounds", {numbers(object->bounds[0]), numbers(object->bounds[1])}},
+            {"contacts", object->contacts}};
+  if (object->age) text["age"] = seconds(*object->age);
+  if (object->pose) {
+    json pose = json::array();
+    append(pose, object->pose->position);
+    append(pose, object->pose->rotation);
+    text["pose"] = std::move(pose);
+  }
+  return text_of(text);
+}
+
+std::string owners_answer_text(double id, const Result<ObjectList>& moving) {
+  if (!moving) return refused_text(id, moving.error().message);
+  std::map<std::string_view, json> slots;
+  for (const ListedObject& object : moving->objects) slots[object.publisher].push_back(slot_of(object.id));
+  json owners = json::array();
+  for (auto& [publisher, of] : slots) owners.push_back({{"publisher", publisher}, {"slots", std::move(of)}});
+  return text_of({{"type", "answer"},
+                  {"ask", "owners"},
+                  {"id", id},
+                  {"owners", owners},
+                  {"left_out", moving->count - std::min<std::uint64_t>(moving->count, moving->objects.size())}});
+}
+
+std::string hello_text(bool y_is_up, std::string_view connection) {
+  return text_of(
+      {{"type", "hello"}, {"version", library_version()}, {"up", y_is_up ? "y" : "z"}, {"connection", connection}});
 }
 
 std::string refused_text(double id, std::string_view why) {

@@ -17,8 +17,8 @@ namespace collided::view {
 /// An object's slot in the server's table, by which the page knows it for as long as the table stays the same.
 inline std::uint32_t slot_of(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
-/// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, pose [7],
-///  parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}.
+/// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, mask,
+///  group, pose [7], parts [[kind, numbers ...]], runs [[surface, first triangle, triangles]]}]}.
 /// Kinds and their numbers: sphere 0 (centre, radius), box 1 and ellipsoid 5 (centre, qw qx qy qz, half sizes),
 /// capsule 2, cylinder 3, cone 4 (end, end, radius), half-space 6 (point, normal). A surface's number is a text, since
 /// it has 64 bits.
@@ -53,6 +53,17 @@ std::string ray_answer_text(double id, const RayQuestion& asked, const Result<An
 
 /// {type "answer", id, ask "pair", a, b, answer, distance or depth, error, on_a, on_b}.
 std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer);
+
+/// {type "answer", id, ask "object", name, kind, moving, scene, publisher, layers, mask, group, triangles, stale, solid,
+///  pose [7], bounds [low, high], age (s), contacts [names]}; pose and age only where there are any.
+std::string object_answer_text(double id, const Result<ObjectDetails>& object);
+
+/// {type "answer", id, ask "owners", owners [{publisher, slots []}], left_out}: the moving objects by their publishers;
+/// "" is the publisher of those that a client added.
+std::string owners_answer_text(double id, const Result<ObjectList>& moving);
+
+/// {type "hello", version, up ("y" or "z"), connection (options of `collide` that lead to this server)}
+std::string hello_text(bool y_is_up, std::string_view connection);
 
 /// {type "refused", id, why}
 std::string refused_text(double id, std::string_view why);

@@ -57,6 +57,12 @@ std::optional<PageQuestion> parse_page_question(std::string_view text) {
     if (!a || !b) return std::nullopt;
     return PageQuestion{*id, PairOfNames{std::move(*a), std::move(*b)}};
   }
+  if (*ask == "object") {
+    std::optional<std::string> of = name(question, "name");
+    if (!of) return std::nullopt;
+    return PageQuestion{*id, ObjectOfName{std::move(*of)}};
+  }
+  if (*ask == "owners") return PageQuestion{*id, Owners{}};
   return std::nullopt;
 }
 

@@ -15,10 +15,19 @@ struct PairOfNames {
   std::string b;
 };
 
-/// A question of the page: {"ask": "ray", "id", "origin": [3], "direction": [3]} or {"ask": "pair", "id", "a", "b"}.
+/// An object, in full.
+struct ObjectOfName {
+  std::string name;
+};
+
+/// Which publisher moves what.
+struct Owners {};
+
+/// A question of the page: {"ask": "ray", "id", "origin": [3], "direction": [3]}, {"ask": "pair", "id", "a", "b"},
+/// {"ask": "object", "id", "name"} or {"ask": "owners", "id"}.
 struct PageQuestion {
   double id = 0;  // the page's number for it, repeated in the answer
-  std::variant<RayQuestion, PairOfNames> what;
+  std::variant<RayQuestion, PairOfNames, ObjectOfName, Owners> what;
 };
 
 /// Reads a question from untrusted text. Nothing where it is not JSON, a member is missing or of another type, a number

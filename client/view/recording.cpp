@@ -10,6 +10,7 @@
 
 #include "client/view/assets.hpp"
 #include "client/view/page_feed.hpp"
+#include "client/view/page_messages.hpp"
 
 namespace collided::view {
 namespace {
@@ -72,7 +73,7 @@ class Recorder {
     const std::lock_guard lock(mutex_);
     return bytes_ >= most_bytes_;
   }
-  SavedRun finish(bool y_is_up) &&;
+  SavedRun finish(const RecordingOptions& options) &&;
 
  private:
   struct SavedMessage {
@@ -128,14 +129,13 @@ void Recorder::keep(const char* kind, std::string data) {
   messages_.push_back({at_s, kind, std::move(data)});
 }
 
-SavedRun Recorder::finish(bool y_is_up) && {
+SavedRun Recorder::finish(const RecordingOptions& options) && {
   const std::lock_guard lock(mutex_);
   SavedRun saved;
   saved.is_full = bytes_ >= most_bytes_;
   saved.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
   json messages = json::array();
-  const json hello{{"type", "hello"}, {"version", library_version()}, {"up", y_is_up ? "y" : "z"}};
-  messages.push_back({{"t", 0}, {"kind", "text"}, {"data", hello.dump()}});
+  messages.push_back({{"t", 0}, {"kind", "text"}, {"data", hello_text(options.y_is_up, options.connection)}});
   for (const SavedMessage& message : messages_) {
     const bool is_text = std::string_view(message.kind) == "text";
     saved.frames += std::string_view(message.kind) == "poses" ? 1 : 0;
@@ -167,7 +167,7 @@ Result<SavedRun> record_run(Client& client, const RecordingOptions& options) {
   constexpr std::chrono::milliseconds kLook{50};
   while (Clock::now() < end && !options.is_stopped() && !recorder.is_full()) std::this_thread::sleep_for(kLook);
   follower->reset();
-  return std::move(recorder).finish(options.y_is_up);
+  return std::move(recorder).finish(options);
 }
 
 }  // namespace collided::view

@@ -14,6 +14,7 @@ struct RecordingOptions {
   std::chrono::nanoseconds length{30'000'000'000};
   std::size_t most_bytes = std::size_t{256} << 20;  // compressed; a recording that reaches it ends
   bool y_is_up = false;
+  std::string connection = {};  // as in ViewerOptions
   std::function<bool()> is_stopped;
 };
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "client/view/assets.hpp"
 #include "client/view/page_messages.hpp"
 
@@ -13,11 +11,6 @@ namespace {
 constexpr std::string_view kLive = "/live";
 constexpr std::string_view kMetrics = "/metrics";
 constexpr std::string_view kDrawing = "/drawing.svg";
-
-std::string hello_text(const ViewerOptions& options) {
-  const nlohmann::json hello{{"type", "hello"}, {"version", library_version()}, {"up", options.y_is_up ? "y" : "z"}};
-  return hello.dump();
-}
 
 RequestRules rules_of(const ViewerOptions& options) {
   RequestRules rules = options.rules;
@@ -40,7 +33,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Client& client, const ViewerOption
 
 Viewer::Viewer(Client& client, const ViewerOptions& options)
     : rules_(rules_of(options)),
-      hello_(hello_text(options)),
+      hello_(hello_text(options.y_is_up, options.connection)),
       feed_([this](const WebMessage& message) { tell_pages(message); }),
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
   for (const Asset& asset : assets())

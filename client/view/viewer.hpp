@@ -23,6 +23,7 @@ struct ViewerOptions {
   RequestRules rules{};
   WebLimits limits{};
   bool y_is_up = false;
+  std::string connection = {};  // options of `collide` that lead to this server, for the commands that the page shows
 };
 
 /// Shows a server live in browsers and to programs that speak Foxglove's protocol. It follows the server as a client,

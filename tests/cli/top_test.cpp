@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "client/cli/output/top_keys.hpp"
+#include "client/cli/output/wrapping.hpp"
 #include "client/view/figures.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
@@ -147,9 +149,141 @@ TEST_F(Top, NoLineIsWiderThanTheTerminal) {
 }
 
 // "test 60 %" cut to "test 6" would be another figure.
-TEST_F(Top, ALineIsCutBetweenItsWords) {
-  const Ran ran = at_terminal("top -n 1 --every 10ms", 44);
-  EXPECT_NE(ran.out.find("STAGE  take 2 %  update 0 %  index 18 %…\n"), std::string::npos) << ran.out;
+TEST(TopScreen, ALineIsCutBetweenItsWords) {
+  EXPECT_EQ(cli::cut_between_words("take 2 %  update 0 %  index 18 %  test 60 %", 40),
+            "take 2 %  update 0 %  index 18 %…");
+  EXPECT_EQ(cli::cut_between_words("whole", 5), "whole");
+  EXPECT_EQ(cli::cut_between_words("äöüßx", 4), "äöü…");
+}
+
+/// The lines of the newest screen, without what clears the rest of each.
+std::vector<std::string> newest_screen(const std::string& out) {
+  const std::size_t begin = out.rfind("\x1b[H") + 3;
+  std::string screen = out.substr(begin, out.find("\x1b[J", begin) - begin);
+  std::vector<std::string> lines(1);
+  for (std::size_t at = 0; at < screen.size(); ++at) {
+    if (screen.compare(at, 3, "\x1b[K") == 0) at += 2;
+    else if (screen[at] == '\n') lines.emplace_back();
+    else if (screen[at] != '\r') lines.back() += screen[at];
+  }
+  return lines;
+}
+
+Ran on_screen(const std::string& words, int columns, int rows) {
+  return collide(
+      words,
+      {.out_is_terminal = true,
+       .err_is_terminal = false,
+       .in = {},
+       .environment = {{"NO_COLOR", "1"}, {"COLUMNS", std::to_string(columns)}, {"LINES", std::to_string(rows)}}});
+}
+
+TEST_F(Top, FillsAScreenAndNoMore) {
+  for (const auto& [columns, rows] : {std::pair(80, 24), std::pair(60, 24), std::pair(60, 12), std::pair(200, 50)}) {
+    looks = 0;
+    const Ran ran = on_screen("top -n 1 --every 10ms", columns, rows);
+    const std::vector<std::string> lines = newest_screen(ran.out);
+    EXPECT_EQ(lines.size(), static_cast<std::size_t>(rows)) << columns;
+    for (const std::string& line : lines)
+      EXPECT_LE(cli::columns_of(line), static_cast<std::size_t>(columns)) << columns << ": " << line;
+    EXPECT_TRUE(lines.back().starts_with("q quit")) << lines.back();
+  }
+}
+
+// At 60 columns every figure still is there whole.
+TEST_F(Top, ANarrowScreenHasEveryFigure) {
+  const std::vector<std::string> lines = newest_screen(on_screen("top -n 1 --every 10ms", 60, 24).out);
+  const std::vector<std::string> expected{"collided 0.3 · ready · up 6 s · warehouse · world 18 204",
+                                          "               RATE        P50        P99  HISTORY",
+                                          "ray        12.4 k/s    17.4 us    61.4 us  ⢸",
+                                          "poses         960/s          -          -  ⢸",
+                                          "steps         100/s     410 us     410 us  ⢸",
+                                          "60 objects, 48 moving   7 contacts hold   0 in doubt",
+                                          "candidates 312 a step   undecided 0.25 %   poses lost 2",
+                                          "busy 5 %   take 2 %   update 0 %   index 18 %   test 60 %",
+                                          "publish 20 %",
+                                          "PUBLISHER                       MESSAGES    ▾SILENT  STATE",
+                                          "lift_plc                               -        4 s  silent",
+                                          "walker                                 -      12 ms"};
+  ASSERT_GE(lines.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(lines[i], expected[i]);
+}
+
+cli::Look look_at(std::vector<PublisherInfo> publishers) {
+  cli::Look look;
+  look.figures.up_ns = 2'000'000'000;
+  look.status.publishers = std::move(publishers);
+  return look;
+}
+
+TEST(TopScreen, PublishersAreSortedAndFiltered) {
+  const auto publisher = [](const char* name, std::uint64_t sequence, std::int64_t silent_ms) {
+    return PublisherInfo{
+        .name = name, .applied_sequence = sequence, .silent = std::chrono::milliseconds(silent_ms), .lost = false};
+  };
+  cli::TopHistory history;
+  history.add(look_at({publisher("a", 10, 5), publisher("b_1", 10, 50), publisher("b_2", 10, 20)}));
+  const cli::Look look = look_at({publisher("a", 110, 5), publisher("b_1", 12, 50), publisher("b_2", 412, 20)});
+  history.add(look);
+  EXPECT_EQ(history.messages_per_second("b_2"), 201);
+  const auto order = [&](const cli::TopChoice& choice) {
+    std::string names;
+    for (const std::string& line : cli::top_screen(look, history, choice, {}, 80, 0)) {
+      for (const char* name : {"a ", "b_1 ", "b_2 "})
+        if (line.starts_with(name)) names += name;
+    }
+    return names;
+  };
+  EXPECT_EQ(order({}), "b_1 b_2 a ");
+  EXPECT_EQ(order({.is_reversed = true}), "a b_2 b_1 ");
+  EXPECT_EQ(order({.order = cli::TopOrder::rate}), "b_2 a b_1 ");
+  EXPECT_EQ(order({.order = cli::TopOrder::name}), "a b_1 b_2 ");
+  EXPECT_EQ(order({.filter = "b_?"}), "b_1 b_2 ");
+  EXPECT_EQ(order({.filter = "_2"}), "b_2 ");
+  history.clear();
+  EXPECT_EQ(history.messages_per_second("b_2"), std::nullopt);
+}
+
+// More publishers than there is room for: how many are left out is said.
+TEST(TopScreen, WhatDoesNotFitIsCounted) {
+  std::vector<PublisherInfo> many(40);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i].name = "robot_" + std::to_string(i);
+  const std::vector<std::string> lines = cli::top_screen(look_at(many), {}, {}, {}, 80, 24);
+  ASSERT_EQ(lines.size(), 24U);
+  std::size_t named = 0;
+  for (const std::string& line : lines) named += line.starts_with("robot_") ? 1 : 0;
+  EXPECT_EQ(lines[22], "and " + std::to_string(40 - named) + " more");
+}
+
+TEST(TopScreen, KeysSortFilterAndPause) {
+  cli::TopChoice choice;
+  const auto press = [&](std::string_view keys) {
+    return std::all_of(keys.begin(), keys.end(), [&](char key) { return cli::obey(key, choice); });
+  };
+  EXPECT_TRUE(press("s"));
+  EXPECT_EQ(choice.order, cli::TopOrder::rate);
+  EXPECT_TRUE(press("ss"));
+  EXPECT_EQ(choice.order, cli::TopOrder::age);
+  EXPECT_TRUE(press("r "));
+  EXPECT_TRUE(choice.is_reversed && choice.is_paused);
+  EXPECT_TRUE(press("/q*ä\x7f")) << "while it is typed q is a letter, and a character goes whole";
+  EXPECT_EQ(choice.filter, "q*");
+  EXPECT_TRUE(press("\n"));
+  EXPECT_FALSE(choice.is_typing);
+  EXPECT_EQ(choice.filter, "q*") << "Enter keeps it";
+  EXPECT_TRUE(press("/\x1b"));
+  EXPECT_EQ(choice.filter, "") << "Escape drops it";
+  EXPECT_FALSE(press("q"));
+}
+
+TEST(TopScreen, CurvesAreInHalvesOfCharacters) {
+  EXPECT_EQ(cli::braille_curve({}, 10), "");
+  EXPECT_EQ(cli::braille_curve({0, 4}, 10), "⢸");
+  EXPECT_EQ(cli::braille_curve({1, 2, 3, 4}, 10), "⣠⣾");
+  EXPECT_EQ(cli::braille_curve({4}, 10), "⢸") << "the newest is at the right";
+  EXPECT_EQ(cli::braille_curve({9, 9, 1, 2, 3, 4}, 2), "⣠⣾") << "the older ones have no room";
+  EXPECT_EQ(cli::braille_curve({0, 0.001}, 1), "⢸") << "of the largest";
+  EXPECT_EQ(cli::braille_curve({0.001, 100}, 1), "⣸") << "what is not nothing is seen";
 }
 
 TEST_F(Top, AServerThatFallsSilentIsSaidSo) {

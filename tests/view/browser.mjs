@@ -3,27 +3,12 @@
 // DIR of --modules holds node_modules/playwright-core (npm install --prefix DIR playwright-core); CHROMIUM names the browser.
 // Prints what was measured; exits 0, 1 on the first thing that is wrong, 77 where there is no browser.
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { createRequire } from "node:module";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { cpus, loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
+import { check, launch, picture, until, words } from "./chromium.mjs";
 
-const words = Object.fromEntries(process.argv.slice(2).map((word, at, all) => [word.replace(/^--/, ""), all[at + 1] ?? true]));
 const isLong = process.argv.includes("--long");
-const chromiumPath = process.env.CHROMIUM || "/usr/bin/chromium";
-
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
-if (!existsSync(chromiumPath)) skip(`no browser at ${chromiumPath}; apt-get install chromium`);
-let playwright;
-try {
-  playwright = createRequire(join(words.modules, "x.js"))("playwright-core");
-} catch {
-  skip(`no playwright-core; npm install --prefix ${words.modules} playwright-core`);
-}
-
 const scratch = mkdtempSync(join(tmpdir(), "collided_view_"));
 const environment = { ...process.env, COLLIDED_DOMAIN: String(201 + (process.pid % 30)), COLLIDED_STATE_DIR: scratch, NO_COLOR: "1" };
 const started = [];
@@ -46,20 +31,6 @@ async function stopAll() {
     clearTimeout(timer);
   }
   rmSync(scratch, { recursive: true, force: true });
-}
-
-/// Waits for a condition; its value. Throws with what was waited for when the time is over.
-async function until(what, condition, seconds = 20) {
-  const end = Date.now() + 1000 * seconds;
-  for (;;) {
-    const value = await condition();
-    if (value) return value;
-    if (Date.now() > end) throw new Error(`${what}: not within ${seconds} s`);
-    await new Promise((done) => setTimeout(done, 25));
-  }
-}
-function check(holds, what) {
-  if (!holds) throw new Error(what);
 }
 
 async function startServer() {
@@ -87,10 +58,10 @@ async function moves(page) {
 /// Whether anything but paper is in the picture's middle: parts of its pixels that are ink, tone or accent.
 async function inked(page) {
   return page.evaluate(async () => {
-    collidedPage.isDirty = true;
+    collidedPage.changed();
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     let seen = 0;
-    for (let x = 0.05; x < 0.95; x += 0.05) for (let y = 0.05; y < 0.95; y += 0.05) seen += collidedPage.renderer.pick(x, y) ? 1 : 0;
+    for (let x = 0.05; x < 0.95; x += 0.05) for (let y = 0.05; y < 0.95; y += 0.05) seen += collidedPage.picture.renderer.pick(x, y) ? 1 : 0;
     return seen / (18 * 18);
   });
 }
@@ -125,8 +96,8 @@ async function clicksAreAnswered(page) {
   const places = await page.evaluate(() => {
     const found = [];
     for (let x = 0.1; x < 0.7; x += 0.03) {
-      for (let y = 0.15; y < 0.85; y += 0.03) {
-        const seen = collidedPage.renderer.pick(x, y);
+      for (let y = 0.45; y < 0.85; y += 0.03) {
+        const seen = collidedPage.picture.renderer.pick(x, y);
         const object = seen && collidedPage.world.objects.get(seen.slot);
         if (object && !object.moving) found.push([x, 1 - y, object.name]);
       }
@@ -136,9 +107,11 @@ async function clicksAreAnswered(page) {
   check(places.length > 0, "nothing that stands still is in the picture");
   let equal = 0;
   for (const [x, y] of places.filter((_, i) => i % Math.ceil(places.length / 5) === 0)) {
-    await page.evaluate(() => { collidedPage.lastAnswer = null; });
+    await page.evaluate(() => { collidedPage.asking.lastAnswer = null; });
     await page.mouse.click(canvas.x + x * canvas.width, canvas.y + y * canvas.height);
-    const answer = await until("the click is answered", () => page.evaluate(() => collidedPage.lastAnswer));
+    const answer = await until("the click is answered", () => page.evaluate(() => collidedPage.asking.lastAnswer)).catch(async (failed) => {
+      throw new Error(`${failed.message}; at ${x} ${y}, the page says: ${await page.locator("#answer").textContent()}`);
+    });
     if (answer.answer === "hit" && (await page.evaluate((name) => collidedPage.world.byName.get(name)?.moving, answer.object))) continue;
     const said = collide("ray", ...answer.origin.map(String), ...answer.direction.map(String), "--json");
     const theirs = JSON.parse(said.stdout);
@@ -156,7 +129,7 @@ async function clicksAreAnswered(page) {
 async function namesWhatIsUnderThePointer(page) {
   const canvas = await page.locator("#scene").boundingBox();
   const place = await page.evaluate(() => {
-    for (let x = 0.1; x < 0.7; x += 0.02) for (let y = 0.2; y < 0.8; y += 0.02) if (collidedPage.renderer.pick(x, y)) return [x, 1 - y];
+    for (let x = 0.1; x < 0.7; x += 0.02) for (let y = 0.2; y < 0.8; y += 0.02) if (collidedPage.picture.renderer.pick(x, y)) return [x, 1 - y];
   });
   await page.mouse.move(canvas.x + place[0] * canvas.width, canvas.y + place[1] * canvas.height);
   await until("the label names an object and its distance", async () => / from the eye/.test(await page.locator("#label").textContent()));
@@ -185,7 +158,7 @@ async function showsItsPanels(page) {
   await until("events are listed", () => page.evaluate(() => document.querySelectorAll("#events li").length >= 3));
   await until("stages are shown", () => page.evaluate(() => document.querySelectorAll("#stages .bar").length === 6));
   await until("publishers are shown", async () => /homework/.test(await page.locator("#publishers").textContent()));
-  await until("pairs are drawn", () => page.evaluate(() => collidedPage.panels.matrixText?.split("\n").length >= 3));
+  await until("pairs are drawn", () => page.evaluate(() => collidedPage.matrix.text?.split("\n").length >= 3));
 }
 
 /// Stopped and going on: said, and then shown as before.
@@ -216,13 +189,13 @@ async function survivesARestart(page, server) {
 async function drawsManyInTime(page, crowd) {
   await until("the crowd is there", () => page.evaluate((count) => collidedPage.world.objects.size > count, crowd), 30);
   await moves(page);
-  await page.evaluate(() => { collidedPage.frames.length = 0; });
-  await until("pictures are drawn", () => page.evaluate(() => collidedPage.frames.length >= 60), 40);
+  await page.evaluate(() => { collidedPage.picture.frames.length = 0; });
+  await until("pictures are drawn", () => page.evaluate(() => collidedPage.picture.frames.length >= 60), 40);
   const { median, worst, sharpness, graphics } = await page.evaluate(() => {
-    const frames = collidedPage.frames.slice(-40).sort((a, b) => a - b);
-    const gl = collidedPage.renderer.gl;
+    const frames = collidedPage.picture.frames.slice(-40).sort((a, b) => a - b);
+    const gl = collidedPage.picture.renderer.gl;
     const told = gl.getExtension("WEBGL_debug_renderer_info");
-    return { median: frames[20], worst: frames.at(-2), sharpness: collidedPage.renderer.sharpness, graphics: told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "?" };
+    return { median: frames[20], worst: frames.at(-2), sharpness: collidedPage.picture.motionSharpness, graphics: told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "?" };
   });
   const isSoftware = /swiftshader|llvmpipe|software/i.test(graphics);
   console.log(`crowd: ${crowd} objects, ${median.toFixed(0)} ms a picture (median), ${worst.toFixed(0)} ms worst but one, sharpness ${sharpness.toFixed(2)}, ${graphics}`);
@@ -241,10 +214,13 @@ async function savedRunsPlay(browser) {
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("request", (request) => { if (!/^(file|data|blob):/.test(request.url())) wrong.push(`asks for ${request.url()}`); });
   await page.goto(`file://${file}`);
-  await until("the saved run is there", () => page.evaluate(() => collidedPage.world.objects.size > 30 && collidedPage.world.worldTime > 0));
+  await until("the saved run is there", () => page.evaluate(() => collidedPage.isUnpacked && collidedPage.world.objects.size > 30 && collidedPage.world.worldTime > 0));
   const places = [];
   for (const at of [0.3, 1.2, 0.3]) {
-    await page.evaluate((seconds) => { collidedPage.source.isPlaying = false; return collidedPage.source.seek(seconds); }, at);
+    await page.evaluate((seconds) => {
+      collidedPage.timeline.pause();
+      collidedPage.timeline.goTo(seconds);
+    }, at);
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
     places.push((await positions(page)).join(" "));
   }
@@ -265,20 +241,6 @@ async function drawsWithoutWebGL(url) {
   if (words.pictures) await page.screenshot({ path: join(words.pictures, "drawing.png") });
   await browser.close();
   console.log("without WebGL: the drawing and the panels");
-}
-
-function launch(more = []) {
-  return playwright.chromium.launch({
-    executablePath: chromiumPath,
-    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-      ...(more.length ? more : ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"])],
-  });
-}
-
-async function picture(page, name) {
-  if (!words.pictures) return;
-  mkdirSync(words.pictures, { recursive: true });
-  await page.screenshot({ path: join(words.pictures, `${name}.png`) });
 }
 
 async function run() {

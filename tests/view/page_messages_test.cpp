@@ -126,6 +126,7 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   publisher.name = "robot";
   publisher.silent = std::chrono::milliseconds(250);
   publisher.lost = true;
+  publisher.applied_sequence = 14;
   status.publishers = {publisher};
   json expected{{"type", "status"},
                 {"state", "ready"},
@@ -143,7 +144,8 @@ TEST(PageMessages, AStatusHasEveryFigure) {
                 {"contacts_truncated", true},
                 {"questions_answered", 12},
                 {"undecided_answers", 13},
-                {"publishers", {{{"name", "robot"}, {"silent", 0.25}, {"lost", true}}}}};
+                {"in_doubt", nullptr},
+                {"publishers", {{{"name", "robot"}, {"messages", 14}, {"silent", 0.25}, {"lost", true}}}}};
   EXPECT_EQ(json::parse(status_text(status, std::nullopt)), expected);
   // Two seconds of it; of four steps three took at most 1 ms, of ten answers nine.
   Figures recent;
@@ -154,6 +156,8 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   recent.candidates = 20;
   recent.filtered = 6;
   recent.poses_applied = 30;
+  recent.in_doubt = 15;
+  expected["in_doubt"] = 15;
   recent.questions = {{"ray", 10, {{1'000'000, 9}, {4'000'000, 1}}}, {"pair", 0, {}}};
   expected["recent"] = {{"stages", {{{"stage", "pairs"}, {"share", 0.25}}}},
                         {"asked",
@@ -176,6 +180,50 @@ TEST(PageMessages, AStatusHasEveryFigure) {
                         {"poses", 0.0},
                         {"candidates", 0.0},
                         {"filtered", 0.0}}));
+}
+
+TEST(PageMessages, AnObjectIsToldInFull) {
+  ObjectDetails object;
+  object.name = "<b>\u202e";
+  object.kind = "sphere";
+  object.moving = true;
+  object.publisher = "robot";
+  object.layers = 2;
+  object.mask = 3;
+  object.pose = Pose{{1, 2, 3}, Quat::Identity()};
+  object.age = std::chrono::milliseconds(250);
+  object.contacts = {"floor"};
+  const json told = json::parse(object_answer_text(9, object));
+  EXPECT_EQ(told["ask"], "object");
+  EXPECT_EQ(told["name"], "<b>\u202e");
+  EXPECT_EQ(told["publisher"], "robot");
+  EXPECT_EQ(told["mask"], 3);
+  EXPECT_EQ(told["pose"], json({1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(told["age"], 0.25);
+  EXPECT_EQ(told["contacts"], json({"floor"}));
+  object.pose.reset();
+  EXPECT_FALSE(json::parse(object_answer_text(9, object)).contains("pose")) << "a scene's part has none";
+}
+
+TEST(PageMessages, MovingObjectsAreToldByTheirPublishers) {
+  const auto listed = [](std::uint64_t id, const char* publisher) {
+    ListedObject object;
+    object.id = id;
+    object.publisher = publisher;
+    return object;
+  };
+  ObjectList list{.objects = {listed(3, "robot"), listed((std::uint64_t{5} << 32) + 4, ""), listed(7, "robot")},
+                  .count = 5,
+                  .version = 1};
+  const json told = json::parse(owners_answer_text(2, list));
+  EXPECT_EQ(told["owners"], (json{{{"publisher", ""}, {"slots", {4}}}, {{"publisher", "robot"}, {"slots", {3, 7}}}}));
+  EXPECT_EQ(told["left_out"], 2);
+}
+
+TEST(PageMessages, TheGreetingSaysHowACommandReachesTheServer) {
+  const json told = json::parse(hello_text(true, "--domain 5 "));
+  EXPECT_EQ(told["up"], "y");
+  EXPECT_EQ(told["connection"], "--domain 5 ");
 }
 
 // As `collide ray --json` names them.
@@ -205,8 +253,15 @@ TEST(PageQuestion, IsWhatItSaysOrNothing) {
   const auto pair = parse_page_question(R"({"ask":"pair","id":4,"a":"x","b":"y"})");
   ASSERT_TRUE(pair);
   EXPECT_EQ(std::get<PairOfNames>(pair->what).b, "y");
+  const auto object = parse_page_question(R"({"ask":"object","id":5,"name":"x"})");
+  ASSERT_TRUE(object);
+  EXPECT_EQ(std::get<ObjectOfName>(object->what).name, "x");
+  const auto owners = parse_page_question(R"({"ask":"owners","id":6})");
+  ASSERT_TRUE(owners);
+  EXPECT_TRUE(std::holds_alternative<Owners>(owners->what));
   for (const char* bad :
-       {"", "7", "[]", "{", R"({"ask":"ray"})", R"({"ask":"ray","id":3,"origin":[0,0],"direction":[0,0,1]})",
+       {R"({"ask":"object","id":5})", R"({"ask":"object","id":5,"name":""})", R"({"ask":"owners"})", "", "7", "[]", "{",
+        R"({"ask":"ray"})", R"({"ask":"ray","id":3,"origin":[0,0],"direction":[0,0,1]})",
         R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,0]})",
         R"({"ask":"ray","id":3,"origin":[0,0,1e999],"direction":[0,0,1]})",
         R"({"ask":"ray","id":3,"origin":["0",0,5],"direction":[0,0,1]})",

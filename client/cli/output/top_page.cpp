@@ -8,6 +8,7 @@
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/figure_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -18,32 +19,8 @@ using view::quantile_ns;
 
 double seconds(const Figures& figures) { return std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns))); }
 
-double rate(std::uint64_t count, const Figures& figures) { return static_cast<double>(count) / seconds(figures); }
-
-double a_step(std::uint64_t count, const Figures& figures) {
-  return figures.steps == 0 ? 0 : static_cast<double>(count) / static_cast<double>(figures.steps);
-}
-
 double part(std::uint64_t of, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(of) / static_cast<double>(whole);
-}
-
-/// "12.4 k/s"
-std::string rate_text(double per_second) {
-  if (per_second < 1e3) return fmt::format("{:.3g}/s", per_second);
-  return per_second < 1e6 ? fmt::format("{:.1f} k/s", per_second / 1e3) : fmt::format("{:.1f} M/s", per_second / 1e6);
-}
-
-/// "0.5", "312", "1 044"
-std::string mean_text(double mean) {
-  return mean < 999.5 ? fmt::format("{:.3g}", mean) : format_count(static_cast<std::uint64_t>(std::llround(mean)));
-}
-
-std::string percent_text(double part_of_one) { return fmt::format("{:.2g} %", 100 * part_of_one); }
-
-std::string quantile_text(const std::vector<view::DurationStep>& durations, double which) {
-  const std::optional<std::int64_t> ns = quantile_ns(durations, which);
-  return ns ? format_duration(std::chrono::nanoseconds(*ns)) : "-";
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -77,13 +54,13 @@ void add_questions(const Look& look, std::vector<std::string>& lines) {
   for (const Asked& asked : figures.questions) {
     if (asked.answered == 0) continue;
     lines.push_back(fmt::format("{:<7}{:<7}{:>10}  p50 {:<8} p99 {:<8}", label, asked.kind,
-                                rate_text(rate(asked.answered, figures)), quantile_text(asked.durations, 0.5),
+                                rate_text(per_second(asked.answered, figures)), quantile_text(asked.durations, 0.5),
                                 quantile_text(asked.durations, 0.99)));
     if (label.empty()) continue;
     lines.back() += fmt::format(" |{}|", sparkline(look.past_rates));
     label.clear();
   }
-  const std::string undecided = percent_text(part(figures.undecided_answers, answered(figures)));
+  const std::string undecided = percent_text(figures.undecided_answers, answered(figures));
   const std::string refused = format_count(figures.refused_requests);
   if (!label.empty()) lines.push_back(fmt::format("{:<7}nobody asks   refused {}", label, refused));
   else lines.push_back(fmt::format("       undecided {}   refused {}", undecided, refused));
@@ -144,7 +121,7 @@ std::string stages_text(const Figures& figures) {
 
 }  // namespace
 
-double asked_rate(const Figures& figures) { return rate(answered(figures), figures); }
+double asked_rate(const Figures& figures) { return per_second(answered(figures), figures); }
 
 std::vector<std::string> top_lines(const Look& look) {
   const ServerStatus& status = look.status;
@@ -156,21 +133,21 @@ std::vector<std::string> top_lines(const Look& look) {
                               printable(status.state)));
   add_questions(look, lines);
   lines.push_back(fmt::format("POSES  {}, {} moving   {}   late {}   lost {}", counted(status.objects, "object"),
-                              format_count(status.moving), rate_text(rate(figures.poses_applied, figures)),
+                              format_count(status.moving), rate_text(per_second(figures.poses_applied, figures)),
                               format_count(figures.poses_late), format_count(figures.poses_lost)));
   add_odd_stamps(figures, lines);
   lines.push_back("FROM   " + publishers_text(status));
   lines.push_back("STAGE  " + stages_text(figures));
   const std::string period =
       figures.step_period_ns > 0 ? " of " + format_duration(std::chrono::nanoseconds(figures.step_period_ns)) : "";
-  lines.push_back(fmt::format("STEP   {}   p50 {}{}   p99 {}", rate_text(rate(figures.steps, figures)),
+  lines.push_back(fmt::format("STEP   {}   p50 {}{}   p99 {}", rate_text(per_second(figures.steps, figures)),
                               quantile_text(figures.step_durations, 0.5), period,
                               quantile_text(figures.step_durations, 0.99)));
   if (figures.stalled_steps > 0)
     lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
   lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}",
-                              mean_text(a_step(figures.candidates, figures)), format_count(status.contacts),
-                              mean_text(a_step(figures.filtered, figures))));
+                              mean_text(per_step(figures.candidates, figures)), format_count(status.contacts),
+                              mean_text(per_step(figures.filtered, figures))));
   if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
   if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
   add_not_built(figures, lines);
@@ -196,25 +173,25 @@ std::vector<Record> top_records(const Look& look) {
   add("up", static_cast<double>(look.up_ns) * 1e-9, "s");
   add("over", seconds(figures), "s");
   for (const Asked& asked : figures.questions) {
-    add("ask." + asked.kind + ".rate", rate(asked.answered, figures), "1/s");
+    add("ask." + asked.kind + ".rate", per_second(asked.answered, figures), "1/s");
     quantiles("ask." + asked.kind, asked.durations);
   }
   add("ask.undecided", part(figures.undecided_answers, answered(figures)), "");
-  add("ask.refused", rate(figures.refused_requests, figures), "1/s");
+  add("ask.refused", per_second(figures.refused_requests, figures), "1/s");
   add("objects", std::uint64_t{status.objects}, "");
   add("moving", std::uint64_t{status.moving}, "");
-  add("poses.rate", rate(figures.poses_applied, figures), "1/s");
-  add("poses.late", rate(figures.poses_late, figures), "1/s");
-  add("poses.lost", rate(figures.poses_lost, figures), "1/s");
-  add("stamps.late", rate(figures.stamps_late, figures), "1/s");
-  add("stamps.jumped", rate(figures.stamps_jumped, figures), "1/s");
-  add("stamps.missing", rate(figures.stamps_missing, figures), "1/s");
-  add("step.rate", rate(figures.steps, figures), "1/s");
+  add("poses.rate", per_second(figures.poses_applied, figures), "1/s");
+  add("poses.late", per_second(figures.poses_late, figures), "1/s");
+  add("poses.lost", per_second(figures.poses_lost, figures), "1/s");
+  add("stamps.late", per_second(figures.stamps_late, figures), "1/s");
+  add("stamps.jumped", per_second(figures.stamps_jumped, figures), "1/s");
+  add("stamps.missing", per_second(figures.stamps_missing, figures), "1/s");
+  add("step.rate", per_second(figures.steps, figures), "1/s");
   quantiles("step", figures.step_durations);
   for (const view::Stage& stage : figures.stages)
     add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
-  add("pairs.candidates", a_step(figures.candidates, figures), "a step");
-  add("pairs.filtered", a_step(figures.filtered, figures), "a step");
+  add("pairs.candidates", per_step(figures.candidates, figures), "a step");
+  add("pairs.filtered", per_step(figures.filtered, figures), "a step");
   add("contacts", std::uint64_t{status.contacts}, "");
   add("in_doubt", figures.in_doubt, "");
   for (const PublisherInfo& publisher : status.publishers)

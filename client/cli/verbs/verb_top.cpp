@@ -8,11 +8,12 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/top_page.hpp"
+#include "client/cli/output/top_keys.hpp"
+#include "client/cli/output/top_screen.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/terminal_width.hpp"
-#include "client/cli/output/wrapping.hpp"
 
 namespace collided::cli {
 namespace {
@@ -22,23 +23,6 @@ using Clock = std::chrono::steady_clock;
 /// A server without a status for this long counts as silent; it sends twenty a second.
 constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
-
-/// The first `columns` characters of a line, since a line that wraps would displace the others.
-std::string cut(std::string_view line, std::size_t columns) {
-  if (columns_of(line) <= columns) return std::string(line);
-  std::size_t seen = 0;
-  std::size_t end = 0;
-  std::size_t blank = 0;  // the last one that leaves more than half of the line
-  for (; end < line.size(); ++end) {
-    const bool begins_character = (static_cast<unsigned char>(line[end]) & 0xc0) != 0x80;
-    if (line[end] == ' ' && 2 * seen >= columns) blank = end;
-    if (begins_character && seen++ == columns - 1) break;
-  }
-  // Part of a number would read as another one.
-  std::string kept(line.substr(0, blank > 0 ? blank : end));
-  kept.erase(kept.find_last_not_of(' ') + 1);
-  return kept + "…";
-}
 
 /// What takes time in a step: the column's title, and its name in the server's answer.
 constexpr std::pair<const char*, const char*> kStepStages[] = {
@@ -80,15 +64,46 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   void show(const std::vector<std::string>& lines) {
-    const std::size_t columns = std::max<std::size_t>(1, terminal_width(io_));
     std::ostream& out = io_.out;
     out << "\x1b[H";
-    for (const std::string& line : lines) out << cut(line, columns) << "\x1b[K\n";
+    // No line end after the last one: on a full screen it would scroll.
+    for (std::size_t i = 0; i < lines.size(); ++i) out << (i == 0 ? "" : "\r\n") << lines[i] << "\x1b[K";
     (out << "\x1b[J").flush();
   }
 
  private:
   const Io& io_;
+};
+
+/// What the screen shows, and what came before.
+struct LiveTop {
+  std::optional<Look> newest;
+  TopHistory history;
+  TopChoice choice;
+  std::string note;
+  Clock::time_point heard = Clock::now();
+  bool is_silent = false;
+
+  void hear(const Look& look, std::string restart) {
+    if (!restart.empty()) {
+      history.clear();
+      note = std::move(restart);
+    }
+    newest = look;
+    heard = Clock::now();
+    is_silent = false;
+    history.add(look);
+  }
+  void hear_nothing() { is_silent = true; }
+
+  std::vector<std::string> lines(std::size_t columns, std::size_t rows) const {
+    columns = std::max<std::size_t>(1, columns);
+    if (newest && !is_silent) return top_screen(*newest, history, choice, note, columns, rows);
+    if (!is_silent) return {};
+    return {"collided", cut_between_words(fmt::format("no server answers, since {}; looking for it",
+                                                      format_duration(Clock::now() - heard)),
+                                          columns)};
+  }
 };
 
 class TopCommand : public Command {
@@ -158,42 +173,43 @@ class TopCommand : public Command {
     constexpr std::chrono::milliseconds kFirst{200};  // shorter than later ones, so that the first figures appear soon
     Keys keys(session.io.in);
     std::optional<Screen> screen(session.io);
-    std::vector<std::string> lines;
-    Clock::time_point heard = Clock::now();
+    LiveTop top;
     std::uint64_t count = 0;
     for (std::chrono::nanoseconds wait = std::min<std::chrono::nanoseconds>(kFirst, period);
-         wait_for_key(keys, until, wait); wait = period) {
-      if (const std::optional<Look> seen = look(session, globals)) {
-        heard = Clock::now();
-        lines = top_lines(*seen);
-        if (!restart_.empty()) lines.insert(lines.begin() + 1, restart_);
-      } else {
-        if (lines.empty()) lines.emplace_back("collided");
-        lines.resize(1);
-        lines.push_back(
-            fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
+         wait_and_obey(session, keys, until, wait, top, *screen); wait = period) {
+      if (!top.choice.is_paused) {
+        if (const std::optional<Look> seen = look(session, globals)) top.hear(*seen, std::exchange(restart_, {}));
+        else top.hear_nothing();
       }
-      screen->show(lines);
+      screen->show(top.lines(terminal_width(session.io), terminal_height(session.io)));
       if (until.reached(++count)) break;
     }
     screen.reset();
     // A page that ends by its count leaves its last figures; one that is left by a key was read.
-    const std::size_t columns = std::max<std::size_t>(1, terminal_width(session.io));
-    for (const std::string& line : lines) {
-      if (until.reached(count)) session.io.out << cut(line, columns) << '\n';
+    if (until.reached(count) && !stop_requested) {
+      for (const std::string& line : top.lines(terminal_width(session.io), 0)) session.io.out << line << '\n';
     }
     session.io.out.flush();
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 
-  /// Waits. False where the page should end: on a key, on Ctrl-C, or at its time.
-  static bool wait_for_key(Keys& keys, const Until& until, std::chrono::nanoseconds wait) {
-    constexpr std::chrono::milliseconds kLook{50};
+  /// Waits, and does at once what keys ask for. False where the page should end: on a key, on Ctrl-C, or at its time.
+  static bool wait_and_obey(Session& session, Keys& keys, const Until& until, std::chrono::nanoseconds wait,
+                            LiveTop& top, Screen& screen) {
+    constexpr std::chrono::milliseconds kCheck{50};
     const Clock::time_point due = std::min(Clock::now() + wait, until.end());
+    std::size_t columns = terminal_width(session.io);
+    std::size_t rows = terminal_height(session.io);
     while (Clock::now() < due) {
-      if (!sleep_until(std::min(Clock::now() + kLook, due))) return false;
-      const std::optional<char> key = keys.next();
-      if (key == 'q' || key == 'Q') return false;
+      if (!sleep_until(std::min(Clock::now() + kCheck, due))) return false;
+      bool is_new = columns != terminal_width(session.io) || rows != terminal_height(session.io);
+      for (std::optional<char> key = keys.next(); key; key = keys.next()) {
+        if (!obey(*key, top.choice)) return false;
+        is_new = true;
+      }
+      columns = terminal_width(session.io);
+      rows = terminal_height(session.io);
+      if (is_new) screen.show(top.lines(columns, rows));
     }
     return Clock::now() < until.end();
   }

@@ -8,6 +8,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/pace.hpp"
+#include "client/cli/verbs/undo.hpp"
 #include "client/view/recording.hpp"
 #include "client/view/viewer.hpp"
 
@@ -32,10 +33,23 @@ class ViewCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (up_ != "y" && up_ != "z") throw bad_use(fmt::format("--up {}; allowed: y, z", up_));
     options_.y_is_up = up_ == "y";
+    options_.connection = connection_words(session.io, globals);
     return file_.empty() ? serve(session, globals) : save(session, globals);
   }
 
  private:
+  /// The options that lead another `collide` to the same server, also where this one has them from its environment.
+  static std::string connection_words(const Io& io, const Globals& globals) {
+    const ConnectOptions ours = connect_options(io, globals);
+    const ConnectOptions usual;
+    std::string words;
+    if (ours.domain != usual.domain) words += fmt::format("--domain {} ", ours.domain);
+    for (const auto& [option, value, usually] : {std::tuple("--namespace", ours.name_space, usual.name_space),
+                                                 std::tuple("--interface", ours.interface, usual.interface)})
+      if (value != usually) words += fmt::format("{} {} ", option, shell_word(value));
+    return words;
+  }
+
   Exit serve(Session& session, const Globals& globals) {
     constexpr std::uint64_t kLastPort = 65535;
     const std::uint64_t port = parse_count(port_);
@@ -84,7 +98,9 @@ class ViewCommand : public Command {
     std::ofstream out(file_, std::ios::binary);
     if (!out) throw bad_use(fmt::format("{}: cannot be written", file_));
     const view::RecordingOptions options{
-        .length = length, .y_is_up = options_.y_is_up, .is_stopped = [] { return stop_requested.load(); }};
+        .length = length, .y_is_up = options_.y_is_up, .connection = options_.connection, .is_stopped = [] {
+          return stop_requested.load();
+        }};
     const view::SavedRun saved = take(view::record_run(session.client(globals), options));
     out << saved.page;
     out.close();

@@ -37,9 +37,38 @@ class Camera {
     this.isTouched = true;
     this.distance = Math.max(1e-4, Math.min(1e9, this.distance * factor));
   }
-  fit(bounds) {
+  /// Moves so that the whole box is in the picture, in the middle of what is free, with some room around it. above, below:
+  /// parts of the picture's height that something else lies over.
+  fit(bounds, above = 0, below = 0) {
+    const free = Math.max(0.3, 1 - above - below);
+    const { back, right, up } = this.axes();
+    const corners = bounds.corners();
     this.target = bounds.center();
-    this.distance = (bounds.radius() / Math.sin(Math.atan(this.halfHeight))) * 0.92;
+    const extent = (axis) => corners.map((corner) => dot(subtract(corner, this.target), axis));
+    // What the eye must keep back so that a corner is within the picture's half width or height.
+    const away = (across, half) => Math.max(...corners.map((corner, i) => Math.abs(across[i]) / half + dot(subtract(corner, this.target), back)));
+    const room = 1.06;
+    for (let round = 0; round < 4; ++round) {
+      const [x, y] = [extent(right), extent(up)];
+      this.distance = Math.max(1e-4, room * Math.max(away(x, this.halfHeight * this.aspect), away(y, this.halfHeight * free)));
+      // Perspective shows the nearer half larger: the middle of what is seen, not of the box, is to be the picture's.
+      const seen = corners.map((corner) => this.project(corner)).filter(Boolean);
+      const middle = (axis) => (Math.max(...seen.map((at) => at[axis])) + Math.min(...seen.map((at) => at[axis]))) / 2;
+      const size = this.halfHeight * this.distance;
+      this.target = add(this.target, add(scale(right, middle(0) * size * this.aspect), scale(up, (middle(1) - below + above) * size)));
+    }
+    this.turnAbout(bounds.center());
+  }
+
+  /// Keeps the eye and what it looks at, and turns from now on about where that is as high as the point.
+  turnAbout(point) {
+    const { back } = this.axes();
+    const axis = this.yIsUp ? 1 : 2;
+    const least = 0.1;  // for a flat view that is too far away
+    const along = (this.target[axis] - point[axis]) / back[axis];
+    if (Math.abs(back[axis]) < least || this.distance + along <= 0) return;
+    this.target = subtract(this.target, scale(back, along));
+    this.distance += along;
   }
 
   /// The direction through a point of the picture; x and y from -1 to 1, y up. Its component along the view is 1.

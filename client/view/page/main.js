@@ -1,231 +1,257 @@
-const kFlash_ms = 900;
-const kRay_ms = 5000;
-const kMarkFloats = 10;
-const kMostMarks = 4000;
+const kPanels_ms = 200;
 
-/// The page: connects the world, the camera and the panels, and handles what the user does.
+/// The page: connects the world, the picture, the time and the panels.
 class Page {
   constructor() {
-    this.canvas = byId("scene");
     this.camera = new Camera();
-    this.panels = new Panels();
     this.contacts = new Contacts();
-    this.rays = [];
-    this.frames = [];        // time that each of the newest pictures took, ms
-    this.flashes = [];       // when each new contact was first drawn, for measurements
-    this.markData = new Float32Array(kMostMarks * kMarkFloats);
-    this.isDirty = true;
-    this.question = 0;
-    try {
-      this.renderer = new Renderer(this.canvas);
-    } catch (failed) {
-      this.showDrawing(failed);
-    }
-    this.world = new World(this.renderer);
-    this.canvas.addEventListener("webglcontextlost", () => this.showDrawing(new Error("the graphics card went away")));
-    this.listen();
+    this.flashes = [];        // when each new contact was first drawn, for measurements
+    this.chosen = this.hovered = this.followed = null;
+    this.picture = new Picture(byId("scene"), byId("overlay"));
+    this.world = new World(this.picture.renderer);
+    this.panels = new Panels();
+    this.matrix = new Matrix(byId("matrix"));
+    this.setUpAsking();
+    this.setUpThings();
+    this.setUpTime();
+    this.setUpControls();
     this.setUpTheme();
-    const run = byId("run");
-    this.source = run ? this.openSaved(JSON.parse(run.textContent)) : new LiveSource(this.told());
-    setInterval(() => this.showPanels(), 200);
+    if (!this.picture.renderer) this.showDrawing(this.picture.failed);
+    byId("scene").addEventListener("webglcontextlost", () => this.showDrawing(new Error("the graphics card went away")));
+    setInterval(() => this.showPanels(), kPanels_ms);
     requestAnimationFrame((now) => this.draw(now));
   }
 
-  told() {
-    return {
-      hello: ({ up }) => { this.camera.yIsUp = up === "y"; },
-      connected: (is) => {
-        this.isConnected = is;
-        if (!is) this.panels.showState("the viewer is gone; looking for it", true);
-      },
-      status: (status) => {
-        if (this.epoch !== undefined && this.epoch !== status.epoch) this.restarts = (this.restarts || 0) + 1;
-        this.epoch = status.epoch;
-        this.panels.showStatus(status);
-      },
-      silent: ({ seconds }) => this.panels.showState(`no server answers, for ${durationText(seconds)}`, true),
-      table: (table, surfaceOf) => {
-        this.world.setTable(table, surfaceOf);
-        if (!this.camera.isTouched) this.camera.fit(this.world.bounds);
-        if (this.pendingPoses) this.world.setPoses(this.pendingPoses);
-        this.markContacts();
-        this.isDirty = true;
-      },
-      poses: (frame) => {
-        this.pendingPoses = frame;
-        this.isDirty = true;
-      },
-      contacts: ({ contacts }) => {
-        this.contacts.set(contacts);
-        this.markContacts();
-      },
-      events: ({ events }) => {
-        const now = performance.now();
-        for (const event of events) {
-          this.contacts.hear(event, now);
-          if (event.what === "began") this.flashes.push({ key: `${event.a} x ${event.b}`, time: event.time, shown: null });
-        }
-        this.flashes = this.flashes.slice(-200);
-        this.panels.addEvents(events);
-        this.markContacts();
-      },
-      answer: (answer) => this.showAnswer(answer),
-      refused: ({ id, why }) => { if (id === this.clicked) this.showText(why, ""); },
-      restart: () => {
-        this.contacts = new Contacts();
-        this.panels.events = [];
-      },
-    };
+  // ---- the parts
+
+  setUpAsking() {
+    const objectOf = (slot) => this.world.objects.get(slot);
+    this.asking = new Asking(this.world, this.camera, this.picture.marks, {
+      send: (question) => this.source.ask(question),
+      chosen: () => objectOf(this.chosen),
+      hovered: () => objectOf(this.hovered),
+      choose: (slot) => this.choose(slot),
+      drawn: () => this.changed(),
+    });
   }
 
-  openSaved(run) {
-    const source = new SavedSource(run, this.told());
-    byId("timeline").hidden = false;
-    const slider = byId("time");
-    const button = byId("play");
-    slider.max = source.duration();
-    const show = () => {
-      slider.value = source.at;
-      byId("clock").textContent = `${source.at.toFixed(1)} of ${source.duration().toFixed(1)} s`;
-      button.textContent = source.isPlaying ? "pause" : "play";
+  setUpThings() {
+    this.things = new Things(this.world, { choose: (slot) => this.choose(slot), frame: (object) => this.frame([object]), changed: () => this.changed() });
+    this.selected = new Selected(this.world, {
+      ask: (question) => this.asking.ask(question),
+      choose: (slot) => this.choose(slot),
+      frame: (object) => this.frame([object]),
+      follow: (slot) => this.follow(this.followed === slot ? null : slot),
+      isolate: (slot) => this.things.isolate(this.things.isolated === slot ? null : slot),
+      hide: (object) => this.things.hide([object], !object.isHidden),
+    });
+    this.selected.contactsOf = (name) => this.contacts.of(name);
+    byId("color").addEventListener("input", () => this.colorObjects());
+    byId("labels").addEventListener("click", () => this.toggleLabels());
+    this.events = new EventList({ goTo: (t, event) => this.timeline.goToEvent(t, event) });
+  }
+
+  setUpTime() {
+    const run = byId("run");
+    this.timeline = new Timeline({
+      table: (value) => this.setTable(value),
+      poses: (frame) => this.setPoses(frame),
+      contacts: (contacts) => {
+        this.contacts = contacts;
+        this.markContacts();
+      },
+      events: (events) => this.hearEvents(events),
+      message: (kind, value) => this.hear(kind, value),
+      goTo: (event) => this.goToEvent(event),
+    }, Boolean(run));
+    if (!run) {
+      this.source = new LiveSource((kind, value) => this.timeline.hear(kind, value));
+      return;
+    }
+    this.source = new SavedSource(JSON.parse(run.textContent), (t, kind, value) => {
+      if (kind === "hello") this.hear(kind, value);
+      else this.timeline.hear(kind, value, t);
+    });
+    this.source.unpack().then(() => {
+      this.timeline.history.end = this.source.duration();
+      this.timeline.goTo(this.timeline.begin());
+      this.isUnpacked = true;
+    });
+  }
+
+  setUpControls() {
+    const canvas = byId("scene");
+    const place = (x, y) => {
+      const box = canvas.getBoundingClientRect();
+      return [(2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height];
     };
-    slider.addEventListener("input", () => {
-      source.isPlaying = false;
-      source.seek(Number(slider.value)).then(show);
+    this.controls = new Controls(canvas, this.camera, {
+      changed: () => this.changed(),
+      click: (x, y) => this.asking.ray(...place(x, y)),
+      clickMiddle: () => this.asking.ray(0, 0),
+      point: (pointer) => {
+        this.pointer = pointer;
+        if (!pointer) this.hover(null);
+        this.changed();
+      },
     });
-    button.addEventListener("click", () => {
-      source.isPlaying = !source.isPlaying;
-      if (source.isPlaying && source.at >= source.duration()) source.seek(0);
-      show();
-    });
-    let last = performance.now();
-    setInterval(() => {
-      const now = performance.now();
-      if (source.isPlaying && source.isUnpacked) {
-        if (source.at >= source.duration()) source.isPlaying = false;
-        else source.seek(source.at + (now - last) / 1000);
-      }
-      last = now;
-      show();
-    }, 33);
-    return source;
+    window.addEventListener("keydown", (event) => this.press(event));
+    window.addEventListener("resize", () => this.fitIfUntouched());
+    byId("fit").addEventListener("click", () => this.fitAll());
+    byId("theme").addEventListener("click", () => this.setTheme(this.isNight() ? "paper" : "night"));
+  }
+
+  // ---- what the server says
+
+  hear(kind, value) {
+    if (kind === "hello") {
+      this.camera.yIsUp = value.up === "y";
+      this.asking.connection = value.connection || "";
+    } else if (kind === "connected") {
+      if (!value) this.panels.showState("the viewer is gone; looking for it", true);
+    } else if (kind === "status") this.hearStatus(value);
+    else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
+    else if (kind === "answer") this.hearAnswer(value);
+    else if (kind === "refused") this.asking.refused(value);
+  }
+
+  hearStatus(status) {
+    if (this.epoch !== undefined && this.epoch !== status.epoch) this.restarts = (this.restarts || 0) + 1;
+    this.epoch = status.epoch;
+    this.panels.showStatus(status, performance.now());
+  }
+
+  hearAnswer(answer) {
+    if (answer.ask === "object") this.selected.hear(answer);
+    else if (answer.ask === "owners") {
+      this.things.setOwners(answer.owners);
+      this.colorObjects();
+    } else this.asking.hear(answer);
+    this.selected.gap = this.asking.gap;
+  }
+
+  setTable({ table, surfaceOf }) {
+    const name = this.world.objects.get(this.chosen)?.name;
+    this.world.setTable(table, surfaceOf);
+    this.fitIfUntouched();
+    if (this.pendingPoses) this.world.setPoses(this.pendingPoses);
+    this.choose(this.world.byName.get(name)?.slot ?? null);
+    if (this.followed !== null) this.follow(this.world.byName.has(name) ? this.chosen : null);
+    if (this.things.isolated !== undefined && this.things.isolated !== null) this.things.isolate(this.chosen);
+    this.things.build();
+    this.colorObjects();
+    this.markContacts();
+    this.askOwners();
+  }
+
+  /// Asks who moves what, at most every other second: where objects come and go all the time, that is enough.
+  askOwners() {
+    if (this.ownersTimer) return;
+    this.ownersTimer = setTimeout(() => {
+      this.ownersTimer = null;
+      this.asking.ask({ ask: "owners" });
+    }, this.ownersAsked ? 2000 : 100);
+    this.ownersAsked = true;
+  }
+
+  setPoses(frame) {
+    this.pendingPoses = frame;
+    this.changed();
+  }
+
+  hearEvents(events) {
+    const now = performance.now();
+    for (const event of events) {
+      this.contacts.hear(event, now);
+      if (event.what === "began") this.flashes.push({ key: `${event.a} x ${event.b}`, time: event.time, shown: null });
+    }
+    this.flashes = this.flashes.slice(-200);
+    this.markContacts();
+  }
+
+  markContacts() {
+    const touching = new Set();
+    const doubtful = new Set();
+    for (const { holds, doubt, a_slot, b_slot } of this.contacts.pairs.values()) {
+      if (!holds) continue;
+      // Static objects, such as the floor, are not coloured: they are in contact with many others.
+      for (const slot of [a_slot, b_slot]) if (this.world.objects.get(slot)?.moving) (doubt ? doubtful : touching).add(slot);
+    }
+    for (const slot of this.world.objects.keys()) {
+      this.world.setState(slot, kInContact, touching.has(slot));
+      this.world.setState(slot, kInDoubt, doubtful.has(slot));
+    }
+    this.changed();
   }
 
   // ---- the picture
 
+  changed() { this.picture.isDirty = true; }
+
   draw(now) {
     requestAnimationFrame((next) => this.draw(next));
-    if (this.hasDrawn) this.note(now - this.calledAt);
-    this.calledAt = now;
-    this.hasDrawn = false;
-    const isFlashing = this.placeMarks(now);
-    if (!(this.isDirty || isFlashing || this.world.statesChanged) || !this.renderer) return;
-    this.hasDrawn = true;
-    this.isDirty = false;
-    if (this.pendingPoses) {
-      this.world.setPoses(this.pendingPoses);
-      this.pendingPoses = null;
-    }
-    this.world.sendStates();
-    this.camera.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
-    const { near, far } = this.depths();
-    const grid = this.gridSize();
-    const low = this.world.bounds.isEmpty() ? 0 : this.world.bounds.low[this.camera.yIsUp ? 1 : 2];
-    this.renderer.draw(this.camera, { near, far, anchor: this.world.anchor, ground: low, grid });
-    byId("grid").textContent = `grid ${lengthText(grid)}`;
+    this.timeline.tick(now);
+    if (this.pendingPoses) this.applyPoses();
+    const isDrawn = this.picture.draw(now, {
+      world: this.world, camera: this.camera, contacts: this.contacts,
+      isShown: ({ a_slot, b_slot }) => !this.world.hasState(a_slot, kHidden) && !this.world.hasState(b_slot, kHidden),
+      labelled: () => this.labelled(),
+    });
+    if (!isDrawn) return;
     for (const flash of this.flashes) flash.shown = flash.shown || Date.now() / 1000;
     this.pickAtPointer();
   }
 
-  depths() {
-    const away = length(subtract(this.camera.eye(), this.world.bounds.center()));
-    const radius = this.world.bounds.radius();
-    const far = Math.max(this.camera.distance * 4, away + radius * 8);
-    return { near: Math.max(far * 1e-5, Math.min(this.camera.distance, Math.max(away - radius * 1.5, 0)) * 0.02 + this.camera.distance * 0.002), far };
+  applyPoses() {
+    const followed = this.world.objects.get(this.followed);
+    const before = followed && [...followed.position];
+    this.world.setPoses(this.pendingPoses);
+    this.pendingPoses = null;
+    if (before) this.camera.target = add(this.camera.target, subtract(followed.position, before));
   }
 
-  gridSize() {
-    return 10 ** Math.round(Math.log10(Math.max(1e-6, this.camera.distance) / 12));
-  }
-
-  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is
-  /// time.
-  note(took) {
-    if (took > 5000) return;  // the page was hidden
-    this.frames.push(took);
-    if (this.frames.length > 240) this.frames.shift();
-    this.sinceChange = (this.sinceChange || 0) + 1;
-    if (this.sinceChange < 5) return;
-    const recent = this.frames.slice(-Math.min(20, this.sinceChange)).sort((a, b) => a - b);
-    const median = recent[Math.floor(recent.length / 2)];
-    const renderer = this.renderer;
-    const finest = 2 / Math.min(2, window.devicePixelRatio || 1);
-    const isSlow = median > 180 || (median > 90 && this.sinceChange >= 20);
-    if (isSlow && renderer.sharpness > 0.3) renderer.sharpness *= 0.75;
-    else if (median < 20 && renderer.sharpness < finest && this.sinceChange > 120) renderer.sharpness = Math.min(finest, renderer.sharpness / 0.75);
-    else return;
-    this.sinceChange = 0;
-  }
-
-  /// Draws contacts with their normals, and rays with their ends. Returns whether any of them is animated.
-  placeMarks(now) {
-    if (!this.renderer) return false;
-    let count = 0;
-    const anchor = this.world.anchor;
-    const put = (from, to, width, kind, strength, accent) => {
-      if (count >= kMostMarks) return;
-      this.markData.set([...subtract(from, anchor), ...subtract(to, anchor), width, kind, strength, accent], kMarkFloats * count++);
-    };
-    let isFlashing = false;
-    const size = this.camera.distance * this.camera.halfHeight;
-    for (const { point, normal, holds, flashed } of this.contacts.pairs.values()) {
-      const age = (now - flashed) / kFlash_ms;
-      const flash = age >= 0 && age < 1 ? 1 - age : 0;
-      if ((!holds && flash === 0) || !point || !point.every(Number.isFinite)) continue;
-      isFlashing = isFlashing || flash > 0;
-      const tip = add(point, scale(normal, size * (0.10 + 0.10 * flash)));
-      put(point, tip, 1.5 + 2.5 * flash, 0, 1, 1);
-      put(tip, tip, 5 + 4 * flash, 2, 1, 1);
-      put(point, point, 9 + 34 * (flash > 0 ? age : 0), 1, Math.max(flash, 0.55), 1);
-      if (flash > 0) put(point, point, 14 * flash, 2, 0.9 * flash, 1);
+  /// The objects that are named in the picture: the chosen one, and with labels what moves, then the rest, the large first.
+  labelled() {
+    const chosen = this.world.objects.get(this.chosen);
+    const first = chosen ? [chosen] : [];
+    if (!this.picture.labels.areShown) return first;
+    if (this.labelOrderOf !== this.world.version) {
+      this.labelOrderOf = this.world.version;
+      const size = (object) => (object.own.isEmpty() ? 0 : object.own.radius());
+      const mostConsidered = 2000;
+      this.labelOrder = [...this.world.objects.values()].sort((a, b) => b.moving - a.moving || size(b) - size(a)).slice(0, mostConsidered);
     }
-    this.rays = this.rays.filter(({ at }) => now - at < kRay_ms);
-    for (const { from, to, at, met, normal } of this.rays) {
-      const left = 1 - (now - at) / kRay_ms;
-      isFlashing = true;
-      put(from, to, 2, 0, left, met ? 1 : 0.3);
-      if (!met) continue;
-      put(to, to, 7, 2, left, 1);
-      put(to, add(to, scale(normal, size * 0.12)), 1.5, 0, left, 0);
-    }
-    if (count > 0 || this.hadMarks) this.renderer.fill(this.renderer.marks, this.markData, count);
-    const isChanged = isFlashing || count !== this.hadMarks;
-    this.hadMarks = count;
-    return isChanged;
-  }
-
-  markContacts() {
-    const slots = new Set();
-    for (const { holds, a_slot, b_slot } of this.contacts.pairs.values()) {
-      if (!holds) continue;
-      // Static objects, such as the floor, are not coloured: they are in contact with many others.
-      for (const slot of [a_slot, b_slot]) if (this.world.objects.get(slot)?.moving) slots.add(slot);
-    }
-    for (const slot of this.world.objects.keys()) this.world.setState(slot, kInContact, slots.has(slot));
-    this.isDirty = true;
+    return [...first, ...this.labelOrder.filter((object) => object !== chosen && !object.isHidden && !this.world.hasState(object.slot, kFaint))];
   }
 
   showPanels() {
-    this.panels.showEvents();
-    this.panels.showPublishers();
-    this.panels.showMatrix(this.contacts);
+    const now = performance.now();
+    this.events.show(this.timeline);
+    this.panels.showPublishers(now);
+    this.matrix.show(this.contacts, now);
+    this.things.showRows();
+    this.openShells(now);
+    this.selected.tick(now, this.timeline.isLive);
+    this.timeline.showTicks(now);
+    const quality = byId("quality");
+    setText(quality, this.picture.qualityText());
+    quality.classList.toggle("coarse", this.picture.isCoarse());
+    setText(byId("grid"), this.picture.grid ? `grid ${lengthText(this.picture.grid)}` : "");
+  }
+
+  openShells(now) {
+    const every_ms = 1000;
+    if (now - (this.openedAt ?? -Infinity) < every_ms) return;
+    this.openedAt = now;
+    this.world.openShells();
   }
 
   /// Without WebGL: shows the drawing that the viewer makes, a new one every other second.
   showDrawing(why) {
-    this.renderer = null;
-    if (this.world) this.world.renderer = null;
-    this.canvas.hidden = true;
+    this.picture.renderer = null;
+    this.world.renderer = null;
+    byId("scene").hidden = true;
+    byId("overlay").hidden = true;
     const image = byId("drawing");
     image.hidden = false;
     image.title = `${why.message}: a drawing instead`;
@@ -236,59 +262,42 @@ class Page {
 
   // ---- what the user does
 
-  listen() {
-    const canvas = this.canvas;
-    let held = null;
-    const places = new Map();
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      places.set(event.pointerId, event);
-      held = { x: event.clientX, y: event.clientY, travelled: 0, slides: event.shiftKey || event.button !== 0 };
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      this.pointer = { x: event.clientX, y: event.clientY };
-      this.isDirty = true;
-      if (!held || places.size !== 1) return;
-      const dx = event.clientX - held.x;
-      const dy = event.clientY - held.y;
-      held.travelled += Math.abs(dx) + Math.abs(dy);
-      Object.assign(held, { x: event.clientX, y: event.clientY });
-      if (held.travelled < 4) return;
-      const unit = 1 / canvas.clientHeight;
-      if (held.slides) this.camera.slide(dx * unit, dy * unit);
-      else this.camera.turn(dx * unit * 3, dy * unit * 3);
-    });
-    canvas.addEventListener("pointerup", (event) => {
-      places.delete(event.pointerId);
-      if (held && held.travelled < 4 && event.button === 0) this.askAt(event.clientX, event.clientY);
-      held = null;
-    });
-    canvas.addEventListener("pointercancel", (event) => { places.delete(event.pointerId); held = null; });
-    canvas.addEventListener("pointerleave", () => { this.pointer = null; this.hover(null); });
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      this.camera.approach(Math.exp(Math.max(-1, Math.min(1, event.deltaY / 500))));
-      this.isDirty = true;
-    }, { passive: false });
-    window.addEventListener("keydown", (event) => this.press(event));
-    window.addEventListener("resize", () => { this.isDirty = true; });
-  }
-
   press(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, button")) return;
-    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-    if (step && event.shiftKey) this.camera.slide(-step[0] * 0.05, -step[1] * 0.05);
-    else if (step) this.camera.turn(step[0] * 0.1, -step[1] * 0.1);
-    else if (event.key === "+" || event.key === "=") this.camera.approach(0.85);
-    else if (event.key === "-") this.camera.approach(1 / 0.85);
-    else if (event.key === "f") this.camera.fit(this.world.bounds);
-    else if (event.key === "t") this.setTheme(this.isNight() ? "paper" : "night");
-    else if (event.key === "u") this.camera.yIsUp = !this.camera.yIsUp;
-    else if (event.key === "Escape") this.choose(null);
-    else return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, select, textarea")) return;
+    const keys = {
+      "+": () => this.camera.approach(0.85),
+      "=": () => this.camera.approach(0.85),
+      "-": () => this.camera.approach(1 / 0.85),
+      f: () => this.fitAll(),
+      t: () => this.setTheme(this.isNight() ? "paper" : "night"),
+      u: () => { this.camera.yIsUp = !this.camera.yIsUp; },
+      l: () => this.toggleLabels(),
+      p: () => this.timeline.toggle(),
+      ",": () => this.timeline.step(-1),
+      ".": () => this.timeline.step(1),
+      "/": () => this.openSearch(),
+      "?": () => this.toggleHelp(),
+      Escape: () => this.escape(),
+    };
+    const action = keys[event.key];
+    if (!action || (event.target.matches("button, summary") && event.key === " ")) return;
+    action();
     event.preventDefault();
-    this.isDirty = true;
+    this.changed();
+  }
+  escape() {
+    this.asking.hideAnswer();
+    this.panels.closeSheet();
+    this.choose(null);
+  }
+  openSearch() {
+    byId("panel-things").open = true;
+    byId("search").focus();
+  }
+  toggleHelp() {
+    const help = byId("panel-help");
+    help.open = !help.open;
+    if (help.open) help.scrollIntoView({ block: "nearest" });
   }
 
   isNight() {
@@ -297,117 +306,124 @@ class Page {
   }
   setTheme(theme) {
     document.documentElement.dataset.theme = theme;
+    remembered.set("theme", theme);
     this.showTheme();
   }
   showTheme() {
-    if (this.renderer) this.renderer.readTheme();
-    this.panels.matrixText = null;
-    this.isDirty = true;
+    if (this.picture.renderer) this.picture.renderer.readTheme();
+    this.matrix.forget();
+    this.changed();
   }
   setUpTheme() {
-    const theme = new URLSearchParams(location.hash.slice(1)).get("theme");
-    if (theme === "night" || theme === "paper") this.setTheme(theme);
+    const theme = new URLSearchParams(location.hash.slice(1)).get("theme") || remembered.get("theme", null);
+    if (theme === "night" || theme === "paper") document.documentElement.dataset.theme = theme;
+    this.showTheme();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.showTheme());
+  }
+
+  fitIfUntouched() {
+    if (!this.camera.isTouched) this.fitAll();
+    this.changed();
+  }
+  fitAll() {
+    const [width, height] = this.picture.size();
+    this.camera.aspect = width / height;
+    const over = (id) => (byId(id).getBoundingClientRect().height + 12) / height;
+    this.camera.fit(this.world.bounds, over("title"), over("timeline"));
+    this.camera.isTouched = false;
+    this.changed();
+  }
+  /// Brings some objects into the middle, from where they are seen with what is around them.
+  frame(objects) {
+    const bounds = new Bounds();
+    for (const object of objects.filter((one) => one && !one.own.isEmpty())) {
+      const placed = placedBounds(object);
+      const reach = Math.min(placed.radius(), this.world.bounds.radius() * 0.2);
+      bounds.extend(object === objects[0] || placed.radius() <= reach ? placed.center() : bounds.center(), reach);
+    }
+    if (bounds.isEmpty()) return;
+    this.camera.target = bounds.center();
+    this.camera.distance = Math.max(1e-3, 5 * bounds.radius());
+    this.camera.isTouched = true;
+    this.changed();
+  }
+  goToEvent(event) {
+    const [a, b] = [this.world.byName.get(event.a), this.world.byName.get(event.b)];
+    const [small, large] = [a, b].filter(Boolean).sort((one, other) => one.own.radius() - other.own.radius());
+    if (!small) return;
+    this.choose(small.slot);
+    this.frame([small, large].filter((one) => one && one.own.radius() <= 4 * small.own.radius()));
+  }
+
+  follow(slot) {
+    this.followed = slot;
+    byId("follow").setAttribute("aria-pressed", slot !== null);
+  }
+  toggleLabels() {
+    this.picture.labels.areShown = !this.picture.labels.areShown;
+    byId("labels").setAttribute("aria-pressed", this.picture.labels.areShown);
+    this.changed();
+  }
+  colorObjects() {
+    const { colorOf, legend } = coloring(byId("color").value, this.world);
+    this.world.tint(colorOf);
+    byId("color-legend").replaceChildren(...legend.map(([color, text]) => {
+      const mark = element("i");
+      mark.style.background = `rgb(${color.join()})`;
+      return element("li", {}, mark, nameElement(text));
+    }));
+    this.changed();
+  }
+
+  choose(slot) {
+    this.world.setState(this.chosen, kChosen, false);
+    this.world.setState(slot, kChosen, true);
+    const isNew = slot !== this.chosen;
+    this.chosen = slot;
+    if (isNew) {
+      this.asking.forgetGap();
+      this.selected.gap = null;
+      if (this.followed !== null && this.followed !== slot) this.follow(null);
+      if (this.things.isolated !== undefined && this.things.isolated !== null && slot === null) this.things.isolate(null);
+      this.selected.choose(slot);
+      this.things.setChosen(slot);
+    }
+    this.changed();
   }
 
   pickAtPointer() {
     if (!this.pointer) return;
-    const box = this.canvas.getBoundingClientRect();
+    const box = byId("scene").getBoundingClientRect();
     const x = (this.pointer.x - box.left) / box.width;
     const y = 1 - (this.pointer.y - box.top) / box.height;
-    if (x < 0 || x >= 1 || y < 0 || y >= 1) return;
-    this.hover(this.renderer.pick(x, y));
+    if (x < 0 || x >= 1 || y < 0 || y >= 1) return this.hover(null);
+    this.hover(this.picture.renderer.pick(x, y), box);
   }
 
-  hover(seen) {
+  hover(seen, box) {
     const slot = seen ? seen.slot : null;
     const object = slot === null ? null : this.world.objects.get(slot);
     if (slot !== this.hovered) {
       this.world.setState(this.hovered, kUnderPointer, false);
       this.world.setState(slot, kUnderPointer, true);
       this.hovered = slot;
-      this.gap = null;
-      this.askGap();
+      this.asking.forgetGap();
+      this.selected.gap = null;
     }
+    if (object && this.timeline.isLive) this.asking.askGap();
     const label = byId("label");
     label.hidden = !object || !this.pointer;
     if (label.hidden) return;
-    const away = document.createElement("small");
-    away.textContent = `  ${lengthText(seen.range)} from the eye${this.gap ? `, ${this.gap}` : ""}`;
-    label.replaceChildren(object.name, away);
-    label.style.left = `${Math.min(this.pointer.x + 14, innerWidth - 240)}px`;
-    label.style.top = `${Math.min(this.pointer.y + 14, innerHeight - 60)}px`;
+    const away = element("small", {}, `${lengthText(seen.range)} from the eye${this.asking.gap ? `, ${this.asking.gap}` : ""}`);
+    label.replaceChildren(nameElement(object.name), " ", away);
+    // Beside the pointer, but never out of the picture, where panels are.
+    const [wide, high] = [label.offsetWidth, label.offsetHeight];
+    const right = box.right - wide - 4;
+    const x = this.pointer.x + 14;
+    label.style.left = `${Math.max(box.left + 4, x > right ? Math.min(right, this.pointer.x - wide - 10) : x)}px`;
+    const y = this.pointer.y + 14;
+    label.style.top = `${Math.max(box.top + 4, y + high > box.bottom - 4 ? this.pointer.y - high - 10 : y)}px`;
   }
-
-  /// Asks the server for the distance from the chosen object to the one under the pointer. One question at a time.
-  askGap() {
-    const [a, b] = [this.chosen, this.hovered].map((slot) => this.world.objects.get(slot));
-    if (!a || !b || a === b || this.isAskingGap) return;
-    this.isAskingGap = true;
-    setTimeout(() => { this.isAskingGap = false; }, 250);
-    this.source.ask({ ask: "pair", id: ++this.question, a: a.name, b: b.name });
-  }
-
-  choose(slot) {
-    this.world.setState(this.chosen, kChosen, false);
-    this.world.setState(slot, kChosen, true);
-    this.chosen = slot;
-    if (slot === null) byId("answer").hidden = true;
-  }
-
-  /// Asks a ray from the eye through that place. Its numbers have six digits, which is enough and can be typed again.
-  askAt(clientX, clientY) {
-    const box = this.canvas.getBoundingClientRect();
-    const x = (2 * (clientX - box.left)) / box.width - 1;
-    const y = 1 - (2 * (clientY - box.top)) / box.height;
-    const digits = Math.min(9, Math.max(0, 5 - Math.floor(Math.log10(this.camera.distance))));
-    const origin = this.camera.eye().map((part) => Number(part.toFixed(digits)));
-    const direction = this.camera.direction(x, y).map((part) => Number(part.toFixed(6)));
-    this.clicked = ++this.question;
-    this.source.ask({ ask: "ray", id: this.clicked, origin, direction });
-  }
-
-  showAnswer(answer) {
-    if (answer.ask === "pair") return this.showGap(answer);
-    const unit = normalized(answer.direction);
-    const met = answer.answer === "hit";
-    const to = met ? answer.point : add(answer.origin, scale(unit, this.camera.distance * 3));
-    // It is drawn from a little beside the eye, since a line from the eye itself would look like a point.
-    const { up, right } = this.camera.axes();
-    const from = add(answer.origin, scale(subtract(scale(right, 0.25), up), this.camera.distance * 0.2));
-    this.rays.push({ from, to, met, normal: answer.normal || unit, at: performance.now() });
-    this.rays = this.rays.slice(-50);
-    this.isDirty = true;
-    if (answer.id !== this.clicked) return;
-    this.lastAnswer = answer;
-    this.choose(met ? this.world.byName.get(answer.object)?.slot ?? null : null);
-    const command = `collide ray ${answer.origin.join(" ")}  ${answer.direction.join(" ")}`;
-    this.showText(answerText(answer), command);
-  }
-
-  showText(text, command) {
-    const box = byId("answer");
-    const code = document.createElement("code");
-    code.textContent = command;
-    box.replaceChildren(text, code);
-    box.hidden = false;
-  }
-
-  showGap(answer) {
-    const [a, b] = [this.chosen, this.hovered].map((slot) => this.world.objects.get(slot)?.name);
-    if (answer.a !== a || answer.b !== b) return this.askGap();
-    if (answer.answer === "miss") this.gap = `${lengthText(answer.distance)} from ${answer.a}`;
-    else if (answer.answer === "hit") this.gap = `${lengthText(answer.depth)} deep in ${answer.a}`;
-    this.isDirty = true;
-  }
-}
-
-/// As the command line writes it.
-function answerText(answer) {
-  if (answer.answer === "miss") return "miss  nothing along the ray";
-  if (answer.answer !== "hit") return `${answer.answer}  ${answer.reason || ""}`;
-  const bound = Number(answer.error).toPrecision(2);
-  return `hit  ${answer.object}  distance ${answer.distance} m ±${Number(bound)}  at ${answer.point.join(" ")}  normal ${answer.normal.join(" ")}`;
 }
 
 window.collidedPage = new Page();

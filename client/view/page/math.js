@@ -48,36 +48,11 @@ class Bounds {
       this.high[axis] = Math.max(this.high[axis], point[axis] + radius);
     }
   }
+  corners() {
+    const [low, high] = this.isEmpty() ? [[-1, -1, -1], [1, 1, 1]] : [this.low, this.high];
+    return [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((axis) => (i & (1 << axis) ? high : low)[axis]));
+  }
   isEmpty() { return !(this.low[0] <= this.high[0]); }
   center() { return this.isEmpty() ? [0, 0, 0] : scale(add(this.low, this.high), 0.5); }
   radius() { return this.isEmpty() ? 1 : Math.max(1e-6, length(subtract(this.high, this.low)) / 2); }
-}
-
-// ---- text, as the command line writes it
-
-function lengthText(metres) {
-  if (!Number.isFinite(metres)) return String(metres);
-  const size = Math.abs(metres);
-  if (size === 0) return "0";
-  for (const [unit, factor] of [["m", 1], ["mm", 1e-3], ["µm", 1e-6], ["nm", 1e-9]]) {
-    if (size >= factor || unit === "nm") return `${Number((metres / factor).toPrecision(4))} ${unit}`;
-  }
-}
-
-function durationText(seconds) {
-  if (seconds === null || seconds === undefined) return "-";
-  if (seconds < 1e-3) return `${Number((seconds * 1e6).toPrecision(3))} µs`;
-  if (seconds < 1) return `${Number((seconds * 1e3).toPrecision(3))} ms`;
-  return seconds < 120 ? `${Number(seconds.toPrecision(3))} s` : `${Math.round(seconds / 60)} min`;
-}
-
-function rateText(perSecond) {
-  if (perSecond < 1e3) return `${Number(perSecond.toPrecision(3))}/s`;
-  return perSecond < 1e6 ? `${(perSecond / 1e3).toFixed(1)} k/s` : `${(perSecond / 1e6).toFixed(1)} M/s`;
-}
-
-function clockText(seconds) {
-  const tenYears = 315360000;
-  if (seconds < tenYears) return `${seconds.toFixed(3)} s`;
-  return new Date(seconds * 1000).toLocaleTimeString("en-GB") + (seconds % 1).toFixed(3).slice(1);
 }

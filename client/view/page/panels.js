@@ -1,182 +1,110 @@
-const byId = (id) => document.getElementById(id);
-
-/// Rows of a table: [text, text, isWrong].
+/// Rows of a table: [name, text, text ..., isWrong]; names are isolated, the others are numbers at the right.
 function fillTable(table, rows) {
-  while (table.rows.length > rows.length) table.deleteRow(-1);
-  rows.forEach(([name, value, isWrong], i) => {
-    const row = table.rows[i] || table.insertRow();
-    while (row.cells.length < 2) row.insertCell();
-    row.cells[0].textContent = name;
-    row.cells[0].title = name;
-    row.cells[1].textContent = value;
-    row.className = isWrong ? "wrong" : "";
-  });
+  keepChildren(table, rows.map(({ name, cells, isWrong }) => [`${name}\n${cells.join("\n")}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" },
+    element("th", { scope: "row" }, nameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
 }
 
-/// The panels beside the picture.
+/// Remembers a few choices in the browser, where it lets a page do so.
+const remembered = {
+  get(key, otherwise) {
+    try {
+      return JSON.parse(localStorage.getItem(`collided ${key}`)) ?? otherwise;
+    } catch {
+      return otherwise;
+    }
+  },
+  set(key, value) {
+    try {
+      localStorage.setItem(`collided ${key}`, JSON.stringify(value));
+    } catch { /* a page of a file, or one that may keep nothing */ }
+  },
+};
+
+/// The panels beside the picture that say what the server does.
 class Panels {
   constructor() {
-    this.events = [];
     this.publishers = [];
     this.publishersAt = 0;
-    this.rows = [];
+    this.rates = new Map();  // by publisher: {messages, at, rate}
+    for (const panel of document.querySelectorAll("details[id]")) {
+      panel.open = remembered.get(panel.id, panel.open);
+      panel.addEventListener("toggle", () => { if (!isPhone()) remembered.set(panel.id, panel.open); });
+    }
+    this.setUpSheets();
   }
 
-  showStatus(status) {
-    byId("scenes").textContent = `${status.scenes.length ? status.scenes.join(", ") : "no scene"} · ${status.objects} objects, ${status.moving} moving`;
-    this.showState(`${status.state} · world ${status.world} · collided ${status.version_text}, pid ${status.pid}`, status.state !== "ready");
+  // ---- on a phone, one panel at a time over the lower half of the picture
+
+  setUpSheets() {
+    const tabs = [...document.querySelectorAll("#tabs button")];
+    const show = (panel) => {
+      document.body.dataset.sheet = panel || "";
+      for (const tab of tabs) tab.setAttribute("aria-expanded", tab.dataset.panel === panel);
+      for (const each of document.querySelectorAll("#panels details")) {
+        each.classList.toggle("sheet", each.id === panel);
+        if (each.id === panel) each.open = true;
+      }
+      window.dispatchEvent(new Event("resize"));
+    };
+    for (const tab of tabs) tab.addEventListener("click", () => show(document.body.dataset.sheet === tab.dataset.panel ? "" : tab.dataset.panel));
+    this.closeSheet = () => show("");
+  }
+
+  showStatus(status, now) {
+    const scenes = `${status.scenes.join("\n")}\n${status.objects} ${status.moving}`;
+    if (scenes !== this.scenesText) byId("scenes").replaceChildren(...(status.scenes.length ? status.scenes.flatMap((scene, i) => [i ? ", " : "", nameElement(scene)]) : ["no scene"]), ` · ${countText(status.objects)} objects, ${countText(status.moving)} moving`);
+    this.scenesText = scenes;
+    this.showState(`${status.state} · collided ${status.version_text}, pid ${status.pid}`, status.state !== "ready");
+    for (const { name, messages } of status.publishers) {
+      const known = this.rates.get(name);
+      if (known && now - known.at < 900) continue;
+      const rate = known && messages >= known.messages ? (1000 * (messages - known.messages)) / (now - known.at) : null;
+      this.rates.set(name, { messages, at: now, rate });
+    }
+    for (const name of this.rates.keys()) if (!status.publishers.some((one) => one.name === name)) this.rates.delete(name);
     this.publishers = status.publishers;
-    this.publishersAt = performance.now();
-    byId("contact-count").textContent = status.contacts_truncated ? `${status.contacts}, more are not told` : `${status.contacts} hold`;
+    this.publishersAt = now;
+    const doubt = status.in_doubt ? ` · ${countText(status.in_doubt)} undecided` : "";
+    setText(byId("contact-count"), status.contacts_truncated ? `${countText(status.contacts)}, more are not told` : `${countText(status.contacts)} hold${doubt}`);
     if (status.recent) this.showRecent(status.recent);
   }
 
   showState(text, isWrong) {
-    byId("state").textContent = text;
+    setText(byId("state"), text);
     byId("state").className = isWrong ? "wrong" : "";
   }
 
   showRecent(recent) {
-    byId("step").textContent = `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`;
+    setText(byId("step"), `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
     const busy = recent.stages.reduce((sum, { share }) => sum + share, 0) || 1;
-    const box = byId("stages");
-    box.replaceChildren(...recent.stages.map(({ stage, share }) => {
-      const row = document.createElement("div");
-      row.className = "bar";
-      const name = document.createElement("span");
-      name.textContent = stage;
-      const bar = document.createElement("i");
-      bar.style.width = `${(100 * share) / busy}%`;
-      const value = document.createElement("span");
-      value.textContent = `${(100 * share).toFixed(1)} %`;
-      row.append(name, bar, value);
-      return row;
+    keepChildren(byId("stages"), recent.stages.map(({ stage, share }) => {
+      const width = `${((100 * share) / busy).toFixed(1)}%`;
+      const text = `${(100 * share).toFixed(1)} %`;
+      return [`${stage} ${width} ${text}`, () => {
+        const bar = element("i");
+        bar.style.width = width;
+        return element("div", { class: "bar" }, element("span", {}, stage), element("span", { class: "track" }, bar), element("span", {}, text));
+      }];
     }));
     const asked = recent.asked.filter(({ rate }) => rate > 0);
-    byId("asked").textContent = asked.length ? "" : "nobody asks";
-    fillTable(byId("kinds"), asked.map(({ kind, rate, p50, p99 }) => [`${kind}  ${rateText(rate)}`, `p50 ${durationText(p50)}  p99 ${durationText(p99)}`]));
+    setText(byId("asked"), asked.length ? "" : "nobody asks");
+    byId("kinds-head").hidden = asked.length === 0;
+    fillTable(byId("kinds"), asked.map(({ kind, rate, p50, p99 }) => ({ name: kind, cells: [rateText(rate), durationText(p50), durationText(p99)] })));
   }
 
   /// Lets the ages shown grow between two statuses.
-  showPublishers() {
-    const since = (performance.now() - this.publishersAt) / 1000;
+  showPublishers(now) {
+    const since = (now - this.publishersAt) / 1000;
+    const mostShown = 24;
     const rows = this.publishers.map(({ name, silent, lost }) => {
       const age = silent + since;
-      return [name, lost ? `lost, ${durationText(age)}` : durationText(age), lost || age > 2];
+      const rate = this.rates.get(name)?.rate;
+      return { name, cells: [lost ? "lost" : rate === null || rate === undefined ? "-" : rateText(rate), durationText(age)], isWrong: lost || age > 2 };
     });
-    fillTable(byId("publishers"), rows.length > 24 ? [...rows.slice(0, 24), [`and ${rows.length - 24} more`, ""]] : rows);
-  }
-
-  addEvents(events) {
-    for (const event of events) {
-      if (event.what === "persisted") continue;
-      this.events.unshift(event);
-    }
-    this.events.length = Math.min(this.events.length, 200);
-    this.eventsChanged = true;
-  }
-
-  showEvents() {
-    if (!this.eventsChanged) return;
-    this.eventsChanged = false;
-    byId("events").replaceChildren(...this.events.slice(0, 13).map((event) => {
-      const item = document.createElement("li");
-      item.className = event.what;
-      const end = event.what === "ended" ? `  ${event.why.replace("_", " ")}` : `  ${lengthText(event.depth)} deep`;
-      item.textContent = `${clockText(event.time)}  ${event.a} × ${event.b}${end}`;
-      item.title = item.textContent;
-      return item;
-    }));
-  }
-
-  /// A matrix of objects that touch each other: those with the newest contacts.
-  showMatrix(contacts) {
-    const canvas = byId("matrix");
-    const kMost = 14;
-    const met = new Map();
-    for (const contact of contacts.newest()) {
-      for (const name of [contact.a, contact.b]) if (met.size < kMost && !met.has(name)) met.set(name, met.size);
-    }
-    const names = [...met.keys()].sort();
-    const text = `${names.join("\n")}|${contacts.changes}`;
-    if (text === this.matrixText) return;
-    this.matrixText = text;
-    const ratio = Math.min(2, window.devicePixelRatio || 1);
-    const cell = 13;
-    const labels = 292 - cell * kMost;
-    const height = Math.max(16, cell * names.length + 4);
-    canvas.width = 292 * ratio;
-    canvas.height = height * ratio;
-    canvas.style.height = `${height}px`;
-    const style = getComputedStyle(document.documentElement);
-    const color = (name) => style.getPropertyValue(name).trim();
-    const pen = canvas.getContext("2d");
-    pen.scale(ratio, ratio);
-    pen.font = "10px 'DejaVu Sans', Arial, sans-serif";
-    pen.textBaseline = "middle";
-    if (names.length === 0) {
-      pen.fillStyle = color("--quiet");
-      pen.fillText("nothing has met anything yet", 0, 8);
-    }
-    const place = new Map(names.map((name, i) => [name, i]));
-    names.forEach((name, i) => {
-      pen.fillStyle = color("--ink");
-      pen.fillText(shortened(pen, name, labels - 6), 0, i * cell + cell / 2 + 1);
-      pen.strokeStyle = color("--faint");
-      for (let j = 0; j <= i; ++j) pen.strokeRect(labels + j * cell + 0.5, i * cell + 1.5, cell - 2, cell - 2);
-    });
-    for (const { a, b, holds, times } of contacts.newest()) {
-      const [i, j] = [place.get(a), place.get(b)];
-      if (i === undefined || j === undefined) continue;
-      pen.globalAlpha = holds ? 1 : Math.min(0.75, 0.15 + 0.1 * times);
-      pen.fillStyle = holds ? color("--accent") : color("--ink");
-      pen.fillRect(labels + Math.min(i, j) * cell + 2, Math.max(i, j) * cell + 3, cell - 5, cell - 5);
-    }
-    pen.globalAlpha = 1;
+    setText(byId("publisher-count"), rows.length ? countText(rows.length) : "nobody publishes");
+    byId("publishers-head").hidden = rows.length === 0;
+    fillTable(byId("publishers"), rows.length > mostShown ? [...rows.slice(0, mostShown), { name: `and ${rows.length - mostShown} more`, cells: ["", ""] }] : rows);
   }
 }
 
-function shortened(pen, text, width) {
-  if (pen.measureText(text).width <= width) return text;
-  let kept = text;
-  while (kept.length > 1 && pen.measureText(`…${kept}`).width > width) kept = kept.slice(1);
-  return `…${kept}`;
-}
-
-/// Pairs that touch or have touched, the newest last.
-class Contacts {
-  constructor() {
-    this.pairs = new Map();
-    this.changes = 0;
-  }
-  key({ a, b }) { return `${a}\n${b}`; }
-
-  /// All contacts that hold now.
-  set(contacts) {
-    for (const pair of this.pairs.values()) pair.holds = false;
-    for (const contact of contacts) this.hear(contact, -Infinity);
-  }
-  hear(event, now) {
-    ++this.changes;
-    const key = this.key(event);
-    const known = this.pairs.get(key) || { a: event.a, b: event.b, times: 0, flashed: -Infinity };
-    this.pairs.delete(key);
-    this.pairs.set(key, known);
-    known.a_slot = event.a_slot;
-    known.b_slot = event.b_slot;
-    known.holds = event.what !== "ended";
-    if (event.point) Object.assign(known, { point: event.point, normal: event.normal, depth: event.depth });
-    if (event.what === "began") {
-      known.flashed = now;
-      ++known.times;
-    }
-    if (this.pairs.size > 2000) this.forget();
-  }
-  forget() {
-    for (const [key, pair] of this.pairs) {
-      if (this.pairs.size <= 1500) return;
-      if (!pair.holds) this.pairs.delete(key);
-    }
-  }
-  newest() { return [...this.pairs.values()].reverse(); }
-}
+const isPhone = () => matchMedia("(max-width: 699px)").matches;

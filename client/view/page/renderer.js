@@ -1,24 +1,30 @@
 /// Draws a World with WebGL 2. The constructor throws where the browser has none.
 class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: false, powerPreference: "high-performance" });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: true, preserveDrawingBuffer: true, powerPreference: "high-performance" });
     if (!gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.gl = gl;
-    this.sharpness = 1;  // drawn pixels for each pixel of the screen; the browser scales the picture
-    this.still = this.program(kStillVertex, kTriangleFragment);
+    this.sharpness = 1;  // pixels of the first pass for each one of the screen; above 1 the whole picture has more
+    this.standing = this.program(kStillVertex, kTriangleFragment);
     this.placed = this.program(kPlacedVertex, kTriangleFragment);
+    this.box = this.program(kBoxVertex, kBoxFragment);
     this.solid = this.program(kSolidVertex, kSolidFragment);
     this.ink = this.program(kWholeVertex, kInkFragment);
     this.mark = this.program(kMarkVertex, kMarkFragment);
     this.nothing = gl.createVertexArray();
-    this.box = this.buffer(gl.ARRAY_BUFFER, boxCorners());
+    this.corners = this.buffer(gl.ARRAY_BUFFER, boxCorners());
     this.quad = this.buffer(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    this.solids = this.instances([[1, 3], [2, 4], [3, 3], [4, 2]], this.box, 3);
+    const solids = () => this.instances([[1, 3], [2, 4], [3, 3], [4, 2]], this.corners, 3);
+    this.stillSolids = { boxes: solids(), round: solids() };
+    this.movingSolids = { boxes: solids(), round: solids() };
     this.marks = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
-    this.states = this.texture(gl.R8UI, 1024, 1, gl.RED_INTEGER, gl.UNSIGNED_BYTE, null);
-    this.stateRows = 1;
+    this.grid = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
+    this.states = this.texture(gl.R16UI, 1024, 1, gl.RED_INTEGER, gl.UNSIGNED_SHORT, null);
+    this.tints = this.texture(gl.RGBA8, 1024, 1, gl.RGBA, gl.UNSIGNED_BYTE, null);
+    this.stateRows = this.tintRows = 1;
     this.size = [0, 0];
+    this.stillKey = "";
     this.meshes = [];
     this.readTheme();
   }
@@ -41,6 +47,8 @@ class Renderer {
       const { name } = gl.getActiveUniform(program, i);
       places[name] = gl.getUniformLocation(program, name);
     }
+    gl.useProgram(program);
+    for (const [name, unit] of [["u_seen", 0], ["u_states", 1], ["u_tints", 2]]) if (places[name]) gl.uniform1i(places[name], unit);
     return { program, places };
   }
 
@@ -102,16 +110,16 @@ class Renderer {
     instances.count = count;
   }
 
-  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they do not move; else
-  /// they are drawn at the poses that place() gives.
-  addMesh(origin, positions, corners, slots) {
+  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they stand where they are;
+  /// else they are drawn at the poses that place() gives. isStill: what moves them is only a new table.
+  addMesh(origin, positions, corners, slots, isStill) {
     const gl = this.gl;
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     const buffers = [this.buffer(gl.ARRAY_BUFFER, positions)];
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    const mesh = { origin, array, buffers, corners: corners.length, stands: Boolean(slots), count: 0, room: 0, floats: 8 };
+    const mesh = { origin, array, buffers, corners: corners.length, stands: Boolean(slots), isStill, count: 0, room: 0, floats: 8 };
     if (slots) {
       buffers.push(this.buffer(gl.ARRAY_BUFFER, slots));
       gl.enableVertexAttribArray(1);
@@ -134,14 +142,18 @@ class Renderer {
     this.meshes.splice(this.meshes.indexOf(mesh), 1);
   }
 
-  setStates(states) {
+  setStates(states) { this.stateRows = this.rows(this.states, this.stateRows, states, 1, this.gl.R16UI, this.gl.RED_INTEGER, this.gl.UNSIGNED_SHORT); }
+  setTints(tints) { this.tintRows = this.rows(this.tints, this.tintRows, tints, 4, this.gl.RGBA8, this.gl.RGBA, this.gl.UNSIGNED_BYTE); }
+
+  /// Sends rows of 1024 slots, each with so many parts; returns how many rows the texture then has.
+  rows(texture, before, data, parts, format, layout, type) {
     const gl = this.gl;
-    gl.bindTexture(gl.TEXTURE_2D, this.states);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    const rows = states.length / 1024;
-    if (rows !== this.stateRows) gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, 1024, rows, 0, gl.RED_INTEGER, gl.UNSIGNED_BYTE, states);
-    else gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 1024, rows, gl.RED_INTEGER, gl.UNSIGNED_BYTE, states);
-    this.stateRows = rows;
+    const rows = data.length / (1024 * parts);
+    if (rows !== before) gl.texImage2D(gl.TEXTURE_2D, 0, format, 1024, rows, 0, layout, type, data);
+    else gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 1024, rows, layout, type, data);
+    return rows;
   }
 
   readTheme() {
@@ -153,23 +165,42 @@ class Renderer {
     this.theme = { paper: color("--paper"), ink: color("--ink"), accent: color("--accent") };
   }
 
+  /// Makes the picture as large as its place on the screen. The first pass uses as much of its textures as its sharpness
+  /// says, so that another sharpness needs no new ones.
   resize() {
     const gl = this.gl;
-    this.pixels = (window.devicePixelRatio || 1) * this.sharpness;
-    const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((part) => Math.max(1, Math.min(4096, Math.round(part * this.pixels))));
+    this.pixels = (window.devicePixelRatio || 1) * Math.max(1, this.sharpness);
+    const limit = Math.min(1, 4096 / (this.pixels * Math.max(1, this.canvas.clientWidth, this.canvas.clientHeight)));
+    this.pixels *= limit;
+    const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((part) => Math.max(1, Math.round(part * this.pixels)));
+    const coarser = Math.min(1, this.sharpness);
+    this.seenSize = size.map((part) => Math.max(1, Math.round(part * coarser)));
     if (size[0] === this.size[0] && size[1] === this.size[1]) return;
     [this.canvas.width, this.canvas.height] = size;
     this.size = size;
-    gl.deleteTexture(this.seen);
-    gl.deleteRenderbuffer(this.depth);
-    this.frame = this.frame || gl.createFramebuffer();
-    this.seen = this.texture(gl.RGBA32UI, size[0], size[1], gl.RGBA_INTEGER, gl.UNSIGNED_INT, null);
-    this.depth = gl.createRenderbuffer();
-    gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
+    for (const frame of [this.whole, this.still]) this.release(frame);
+    this.whole = this.firstPass(size);
+    // What stands still is kept in a second one, as long as that has a size that graphics cards of phones have room for.
+    const most = 5e6;
+    this.still = size[0] * size[1] <= most ? this.firstPass(size) : null;
+    this.stillKey = "";
+  }
+
+  firstPass(size) {
+    const gl = this.gl;
+    const frame = { buffer: gl.createFramebuffer(), seen: this.texture(gl.RGBA32UI, size[0], size[1], gl.RGBA_INTEGER, gl.UNSIGNED_INT, null), depth: gl.createRenderbuffer() };
+    gl.bindRenderbuffer(gl.RENDERBUFFER, frame.depth);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, size[0], size[1]);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.seen, 0);
-    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame.buffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, frame.seen, 0);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, frame.depth);
+    return frame;
+  }
+  release(frame) {
+    if (!frame) return;
+    this.gl.deleteTexture(frame.seen);
+    this.gl.deleteRenderbuffer(frame.depth);
+    this.gl.deleteFramebuffer(frame.buffer);
   }
 
   use({ program, places }, values) {
@@ -188,82 +219,167 @@ class Renderer {
   }
 
   /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height
-  /// along `up`.
-  draw(camera, { near, far, anchor, ground, grid }) {
+  /// along `up`; stillVersion: changes with what stands still; region: [low x, low y, high x, high y], from 0 to 1, outside of
+  /// which nothing has changed, or null.
+  draw(camera, { near, far, anchor, ground, grid, stillVersion, region }) {
     this.resize();
     const gl = this.gl;
     const eye = camera.eye();
     const matrix = camera.matrix(near, far);
-    const anchorFromEye = subtract(anchor, eye);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    gl.viewport(0, 0, this.size[0], this.size[1]);
+    const scene = { matrix, eye, near, far, anchorFromEye: subtract(anchor, eye) };
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.states);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.viewport(0, 0, this.seenSize[0], this.seenSize[1]);
+    gl.enable(gl.DEPTH_TEST);
+    gl.disable(gl.BLEND);
+    const key = [...matrix, ...eye, ...this.seenSize, stillVersion].join();
+    const isWhole = !this.still || key !== this.stillKey || !region;
+    if (!this.still || key !== this.stillKey) {
+      this.begin(this.still || this.whole);
+      this.drawPart(scene, true);
+    }
+    this.stillKey = key;
+    if (!isWhole) this.limitTo(region, this.seenSize);
+    if (this.still) this.copyStill();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.whole.buffer);
+    this.drawPart(scene, false);
+    if (!isWhole) this.limitTo(region, this.size);
+    this.drawInk(camera, scene, ground, grid);
+    gl.disable(gl.SCISSOR_TEST);
+    this.drawnPart = isWhole ? 1 : (region[2] - region[0]) * (region[3] - region[1]);
+  }
+
+  /// Nothing is drawn outside of a region from here on.
+  limitTo(region, [width, height]) {
+    const gl = this.gl;
+    const [x, y] = [Math.floor(region[0] * width), Math.floor(region[1] * height)];
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(x, y, Math.max(0, Math.ceil(region[2] * width) - x), Math.max(0, Math.ceil(region[3] * height) - y));
+  }
+
+  begin(frame) {
+    const gl = this.gl;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame.buffer);
     gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
-    gl.enable(gl.DEPTH_TEST);
+  }
+
+  copyStill() {
+    const gl = this.gl;
+    const [width, height] = this.seenSize;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.still.buffer);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.whole.buffer);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
+  }
+
+  /// Draws what stands still, or what moves.
+  drawPart({ matrix, eye, near, far, anchorFromEye }, isStill) {
+    const gl = this.gl;
     gl.disable(gl.CULL_FACE);
-    gl.disable(gl.BLEND);
     for (const mesh of this.meshes) {
-      if (!mesh.stands && mesh.count === 0) continue;
+      if (mesh.isStill !== isStill || (!mesh.stands && mesh.count === 0)) continue;
       gl.bindVertexArray(mesh.array);
       if (mesh.stands) {
-        this.use(this.still, { u_matrix: matrix, u_from_eye: subtract(mesh.origin, eye) });
+        this.use(this.standing, { u_matrix: matrix, u_from_eye: subtract(mesh.origin, eye) });
         gl.drawElements(gl.TRIANGLES, mesh.corners, gl.UNSIGNED_INT, 0);
       } else {
         this.use(this.placed, { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_origin: mesh.origin });
         gl.drawElementsInstanced(gl.TRIANGLES, mesh.corners, gl.UNSIGNED_INT, 0, mesh.count);
       }
     }
-    if (this.solids.count > 0) {
-      gl.enable(gl.CULL_FACE);
-      gl.cullFace(gl.FRONT);
-      this.use(this.solid, { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_depth_range: [near, far] });
-      gl.bindVertexArray(this.solids.array);
-      gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, this.solids.count);
-      gl.disable(gl.CULL_FACE);
+    const { boxes, round } = isStill ? this.stillSolids : this.movingSolids;
+    const values = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_depth_range: [near, far] };
+    if (boxes.count > 0) {
+      this.use(this.box, values);
+      gl.bindVertexArray(boxes.array);
+      gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, boxes.count);
     }
-    this.drawInk(camera, eye, matrix, anchorFromEye, ground, grid);
+    if (round.count === 0) return;
+    gl.enable(gl.CULL_FACE);
+    gl.cullFace(gl.FRONT);
+    this.use(this.solid, values);
+    gl.bindVertexArray(round.array);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, round.count);
+    gl.disable(gl.CULL_FACE);
   }
 
-  drawInk(camera, eye, matrix, anchorFromEye, ground, grid) {
+  drawInk(camera, { matrix, eye, anchorFromEye }, ground, grid) {
     const gl = this.gl;
     const { back, right, up } = camera.axes();
-    const { size } = this;
-    const sky = camera.yIsUp ? [0, 1, 0] : [0, 0, 1];
+    const { size, seenSize } = this;
     const { paper, ink, accent } = this.theme;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, size[0], size[1]);
-    gl.disable(gl.DEPTH_TEST);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, this.states);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    gl.activeTexture(gl.TEXTURE2);
+    gl.bindTexture(gl.TEXTURE_2D, this.tints);
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, this.seen);
-    const places = this.use(this.ink, {
-      u_size: size, u_paper: paper, u_ink: ink, u_accent: accent,
+    gl.bindTexture(gl.TEXTURE_2D, this.whole.seen);
+    const values = {
+      u_size: size, u_seen_size: seenSize, u_pixels: this.pixels, u_paper: paper, u_ink: ink, u_accent: accent,
       u_light: normalized(add(back, add(scale(up, 0.8), scale(right, -0.5)))),
-      u_back: back, u_right: scale(right, camera.halfHeight * camera.aspect), u_up: scale(up, camera.halfHeight),
-      u_ground: [...sky, dot(eye, sky) - ground],
-      u_grid_eye: eye.map((part) => part - Math.floor(part / grid) * grid), u_grid: grid,
-    });
-    gl.uniform1i(places.u_seen, 0);
-    gl.uniform1i(places.u_states, 1);
+      u_pixel_angle: (2 * camera.halfHeight) / seenSize[1],
+    };
     gl.bindVertexArray(this.nothing);
+    this.use(this.ink, values);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    if (this.marks.count === 0) return;
+    const markValues = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_size: size, u_seen_scale: seenSize.map((part, axis) => part / size[axis]), u_pixels: this.pixels, u_ink: ink, u_accent: accent };
+    this.placeGrid(camera, eye, add(eye, anchorFromEye), ground, grid);
+    gl.depthMask(false);
+    this.drawMarks(this.grid, markValues);
+    gl.disable(gl.DEPTH_TEST);
+    this.drawMarks(this.marks, markValues);
+    gl.depthMask(true);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+  }
+
+  drawMarks(marks, values) {
+    const gl = this.gl;
+    if (marks.count === 0) return;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    const markPlaces = this.use(this.mark, { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_size: size, u_pixels: this.pixels, u_ink: ink, u_accent: accent });
-    gl.uniform1i(markPlaces.u_seen, 0);
-    gl.bindVertexArray(this.marks.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.marks.count);
+    this.use(this.mark, values);
+    gl.bindVertexArray(marks.array);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, marks.count);
+    gl.disable(gl.BLEND);
+  }
+
+  /// The lines of a square grid on the ground, around what the camera looks at.
+  placeGrid(camera, eye, anchor, ground, grid) {
+    const lines = 24;
+    const [x, y, z] = camera.yIsUp ? [0, 2, 1] : [0, 1, 2];
+    const middle = [x, y].map((axis) => Math.round(camera.target[axis] / grid));
+    const key = [...middle, ...anchor, ground, grid, camera.yIsUp, Math.round(camera.distance / grid)].join();
+    if (key === this.gridKey) return;
+    this.gridKey = key;
+    const reach = Math.min(lines * grid, camera.distance * 4);
+    const data = new Float32Array(10 * 2 * (2 * lines + 1));
+    let at = 0;
+    for (const [across, along] of [[x, y], [y, x]]) {
+      for (let i = -lines; i <= lines; ++i) {
+        const from = [0, 0, 0];
+        from[across] = (middle[across === x ? 0 : 1] + i) * grid - anchor[across];
+        from[z] = ground - anchor[z];
+        const to = [...from];
+        from[along] = (middle[along === x ? 0 : 1] - lines) * grid - anchor[along];
+        to[along] = (middle[along === x ? 0 : 1] + lines) * grid - anchor[along];
+        data.set([...from, ...to, 1, 3, 0.18, reach], at);
+        at += 10;
+      }
+    }
+    this.fill(this.grid, data, data.length / 10);
   }
 
   /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance,
   /// or null.
   pick(x, y) {
     const gl = this.gl;
+    if (!this.whole) return null;
     const numbers = new Uint32Array(4);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    gl.readPixels(Math.floor(x * this.size[0]), Math.floor(y * this.size[1]), 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.whole.buffer);
+    gl.readPixels(Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1]), 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
     if (numbers[0] === 0) return null;
     return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0] };
   }

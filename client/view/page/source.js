@@ -55,10 +55,10 @@ class Surfaces {
   }
 }
 
-/// told: {hello, status, silent, table(table, surfaceOf), poses, events, contacts, answer, connected(bool)}
+/// tell(kind, value): "table" {table, surfaceOf}, "poses" (readPoses), "connected" (bool), or a message by its type.
 class LiveSource {
-  constructor(told) {
-    this.told = told;
+  constructor(tell) {
+    this.tell = tell;
     this.surfaces = new Surfaces(async (number) => {
       const reply = await fetch(`surface?number=${number}`);
       return reply.ok ? reply.arrayBuffer() : null;
@@ -77,12 +77,12 @@ class LiveSource {
     socket.onopen = () => {
       this.pause = 250;
       this.heard = performance.now();
-      this.told.connected(true);
+      this.tell("connected", true);
     };
     socket.onmessage = (message) => this.hear(message.data);
     socket.onclose = () => {
       if (this.socket !== socket) return;
-      this.told.connected(false);
+      this.tell("connected", false);
       setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2000, this.pause * 2);
     };
@@ -100,12 +100,12 @@ class LiveSource {
   hear(data) {
     this.heard = performance.now();
     if (typeof data !== "string") {
-      this.told.poses(readPoses(data));
+      this.tell("poses", readPoses(data));
       return;
     }
     const message = JSON.parse(data);
     if (message.type === "table") this.fetchTable(message);
-    else if (this.told[message.type]) this.told[message.type](message);
+    else this.tell(message.type, message);
   }
 
   /// Fetches one table at a time; the newest one announced is fetched last.
@@ -120,7 +120,7 @@ class LiveSource {
         if (!reply.ok) continue;
         const table = await reply.json();
         const surfaces = await this.surfaces.all(table);
-        this.told.table(table, surfaces.of);
+        this.tell("table", { table, surfaceOf: surfaces.of });
         // The world has changed meanwhile, and the surfaces of this table are gone.
         if (surfaces.missing > 0) setTimeout(() => this.fetchTable(wanted), 500);
       }
@@ -131,67 +131,43 @@ class LiveSource {
     }
   }
 
+  /// Returns whether it was sent.
   ask(question) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(question));
+    if (this.socket.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(question));
+    return true;
   }
 }
 
 /// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is
-/// text, or bytes compressed by zlib, as base64.
+/// text, or bytes compressed by zlib, as base64. All of it is told once, each message with its time.
 class SavedSource {
-  constructor(run, told) {
-    this.told = told;
+  /// keep(t, kind, value): t in seconds from the beginning
+  constructor(run, keep) {
     this.run = run;
-    this.at = 0;
-    this.next = 0;
-    this.isPlaying = true;
+    this.keep = keep;
     this.surfaces = new Surfaces(async (number, epoch) => {
       const packed = run.surfaces[`${epoch} ${number}`];
       return packed ? unpacked(packed) : null;
     });
-    this.ready = this.unpack();
   }
-
-  async unpack() {
-    for (const message of this.run.messages) {
-      if (message.kind === "poses") message.poses = readPoses(await unpacked(message.data));
-      else if (message.kind === "objects") message.table = JSON.parse(new TextDecoder().decode(await unpacked(message.data)));
-      else message.text = JSON.parse(message.data);
-    }
-    this.told.connected(true);
-    this.isUnpacked = true;
-    await this.seek(0);
-  }
-
   duration() { return this.run.end - this.run.begin; }
 
-  /// Goes to a time, in seconds from the beginning. Going back replays from the beginning without drawing what is
-  /// between.
-  async seek(at) {
-    await this.seeking;
-    this.seeking = this.go(at);
-    return this.seeking;
+  async unpack() {
+    for (const { t, kind, data } of this.run.messages) {
+      const at = t - this.run.begin;
+      if (kind === "poses") this.keep(at, "poses", readPoses(await unpacked(data)));
+      else if (kind === "objects") {
+        const table = JSON.parse(new TextDecoder().decode(await unpacked(data)));
+        this.keep(at, "table", { table, surfaceOf: (await this.surfaces.all(table)).of });
+      } else {
+        const message = JSON.parse(data);
+        this.keep(at, message.type, message);
+      }
+    }
   }
 
-  async go(at) {
-    if (!this.isUnpacked) return;
-    const wanted = Math.max(0, Math.min(this.duration(), at));
-    if (wanted < this.at) {
-      this.next = 0;
-      this.told.restart();
-    }
-    this.at = wanted;
-    let poses = null;
-    while (this.next < this.run.messages.length && this.run.messages[this.next].t - this.run.begin <= wanted) {
-      const message = this.run.messages[this.next++];
-      if (message.kind === "poses") poses = message.poses;
-      else if (message.kind === "objects") this.told.table(structuredClone(message.table), (await this.surfaces.all(message.table)).of);
-      else if (this.told[message.text.type]) this.told[message.text.type](message.text);
-    }
-    if (poses) this.told.poses(poses);
-  }
-
-  ask() {}
+  ask() { return false; }
 }
 
 async function unpacked(base64) {

@@ -1,10 +1,19 @@
+// Bits of an object's state, as the shaders read them.
 const kMoves = 1;
 const kInContact = 2;
 const kUnderPointer = 4;
 const kChosen = 8;
 const kStale = 16;
+const kHidden = 32;
+const kInDoubt = 64;
+const kFaint = 128;
+const kLevelShift = 8;
+const kOpen = 1 << 12;
+const kOpenInsideOut = 1 << 13;
+const kMostLevels = 15;
 const kSolidFloats = 12;
 const kPlacedFloats = 8;
+const kHalfSpace = 6;
 
 /// The server's objects, as what the renderer draws. Without a renderer it only keeps the objects.
 class World {
@@ -12,20 +21,24 @@ class World {
     this.renderer = renderer;
     this.objects = new Map();  // by slot
     this.byName = new Map();
+    this.movers = [];
     this.bounds = new Bounds();
     this.anchor = [0, 0, 0];
-    this.states = new Uint8Array(1024);
+    this.states = new Uint16Array(1024);
+    this.tints = new Uint8Array(4 * 1024);
     this.tableVersion = null;
-    this.solids = [];       // {object, kind, position, turn, half}; those that do not move come first
-    this.stillSolids = 0;
-    this.solidData = new Float32Array(0);
-    this.placedMeshes = [];  // {mesh, objects}
+    this.version = 0;       // of the table as it is shown
+    this.stillVersion = 0;  // changes with what stands still in the picture
+    this.solids = { still: { boxes: [], round: [] }, moving: { boxes: [], round: [] } };
+    this.movingData = { boxes: new Float32Array(0), round: new Float32Array(0) };
+    this.placedMeshes = [];  // {mesh, objects, data}
     this.worldTime = 0;
   }
 
   /// table: the answer to /objects; surfaceOf: the answers to /surface, by number.
   setTable(table, surfaceOf) {
     this.tableVersion = table.table_version;
+    ++this.version;
     const before = this.objects;
     this.objects = new Map();
     this.byName = new Map();
@@ -35,58 +48,75 @@ class World {
       object.position = [x, y, z];
       object.turn = turn;
       object.isThere = !object.moving && turn[0] === 1 && x === 0 && y === 0 && z === 0;
-      // A frame that is newer than the table may have come already.
       const known = before.get(object.slot);
-      if (known && known.name === object.name && known.frame > table.version) {
-        object.position = known.position;
-        object.turn = known.turn;
+      if (known && known.name === object.name) {
+        object.isHidden = known.isHidden;
+        object.publisher = known.publisher;
+        // A frame that is newer than the table may have come already.
+        if (known.frame > table.version) {
+          object.position = known.position;
+          object.turn = known.turn;
+        }
       }
       this.objects.set(object.slot, object);
       this.byName.set(object.name, object);
       slots = Math.max(slots, object.slot + 1);
     }
-    this.states = new Uint8Array(1024 * Math.ceil(slots / 1024));
-    for (const object of table.objects) this.states[object.slot] = (object.moving ? kMoves : 0) | (object.stale ? kStale : 0);
+    this.states = new Uint16Array(1024 * Math.ceil(slots / 1024));
+    this.tints = new Uint8Array(4 * this.states.length);
     this.measure(table, surfaceOf);
+    for (const object of table.objects)
+      this.states[object.slot] = (object.moving ? kMoves : 0) | (object.stale ? kStale : 0) | (object.isHidden ? kHidden : 0);
+    for (const [slot, level] of levels(table.objects)) this.states[slot] |= level << kLevelShift;
     if (!this.renderer) return;
     this.renderer.setStates(this.states);
+    this.renderer.setTints(this.tints);
     this.buildMeshes(table, surfaceOf);
     this.buildSolids(table);
     this.place();
+    ++this.stillVersion;
   }
 
+  /// The bounds of each object in its frame and of all in the world.
   measure(table, surfaceOf) {
     this.bounds = new Bounds();
-    const surfaces = new Set();
     for (const object of table.objects) {
+      const own = new Bounds();
       for (const [number] of object.runs) {
         const surface = surfaceOf(number);
         if (!surface) continue;
-        if (object.isThere) surfaces.add(surface);
-        else this.bounds.extend(add(object.position, rotate(object.turn, surface.origin)), surface.radius);
+        own.extend(add(surface.origin, surface.low));
+        own.extend(add(surface.origin, surface.high));
       }
       for (const part of object.parts) {
         const solid = solidOf(part, object);
-        if (solid && part[0] !== 6) this.bounds.extend(add(object.position, rotate(object.turn, solid.position)), Math.max(...solid.half));
+        if (!solid || part[0] === kHalfSpace) continue;
+        const reach = reachOf(solid);
+        own.extend(add(solid.position, reach));
+        own.extend(subtract(solid.position, reach));
       }
+      object.own = own;
+      object.shell = shellOf(object, surfaceOf);
+      object.reach = own.isEmpty() ? 0 : Math.max(...own.corners().map(length));
+      if (own.isEmpty()) continue;
+      const placed = placedBounds(object);
+      this.bounds.extend(placed.low);
+      this.bounds.extend(placed.high);
     }
-    for (const surface of surfaces) {
-      this.bounds.extend(add(surface.origin, surface.low));
-      this.bounds.extend(add(surface.origin, surface.high));
-    }
+    this.movers = table.objects.filter(({ moving }) => moving);
     this.anchor = this.bounds.center().map(Math.round);
   }
 
   buildMeshes(table, surfaceOf) {
     for (const mesh of [...this.renderer.meshes]) this.renderer.removeMesh(mesh);
-    const still = new Map();   // surface: [[slot, first, count]]
-    const placed = new Map();  // "number first count": objects
+    const still = new Map();   // surface: runs that stand where they are
+    const placed = new Map();  // "number first count moving": objects
     for (const object of table.objects) {
       for (const [number, first, count] of object.runs) {
         const surface = surfaceOf(number);
         if (!surface) continue;
         const map = object.isThere ? still : placed;
-        const key = object.isThere ? surface : `${number} ${first} ${count}`;
+        const key = object.isThere ? surface : `${number} ${first} ${count} ${object.moving}`;
         if (!map.has(key)) map.set(key, { surface, first, count, runs: [], objects: [] });
         map.get(key).runs.push([object.slot, first, count]);
         map.get(key).objects.push(object);
@@ -94,28 +124,32 @@ class World {
     }
     for (const { surface, runs } of still.values()) {
       const { positions, corners, slots } = separated(surface, runs);
-      this.renderer.addMesh(surface.origin, positions, corners, slots);
+      this.renderer.addMesh(surface.origin, positions, corners, slots, true);
     }
     this.placedMeshes = [];
     for (const { surface, first, count, objects } of placed.values()) {
-      const mesh = this.renderer.addMesh(surface.origin, surface.positions, surface.corners.slice(3 * first, 3 * (first + count)), null);
+      const mesh = this.renderer.addMesh(surface.origin, surface.positions, surface.corners.slice(3 * first, 3 * (first + count)), null, !objects[0].moving);
       this.placedMeshes.push({ mesh, objects, data: new Float32Array(kPlacedFloats * objects.length) });
     }
   }
 
   buildSolids(table) {
-    this.solids = [];
-    for (const moving of [false, true]) {
-      for (const object of table.objects) {
-        if (object.moving !== moving) continue;
-        for (const part of object.parts) {
-          const solid = solidOf(part, object, this.bounds.radius());
-          if (solid) this.solids.push(solid);
-        }
+    this.solids = { still: { boxes: [], round: [] }, moving: { boxes: [], round: [] } };
+    for (const object of table.objects) {
+      const of = object.moving ? this.solids.moving : this.solids.still;
+      for (const part of object.parts) {
+        const solid = solidOf(part, object, this.bounds.radius());
+        if (solid) (solid.kind === 1 ? of.boxes : of.round).push(solid);
       }
-      if (!moving) this.stillSolids = this.solids.length;
     }
-    this.solidData = new Float32Array(kSolidFloats * this.solids.length);
+    for (const kind of ["boxes", "round"]) {
+      this.movingData[kind] = new Float32Array(kSolidFloats * this.solids.moving[kind].length);
+      const list = this.solids.still[kind];
+      const data = new Float32Array(kSolidFloats * list.length);
+      placeSolids(list, this.anchor, data);
+      this.renderer.fill(this.renderer.stillSolids[kind], data, list.length);
+    }
+    for (const { mesh, objects, data } of this.placedMeshes) if (!objects[0].moving) this.placeMesh(mesh, objects, data);
   }
 
   /// Sets the poses of a frame (source.js).
@@ -126,8 +160,9 @@ class World {
       const object = this.objects.get(slots[i]);
       if (!object || !object.moving) continue;
       const at = 7 * i;
-      object.position = [origin[0] + numbers[at], origin[1] + numbers[at + 1], origin[2] + numbers[at + 2]];
-      object.turn = [numbers[at + 3], numbers[at + 4], numbers[at + 5], numbers[at + 6]];
+      const { position, turn } = object;
+      for (let axis = 0; axis < 3; ++axis) position[axis] = origin[axis] + numbers[at + axis];
+      for (let part = 0; part < 4; ++part) turn[part] = numbers[at + 3 + part];
       object.frame = frame.version;
       if (Boolean(this.states[object.slot] & kStale) !== Boolean(stale[i])) this.setState(object.slot, kStale, Boolean(stale[i]));
     }
@@ -137,29 +172,30 @@ class World {
   /// Moves the instances to where their objects are.
   place() {
     if (!this.renderer) return;
-    const data = this.solidData;
-    const anchor = this.anchor;
-    for (let i = 0; i < this.solids.length; ++i) {
-      const { object, kind, position, turn, half } = this.solids[i];
-      const p = rotate(object.turn, position);
-      const q = multiplied(object.turn, turn);
-      const at = kSolidFloats * i;
-      for (let axis = 0; axis < 3; ++axis) {
-        data[at + axis] = object.position[axis] + p[axis] - anchor[axis];
-        data[at + 7 + axis] = half[axis];
-      }
-      for (let part = 0; part < 4; ++part) data[at + 3 + part] = q[part];
-      data[at + 10] = kind;
-      data[at + 11] = object.slot;
+    for (const kind of ["boxes", "round"]) {
+      const list = this.solids.moving[kind];
+      placeSolids(list, this.anchor, this.movingData[kind]);
+      this.renderer.fill(this.renderer.movingSolids[kind], this.movingData[kind], list.length);
     }
-    this.renderer.fill(this.renderer.solids, data, this.solids.length);
-    for (const { mesh, objects, data: places } of this.placedMeshes) {
-      objects.forEach((object, i) => {
-        places.set(subtract(object.position, anchor), kPlacedFloats * i);
-        places.set(object.turn, kPlacedFloats * i + 3);
-        places[kPlacedFloats * i + 7] = object.slot;
-      });
-      this.renderer.fill(mesh, places, objects.length);
+    for (const { mesh, objects, data } of this.placedMeshes) if (objects[0].moving) this.placeMesh(mesh, objects, data);
+  }
+
+  placeMesh(mesh, objects, data) {
+    objects.forEach((object, i) => {
+      data.set(subtract(object.position, this.anchor), kPlacedFloats * i);
+      data.set(object.turn, kPlacedFloats * i + 3);
+      data[kPlacedFloats * i + 7] = object.slot;
+    });
+    this.renderer.fill(mesh, data, objects.length);
+  }
+
+  /// Opens what encloses something that moves towards the eye, so that one can look into it.
+  openShells() {
+    const { movers } = this;
+    for (const object of this.objects.values()) {
+      if (!object.shell) continue;
+      const holds = movers.some((mover) => mover !== object && isWithin(object, mover));
+      this.setState(object.slot, object.shell === 1 ? kOpen : kOpenInsideOut, holds);
     }
   }
 
@@ -169,11 +205,132 @@ class World {
     if (state === this.states[slot]) return;
     this.states[slot] = state;
     this.statesChanged = true;
+    if (!(state & kMoves)) this.stillStatesChanged = true;
+    if (bit & (kHidden | kOpen | kOpenInsideOut) && !(state & kMoves)) ++this.stillVersion;
   }
+  hasState(slot, bit) { return Boolean(this.states[slot] & bit); }
   sendStates() {
     if (this.statesChanged && this.renderer) this.renderer.setStates(this.states);
-    this.statesChanged = false;
+    this.statesChanged = this.stillStatesChanged = false;
   }
+
+  /// Where in the picture things may have moved: from 0 to 1, grown by so much; null where that is unknown.
+  movingRegion(camera, growX, growY) {
+    const region = [1, 1, 0, 0];
+    for (const object of this.movers) {
+      const seen = camera.project(object.position);
+      const reach = object.reach;
+      if (!seen || seen[2] < 2 * reach) return null;
+      const y = (0.5 * reach * 1.5) / (seen[2] * camera.halfHeight);
+      extendRegion(region, (seen[0] + 1) / 2, (seen[1] + 1) / 2, y / camera.aspect + growX, y + growY);
+    }
+    return region;
+  }
+
+  /// colorOf(object): [red, green, blue, how much], 0 to 255; null for none.
+  tint(colorOf) {
+    this.tints.fill(0);
+    if (colorOf) for (const object of this.objects.values()) this.tints.set(colorOf(object), 4 * object.slot);
+    if (this.renderer) this.renderer.setTints(this.tints);
+    ++this.stillVersion;
+  }
+}
+
+function extendRegion(region, x, y, reachX, reachY) {
+  region[0] = Math.max(0, Math.min(region[0], x - reachX));
+  region[1] = Math.max(0, Math.min(region[1], y - reachY));
+  region[2] = Math.min(1, Math.max(region[2], x + reachX));
+  region[3] = Math.min(1, Math.max(region[3], y + reachY));
+}
+
+/// Whether an object is a room that others may be in: 1 for a box or a closed mesh that fills most of its bounds, 2 for one
+/// whose triangles are inside out, 0 for all others.
+function shellOf(object, surfaceOf) {
+  if (object.parts.length === 1 && object.runs.length === 0) return object.parts[0][0] === 1 ? 1 : 0;
+  if (object.parts.length > 0 || object.runs.length !== 1 || object.own.isEmpty()) return 0;
+  const [number, first, count] = object.runs[0];
+  const surface = surfaceOf(number);
+  const mostTriangles = 1000;
+  if (!surface || count > mostTriangles) return 0;
+  const corner = (i) => [...surface.positions.subarray(3 * surface.corners[i], 3 * surface.corners[i] + 3)];
+  let volume = 0;
+  for (let i = 3 * first; i < 3 * (first + count); i += 3) volume += dot(corner(i), cross(corner(i + 1), corner(i + 2))) / 6;
+  const [x, y, z] = subtract(object.own.high, object.own.low);
+  return Math.abs(volume) < 0.4 * x * y * z ? 0 : volume > 0 ? 1 : 2;
+}
+
+/// Whether a mover's middle is in the bounds of a larger object.
+function isWithin(object, mover) {
+  if (mover.own.isEmpty() || mover.own.radius() > object.own.radius()) return false;
+  const [w, x, y, z] = object.turn;
+  const local = rotate([w, -x, -y, -z], subtract(mover.position, object.position));
+  return [0, 1, 2].every((axis) => local[axis] > object.own.low[axis] && local[axis] < object.own.high[axis]);
+}
+
+/// Whether the server ever lets two objects meet: by their layers and masks, groups, and whether one of them moves.
+function mayMeet(a, b) {
+  return (a.moving || b.moving) && (a.layers & b.mask) !== 0 && (b.layers & a.mask) !== 0 && !(a.group !== 0 && a.group === b.group);
+}
+
+/// The bounds of an object where it is; those of one that is turned may be too wide.
+function placedBounds(object) {
+  const placed = new Bounds();
+  for (const corner of object.own.corners()) placed.extend(add(object.position, rotate(object.turn, corner)));
+  return placed;
+}
+
+/// Levels for objects that do not move: where faces of two may coincide, the larger one has the higher level, so that always
+/// the same one is seen. Pairs [slot, level].
+function levels(objects) {
+  const still = objects.filter(({ moving, own, parts }) => !moving && (!own.isEmpty() || parts.length > 0))
+    .map((object) => ({ object, bounds: placedBounds(object), size: object.own.isEmpty() ? Infinity : object.own.radius(), level: 0 }))
+    .sort((a, b) => a.size - b.size);
+  const mostCompared = 1500;
+  const most = Math.max(0, still.length - mostCompared);  // of the smallest: nobody sees what they do
+  for (let i = most; i < still.length; ++i) {
+    const one = still[i];
+    for (let j = most; j < i; ++j) if (still[j].level >= one.level && mayCoincide(one.bounds, still[j].bounds)) one.level = Math.min(kMostLevels, still[j].level + 1);
+  }
+  const deepest = still.reduce((level, one) => Math.max(level, one.level), 0);
+  return still.map(({ object, level, size }) => [object.slot, size === Infinity ? Math.min(kMostLevels, deepest + 1) : level]);
+}
+
+/// Whether two boxes meet, and have a side in the same plane that looks the same way.
+function mayCoincide(a, b) {
+  const near = (x, y) => Math.abs(x - y) <= 1e-4;
+  return [0, 1, 2].every((axis) => a.low[axis] <= b.high[axis] + 1e-4 && b.low[axis] <= a.high[axis] + 1e-4) &&
+    [0, 1, 2].some((axis) => near(a.low[axis], b.low[axis]) || near(a.high[axis], b.high[axis]));
+}
+
+/// Writes the floats of instances, without making anything new: ten thousand of them move in each picture.
+function placeSolids(solids, anchor, data) {
+  const [anchorX, anchorY, anchorZ] = anchor;
+  for (let i = 0; i < solids.length; ++i) {
+    const { object, kind, position: [px, py, pz], turn: b, half } = solids[i];
+    const [w, x, y, z] = object.turn;
+    const at = kSolidFloats * i;
+    const tx = 2 * (y * pz - z * py);
+    const ty = 2 * (z * px - x * pz);
+    const tz = 2 * (x * py - y * px);
+    data[at] = object.position[0] - anchorX + px + w * tx + y * tz - z * ty;
+    data[at + 1] = object.position[1] - anchorY + py + w * ty + z * tx - x * tz;
+    data[at + 2] = object.position[2] - anchorZ + pz + w * tz + x * ty - y * tx;
+    data[at + 3] = w * b[0] - x * b[1] - y * b[2] - z * b[3];
+    data[at + 4] = w * b[1] + x * b[0] + y * b[3] - z * b[2];
+    data[at + 5] = w * b[2] - x * b[3] + y * b[0] + z * b[1];
+    data[at + 6] = w * b[3] + x * b[2] - y * b[1] + z * b[0];
+    data[at + 7] = half[0];
+    data[at + 8] = half[1];
+    data[at + 9] = half[2];
+    data[at + 10] = kind;
+    data[at + 11] = object.slot;
+  }
+}
+
+/// Half the size of the box around a solid, along the object's axes.
+function reachOf({ turn, half }) {
+  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => rotate(turn, axis));
+  return [0, 1, 2].map((part) => axes.reduce((sum, axis, i) => sum + Math.abs(axis[part]) * half[i], 0));
 }
 
 /// The box around a primitive, with z along its axis, and its kind; null for a kind without a box.
@@ -182,7 +339,7 @@ function solidOf(part, object, reach = 1) {
   const center = n.slice(0, 3);
   if (kind === 0) return { object, kind, position: center, turn: [1, 0, 0, 0], half: [n[3], n[3], n[3]] };
   if (kind === 1 || kind === 5) return { object, kind, position: center, turn: n.slice(3, 7), half: n.slice(7, 10) };
-  if (kind === 6) {
+  if (kind === kHalfSpace) {
     // A half-space is drawn as a slab as wide as everything else, with its upper side in the plane.
     const thickness = reach * 1e-3;
     const normal = normalized(n.slice(3, 6));

@@ -1,0 +1,42 @@
+#include "client/cli/output/figure_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/output.hpp"
+
+namespace collided::cli {
+
+double per_second(std::uint64_t count, const view::Figures& figures) {
+  return static_cast<double>(count) / std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns)));
+}
+
+double per_step(std::uint64_t count, const view::Figures& figures) {
+  return figures.steps == 0 ? 0 : static_cast<double>(count) / static_cast<double>(figures.steps);
+}
+
+std::string rate_text(double per_second) {
+  // From where three digits would round up to "1e+03".
+  if (per_second < 999.5) return fmt::format("{:.3g}/s", per_second);
+  return per_second < 999'950 ? fmt::format("{:.1f} k/s", per_second / 1e3)
+                              : fmt::format("{:.1f} M/s", per_second / 1e6);
+}
+
+std::string mean_text(double mean) {
+  return mean < 999.5 ? fmt::format("{:.3g}", mean) : format_count(static_cast<std::uint64_t>(std::llround(mean)));
+}
+
+std::string percent_text(std::uint64_t of, std::uint64_t whole) {
+  return fmt::format("{:.2g} %", whole == 0 ? 0 : 100 * static_cast<double>(of) / static_cast<double>(whole));
+}
+
+std::string quantile_text(const std::vector<view::DurationStep>& durations, double part) {
+  const std::optional<std::int64_t> ns = view::quantile_ns(durations, part);
+  return ns ? format_duration(std::chrono::nanoseconds(*ns)) : "-";
+}
+
+}  // namespace collided::cli

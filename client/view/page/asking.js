@@ -1,0 +1,116 @@
+/// What the page asks the server, and how it shows the answers: rays of clicks, distances to what is under the pointer.
+class Asking {
+  /// on: {send(question), chosen(), hovered(), choose(slot), drawn()}
+  constructor(world, camera, marks, on) {
+    this.world = world;
+    this.camera = camera;
+    this.marks = marks;
+    this.on = on;
+    this.question = 0;
+    this.connection = "";
+    this.gap = null;
+    byId("copy").addEventListener("click", () => this.copy());
+    byId("close-answer").addEventListener("click", () => this.hideAnswer());
+  }
+
+  /// Sends a question with a new number; returns that, null where it cannot be sent.
+  ask(question) {
+    const id = ++this.question;
+    return this.on.send({ ...question, id }) ? id : null;
+  }
+
+  /// Asks a ray from the eye. The command line shows the numbers that were sent: all their digits.
+  ray(x, y) {
+    const digits = Math.min(9, Math.max(0, 5 - Math.floor(Math.log10(this.camera.distance))));
+    const origin = this.camera.eye().map((part) => Number(part.toFixed(digits)));
+    const direction = this.camera.direction(x, y).map((part) => Number(part.toFixed(6)));
+    this.clicked = this.ask({ ask: "ray", origin, direction });
+  }
+
+  /// Asks for the distance from the chosen object to the one under the pointer. One question at a time.
+  askGap() {
+    const [a, b] = [this.on.chosen(), this.on.hovered()];
+    if (!a || !b || a === b || this.isAskingGap) return;
+    this.isAskingGap = true;
+    setTimeout(() => { this.isAskingGap = false; }, 250);
+    this.ask({ ask: "pair", a: a.name, b: b.name });
+  }
+  forgetGap() {
+    this.gap = null;
+    this.marks.line = null;
+  }
+
+  hear(answer) {
+    if (answer.ask === "ray") this.showRay(answer);
+    else if (answer.ask === "pair") this.showGap(answer);
+  }
+  refused({ id, why }) {
+    if (id === this.clicked) this.showAnswer([why], "");
+  }
+
+  showRay(answer) {
+    const unit = normalized(answer.direction);
+    const met = answer.answer === "hit";
+    const to = met ? answer.point : add(answer.origin, scale(unit, this.camera.distance * 3));
+    // It is drawn from a little beside the eye, since a line from the eye itself would look like a point.
+    const { up, right } = this.camera.axes();
+    const from = add(answer.origin, scale(subtract(scale(right, 0.25), up), this.camera.distance * 0.2));
+    this.marks.rays.push({ from, to, met, normal: answer.normal || unit, at: performance.now() });
+    this.marks.rays = this.marks.rays.slice(-50);
+    this.on.drawn();
+    if (answer.id !== this.clicked) return;
+    this.lastAnswer = answer;
+    this.on.choose(met ? this.world.byName.get(answer.object)?.slot ?? null : null);
+    const command = `collide ${this.connection}ray ${answer.origin.map(fullText).join(" ")}  ${answer.direction.map(fullText).join(" ")}`;
+    this.showAnswer(answerParts(answer), command);
+  }
+
+  showAnswer(parts, command) {
+    byId("answer-text").replaceChildren(...parts);
+    byId("answer-command").textContent = command;
+    byId("copy").hidden = !command;
+    byId("answer").hidden = false;
+  }
+  hideAnswer() { byId("answer").hidden = true; }
+
+  async copy() {
+    const text = byId("answer-command").textContent;
+    try {
+      await navigator.clipboard.writeText(text);
+    } catch {
+      // Only pages of https and of this machine may; the command is selected instead.
+      getSelection().selectAllChildren(byId("answer-command"));
+      return;
+    }
+    byId("copy").textContent = "copied";
+    setTimeout(() => { byId("copy").textContent = "copy"; }, 1500);
+  }
+
+  showGap(answer) {
+    const [a, b] = [this.on.chosen(), this.on.hovered()];
+    if (answer.a !== a?.name || answer.b !== b?.name) return this.askGap();
+    this.marks.line = null;
+    if (answer.answer === "miss") {
+      this.gap = `${lengthText(answer.distance)} from the chosen one`;
+      if (answer.on_a && answer.on_b) this.marks.line = { from: answer.on_a, to: answer.on_b, text: lengthText(answer.distance) };
+    } else if (answer.answer === "hit") {
+      const depth = depthText(answer);
+      this.gap = depth === "touching" ? "touches the chosen one" : `${depth} deep in the chosen one`;
+      // They overlap as shapes, but that is no contact.
+      if (!mayMeet(a, b)) this.gap = "overlaps the chosen one; the two never meet (layers, groups, or neither moves)";
+    } else this.gap = "undecided against the chosen one";
+    this.on.drawn();
+  }
+}
+
+/// A number so that it reads back as the same double, without an exponent that a shell user would stumble over.
+const fullText = (value) => (Object.is(value, -0) ? "0" : String(value));
+
+/// Rounded for reading; the bound says how far that may be off from what the server decided exactly.
+function answerParts(answer) {
+  if (answer.answer === "miss") return ["miss: nothing along the ray"];
+  if (answer.answer !== "hit") return [`${answer.answer} ${answer.reason || ""}`];
+  const bound = Number(answer.error);
+  const boundText = bound === 0 ? "exact" : `± ${bound < 1e-9 ? "less than 1 nm" : lengthText(bound)}`;
+  return ["hit ", nameElement(answer.object), ` at ${lengthText(Number(answer.distance))} (${boundText}), point ${pointText(answer.point)} m, normal ${answer.normal.map((part) => roundedText(part, 3)).join(" ")}`];
+}

@@ -1,0 +1,124 @@
+const kSharpest = 2;
+const kCoarsest = 0.35;
+
+/// The picture: draws the world when something has changed, as sharp as there is time for.
+class Picture {
+  constructor(canvas, overlay) {
+    this.canvas = canvas;
+    this.frames = [];        // time that each of the newest pictures took, ms
+    this.labels = new Labels(overlay);
+    this.marks = new Marks();
+    this.isDirty = true;
+    this.motionSharpness = 1;  // of pictures while something moves
+    this.median_ms = Infinity;  // that such a picture takes
+    try {
+      this.renderer = new Renderer(canvas);
+    } catch (failed) {
+      this.failed = failed;
+      this.renderer = null;
+    }
+  }
+
+  size() { return [this.canvas.clientWidth, Math.max(1, this.canvas.clientHeight)]; }
+
+  /// Draws if there is something new; returns whether it did. shown: {world, camera, contacts, isShown(pair), labelled()}.
+  draw(now, { world, camera, contacts, isShown, labelled }) {
+    if (this.hasDrawn) this.note(now - this.calledAt);
+    this.calledAt = now;
+    this.hasDrawn = false;
+    if (!this.renderer) return false;
+    const isAnimated = this.marks.place(contacts, camera, world.anchor, this.size(), isShown, now);
+    const isNew = this.isDirty || isAnimated || this.marks.count !== this.marksBefore || world.statesChanged;
+    if (isNew) this.movedAt = now;
+    const isSharper = !isNew && this.wantsSharper(now);
+    if (!isNew && !isSharper) return false;
+    this.renderer.sharpness = isSharper ? this.stillSharpness() : this.motionSharpness;
+    this.isSharper = isSharper;
+    this.hasDrawn = isNew;
+    this.isDirty = false;
+    this.marksBefore = this.marks.count;
+    this.render(world, camera, labelled);
+    return true;
+  }
+
+  render(world, camera, labelled) {
+    const isStillChanged = world.stillStatesChanged;
+    world.sendStates();
+    camera.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    this.renderer.fill(this.renderer.marks, this.marks.data, this.marks.count);
+    const { near, far } = this.depths(world, camera);
+    this.grid = 10 ** Math.round(Math.log10(Math.max(1e-6, camera.distance) / 12));
+    const ground = world.bounds.isEmpty() ? 0 : world.bounds.low[camera.yIsUp ? 1 : 2];
+    const region = this.changedRegion(world, camera, isStillChanged);
+    this.renderer.draw(camera, { near, far, anchor: world.anchor, ground, grid: this.grid, stillVersion: world.stillVersion, region });
+    this.labels.draw(camera, this.size(), this.marks.texts, labelled());
+  }
+
+  /// Where this picture differs from the last one, if the camera has stayed where it was (the renderer looks at that).
+  changedRegion(world, camera, isStillChanged) {
+    const [width, height] = this.size();
+    const grow_px = 4;
+    const now = this.marks.region(world.movingRegion(camera, grow_px / width, grow_px / height), camera, width, height);
+    const before = this.regionBefore;
+    this.regionBefore = now;
+    if (!now || !before || isStillChanged || this.isSharper || this.wasSharper !== this.isSharper) {
+      this.wasSharper = this.isSharper;
+      return null;
+    }
+    const most = (i) => (i < 2 ? Math.min(now[i], before[i]) : Math.max(now[i], before[i]));
+    return [0, 1, 2, 3].map(most);
+  }
+
+  depths(world, camera) {
+    const away = length(subtract(camera.eye(), world.bounds.center()));
+    const radius = world.bounds.radius();
+    const far = Math.max(camera.distance * 4, away + radius * 8);
+    // Half the way to where things may be; an eye among them sees from a fiftieth of its distance on.
+    const near = Math.max(far * 1e-5, camera.distance * 0.02, (away - radius * 1.1) * 0.5);
+    return { near: Math.min(near, camera.distance * 0.5), far };
+  }
+
+  // ---- how sharp
+
+  /// When nothing has moved for a while there is time for one picture that is as sharp as the screen, or sharper.
+  wantsSharper(now) {
+    const pause_ms = 250;
+    return now - (this.movedAt ?? now) > pause_ms && this.renderer.sharpness < this.stillSharpness();
+  }
+  stillSharpness() {
+    const finest = kSharpest / Math.min(kSharpest, window.devicePixelRatio || 1);
+    const most_ms = 800;
+    return this.median_ms * (finest / this.motionSharpness) ** 2 < most_ms ? finest : Math.max(1, this.motionSharpness);
+  }
+
+  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is
+  /// time.
+  note(took) {
+    if (took > 5000) return;  // the page was hidden
+    this.frames.push(took);
+    if (this.frames.length > 240) this.frames.shift();
+    this.sinceChange = (this.sinceChange || 0) + 1;
+    if (this.sinceChange < 5) return;
+    const recent = this.frames.slice(-Math.min(20, this.sinceChange)).sort((a, b) => a - b);
+    const median = recent[Math.floor(recent.length / 2)];
+    this.median_ms = median;
+    const finest = kSharpest / Math.min(kSharpest, window.devicePixelRatio || 1);
+    const isSlow = median > 180 || (median > 90 && this.sinceChange >= 20);
+    if (isSlow && this.motionSharpness > kCoarsest) this.motionSharpness = Math.max(kCoarsest, this.motionSharpness * 0.8);
+    else if (median < 40 && this.motionSharpness < 1 && this.sinceChange > 60) this.motionSharpness = Math.min(1, this.motionSharpness / 0.8);
+    else if (median < 20 && this.motionSharpness < finest && this.sinceChange > 120) this.motionSharpness = finest;
+    else return;
+    this.sinceChange = 0;
+  }
+
+  /// What to say of it: how many pictures there are in a second, and whether they are coarser than the screen.
+  qualityText() {
+    const recent = this.frames.slice(-20);
+    if (!this.renderer) return "";
+    const took = recent.length ? recent.reduce((sum, one) => sum + one, 0) / recent.length : 0;
+    const time = took ? `${Number(took.toPrecision(2))} ms a picture` : "";
+    const coarse = this.renderer.sharpness < 0.995 ? `outlines from ${Math.round(100 * this.renderer.sharpness)} % of the pixels, to keep up` : "full resolution";
+    return [coarse, time].filter(Boolean).join(" · ");
+  }
+  isCoarse() { return Boolean(this.renderer) && this.renderer.sharpness < 0.995; }
+}

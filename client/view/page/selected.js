@@ -1,0 +1,91 @@
+const kAskEvery_ms = 500;
+
+/// The panel about the chosen object: what the server says of it, and what may be done.
+class Selected {
+  /// on: {ask(question) -> id or null, choose(slot), frame(object), follow(slot), isolate(slot), hide(object)}
+  constructor(world, on) {
+    this.world = world;
+    this.on = on;
+    this.slot = null;
+    this.details = null;
+    byId("follow").addEventListener("click", () => on.follow(this.slot));
+    byId("isolate").addEventListener("click", () => on.isolate(this.slot));
+    byId("frame").addEventListener("click", () => on.frame(this.object()));
+    byId("hide").addEventListener("click", () => on.hide(this.object()));
+    byId("deselect").addEventListener("click", () => on.choose(null));
+  }
+
+  object() { return this.world.objects.get(this.slot); }
+
+  choose(slot) {
+    this.slot = slot;
+    this.details = null;
+    this.trail = this.speed = null;
+    this.askedAt = -Infinity;
+    this.show();
+  }
+
+  /// Asks again for what changes, twice a second; while the page shows the past it shows what it remembers itself.
+  tick(now, isLive) {
+    const object = this.object();
+    if (!object) return;
+    if (isLive && now - this.askedAt > kAskEvery_ms) {
+      this.askedAt = now;
+      this.asked = this.on.ask({ ask: "object", name: object.name });
+    }
+    if (!isLive) this.details = null;
+    this.measureSpeed(object);
+    this.show();
+  }
+  hear(answer) {
+    if (answer.name === this.object()?.name) this.details = answer;
+  }
+
+  /// Speed from the poses of the last quarter of a second or so.
+  measureSpeed(object) {
+    const here = { time: this.world.worldTime, position: [...object.position] };
+    const trail = (this.trail || []).filter(({ time }) => time <= here.time && here.time - time < 0.5);
+    if (!trail.length || here.time > trail.at(-1).time) trail.push(here);
+    this.trail = trail;
+    const passed = here.time - trail[0].time;
+    this.speed = passed > 0.05 ? length(subtract(here.position, trail[0].position)) / passed : null;
+  }
+
+  show() {
+    const object = this.object();
+    byId("panel-selected").hidden = !object;
+    document.body.classList.toggle("has-selected", Boolean(object));
+    if (!object) return;
+    const name = byId("selected-name");
+    if (name.textContent !== object.name) name.replaceChildren(nameElement(object.name));
+    const known = this.details || {};
+    const rows = [["kind", [known.kind, object.moving ? "moves" : "does not move", known.solid ? "solid" : ""].filter(Boolean).join(", ")]];
+    if (object.scene) rows.push(["scene", nameElement(object.scene)]);
+    if (object.publisher || known.publisher) rows.push(["moved by", nameElement(known.publisher || object.publisher)]);
+    if (!object.isThere) rows.push(["position", `${pointText(object.position)} m`], ["turn (w x y z)", object.turn.map((part) => roundedText(part, 4)).join(" ")]);
+    if (object.moving && Number.isFinite(this.speed)) rows.push(["speed", `${lengthText(Number(this.speed.toFixed(4)))}/s`]);
+    if (known.age !== undefined) rows.push(["age", durationText(known.age), object.moving && known.age > 2]);
+    if (known.bounds?.flat().every(Number.isFinite)) rows.push(["size", `${subtract(known.bounds[1], known.bounds[0]).map((part) => roundedText(part, 3)).join(" × ")} m`]);
+    if (known.triangles) rows.push(["triangles", countText(known.triangles)]);
+    rows.push(["layers, mask", `${object.layers.toString(2)}, ${object.mask === 0xffffffff ? "all" : object.mask.toString(2)}`]);
+    if (this.gap) rows.push(["under the pointer", this.gap]);
+    keepChildren(byId("selected-facts"), rows.map(([label, value, isWrong]) => [`${label}\n${value.textContent ?? value}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" }, element("th", { scope: "row" }, label), element("td", {}, value))]));
+    this.showContacts(object);
+  }
+
+  showContacts(object) {
+    const contacts = this.contactsOf(object.name);
+    const text = `${object.name}\n${contacts.map(({ a, b, depth }) => `${a}\n${b}\n${depth}`).join("\n")}`;
+    if (text === this.contactsText) return;
+    this.contactsText = text;
+    const mostShown = 30;
+    const rows = contacts.slice(0, mostShown).map((contact) => {
+      const other = contact.a === object.name ? contact.b : contact.a;
+      return element("li", {}, element("span", { class: "depth" }, depthText(contact)), element("button", {
+        type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(other)?.slot ?? null),
+      }, nameElement(other)));
+    });
+    if (contacts.length > mostShown) rows.push(element("li", {}, `and ${contacts.length - mostShown} more`));
+    byId("selected-contacts").replaceChildren(...(rows.length ? rows : [element("li", { class: "quiet" }, "touches nothing")]));
+  }
+}

@@ -1,0 +1,359 @@
+// The page in a real browser, with a viewer made here, so that each test knows what must be seen.
+//   node page.mjs --source client/view --modules DIR [--pictures DIR]
+import { check, launch, picture, until, words } from "./chromium.mjs";
+import { FakeWorld, kAddress, pageFiles } from "./fake_viewer.mjs";
+
+const files = pageFiles(words.source);
+const kHostile = ["<img src=x onerror=\"window.isBroken=1\">", "\u202egnp.exe", "مرحبا بالعالم", "x".repeat(255)];
+
+function hall() {
+  return new FakeWorld()
+    .box("floor", [0, 0, -0.1], [6, 4, 0.1], { scene: "hall" })
+    .box("site", [0, 0, -0.1], [8, 5, 0.1], { scene: "hall" })
+    .box("shelf_1", [-3, 1, 0.75], [0.5, 0.3, 0.75], { scene: "hall" })
+    .box("shelf_2", [3, 1, 0.75], [0.5, 0.3, 0.75], { scene: "hall" })
+    .sphere("ball_1", [0, 0, 0.5], 0.4)
+    .sphere("ball_2", [1.5, 0, 0.5], 0.4);
+}
+
+let browser;
+const wrong = [];
+async function open(world, { width = 1280, height = 800, touch = false, night = false, answers = {} } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, hasTouch: touch, isMobile: touch, deviceScaleFactor: touch ? 2 : 1, colorScheme: night ? "dark" : "light" });
+  const page = await context.newPage();
+  page.on("pageerror", (error) => wrong.push(error.message));
+  page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
+  page.on("request", (request) => { if (!request.url().startsWith(kAddress) && !request.url().startsWith("data:")) wrong.push(`asks for ${request.url()}`); });
+  await world.serve(page, files, answers);
+  await page.goto(kAddress);
+  await until("the objects are there", () => page.evaluate((count) => collidedPage.world.objects.size === count, world.objects.length), 60);
+  await until("a picture is drawn", () => page.evaluate(() => Boolean(collidedPage.picture.renderer.whole)));
+  return page;
+}
+const shut = (page) => page.context().close();
+const textOf = (page, selector) => page.evaluate((which) => document.querySelector(which).textContent, selector);
+const bring = (page, name) => page.evaluate((which) => collidedPage.choose(collidedPage.world.byName.get(which).slot), name);
+
+// ---- the picture
+
+/// When nothing moves the picture has every pixel of the screen, whatever it had while things moved.
+async function restsAtFullResolution() {
+  const page = await open(hall());
+  await page.evaluate(() => {
+    collidedPage.picture.motionSharpness = 0.4;
+    collidedPage.changed();
+  });
+  await until("the picture is sharp", () => page.evaluate(() => collidedPage.picture.renderer.sharpness >= 1), 60);
+  const { canvas, screen, text } = await page.evaluate(() => ({ canvas: document.getElementById("scene").width, screen: document.getElementById("scene").clientWidth, text: collidedPage.picture.qualityText() }));
+  check(canvas >= screen, `the picture has ${canvas} columns of pixels, the screen ${screen}`);
+  check(/full resolution/.test(text), `it is not said: ${text}`);
+  await page.evaluate(() => { collidedPage.picture.renderer.sharpness = 0.4; });
+  check(/40 % of the pixels/.test(await page.evaluate(() => collidedPage.picture.qualityText())), "a coarser picture is not said to be one");
+  await shut(page);
+}
+
+/// Of two floors with the same upper side the smaller one is seen, wherever one looks.
+async function coincidingFacesDoNotFlicker() {
+  const page = await open(hall());
+  for (const pitch of [0.7, 0.25, 1.4]) {
+    const seen = await page.evaluate(async (to) => {
+      const { camera, picture, world } = collidedPage;
+      camera.pitch = to;
+      camera.isTouched = true;
+      collidedPage.changed();
+      await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+      const found = {};
+      for (let x = -5.8; x <= 5.8; x += 0.58) {
+        for (let y = -3.8; y <= 3.8; y += 0.38) {
+          const place = camera.project([x, y, 0]);
+          const hit = picture.renderer.pick((place[0] + 1) / 2, (place[1] + 1) / 2);
+          const name = hit ? world.objects.get(hit.slot).name : "nothing";
+          found[name] = (found[name] || 0) + 1;
+        }
+      }
+      return found;
+    }, pitch);
+    check(seen.floor > 200, `hardly any floor in the picture: ${JSON.stringify(seen)}`);
+    check(!seen.site, `pitch ${pitch}: the site shines through the floor at ${seen.site} of ${seen.floor + seen.site} places`);
+  }
+  await shut(page);
+}
+
+/// Many contacts in one place are one mark with their number; what is hidden has none; a touch is called one.
+async function contactsAreClustered() {
+  const world = hall();
+  const page = await open(world);
+  const events = [0, 1, 2, 3, 4].map((i) => world.event("began", "ball_1", i ? `shelf_${1 + (i % 2)}` : "floor", { point: [0.002 * i, 0, 0.1] }));
+  world.tell({ type: "events", left_out: 0, events: [...events.slice(0, 3), world.event("began", "ball_2", "shelf_2", { point: [1.5, 0, 0.1], depth: 0 })] });
+  await until("the number stands at the mark", () => page.evaluate(() => collidedPage.picture.labels.placed.some(([, , , , text]) => text === "3")), 40);
+  const marks = await page.evaluate(() => collidedPage.picture.marks.count);
+  check(marks < 12, `${marks} marks for two places`);
+  await page.evaluate(() => collidedPage.things.hide([collidedPage.world.byName.get("ball_1")], true));
+  await until("what is hidden has no marks", () => page.evaluate(() => collidedPage.picture.labels.placed.every(([, , , , text]) => text !== "3")), 40);
+  await until("the touch is told", async () => /touching/.test(await textOf(page, "#events")));
+  check(!/ 0 deep|0 m deep/.test(await textOf(page, "body")), "a touch is told as 0 deep");
+  await shut(page);
+}
+
+/// What is under the pointer is compared with what was chosen; an overlap of two that never meet is no contact.
+async function overlapsThatAreNoContactsAreSaidSo() {
+  const world = hall().sphere("ghost", [0, 0, 0.5], 0.6, { layers: 2, mask: 2 });
+  const page = await open(world, { answers: { pair: () => ({ answer: "hit", depth: 0.5, error: 1e-16, point: [0, 0, 0] }) } });
+  for (const [a, b, expected] of [["ghost", "ball_1", /never meet/], ["floor", "site", /never meet/], ["ball_1", "ball_2", /500.0 mm deep/]]) {
+    await bring(page, a);
+    const gap = await page.evaluate(async (other) => {
+      collidedPage.hovered = collidedPage.world.byName.get(other).slot;
+      collidedPage.asking.isAskingGap = false;
+      collidedPage.asking.askGap();
+      await new Promise((done) => setTimeout(done, 400));
+      return collidedPage.asking.gap;
+    }, b);
+    check(expected.test(gap), `${a} and ${b}: ${gap}`);
+  }
+  await shut(page);
+}
+
+// ---- things
+
+async function hostileNamesAreOnlyNames() {
+  const world = hall();
+  kHostile.forEach((name, i) => world.sphere(name, [i - 2, -2, 0.5], 0.3));
+  const page = await open(world);
+  world.tell({ type: "events", left_out: 0, events: kHostile.map((name) => world.event("began", name, "floor")) });
+  world.tell(world.status({ scenes: [kHostile[0]], publishers: kHostile.map((name) => ({ name, messages: 1, silent: 0.1, lost: false })) }));
+  await bring(page, kHostile[3]);
+  await page.evaluate(() => document.getElementById("labels").click());
+  await until("they are all listed", async () => (await textOf(page, "#publishers")).includes("مرحبا"));
+  await until("they are events", async () => (await textOf(page, "#events")).includes("مرحبا"));
+  check(await page.evaluate(() => !window.isBroken && document.images.length === 1), "a name was read as HTML");
+  check((await textOf(page, "#events")).includes("\\u202egnp.exe"), "a sign that turns others around is not written out");
+  const wide = await page.evaluate(() => [...document.querySelectorAll("aside, aside *")].filter((one) => one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).overflowX === "visible" && one.clientWidth > 0).map((one) => one.id || one.className || one.tagName));
+  check(wide.length === 0, `runs over: ${wide.join(", ")}`);
+  await picture(page, "hostile");
+  await shut(page);
+}
+
+async function aHundredThousandScroll() {
+  const world = new FakeWorld().box("floor", [0, 0, -0.1], [60, 60, 0.1], { scene: "hall" });
+  for (let i = 0; i < 100000; ++i) world.box(`bin_${i}`, [(i % 316) * 0.3 - 50, Math.floor(i / 316) * 0.3 - 50, 0.1], [0.1, 0.1, 0.1], { scene: "hall" });
+  const page = await open(world);
+  const rows = () => page.evaluate(() => ({ all: collidedPage.things.rows.length, made: document.querySelectorAll("#things [role=treeitem]").length }));
+  const { all, made } = await rows();
+  check(all === 100002, `${all} rows`);
+  check(made < 80, `${made} rows are made for what is seen of them`);
+  await page.evaluate(() => { document.getElementById("things").scrollTop = 1e9; });
+  await until("the last one is seen", async () => /bin_99999/.test(await textOf(page, "#things")));
+  await page.fill("#search", "bin_9999?");
+  await until("the search finds ten", async () => (await rows()).all === 11);
+  check((await textOf(page, "#thing-count")).startsWith("10 of"), await textOf(page, "#thing-count"));
+  await page.fill("#search", "no such thing");
+  await until("nothing is said to be found", async () => /no object has such a name/.test(await textOf(page, "#no-things")));
+  await shut(page);
+}
+
+async function thingsAreChosenFollowedAndHidden() {
+  const world = hall();
+  const details = { kind: "sphere", moving: true, scene: "", publisher: "robot", layers: 1, mask: 0xffffffff, group: 0, triangles: 0, stale: false, solid: true, bounds: [[0, 0, 0], [0.8, 0.8, 0.8]], age: 0.0123456789, contacts: [] };
+  const page = await open(world, { answers: { object: () => details, owners: () => ({ owners: [{ publisher: "robot", slots: [4, 5] }], left_out: 0 }) } });
+  await until("publishers are groups", async () => /publisher robot/.test(await textOf(page, "#things")));
+  await page.focus("#things");
+  for (const key of ["Home", "ArrowDown", "Enter"]) await page.keyboard.press(key);
+  await until("the keyboard chooses", async () => (await textOf(page, "#selected-name")) === "ball_1");
+  await until("the server is asked", async () => /12.3 ms/.test(await textOf(page, "#selected-facts")));
+  check(/robot/.test(await textOf(page, "#selected-facts")), "who moves it is not said");
+  await page.click("#follow");
+  const target = () => page.evaluate(() => collidedPage.camera.target[0]);
+  const before = await target();
+  world.objects[world.slotOf("ball_1")].pose[0] = 2;
+  world.move(1);
+  await until("the camera follows", async () => Math.abs((await target()) - before - 2) < 1e-5);
+  await page.click("#hide");
+  const slots = () => page.evaluate(() => {
+    const seen = new Set();
+    for (let x = 0.3; x < 0.9; x += 0.03) for (let y = 0.3; y < 0.7; y += 0.02) seen.add(collidedPage.picture.renderer.pick(x, y)?.slot);
+    return [...seen];
+  });
+  await until("it is gone", async () => !(await slots()).includes(4));
+  await page.click("#show-all");
+  await until("it is back", async () => (await slots()).includes(4));
+  await shut(page);
+}
+
+// ---- asking, time
+
+async function commandsHaveAllDigitsAndTheWay() {
+  const hit = { answer: "hit", object: "shelf_1", distance: 12.345678901234567, error: 3e-15, point: [-3, 1.23456789012345, 1.5], normal: [0, 0, 1], point_error: 1e-15 };
+  const page = await open(hall(), { answers: { ray: () => hit } });
+  await page.focus("#scene");
+  await page.keyboard.press("Enter");
+  await until("the answer is shown", async () => /shelf_1/.test(await textOf(page, "#answer-text")));
+  const text = await textOf(page, "#answer-text");
+  check(/12.35 m/.test(text) && !/\d\.\d{6}/.test(text), `not rounded: ${text}`);
+  const sent = await page.evaluate(() => collidedPage.asking.lastAnswer);
+  const command = await textOf(page, "#answer-command");
+  check(command === `collide --domain 7 --namespace hall ray ${sent.origin.join(" ")}  ${sent.direction.join(" ")}`, command);
+  await shut(page);
+}
+
+/// Pausing keeps the picture while the world goes on; going back shows what was; going live shows what is.
+async function timeGoesBack() {
+  const world = hall();
+  const page = await open(world);
+  const x = () => page.evaluate(() => collidedPage.world.byName.get("ball_1").position[0]);
+  const isAt = (where) => until(`ball_1 is at ${where}`, async () => Math.abs((await x()) - where) < 1e-6);
+  const moveTo = async (where) => {
+    world.objects[world.slotOf("ball_1")].pose[0] = where;
+    world.move(where);
+    await isAt(where);
+  };
+  await moveTo(1);
+  world.tell({ type: "events", left_out: 0, events: [world.event("began", "ball_1", "shelf_1")] });
+  await until("the event is listed", async () => /ball_1/.test(await textOf(page, "#events")));
+  await moveTo(2);
+  await page.keyboard.press("p");
+  world.objects[world.slotOf("ball_1")].pose[0] = 3;
+  world.move(3);
+  await until("the page has heard of it", () => page.evaluate(() => collidedPage.timeline.history.frames.at(-1).value.worldTime === 3));
+  check(Math.abs((await x()) - 2) < 1e-6, "a page that is paused moves");
+  await page.keyboard.press(",");
+  await isAt(1);
+  await page.keyboard.press(".");
+  await isAt(2);
+  await page.click("#events button");
+  await until("the event's instant is shown", () => page.evaluate(() => collidedPage.chosen === collidedPage.world.byName.get("ball_1").slot));
+  await isAt(1);
+  await page.click("#live");
+  await isAt(3);
+  await page.evaluate(() => {
+    const { history } = collidedPage.timeline;
+    const frame = history.frames.at(-1).value;
+    for (let i = 0; i < 4000; ++i) history.add(history.end + 0.01, "poses", frame);
+  });
+  const kept = await page.evaluate(() => collidedPage.timeline.history.end - collidedPage.timeline.history.begin);
+  check(kept <= 31.5, `${kept} s are kept`);
+  await shut(page);
+}
+
+// ---- panels, on every screen
+
+/// Nothing runs out of its place, events have their depth, and what is over the picture leaves the panels free.
+async function fitsEveryScreen() {
+  for (const [width, height] of [[360, 740], [700, 900], [1024, 768], [1280, 800], [2560, 1440]]) {
+    const world = hall();
+    const page = await open(world, { width, height, touch: width < 700, night: width === 1280 });
+    world.tell({ type: "events", left_out: 0, events: [world.event("began", "warehouse/north/shelf_17/upper", "fleet/robots/carrier_0042/bumper")] });
+    if (width < 700) await page.tap("#tabs [data-panel=panel-events]");
+    await until("the event is listed", async () => /12.3 mm/.test(await textOf(page, "#events")));
+    const found = await page.evaluate(() => {
+      const box = (one) => one.getBoundingClientRect();
+      const scene = box(document.getElementById("scene"));
+      const panels = [...document.querySelectorAll("aside")].map(box).filter(({ width: wide, height: high }) => wide && high);
+      return {
+        page: document.documentElement.scrollWidth, screen: innerWidth, scene: [scene.width, scene.height],
+        covered: panels.some((one) => one.left < scene.right - 1 && one.right > scene.left + 1 && one.top < scene.bottom - 1 && one.bottom > scene.top + 1),
+        depth: (() => {
+          const depth = document.querySelector("#events .depth");
+          const { left, right } = box(depth);
+          return depth.scrollWidth <= depth.clientWidth + 1 && left >= 0 && right <= innerWidth;
+        })(),
+        cut: [...document.querySelectorAll("#events .pair, #events time")].some((one) => one.scrollWidth > one.clientWidth + 1 && one.clientWidth > 0),
+        small: matchMedia("(pointer: coarse)").matches ? [...document.querySelectorAll("button, select, summary")].filter((one) => box(one).height && box(one).height < 44 && box(one).width).map((one) => `${one.id || one.className || one.textContent} ${box(one).height}`) : [],
+      };
+    });
+    const where = `${width}x${height}`;
+    check(found.page <= found.screen, `${where}: the page is ${found.page} wide`);
+    check(found.scene[0] >= 0.4 * width && found.scene[1] >= 0.4 * height, `${where}: the picture has ${found.scene}`);
+    check(!found.covered, `${where}: a panel lies over the picture`);
+    check(found.depth, `${where}: the depth is cut off`);
+    check(!found.cut, `${where}: an event is cut off`);
+    check(found.small.length === 0, `${where}: too small to touch: ${found.small.join(", ")}`);
+    const { used, free } = await page.evaluate(() => {
+      const { camera, world: { bounds } } = collidedPage;
+      collidedPage.fitAll();
+      const scene = document.getElementById("scene").getBoundingClientRect();
+      const seen = bounds.corners().map((corner) => camera.project(corner));
+      const x = seen.map(([part]) => scene.left + ((part + 1) / 2) * scene.width);
+      const y = seen.map(([, part]) => scene.top + ((1 - part) / 2) * scene.height);
+      const box = (id) => document.getElementById(id).getBoundingClientRect();
+      return { used: [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)], free: [scene.left, box("title").bottom, scene.right, box("timeline").top] };
+    });
+    const isInside = used[0] >= free[0] && used[1] >= free[1] && used[2] <= free[2] && used[3] <= free[3];
+    check(isInside, `${where}: the world is seen from ${used}, what is free is ${free}`);
+    const fills = Math.max((used[2] - used[0]) / (free[2] - free[0]), (used[3] - used[1]) / (free[3] - free[1]));
+    check(fills > 0.8, `${where}: the world fills ${fills} of what is free`);
+    await picture(page, `screen_${where}`);
+    await shut(page);
+  }
+}
+
+/// The label of the pointer stays in the picture, whatever its length and wherever the pointer is.
+async function labelsStayInThePicture() {
+  const world = new FakeWorld().box("x".repeat(200), [0, 0, -0.1], [400, 400, 0.1], { scene: "hall" }).sphere("ball", [0, 0, 1], 0.5);
+  const page = await open(world);
+  await page.evaluate(() => Object.assign(collidedPage.camera, { distance: 30, pitch: 1.2, isTouched: true }));
+  const scene = await page.locator("#scene").boundingBox();
+  for (const [x, y] of [[0.99, 0.6], [0.5, 0.7], [0.98, 0.7]]) {
+    await page.mouse.move(scene.x + x * scene.width, scene.y + y * scene.height);
+    await until(`the label is there at ${x} ${y}`, () => page.evaluate(() => !document.getElementById("label").hidden), 40);
+    const label = await page.locator("#label").boundingBox();
+    check(label.x >= scene.x && label.x + label.width <= scene.x + scene.width + 1, `at ${x}: the label is from ${label.x} to ${label.x + label.width}, the picture from ${scene.x} to ${scene.x + scene.width}`);
+    await page.mouse.move(scene.x + 300, 5);
+  }
+  await shut(page);
+}
+
+/// Text is told apart from its ground as WCAG 2.2 (1.4.3, level AA) asks, by day and by night; choices are kept.
+async function textIsLegible() {
+  for (const night of [false, true]) {
+    const page = await open(hall(), { night });
+    const ratios = await page.evaluate(() => {
+      const style = getComputedStyle(document.documentElement);
+      const luminance = (name) => {
+        const text = style.getPropertyValue(name).trim();
+        const parts = [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255).map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2];
+      };
+      const ratio = (a, b) => (Math.max(luminance(a), luminance(b)) + 0.05) / (Math.min(luminance(a), luminance(b)) + 0.05);
+      return ["--ink", "--quiet", "--accent-text"].flatMap((text) => ["--paper", "--raised"].map((ground) => [text, ground, ratio(text, ground)]));
+    });
+    for (const [text, ground, ratio] of ratios) check(ratio >= 4.5, `${night ? "night" : "paper"}: ${text} on ${ground} is ${ratio.toFixed(2)}; 4.5 is the least`);
+    const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select, canvas[tabindex], [role=tree]")].filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length)).map((one) => one.id));
+    check(unnamed.length === 0, `without a name: ${unnamed.join(", ")}`);
+    if (!night) {
+      await page.click("#panel-stages summary");
+      await until("that is kept", () => page.evaluate(() => localStorage.getItem("collided panel-stages") === "false"));
+      await page.reload();
+      await until("it stays folded", () => page.evaluate(() => window.collidedPage && !document.getElementById("panel-stages").open));
+    }
+    await shut(page);
+  }
+}
+
+/// Nothing but these three files is needed, and they are small.
+function isSmall() {
+  const bytes = Object.values(files).reduce((sum, [, text]) => sum + Buffer.byteLength(text), 0);
+  check(bytes < 300e3, `the page has ${bytes} bytes`);
+  console.log(`size: ${(bytes / 1e3).toFixed(0)} kB`);
+}
+
+const tests = [
+  isSmall, restsAtFullResolution, coincidingFacesDoNotFlicker, contactsAreClustered, overlapsThatAreNoContactsAreSaidSo, hostileNamesAreOnlyNames, aHundredThousandScroll,
+  thingsAreChosenFollowedAndHidden, commandsHaveAllDigitsAndTheWay, timeGoesBack, fitsEveryScreen, labelsStayInThePicture, textIsLegible,
+];
+try {
+  browser = await launch();
+  for (const test of tests.filter(({ name }) => !words.only || name === words.only)) {
+    const begun = Date.now();
+    try {
+      await test();
+      check(wrong.length === 0, `the page's errors: ${wrong.splice(0).join("; ")}`);
+      console.log(`${test.name}: as it should be, ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+    } catch (failed) {
+      console.error(`${test.name}: ${failed.message}${wrong.length ? ` (the page's errors: ${wrong.splice(0).join("; ")})` : ""}`);
+      process.exitCode = 1;
+      for (const context of browser.contexts()) await context.close();
+    }
+  }
+} finally {
+  await browser?.close();
+}
