@@ -1,5 +1,6 @@
 /* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback.
  * usage: c_client DOMAIN */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,6 +161,58 @@ static void refusals(collided_client* client) {
   collided_close(NULL);
 }
 
+/* A cube a metre from a wall: how near, and whether it would be free elsewhere. */
+static void groups(collided_client* client) {
+  static const char* const name[1] = {"c_hand"};
+  static const double poses[21] = {0, 0, 60, 1, 0, 0, 0, 0.5, 0, 60, 1, 0, 0, 0, 1.5, 0, 60, 1, 0, 0, 0};
+  collided_error error;
+  collided_part box;
+  collided_object object;
+  collided_answers* answers = NULL;
+  collided_answers_info info;
+  collided_columns columns;
+  uint8_t verdicts[3];
+  double distances[6];
+  size_t i;
+  error.size = sizeof error;
+  info.size = sizeof info;
+  memset(&box, 0, sizeof box);
+  box.size = sizeof box;
+  box.kind = COLLIDED_BOX;
+  for (i = 0; i < 3; ++i) box.numbers[i] = 0.5;
+  box.numbers[6] = 1;
+  for (i = 0; i < 2; ++i) {
+    collided_object_defaults(&object, sizeof object);
+    object.name = i == 0 ? "c_hand" : "c_wall";
+    object.parts = &box;
+    object.part_count = 1;
+    object.position[0] = i == 0 ? 0 : 2;
+    object.position[2] = 60;
+    must(collided_add(client, &object, NULL, &error), &error, "add");
+  }
+  must(collided_clearance(client, "c_hand", "c_wall", 1, HUGE_VAL, NULL, &answers, &error), &error, "clearance");
+  memset(&columns, 0, sizeof columns);
+  columns.size = sizeof columns;
+  columns.verdict = verdicts;
+  columns.distance_m = distances;
+  collided_get_info(answers, &info);
+  expect(info.questions == 1 && info.hits == 2, "a pair is two hits");
+  collided_read_columns(answers, &columns);
+  expect(verdicts[0] == COLLIDED_MISS && fabs(distances[0] - 1) < 1e-9, "a metre");
+  expect(!strcmp(collided_hit_object(answers, 0), "c_hand") && !strcmp(collided_hit_object(answers, 1), "c_wall"), "names");
+  must(collided_what_if(client, name, 1, 3, poses, NULL, 0, HUGE_VAL, NULL, &answers, &error), &error, "what-if");
+  collided_get_info(answers, &info);
+  expect(info.questions == 3 && info.hits <= 6, "an answer for each configuration");
+  if (info.hits == 6) collided_read_columns(answers, &columns);
+  expect(verdicts[0] == COLLIDED_MISS && verdicts[1] == COLLIDED_MISS && verdicts[2] == COLLIDED_HIT, "free, free, not");
+  expect(fabs(distances[2] - 0.5) < 1e-9 && fabs(distances[4] + 0.5) < 1e-9, "their clearances");
+  collided_free_answers(answers);
+  answers = NULL;
+  expect(collided_clearance(client, "nobody", NULL, 1, HUGE_VAL, NULL, &answers, &error) == COLLIDED_REFUSED, "no group");
+  expect(collided_what_if(client, name, 1, 1, NULL, NULL, 0, 0, NULL, &answers, &error) == COLLIDED_BAD_INPUT, "no poses");
+  must(collided_remove(client, "c_*", NULL, &error), &error, "remove");
+}
+
 int main(int count, char** words) {
   collided_error error;
   collided_connect_options options;
@@ -178,6 +231,7 @@ int main(int count, char** words) {
   rays(client);
   moves_and_events(client);
   refusals(client);
+  groups(client);
   collided_close(client);
   printf("%d faults\n", faults);
   return faults > 0;

@@ -54,6 +54,51 @@ class WithServer(unittest.TestCase):
         self.addCleanup(self.client.close)
 
 
+class Groups(WithServer):
+    """Unit cubes 100 m up, two metres between the hand and the wall."""
+
+    def setUp(self):
+        super().setUp()
+        for name, x in (("robot/hand", 0), ("robot/arm", -1.5), ("cell/wall", 3), ("cell/post", 8)):
+            self.client.add(name, collided.Box((0.5, 0.5, 0.5)), (x, 0, 100))
+            self.addCleanup(self.client.remove, name)
+
+    def test_clearance_has_the_nearest_pairs_first(self):
+        found = self.client.clearance("robot/*", "cell/*")
+        self.assertFalse(found)
+        (pair,) = found.pairs
+        self.assertEqual((pair.a, pair.b), ("robot/hand", "cell/wall"))
+        self.assertAlmostEqual(pair.clearance, 2, delta=pair.error)
+        self.assertAlmostEqual(pair.on_b[0], 2.5)
+        self.assertTrue(found.cut)
+        near = self.client.clearance("robot/*", "cell/*", most=10, nearer=4)
+        self.assertEqual([pair.a for pair in near.pairs], ["robot/hand", "robot/arm"])
+        self.assertFalse(near.cut)
+        with self.assertRaisesRegex(collided.Refused, "no object's name matches 'robt/\\*'"):
+            self.client.clearance("robt/*")
+
+    def test_what_if_answers_each_configuration_and_moves_nothing(self):
+        places = [0, 1.75, 2.25]
+        poses = [[x, 0, 100, 1, 0, 0, 0] for x in places]
+        free = self.client.what_if(["robot/hand"], poses, "cell/wall")
+        self.assertEqual([answer.verdict for answer in free], [Verdict.MISS, Verdict.MISS, Verdict.HIT])
+        self.assertEqual(free.object, [None, None, "robot/hand"])
+        near = self.client.what_if(["robot/hand"], poses, "cell/wall", clearance=True)
+        for answer, x in zip(near, places):
+            first, second = answer.hits
+            self.assertEqual((first.object, second.object), ("robot/hand", "cell/wall"))
+            self.assertAlmostEqual(first.distance, 2 - x, delta=first.error + 1e-12)
+        held = self.client.what_if(["robot/hand"], [[4.5, 0, 100, 1, 0, 0, 0]], "cell/wall", attached=[("robot/arm", "robot/hand")])
+        self.assertEqual(held.object, ["robot/arm"])
+        with self.assertRaises(collided.BadInput):
+            self.client.what_if(["robot/hand", "robot/arm"], poses)
+        with self.assertRaisesRegex(collided.Refused, "object 'hnd' is not in the world"):
+            self.client.what_if(["hnd"], poses)
+        if numpy is not None:
+            both = numpy.array([[[5, 0, 100, 1, 0, 0, 0], [-5, 0, 100, 1, 0, 0, 0]], [[0, 0, 100, 1, 0, 0, 0], [9, 0, 100, 1, 0, 0, 0]]], dtype=float)
+            self.assertEqual(list(self.client.what_if(["robot/hand", "robot/arm"], both, "cell/*").verdict), [Verdict.MISS, Verdict.HIT])
+
+
 class Questions(WithServer):
     def test_rays_equal_the_command_lines(self):
         origins, directions = rays(500)
