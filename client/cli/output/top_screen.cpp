@@ -217,7 +217,10 @@ std::vector<std::string> top_screen(const Look& look, const TopHistory& history,
     lines.resize(body);
     lines.push_back(keys_line(choice));
   }
-  for (std::string& line : lines) line = cut_between_words(line, columns);
+  for (std::string& line : lines) {
+    line = cut_between_words(line, columns);
+    line.erase(line.find_last_not_of(' ') + 1);
+  }
   return lines;
 }
 

@@ -1,5 +1,7 @@
 const kSharpest = 2;
-const kCoarsest = 0.35;
+// Coarser outlines would be seen to have steps, and save little: most of the time goes into the second pass. On a screen
+// with more than one pixel for each of CSS the whole picture may be coarser (Renderer.resize).
+const kCoarsest = 0.7;
 
 /// The picture: draws the world when something has changed, as sharp as there is time for.
 class Picture {
@@ -103,8 +105,9 @@ class Picture {
     const median = recent[Math.floor(recent.length / 2)];
     this.median_ms = median;
     const finest = kSharpest / Math.min(kSharpest, window.devicePixelRatio || 1);
+    const coarsest = kCoarsest / Math.max(1, window.devicePixelRatio || 1);
     const isSlow = median > 180 || (median > 90 && this.sinceChange >= 20);
-    if (isSlow && this.motionSharpness > kCoarsest) this.motionSharpness = Math.max(kCoarsest, this.motionSharpness * 0.8);
+    if (isSlow && this.motionSharpness > coarsest) this.motionSharpness = Math.max(coarsest, this.motionSharpness * 0.8);
     else if (median < 40 && this.motionSharpness < 1 && this.sinceChange > 60) this.motionSharpness = Math.min(1, this.motionSharpness / 0.8);
     else if (median < 20 && this.motionSharpness < finest && this.sinceChange > 120) this.motionSharpness = finest;
     else return;

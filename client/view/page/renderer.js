@@ -169,12 +169,13 @@ class Renderer {
   /// says, so that another sharpness needs no new ones.
   resize() {
     const gl = this.gl;
-    this.pixels = (window.devicePixelRatio || 1) * Math.max(1, this.sharpness);
+    const ratio = window.devicePixelRatio || 1;
+    const inFirstPass = Math.max(kCoarsest, Math.min(1, this.sharpness));
+    this.pixels = Math.max(Math.min(1, ratio), ratio * Math.max(1, this.sharpness) * (Math.min(1, this.sharpness) / inFirstPass));
     const limit = Math.min(1, 4096 / (this.pixels * Math.max(1, this.canvas.clientWidth, this.canvas.clientHeight)));
     this.pixels *= limit;
     const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((part) => Math.max(1, Math.round(part * this.pixels)));
-    const coarser = Math.min(1, this.sharpness);
-    this.seenSize = size.map((part) => Math.max(1, Math.round(part * coarser)));
+    this.seenSize = size.map((part) => Math.max(1, Math.round(part * inFirstPass)));
     if (size[0] === this.size[0] && size[1] === this.size[1]) return;
     [this.canvas.width, this.canvas.height] = size;
     this.size = size;

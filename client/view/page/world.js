@@ -22,6 +22,7 @@ class World {
     this.objects = new Map();  // by slot
     this.byName = new Map();
     this.movers = [];
+    this.shells = [];
     this.bounds = new Bounds();
     this.anchor = [0, 0, 0];
     this.states = new Uint16Array(1024);
@@ -104,6 +105,8 @@ class World {
       this.bounds.extend(placed.high);
     }
     this.movers = table.objects.filter(({ moving }) => moving);
+    const mostShells = 64;  // each is compared with all that moves
+    this.shells = table.objects.filter(({ shell, moving }) => shell && !moving).sort((a, b) => b.own.radius() - a.own.radius()).slice(0, mostShells);
     this.anchor = this.bounds.center().map(Math.round);
   }
 
@@ -192,8 +195,7 @@ class World {
   /// Opens what encloses something that moves towards the eye, so that one can look into it.
   openShells() {
     const { movers } = this;
-    for (const object of this.objects.values()) {
-      if (!object.shell) continue;
+    for (const object of this.shells) {
       const holds = movers.some((mover) => mover !== object && isWithin(object, mover));
       this.setState(object.slot, object.shell === 1 ? kOpen : kOpenInsideOut, holds);
     }
@@ -217,12 +219,19 @@ class World {
   /// Where in the picture things may have moved: from 0 to 1, grown by so much; null where that is unknown.
   movingRegion(camera, growX, growY) {
     const region = [1, 1, 0, 0];
-    for (const object of this.movers) {
-      const seen = camera.project(object.position);
-      const reach = object.reach;
-      if (!seen || seen[2] < 2 * reach) return null;
-      const y = (0.5 * reach * 1.5) / (seen[2] * camera.halfHeight);
-      extendRegion(region, (seen[0] + 1) / 2, (seen[1] + 1) / 2, y / camera.aspect + growX, y + growY);
+    const { back, right, up } = camera.axes();
+    const eye = camera.eye();
+    // As Camera.project does, for ten thousand in each picture.
+    for (const { position, reach } of this.movers) {
+      const x = position[0] - eye[0];
+      const y = position[1] - eye[1];
+      const z = position[2] - eye[2];
+      const depth = -(x * back[0] + y * back[1] + z * back[2]);
+      if (depth < 2 * reach) return null;
+      const half = 2 * depth * camera.halfHeight;
+      const tall = (1.5 * reach) / half;
+      const across = 0.5 + (x * right[0] + y * right[1] + z * right[2]) / (half * camera.aspect);
+      extendRegion(region, across, 0.5 + (x * up[0] + y * up[1] + z * up[2]) / half, tall / camera.aspect + growX, tall + growY);
     }
     return region;
   }
