@@ -25,7 +25,7 @@ std::vector<keys::KeyRole> roles_of(const std::vector<std::string>& texts) {
   return roles;
 }
 
-std::string_view name_of(keys::KeyFinding::Kind kind) {
+std::string_view finding_word(keys::KeyFinding::Kind kind) {
   switch (kind) {
     case keys::KeyFinding::Kind::good: return "ok";
     case keys::KeyFinding::Kind::soon: return "soon";
@@ -111,7 +111,7 @@ class KeysCommand : public Command {
   Exit check(Printer& printer) const {
     Exit code = Exit::yes;
     for (const keys::KeyFinding& finding : keys::Authority(folder_).check()) {
-      const std::string word(name_of(finding.kind));
+      const std::string word(finding_word(finding.kind));
       if (printer.human()) {
         const Paint paint = finding.kind == keys::KeyFinding::Kind::good   ? Paint::good
                             : finding.kind == keys::KeyFinding::Kind::soon ? Paint::doubt
