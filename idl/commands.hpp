@@ -93,6 +93,19 @@ inline constexpr const char* kProbe = "probe";
 /// triangle, point, normal}], version
 inline constexpr const char* kProbes = "probes";
 
+/// name, only, skip (name globs of the objects that it looks at), mask (layers, all), tells [enter, exit, cross] (absent:
+/// all), to (object that carries it), keep (true: it stays until it is removed, after a crash too; else it goes with the
+/// client), prism [low, high, x, y, x, y, ...] (m); else the shape is the query's blob. Solid shapes and closed meshes, in
+/// the world or in the frame of `to`
+/// With many (true): the blob has fences one after the other, each as the length of its arguments (4 bytes, the lowest
+/// first), these as JSON, the length of its shape, and that.
+/// With remove true: only the name, a glob. -> fences [names] (not of many), count, version
+inline constexpr const char* kFence = "fence";
+
+/// name (glob, "" = all), limit -> fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
+/// in_doubt [names]}], count, bytes (of memory for all), version
+inline constexpr const char* kFences = "fences";
+
 /// a, b (names), certificate, triangles, most (triangle pairs reported; 10,000), as_of (as in instant.hpp; absent:
 /// latest), opinion ("fcl": that library is asked too, in a process of its own; absent: it is not), deadline_ns (from
 /// when the server takes the command; the answer is then undecided and late; absent: none)
@@ -165,7 +178,7 @@ inline constexpr const char* kPoses = "poses";
 inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
-  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAcceptLoss, kRecording})
+  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAcceptLoss, kRecording, kFence})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

@@ -50,7 +50,8 @@ enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 /// persisted: a contact that has begun goes on. contained, emerged: one of the two has come to lie wholly within the
 /// other, a solid, or no longer does.
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
-/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart.
+/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart. crossed, of fences: the
+/// object was in and out again between two poses, and its `began` has the reason too.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -60,7 +61,9 @@ enum class EndReason : std::uint8_t {
   geometry_changed,
   server_stopping,
   server_restarted,
-  decided
+  decided,
+  crossed,
+  fence_removed
 };
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
 /// until it is decided: taking it for a contact errs on the safe side. Its depth is 0, with an infinite error bound.
@@ -158,6 +161,13 @@ inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Dur
 /// after every step while it has readers. A recording needs it to tell which poses an answer was about.
 inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+/// Who is in which fence, in the messages of events, of contacts and of the status.
+inline constexpr TopicQos kFenceEventTopic{
+    "fence_event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+inline constexpr TopicQos kFenceStateTopic{
+    "fence_state_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kFenceStatusTopic{
+    "fence_status_v2", Reliability::reliable, Durability::volatile_data, 1, 0, false};
 
 /// What a client may send on the topic of queries, where keys are used: each is a partition there, so that each is a
 /// right of its own. Without keys all goes by the default partition.

@@ -168,6 +168,7 @@ Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globa
   parse_globals(std::move(tokens), globals);
   const bool is_typed = ::isatty(session.io.in) == 1;
   const LineSource lines = is_typed ? prompted_lines(session.io) : piped_lines(session.io.in);
+  session.has_many_verbs = true;
   session.io.in = -1;  // the lines come from it, so the verbs must not read it
   std::string line;
   std::size_t failed = 0;

@@ -47,6 +47,9 @@ class Session {
   /// Warns, once, where another process speaks in the server's place.
   void warn_of_strangers();
 
+  /// Whether the verbs of many lines share it, so that the connection outlives a verb.
+  bool has_many_verbs = false;
+
   Io& io;
 
  private:

@@ -18,8 +18,8 @@ void add(std::set<std::string>& topics, std::initializer_list<const TopicQos*> r
 
 void add_server(TopicRights& rights) {
   add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic});
-  add(rights.write,
-      {&kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic});
+  add(rights.write, {&kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic,
+                     &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
 }
 
 void add_client(TopicRights& rights) {
@@ -28,7 +28,8 @@ void add_client(TopicRights& rights) {
 }
 
 void add_watching(TopicRights& rights) {
-  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic});
+  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic, &kFenceEventTopic,
+                    &kFenceStateTopic, &kFenceStatusTopic});
 }
 
 /// With what a recording holds.

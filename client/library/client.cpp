@@ -8,6 +8,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/workers.hpp"
 #include "client/library/publishing/publisher.hpp"
+#include "client/library/watching/fences.hpp"
 #include "client/library/watching/probes.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/client.hpp"
@@ -102,6 +103,24 @@ Result<std::size_t> Client::remove_probes(const std::string& name) {
 }
 Result<std::vector<ProbeReading>> Client::probes(const std::string& name_glob) {
   return client::read_probes(*state_->connection, name_glob);
+}
+
+Result<void> Client::add_fence(const Fence& fence) { return client::add_fence(*state_->connection, fence); }
+Result<void> Client::add_fences(std::span<const Fence> fences) {
+  return client::add_fences(*state_->connection, fences);
+}
+Result<std::size_t> Client::remove_fences(const std::string& name) {
+  return client::remove_fences(*state_->connection, name);
+}
+Result<std::vector<ListedFence>> Client::fences(const std::string& name_glob) {
+  return client::list_fences(*state_->connection, name_glob);
+}
+
+Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
+  const WatchOptions watched{.only = options.only, .skip = options.skip, .capacity = options.capacity};
+  Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(state_->connection, watched, {}, WatchOf::fences);
+  if (!watch) { return watch.error(); }
+  return FenceWatch(std::make_unique<client::FenceWatcher>(Watch(std::move(*watch))));
 }
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {

@@ -50,6 +50,8 @@ COLLIDED_SAME(EndReason, EndReason, teleported);
 COLLIDED_SAME(EndReason, EndReason, geometry_changed);
 COLLIDED_SAME(EndReason, EndReason, server_stopping);
 COLLIDED_SAME(EndReason, EndReason, server_restarted);
+COLLIDED_SAME(EndReason, EndReason, crossed);
+COLLIDED_SAME(EndReason, EndReason, fence_removed);
 COLLIDED_SAME(EndReason, EndReason, decided);
 COLLIDED_SAME(Doubt, Doubt, none);
 COLLIDED_SAME(Doubt, Doubt, numeric);

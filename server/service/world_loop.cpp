@@ -257,6 +257,7 @@ void WorldLoop::sum_up_poses() {
 
 void WorldLoop::publish() {
   broadcast_.publish();
+  fence_broadcast_.publish();
   if (!probes_.empty() && with_.event_writer.probes_wanted()) {
     const SnapshotRing::Lease state = with_.world.newest();
     publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});
@@ -317,6 +318,17 @@ void WorldLoop::write_status(ServerState state) {
   list_publishers(true);
   sum_up_poses();
   with_.event_writer.write_status(status_);
+  if (with_.event_writer.fence_status_wanted()) write_fence_status(state);
+}
+
+void WorldLoop::write_fence_status(ServerState state) {
+  StatusColumns status;
+  status.stamp = status_.stamp;
+  status.state = state;
+  status.last_event_sequence = fence_broadcast_.last_sequence();
+  status.contact_count = static_cast<std::uint32_t>(fence_broadcast_.open().size());
+  status.contact_hash = fence_broadcast_.contact_hash();
+  with_.event_writer.write_fence_status(status);
 }
 
 /// Writes only what changes with every step, so it costs little more than listing the publishers.
@@ -361,7 +373,7 @@ std::string WorldLoop::publisher_name(std::uint64_t publisher) const {
   return found == publisher_names_.end() ? std::string() : found->second;
 }
 
-/// Ends all contacts by removing their moving objects: a contact ends with either of its objects, and a part of a scene
+/// Ends all contacts, and empties all fences, by removing their moving objects: a contact ends with either of its objects, and a part of a scene
 /// cannot be removed alone.
 void WorldLoop::end_contacts() {
   std::vector<ObjectId> objects;
@@ -369,6 +381,7 @@ void WorldLoop::end_contacts() {
     objects.push_back(contact.a);
     objects.push_back(contact.b);
   }
+  for (const OpenContact& inside : fence_broadcast_.open()) objects.push_back(inside.a);
   std::sort(objects.begin(), objects.end());
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
   for (const ObjectId id : objects) {

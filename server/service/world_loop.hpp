@@ -66,6 +66,7 @@ class WorldLoop {
         options_(options),
         publishers_(with.world, options.limits),
         broadcast_(with.world, with.event_writer, with.notice),
+        fence_broadcast_(with.world, with.event_writer, with.notice, BroadcastOf::fences),
         recovering_(options.recovery_ns > 0),
         started_ns_(steady_ns()) {}
 
@@ -127,6 +128,7 @@ class WorldLoop {
   void publish_probes(const Stamp& stamp);
   void release_passed_barriers();
   void write_status(wire_contract::ServerState state);
+  void write_fence_status(wire_contract::ServerState state);
   void write_step();
   void list_publishers(bool with_names);
   void list_publisher_names();
@@ -139,6 +141,7 @@ class WorldLoop {
   LoopOptions options_;
   Publishers publishers_;
   Broadcast broadcast_;
+  Broadcast fence_broadcast_;
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_{};
   std::atomic<bool> recovering_{false};

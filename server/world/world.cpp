@@ -335,6 +335,16 @@ void World::set_stale(ObjectId id, bool is_stale) {
                              .posed_ns = row.posed_ns});
 }
 
+std::variant<ObjectId, Refusal> World::add_fence(const FenceDefinition& definition) {
+  const OwnFloatEnvironment own_floats;
+  if (!state_->fences) state_->fences = std::make_unique<Fences>();
+  return state_->fences->add(definition);
+}
+
+bool World::remove_fence(std::string_view name) { return state_->fences && state_->fences->remove(name); }
+
+const Fences* World::fences() const { return state_->fences.get(); }
+
 const std::vector<Event>& World::events() const { return state_->ledger.events(); }
 const StepCost& World::cost() const { return state_->cost; }
 const std::vector<OpenContact>& World::contacts() const { return state_->ledger.open(); }

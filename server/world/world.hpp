@@ -88,6 +88,9 @@ struct IndexedScene {
   std::shared_ptr<StaticScene> geometry;
 };
 
+struct FenceDefinition;  // fences/fence.hpp
+class Fences;            // fences/fences.hpp
+
 /// The state of the world and the only means to change it.
 ///
 /// Changes collect until step(), which finds the contacts that began and ended and publishes the next snapshot.
@@ -143,6 +146,14 @@ class World {
   bool has_moved(ObjectId id) const;
   /// Marks an object whose publisher is lost, or found again; queries then allow for how far it may have gone.
   void set_stale(ObjectId id, bool stale);
+
+  /// Adds a fence; refuses a name that another fence has, and a shape that holds nothing. What is in it comes in at the
+  /// next step.
+  std::variant<ObjectId, Refusal> add_fence(const FenceDefinition& definition);
+  /// Who is in it goes out at the next step. False: there is no such fence.
+  bool remove_fence(std::string_view name);
+  /// The fences, who is in them, and the last step's events of that; null: there never was one.
+  const Fences* fences() const;
 
   /// The collision step (collision_step.cpp): all changes since the last one become events and a new snapshot. Does
   /// nothing and returns false while readers hold every free snapshot; the changes stay for the next call.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/world/fences/fences.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/step/decisions.hpp"
 #include "server/world/step/step_motion.hpp"
@@ -43,6 +44,7 @@ struct World::State {
   SeparationCache apart;  // pairs of bare meshes, with each other and with scenes
   DecisionLists lists;
   StepCost cost;
+  std::unique_ptr<Fences> fences;  // null until there is one
 
   // The definition's mesh with an index, shared with every object that has an equal one.
   std::shared_ptr<const IndexedMesh> mesh_for(const ObjectDefinition& definition);

@@ -33,7 +33,10 @@ inline const std::vector<Way>& ways() {
                           {&kEventTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kPersistedTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kContactTopic, &collided_wire_v2_ContactShard_desc, ""},
-                          {&kProbeTopic, &collided_wire_v2_ProbeFrame_desc, ""}};
+                          {&kProbeTopic, &collided_wire_v2_ProbeFrame_desc, ""},
+                          {&kFenceEventTopic, &collided_wire_v2_EventFrame_desc, ""},
+                          {&kFenceStateTopic, &collided_wire_v2_ContactShard_desc, ""},
+                          {&kFenceStatusTopic, &collided_wire_v2_Status_desc, ""}};
     for (const QueryRight right : kQueryRights)
       made.push_back({&kQueryTopic, &collided_wire_v2_Query_desc, name_of(right)});
     return made;

@@ -42,6 +42,7 @@ declare -A within=(
   [world/solids]="objects"
   [world/events]="objects"
   [world/step]=". objects solids events"
+  [world/fences]="objects solids events step"
   [world/query]=". objects solids step"
   [world/groups]=". objects solids query"
   [world/audit]=". objects solids step query"

@@ -1,12 +1,17 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/cli/output/output.hpp"
 #include "collided/client.hpp"
 
 namespace collided::cli {
+
+/// The words for why something ended and why it is not known; empty for none.
+std::string_view reason_word(EndReason why);
+std::string_view doubt_word(Doubt doubt);
 
 /// Every field of an event, for machines; fields without meaning for its kind are empty. The pair is in the order of its
 /// names, and its fields with it.

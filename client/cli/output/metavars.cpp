@@ -24,6 +24,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--crease", "ANGLE"},
     {"--days", "N"},
     {"--deadline", "TIME"},
+    {"--detect", "WORDS"},
     {"--dir", "DIR"},
     {"--domain", "N"},
     {"--every", "TIME"},

@@ -74,6 +74,12 @@ constexpr Verb kVerbs[] = {
      "probe\nprobe NAME --on OBJECT  X Y Z  DX DY DZ\nprobe --rm GLOB",
      "probe front_left --on car  1.2 0.7 0  0 0 -1\nprobe --watch --only 'front_*' -n 10\nprobe --rm 'front_*'",
      make_probe},
+    {"fence", "Follow", "regions, and who comes in and goes out",
+     "fence add NAME REGION NUMBERS\nfence ls [GLOB]\nfence rm GLOB\nfence watch [GLOB]",
+     "fence add dock box 0 0 0 5 5 3 --only 'forklift*' --detect enter,exit --keep\nfence add around sphere 0 0 0 2 "
+     "--to "
+     "person --keep\nfence add yard prism 0 4  0 0  9 0  9 6  4 3  0 6\nfence watch dock -n 10",
+     make_fence},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",

@@ -16,6 +16,7 @@
 #include <collided/clearance.hpp>
 #include <collided/commands.hpp>
 #include <collided/events.hpp>
+#include <collided/fences.hpp>
 #include <collided/pair.hpp>
 #include <collided/probes.hpp>
 #include <collided/publisher.hpp>
@@ -168,6 +169,19 @@ class Client {
   /// Subscribes to the readings of probes after every step. `only` and `skip` are matched with the names of probes; of
   /// the other options only `capacity` counts.
   Result<ProbeWatch> watch_probes(const WatchOptions& options = {});
+
+  // Fences.
+
+  /// Adds a fence. One that is not kept goes when this client does.
+  Result<void> add_fence(const Fence& fence);
+  /// Adds many in few messages. An error says how many of a message came before it; those stay, and so do earlier messages'.
+  Result<void> add_fences(std::span<const Fence> fences);
+  /// Removes fences by name or glob, and returns how many there were.
+  Result<std::size_t> remove_fences(const std::string& name);
+  /// The fences whose names match the glob, and who is in them; empty: all.
+  Result<std::vector<ListedFence>> fences(const std::string& name_glob = {});
+  /// Subscribes to who comes into fences and goes out.
+  Result<FenceWatch> watch_fences(const FenceWatchOptions& options = {});
 
   // What to draw.
 

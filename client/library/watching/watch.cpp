@@ -39,13 +39,20 @@ bool Watch::in_step() const { return state_->in_step(); }
 std::size_t Watch::open_contacts() const { return state_->open_contacts(); }
 std::chrono::nanoseconds Watch::tells_since() const { return state_->tells_since(); }
 
-Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback)
+Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback,
+                    WatchOf subject)
     : connection_(std::move(connection)),
       options_(options),
       callback_(std::move(callback)),
       watch_([this](const Event& event) { emit(event); }),
-      event_topic_(connection_->participant(), connection_->options().name_space),
-      contact_topic_(connection_->participant(), connection_->options().name_space) {
+      event_topic_(connection_->participant(), connection_->options().name_space,
+                   subject == WatchOf::fences ? wire_contract::kFenceEventTopic : wire_contract::kEventTopic),
+      contact_topic_(connection_->participant(), connection_->options().name_space,
+                     subject == WatchOf::fences ? wire_contract::kFenceStateTopic : wire_contract::kContactTopic) {
+  if (subject == WatchOf::fences) {
+    bookmark_topic_.emplace(connection_->participant(), connection_->options().name_space,
+                            wire_contract::kFenceStatusTopic);
+  }
   using Frames = dds::Taker<wire::EventFrame>;
   using FrameReader = dds::ReaderOptions<wire::EventFrame>;
   using Shards = dds::Taker<wire::ContactShard>;
@@ -68,13 +75,13 @@ Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchO
 }
 
 Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
-                                                          const WatchOptions& options, Callback callback) {
+                                                          const WatchOptions& options, Callback callback,
+                                                          WatchOf subject) {
   try {
-    std::unique_ptr<State> state(new State(std::move(connection), options, std::move(callback)));
+    std::unique_ptr<State> state(new State(std::move(connection), options, std::move(callback), subject));
     if (auto error = state->wait_for_server()) { return *error; }
     // Bookmarks count only from here on: before the event reader is matched, events after a bookmark could be missed.
-    state->status_observer_ = state->connection_->pulse().observe(
-        [watch = state.get()](const wire::Status& status) { watch->queue(client::decode(status)); });
+    state->follow_bookmarks();
     // The readers are active already: what comes meanwhile is queued, and an event that is in the recording too counts
     // once, by its sequence number.
     if (options.since) {
@@ -83,6 +90,29 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
     state->thread_ = std::thread([watch = state.get()] { watch->work(); });
     return state;
   } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
+}
+
+void Watch::State::follow_bookmarks() {
+  if (!bookmark_topic_) {
+    status_observer_ =
+        connection_->pulse().observe([this](const wire::Status& status) { queue(client::decode(status)); });
+    return;
+  }
+  using Statuses = dds::Taker<wire::Status>;
+  bookmark_reader_.emplace(*bookmark_topic_,
+                           dds::ReaderOptions<wire::Status>{.data = [this](Statuses) { take_bookmarks(); }});
+  has_bookmark_reader_.store(true);
+  take_bookmarks();
+}
+
+/// A callback that comes before its reader is there leaves the samples with it.
+void Watch::State::take_bookmarks() {
+  if (!has_bookmark_reader_.load()) return;
+  const std::lock_guard lock(bookmark_mutex_);
+  while (bookmark_reader_->take(bookmark_)) {
+    const dds_sample_info_t& info = bookmark_.info();
+    if (info.valid_data && connection_->is_from_server(*bookmark_reader_, info)) queue(client::decode(*bookmark_));
+  }
 }
 
 std::optional<Error> Watch::State::wait_for_server() const {
@@ -119,6 +149,7 @@ std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since)
 
 Watch::State::~State() {
   if (status_observer_) { connection_->pulse().stop_observing(*status_observer_); }
+  bookmark_reader_.reset();
   if (!thread_.joinable()) { return; }
   persisted_reader_.reset();
   event_reader_.reset();

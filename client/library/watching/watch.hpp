@@ -14,12 +14,16 @@
 
 namespace collided {
 
+/// What a watch hears of: contacts, or who is in which fence, which travels in the same messages on topics of its own.
+enum class WatchOf : std::uint8_t { contacts, fences };
+
 /// A watch's readers and its thread. The readers' callbacks, on DDS's threads, only queue messages. The watch's thread
 /// decodes them, has client::WatchState make events of them, and calls the callback or queues the events for next().
 struct [[gnu::visibility("hidden")]] Watch::State {
   using Callback = std::function<void(const Event&)>;
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
-                                              const WatchOptions& options, Callback callback);
+                                              const WatchOptions& options, Callback callback,
+                                              WatchOf subject = WatchOf::contacts);
   ~State();
 
   std::optional<Event> next(std::chrono::nanoseconds wait);
@@ -38,7 +42,11 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   };
   using Message = std::variant<FramePool::Pointer, PersistedFrame, ShardPool::Pointer, client::HeardBookmark>;
 
-  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
+  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback,
+        WatchOf subject);
+  // Hears the bookmarks: the connection's statuses, or those of fences.
+  void follow_bookmarks();
+  void take_bookmarks();
   // Waits until the readers are matched.
   std::optional<Error> wait_for_server() const;
   // Fetches the flight recorder and takes its events since that time into recorded_.
@@ -84,6 +92,12 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::optional<dds::Reader<wire::EventFrame>> persisted_reader_;
   std::optional<dds::Reader<wire::ContactShard>> contact_reader_;
   std::optional<int> status_observer_;
+  // Of fences.
+  std::optional<dds::Topic<wire::Status>> bookmark_topic_;
+  std::optional<dds::Reader<wire::Status>> bookmark_reader_;
+  std::atomic<bool> has_bookmark_reader_{false};
+  std::mutex bookmark_mutex_;
+  dds::Sample<wire::Status> bookmark_;
   std::thread thread_;
 };
 

@@ -113,7 +113,7 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
   if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
   // What comes or goes by these is known later; they look at each object. A file does nothing until it is loaded.
   for (const char* later :
-       {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece}) {
+       {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece, names::kFence}) {
     if (command == later) return {};
   }
   const bool is_one_object = command == names::kAdd || command == names::kMove;
@@ -128,7 +128,8 @@ void Commands::run(CommandAsk ask) {
       {names::kMove, &Commands::move},        {names::kRemove, &Commands::remove},
       {names::kClear, &Commands::clear},      {names::kProbe, &Commands::probe},
       {names::kProbes, &Commands::probes},    {names::kAcceptLoss, &Commands::accept_loss},
-      {names::kLeftOut, &Commands::left_out},
+      {names::kLeftOut, &Commands::left_out}, {names::kFence, &Commands::fence},
+      {names::kFences, &Commands::fences},
   };
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
@@ -175,7 +176,7 @@ void Commands::run(CommandAsk ask) {
         names::kGet,       names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
         names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
         names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss,
-        names::kClearance, names::kLeftOut};
+        names::kClearance, names::kLeftOut,   names::kFence,  names::kFences};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -184,7 +185,8 @@ void Commands::run(CommandAsk ask) {
 /// at once.
 void Commands::on_world_thread(CommandAsk ask, Change change, bool is_durable) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  const bool is_change = change != &Commands::get && change != &Commands::probes && change != &Commands::left_out;
+  const bool is_change = change != &Commands::get && change != &Commands::probes && change != &Commands::left_out &&
+                         change != &Commands::fences;
   once_there_is_room(*shared, is_durable && is_change, [this, shared, change, is_change, is_durable] {
     const bool taken = with_.inbox.push_job([this, shared, change, is_change, is_durable] {
       const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };

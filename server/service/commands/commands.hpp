@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <shared_mutex>
 #include <string>
 #include <string_view>
@@ -24,7 +25,9 @@
 #include "server/service/runtime/fair_queue.hpp"
 #include "server/service/runtime/work_queue.hpp"
 #include "server/service/world_loop.hpp"
+#include "server/geometry/function_ref.hpp"
 #include "server/world/audit/menu.hpp"
+#include "server/world/fences/fence_table.hpp"
 #include "server/world/groups/clearance.hpp"
 #include "server/world/query/pair_report.hpp"
 
@@ -61,7 +64,8 @@ class Commands {
   /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
   /// Answering::send_text().
   void run(CommandAsk ask);
-  /// To be called now and then, from one thread: calls off pairs, clearances and menus whose clients have gone.
+  /// To be called now and then, on the world's thread: calls off pairs, clearances and menus whose clients have gone, and
+  /// removes their fences.
   void look_for_gone();
   /// Calls off the load under way and ends the threads; commands that come later are refused.
   void stop();
@@ -112,6 +116,14 @@ class Commands {
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json accept_loss(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json fence(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json fences(const CommandAsk& ask, const Arguments& arguments);
+  void add_fence(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json remove_fences(const CommandAsk& ask, const Arguments& arguments);
+  void remove_fences(const std::vector<std::string>& chosen);
+  void drop_fences_of_gone();
+  void for_each_fence(const std::string& glob,
+                      FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
   void keep_upload(const std::string& scene, const std::string& path);
 
@@ -203,6 +215,7 @@ class Commands {
   GeometryService geometry_;
   UploadReceiver uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // path by scene; used by the world's thread alone
+  std::set<std::uint64_t> fence_owners_;                // clients that may have fences; likewise
   std::atomic<bool> stopping_{false};
   std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;

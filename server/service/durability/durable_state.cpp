@@ -22,6 +22,7 @@ constexpr std::string_view kObject = "object/";
 constexpr std::string_view kMemberMoved = "member_moved/";
 constexpr std::string_view kMoved = "moved/";
 constexpr std::string_view kProbe = "probe/";
+constexpr std::string_view kFence = "fence/";
 // These are no commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
@@ -67,7 +68,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
 }
 
 void DurableState::read_left() {
-  for (const std::string_view kind : {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe}) {
+  for (const std::string_view kind : {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence}) {
     for (const Journal::Entry& entry : journal_.entries()) {
       if (!entry.key.starts_with(kind)) continue;
       commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
@@ -257,6 +258,18 @@ void DurableState::probe_set(const std::string& probe, const CommandAsk& ask) {
 void DurableState::probes_removed(const std::vector<std::string>& probes) {
   std::vector<std::string> gone;
   for (const std::string& probe : probes) gone.push_back(key(kProbe, probe));
+  if (!gone.empty()) change(std::move(gone), {});
+}
+
+void DurableState::fences_set(const std::vector<std::pair<std::string, CommandAsk>>& fences) {
+  std::vector<Journal::Entry> put;
+  for (const auto& [name, ask] : fences) put.push_back({.key = key(kFence, name), .text = ask.text, .blob = ask.blob});
+  if (!put.empty()) change({}, std::move(put));
+}
+
+void DurableState::fences_removed(const std::vector<std::string>& fences) {
+  std::vector<std::string> gone;
+  for (const std::string& fence : fences) gone.push_back(key(kFence, fence));
   if (!gone.empty()) change(std::move(gone), {});
 }
 

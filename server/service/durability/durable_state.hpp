@@ -21,7 +21,7 @@
 namespace collided::engine::service {
 
 /// What a server restores after a crash: the scenes and objects that commands added, where commands have moved these
-/// to, what they took out of scenes, probes, and which publishers were there, so that it knows which to wait for. Poses
+/// to, what they took out of scenes, probes, kept fences, and which publishers were there, so that it knows which to wait for. Poses
 /// and events are not kept: publishers send them again.
 /// What had been acknowledged and cannot be restored is a loss, which lasts, over crashes too, until it is accepted.
 ///
@@ -42,7 +42,7 @@ class DurableState {
   /// Whether the earlier process did not end in order.
   bool crashed() const { return crashed_; }
   /// What the crashed process had carried out, as commands: scenes out of the start options that it had removed, scenes,
-  /// what it had taken out of scenes, objects, moves, probes. The request of each is its place here, from 1 on. Empty
+  /// what it had taken out of scenes, objects, moves, probes, fences. The request of each is its place here, from 1 on. Empty
   /// where it ended in order.
   const std::vector<CommandAsk>& commands_left() const { return commands_left_; }
   /// The publishers that the crashed process knew.
@@ -84,6 +84,9 @@ class DurableState {
   void object_moved(const std::string& scene, const std::string& object, const CommandAsk& ask);
   void probe_set(const std::string& probe, const CommandAsk& ask);
   void probes_removed(const std::vector<std::string>& probes);
+  /// The command and the name of each.
+  void fences_set(const std::vector<std::pair<std::string, CommandAsk>>& fences);
+  void fences_removed(const std::vector<std::string>& fences);
   /// From now on these publishers count and no others; until the first call, those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at

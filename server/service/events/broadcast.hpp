@@ -11,6 +11,9 @@
 
 namespace collided::engine::service {
 
+/// What a Broadcast is about: contacts, or who is in which fence.
+enum class BroadcastOf : std::uint8_t { contacts, fences };
+
 /// Publishes what each step found: every event once, in frames without a gap, then the shards of the contact state that
 /// changed. Knows neither DDS nor time.
 ///
@@ -18,22 +21,28 @@ namespace collided::engine::service {
 class Broadcast {
  public:
   /// notice  takes a sentence for the log
-  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice);
+  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice,
+            BroadcastOf subject = BroadcastOf::contacts);
 
   /// Has every shard written next time, the empty ones too: a subscriber that waits for all shards need not guess.
   void mark_all();
-  /// Publishes what the newest step found. To be called once a step.
+  /// Publishes what the newest step found. To be called once a step. Of fences it costs nothing until there is one.
   void publish();
 
   /// Sum of contact_hash() in topics.hpp over the contacts that hold.
   std::uint64_t contact_hash() const { return contact_hash_; }
+  /// Those that hold now.
+  const std::vector<OpenContact>& open() const;
+  std::uint64_t last_sequence() const;
 
  private:
+  const std::vector<Event>& events() const;
   void publish_events(const Stamp& stamp);
   void publish_contacts(const Stamp& stamp);
 
   World& world_;
   EventWriter& event_writer_;
+  BroadcastOf subject_;
   std::function<void(const std::string&)> notice_;
   NameBook names_;
   EventColumns events_;

@@ -42,18 +42,28 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
     : flight_(flight),
       event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
+      fence_event_topic_(participant, identity.name_space, wire_contract::kFenceEventTopic),
       contact_topic_(participant, identity.name_space),
+      fence_state_topic_(participant, identity.name_space, wire_contract::kFenceStateTopic),
       probe_topic_(participant, identity.name_space),
       status_topic_(participant, identity.name_space),
       step_topic_(participant, identity.name_space, wire_contract::kStepTopic),
+      fence_status_topic_(participant, identity.name_space, wire_contract::kFenceStatusTopic),
       event_writer_(event_topic_, counting(event_readers_)),
       persisted_writer_(persisted_topic_, counting(persisted_readers_)),
+      fence_event_writer_(fence_event_topic_),
       contact_writer_(contact_topic_, counting(contact_readers_)),
+      fence_state_writer_(fence_state_topic_),
       probe_writer_(probe_topic_, counting(probe_readers_)),
       status_writer_(status_topic_),
-      step_writer_(step_topic_, counting(step_readers_)) {
-  frame_->server = shard_->server = probes_->server = status_->server = step_->server = identity.server;
-  frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = step_->epoch = identity.epoch;
+      step_writer_(step_topic_, counting(step_readers_)),
+      fence_status_writer_(fence_status_topic_, counting(fence_status_readers_)) {
+  frame_->server = shard_->server = probes_->server = identity.server;
+  frame_->epoch = shard_->epoch = probes_->epoch = identity.epoch;
+  for (wire::Status* status : {&*status_, &*step_, &*fence_status_}) {
+    status->server = identity.server;
+    status->epoch = identity.epoch;
+  }
   status_->pid = static_cast<std::uint32_t>(getpid());
   // Both fit: options allow 64 letters for the namespace.
   static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
@@ -94,7 +104,11 @@ void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& st
   write_frame(persisted_writer_, events, stamp);
 }
 
-void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+void DdsEventWriter::write_fence_events(const EventColumns& events, const Stamp& stamp) {
+  write_frame(fence_event_writer_, events, stamp);
+}
+
+void DdsEventWriter::fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
   shard_->shard = contacts.shard;
   shard_->version = stamp.version;
   shard_->as_of_sequence = as_of_sequence;
@@ -108,8 +122,17 @@ void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp&
   wire::lend_columns<wire::ContactShard>(contacts.numbers, wire::kContactColumns, contact_memory_, *shard_);
   dds::borrow(shard_->named_ids, contacts.named.ids);
   dds::borrow(shard_->names, contacts.named.names);
+}
+
+void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+  fill_shard(contacts, stamp, as_of_sequence);
   note(recording::Recorded::contact, *shard_);
   write(contact_writer_, *shard_);
+}
+
+void DdsEventWriter::write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) {
+  fill_shard(inside, stamp, as_of_sequence);
+  write(fence_state_writer_, *shard_);
 }
 
 void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
@@ -149,6 +172,16 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
   write(status_writer_, *status_);
 }
 
+void DdsEventWriter::write_fence_status(const StatusColumns& status) {
+  fence_status_->version = status.stamp.version;
+  fence_status_->world_time_ns = status.stamp.world_time_ns;
+  fence_status_->last_event_sequence = status.last_event_sequence;
+  fence_status_->contact_count = status.contact_count;
+  fence_status_->contact_hash = status.contact_hash;
+  fence_status_->state = static_cast<std::uint8_t>(status.state);
+  write(fence_status_writer_, *fence_status_);
+}
+
 void DdsEventWriter::write_step(const StatusColumns& status) {
   step_->version = status.stamp.version;
   step_->world_time_ns = status.stamp.world_time_ns;
@@ -161,6 +194,8 @@ void DdsEventWriter::leave() {
   constexpr std::int64_t kPatienceNs = 500'000'000;
   event_writer_.wait_for_acknowledgements(kPatienceNs);
   contact_writer_.wait_for_acknowledgements(kPatienceNs);
+  fence_event_writer_.wait_for_acknowledgements(kPatienceNs);
+  fence_state_writer_.wait_for_acknowledgements(kPatienceNs);
   status_writer_.dispose(*status_);
   status_writer_.wait_for_acknowledgements(kPatienceNs);
 }

@@ -35,6 +35,10 @@ class DdsEventWriter : public EventWriter {
   void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) override;
   void write_probes(const ProbeColumns& probes, const Stamp& stamp) override;
   void write_status(const StatusColumns& status) override;
+  void write_fence_events(const EventColumns& events, const Stamp& stamp) override;
+  void write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) override;
+  bool fence_status_wanted() const override { return fence_status_readers_.load() > 0; }
+  void write_fence_status(const StatusColumns& status) override;
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
 
@@ -43,25 +47,26 @@ class DdsEventWriter : public EventWriter {
 
  private:
   void write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp);
+  void fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence);
   template <class T>
   void note(recording::Recorded topic, const T& sample);
 
   FlightRecorder* const flight_;
-  dds::Topic<wire::EventFrame> event_topic_, persisted_topic_;
-  dds::Topic<wire::ContactShard> contact_topic_;
+  dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_, fence_state_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;
-  dds::Topic<wire::Status> status_topic_, step_topic_;
+  dds::Topic<wire::Status> status_topic_, step_topic_, fence_status_topic_;
   std::atomic<std::uint32_t> event_readers_{0}, contact_readers_{0}, persisted_readers_{0}, probe_readers_{0};
-  std::atomic<std::uint32_t> step_readers_{0};
-  dds::Writer<wire::EventFrame> event_writer_, persisted_writer_;
-  dds::Writer<wire::ContactShard> contact_writer_;
+  std::atomic<std::uint32_t> step_readers_{0}, fence_status_readers_{0};
+  dds::Writer<wire::EventFrame> event_writer_, persisted_writer_, fence_event_writer_;
+  dds::Writer<wire::ContactShard> contact_writer_, fence_state_writer_;
   dds::Writer<wire::ProbeFrame> probe_writer_;
-  dds::Writer<wire::Status> status_writer_, step_writer_;
+  dds::Writer<wire::Status> status_writer_, step_writer_, fence_status_writer_;
   dds::Sample<wire::EventFrame> frame_;
   dds::Sample<wire::ContactShard> shard_;
   dds::Sample<wire::ProbeFrame> probes_;
   std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns while they are written
-  dds::Sample<wire::Status> status_, step_;
+  dds::Sample<wire::Status> status_, step_, fence_status_;
 };
 
 }  // namespace collided::engine::service

@@ -48,8 +48,8 @@ void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted
 void ContactLedger::mark_found(std::uint32_t number) {
   if (found_in_step_[number] == step_) return;
   found_in_step_[number] = step_;
-  note_found_slot(slot_of(open_[number].a));
-  note_found_slot(slot_of(open_[number].b));
+  note_found_slot(place_of(open_[number].a));
+  note_found_slot(place_of(open_[number].b));
 }
 
 void ContactLedger::note_found_slot(std::uint32_t slot) {
@@ -81,7 +81,7 @@ void ContactLedger::touches(const FoundContact& found) {
 void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
   const auto number = static_cast<std::uint32_t>(open_.size());
   index_.add(opened.a, opened.b, number);
-  links_.add(slot_of(opened.a), slot_of(opened.b));
+  links_.add(place_of(opened.a), place_of(opened.b));
   open_.push_back(opened);
   found_in_step_.push_back(0);
   mark_found(number);
@@ -137,7 +137,7 @@ void ContactLedger::doubts(const FoundContact& found, Doubt why) {
 void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
-  links_.for_each(slot_of(object), [&](std::uint32_t number) {
+  links_.for_each(place_of(object), [&](std::uint32_t number) {
     const OpenContact& open = open_[number];
     if (open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
     return true;
@@ -181,11 +181,12 @@ void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double brack
 void ContactLedger::touched_and_parted(const FoundContact& found) {
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
-  passed(opened(found, world_time_ns_), found, EndReason::separated);
+  passed(opened(found, world_time_ns_), found, is_of_fences_ ? EndReason::crossed : EndReason::separated);
 }
 
 void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, EndReason reason) {
   Event event{.kind = EventKind::began,
+              .reason = is_of_fences_ ? reason : EndReason::none,
               .of = opened,
               .bracket_low_s = found.bracket_low_s,
               .bracket_high_s = found.bracket_high_s,
@@ -204,7 +205,7 @@ void ContactLedger::passed(const OpenContact& opened, const FoundContact& found,
 void ContactLedger::end_object(ObjectId object, EndReason reason) {
   lost_.erase(object);
   endings_.clear();
-  links_.for_each(slot_of(object), [&](std::uint32_t number) {
+  links_.for_each(place_of(object), [&](std::uint32_t number) {
     endings_.push_back({{open_[number].a, open_[number].b}, {.reason = reason}});
     return true;
   });

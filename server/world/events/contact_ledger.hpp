@@ -51,6 +51,9 @@ struct ContactEnd {
 /// threads  the writer's only
 class ContactLedger {
  public:
+  /// of_fences: its pairs are an object a and a fence b in which it is.
+  explicit ContactLedger(bool of_fences = false) : is_of_fences_(of_fences) {}
+
   /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for what continues.
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
@@ -102,6 +105,11 @@ class ContactLedger {
   void finish_step();
 
   bool holds(ObjectId a, ObjectId b) const;
+  /// The contact or doubt of the two, valid until the next change; null: there is none.
+  const OpenContact* find(ObjectId a, ObjectId b) const {
+    const std::uint32_t number = number_of(a, b);
+    return number == PairIndex::kNone ? nullptr : &open_[number];
+  }
   bool is_in_doubt(ObjectId a, ObjectId b) const;
   /// Which of the two was within the other when their contact was last found; none where they have none.
   Contained contained(ObjectId a, ObjectId b) const;
@@ -114,6 +122,11 @@ class ContactLedger {
   template <class Visit>
   void for_each_of(std::uint32_t slot, Visit&& visit) const {
     links_.for_each(slot, visit);
+  }
+  /// The same by the id, of an object or a fence.
+  template <class Visit>
+  void for_each_with(ObjectId id, Visit&& visit) const {
+    links_.for_each(place_of(id), visit);
   }
   /// Slots of the objects with a contact or doubt found in this step; each once.
   const std::vector<std::uint32_t>& found_slots() const { return found_slots_; }
@@ -131,6 +144,10 @@ class ContactLedger {
     ContactEnd end;
   };
 
+  /// Where the contacts of an object or fence are linked.
+  std::uint32_t place_of(ObjectId id) const {
+    return is_of_fences_ ? 2 * slot_of(id) + (is_fence(id) ? 1 : 0) : slot_of(id);
+  }
   bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
   std::uint32_t number_of(ObjectId a, ObjectId b) const {
     return index_.find(a, b, [&](std::uint32_t number) { return open_[number].a == a && open_[number].b == b; });
@@ -144,6 +161,7 @@ class ContactLedger {
   void changes_containment(std::uint32_t number, Contained to, const ContactEnd& when);
   void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
+  bool is_of_fences_ = false;
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // step that last found open_[i]; parallel to open_
   PairIndex index_;                           // of open_

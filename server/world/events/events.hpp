@@ -15,6 +15,7 @@ namespace collided::engine {
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 
 /// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
+/// crossed, of fences: an object was in one and out again between two poses; its `began` has this reason too.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -25,6 +26,8 @@ enum class EndReason : std::uint8_t {
   server_stopping,
   server_restarted,
   decided,
+  crossed,
+  fence_removed,
 };
 
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,

@@ -17,6 +17,10 @@ using ObjectId = std::uint64_t;
 
 inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
 
+/// In the id of a fence, and of no object; a fence has slots of its own.
+inline constexpr ObjectId kFenceBit = ObjectId{1} << 63;
+inline bool is_fence(ObjectId id) { return (id & kFenceBit) != 0; }
+
 /// What becomes of the objects of a publisher that is lost.
 enum class LostPolicy : std::uint8_t {
   remove,  // they leave the world

@@ -55,6 +55,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
 
   // Ingest: what came since the last step ends contacts and goes into the snapshot.
   s.ledger.begin_step(world_time_ns, step_options.persisted);
+  if (s.fences) s.fences->begin_step(world_time_ns, {s.removed, s.lost});
   end_removed(s.removed, s.ledger);
   note_lost(s);
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
@@ -70,10 +71,9 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   const std::int64_t indexed = steady_ns();
 
   // Decisions, written to the ledger.
-  if (has_open) {
-    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all},
-             *next->grid);
-  }
+  const StepView view{s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all};
+  if (has_open) s.decide(view, *next->grid);
+  if (s.fences && (has_open || s.fences->has_news())) s.fences->decide(view, *next->grid);
   const std::int64_t decided = steady_ns();
   if (has_open) {
     if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
@@ -82,6 +82,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
     s.cost.truncated = s.looks_at_all;
   }
   s.ledger.finish_step();
+  if (s.fences) s.fences->finish_step();
 
   // Publish.
   next->contacts_truncated = s.cost.truncated;

@@ -16,8 +16,6 @@ namespace {
 
 /// Width of brackets: reported times are whole nanoseconds. A contact that is much shorter comes out undecided.
 constexpr double kSweepWidth_s = 1e-9;
-/// Relative error of where objects are between two poses: a few roundings of the coordinates.
-constexpr double kPlaceSlack = 0x1p-49;
 
 bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.position == path.to.position; }
 
@@ -43,70 +41,9 @@ BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& 
 
 }  // namespace
 
-bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) const {
-  const Sources& sources = step_.sources;
-  const std::uint32_t source = rows_.source(first);
-  if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting)
-    return false;
-  if (source != rows_.source(second) || sources[source].is_streamed) return true;
-  if (!sources[source].has_spoken) return false;
-  // Two objects of one publisher: what it moved at one instant shares its motion, and only that.
-  if (!rows_.is_posed(first) || !rows_.is_posed(second)) return rows_.is_posed(first) || rows_.is_posed(second);
-  const auto has_own_motion = [&](std::uint32_t slot) {
-    const ObjectRow& row = rows_[slot];
-    return row.posed_before_ns >= row.posed_ns || (rows_.is_new(slot) && row.born_ns < row.posed_ns);
-  };
-  if (has_own_motion(first) || has_own_motion(second) || rows_.motion(first) != rows_.motion(second)) return true;
-  const ObjectRow& a = rows_[first];
-  const ObjectRow& b = rows_[second];
-  return a.posed_before_ns != b.posed_before_ns || a.posed_ns != b.posed_ns;
-}
-
-PairWindow Decisions::window_of(std::uint32_t first, std::uint32_t second) const {
-  const auto known_ns = [&](std::uint32_t slot) {
-    return step_.sources[rows_.source(slot)].known_of(rows_[slot].posed_ns);
-  };
-  const auto settled_ns = [&](std::uint32_t slot) {
-    const ObjectRow& row = rows_[slot];
-    return step_.sources[rows_.source(slot)].settled_of(rows_.is_posed(slot) ? row.said_before_ns : row.posed_ns);
-  };
-  // What one publisher moved since the last step is complete for its own pairs, however far other publishers are.
-  const std::uint32_t source = rows_.source(first);
-  const bool needs_memory = source != rows_.source(second) || step_.sources[source].is_streamed;
-  const std::int64_t floor_ns = needs_memory ? step_.sources.floor_ns() : 0;
-  const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
-  const std::int64_t from_ns = std::max({decided_ns, rows_[first].born_ns, rows_[second].born_ns, floor_ns});
-  // Where the window does not continue the decided time, the pair begins anew, however many steps ago both objects
-  // came.
-  const bool begins = from_ns > decided_ns || rows_.is_new(first) || rows_.is_new(second) || step_.looks_at_all;
-  return {.decided_ns = decided_ns,
-          .from_ns = from_ns,
-          .to_ns = std::min(known_ns(first), known_ns(second)),
-          .is_closed = begins};
-}
-
-/// Cuts the window into pieces: at the poses of both objects and at all instants of both publishers, whichever objects
-/// moved then. So the pieces do not depend on when messages arrived.
-void Decisions::cut(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
-  std::vector<std::int64_t>& cuts = lists_.cuts;
-  cuts.assign(1, window.to_ns);
-  for (const std::uint32_t slot : {first, second}) {
-    step_.motion.history().add_times(slot, window.from_ns, window.to_ns, cuts);
-    const Source& source = step_.sources[rows_.source(slot)];
-    const std::int64_t back_ns = source.is_streamed ? kStreamGapNs : 0;
-    for (const std::int64_t instant : source.instants) {
-      for (const std::int64_t time : {instant, instant - back_ns}) {
-        if (time > window.from_ns && time < window.to_ns) cuts.push_back(time);
-      }
-    }
-  }
-  std::sort(cuts.begin(), cuts.end());
-  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
-}
-
 void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second) {
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
-  const PairWindow window = window_of(first, second);
+  const PairWindow window = window_of(step_, first, second);
   const MotionHistory& history = step_.motion.history();
   const auto moves = [&](std::uint32_t slot) { return history.moves(slot, window.from_ns, window.to_ns); };
   const bool is_moved = moves(first) || moves(second);
@@ -114,7 +51,7 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   ++cost_.candidate_pairs;
   if (window.is_closed) begin_window(first, second, window);
   if (window.to_ns <= window.from_ns) return;
-  cut(first, second, window);
+  cut(step_, first, second, window, lists_.cuts);
   std::int64_t from_ns = window.from_ns;
   const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
   bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
@@ -227,22 +164,11 @@ ContactEnd Decisions::parting(const PairPiece& piece) {
   return {.reason = EndReason::separated, .bracket_low_s = found.low_s, .bracket_high_s = found.high_s};
 }
 
-/// In whole nanoseconds, rounded outward, and widened by how long the rounding of both positions takes along the
-/// normal.
 Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket,
                                               const Vec3& normal) const {
-  const double length_ns = static_cast<double>(piece.to_ns - piece.from_ns);
-  double place_m = 0;
-  for (const BodyMotion* path : {&piece.a_motion, &piece.b_motion}) {
-    place_m += path->from.position.cwiseAbs().maxCoeff() + path->to.position.cwiseAbs().maxCoeff();
-  }
-  const double closing_m = std::abs(normal.dot(piece.b_motion.travel - piece.a_motion.travel));
-  const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
-  const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
-  const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
+  const BracketNs found = in_nanoseconds(piece.from_ns, piece.to_ns, {piece.a_motion, piece.b_motion}, bracket, normal);
   const std::int64_t error_ns = clock_error_ns(piece.a, piece.b);
-  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low)) - error_ns),
-          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)) + error_ns)};
+  return {.low_s = seconds_ago(found.low_ns - error_ns), .high_s = seconds_ago(found.high_ns + error_ns)};
 }
 
 /// Objects of one publisher share one clock.
@@ -261,7 +187,7 @@ void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const Pa
 /// Decides at the newest instant known of both, even if neither moved since the last decision.
 void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
-  const std::int64_t time_ns = window_of(first, second).to_ns;
+  const std::int64_t time_ns = window_of(step_, first, second).to_ns;
   const double at_s = seconds_ago(time_ns);
   decide_instant(first, second, time_ns, {EndReason::separated, at_s, at_s});
 }

@@ -92,10 +92,6 @@ void Decisions::decide_unfound() {
   }
 }
 
-double Decisions::seconds_ago(std::int64_t time_ns) const {
-  return static_cast<double>(step_.world_time_ns - time_ns) * wire_contract::kNanosecond_s;
-}
-
 bool Decisions::is_timed(std::uint32_t slot) const {
   const std::uint32_t source = rows_.source(slot);
   return source != Sources::kResting && step_.sources[source].is_timed;

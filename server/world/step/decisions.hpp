@@ -12,25 +12,12 @@
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/sweep.hpp"
-#include "server/world/step/motion_history.hpp"
+#include "server/world/step/pair_windows.hpp"
 #include "server/world/step/piece_points.hpp"
 #include "server/world/step/separation_cache.hpp"
-#include "server/world/step/step_motion.hpp"
-#include "server/world/world.hpp"
+#include "server/world/step/step_view.hpp"
 
 namespace collided::engine {
-
-/// What a step reads while it decides; none of it changes meanwhile.
-struct StepView {
-  const ObjectRows& rows;
-  const StepMotion& motion;
-  const Sources& sources;
-  const std::vector<std::shared_ptr<const StaticScene>>& scenes;  // in order of loading
-  const WorldOptions& options;
-  StepOptions step_options;
-  std::int64_t world_time_ns;
-  bool looks_at_all;  // test pairs at rest as well, since the last search was cut short
-};
 
 /// The first contact of a mover with one part of a static scene during its motion.
 struct PartSweep {
@@ -53,17 +40,6 @@ struct DecisionLists {
   std::vector<std::int64_t> cuts;
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
-};
-
-/// The time in which a pair is decided: (from_ns, to_ns], and from_ns itself where is_closed. World time.
-struct PairWindow {
-  // end of the time that earlier steps decided; the time between it and from_ns stays undecided
-  std::int64_t decided_ns = 0;
-  std::int64_t from_ns = 0;
-  std::int64_t to_ns = 0;
-  bool is_closed = false;
-
-  bool is_empty() const { return is_closed ? to_ns < from_ns : to_ns <= from_ns; }
 };
 
 /// Two objects in a piece of time in which both move straight and rotate evenly.
@@ -99,7 +75,9 @@ class Decisions {
   void end_parted(std::int64_t last_step_ns);
   /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's
   /// end.
-  bool are_on_common_time(std::uint32_t first, std::uint32_t second) const;
+  bool are_on_common_time(std::uint32_t first, std::uint32_t second) const {
+    return engine::are_on_common_time(step_, first, second);
+  }
   /// Decides two such objects on all time newly known of both, in pieces that end at the poses of both: the same result
   /// whatever steps deliver that time.
   void decide_on_common_time(std::uint32_t first, std::uint32_t second);
@@ -118,7 +96,7 @@ class Decisions {
   BodyMotion::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
   void decide_unfound();
   void decide_where_known(std::uint32_t first, std::uint32_t second);
-  double seconds_ago(std::int64_t time_ns) const;
+  double seconds_ago(std::int64_t time_ns) const { return step_.seconds_ago(time_ns); }
   bool is_timed(std::uint32_t slot) const;
 
   // scene_decisions.cpp
@@ -149,8 +127,6 @@ class Decisions {
   std::uint32_t sweep_looks() const;
 
   // common_time.cpp: pairs of several publishers
-  PairWindow window_of(std::uint32_t first, std::uint32_t second) const;
-  void cut(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_piece(const PairPiece& piece);
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);

@@ -39,6 +39,12 @@ class MotionHistory {
   bool jumps(std::uint32_t slot, std::int64_t time_ns) const;
   /// The segment, not a jump, that the object is on at that time; null: it rests.
   const MotionSegment* under_way(std::uint32_t slot, std::int64_t time_ns) const;
+  /// Calls visit(segment) for each segment, in order.
+  template <class Visit>
+  void for_each(std::uint32_t slot, Visit&& visit) const {
+    if (!is_travelling(slot)) return;
+    for (const MotionSegment& segment : segments_[slot]) visit(segment);
+  }
   /// Bounds of all segments.
   Aabb bounds(std::uint32_t slot) const;
   /// Appends the times in (from_ns, to_ns] at which a segment begins or ends, in no order.

@@ -79,8 +79,9 @@ struct ServingSide {
   // As every server has one: what it notes is counted with the rest.
   FlightRecorder flight{test::own_namespace(), 60'000'000'000,
                         (std::filesystem::temp_directory_path() / ("allocation_" + test::own_namespace())).string()};
+  PartMeshes part_meshes;
   Answering answering{
-      {world, clock, write_barriers, leases, counts, audit},
+      {world, clock, write_barriers, leases, counts, audit, part_meshes},
       reply_topic,
       AnsweringOptions{
           .server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},

@@ -1,0 +1,192 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_mesh.hpp"
+#include "client/cli/input/shape_text.hpp"
+#include "client/cli/output/fence_output.hpp"
+#include "client/cli/output/readable.hpp"
+#include "client/cli/pace.hpp"
+#include "client/cli/verbs/ask_options.hpp"
+
+namespace collided::cli {
+namespace {
+
+constexpr const char* kFenceForms =
+    "sphere X Y Z R, box X Y Z X Y Z (two opposite corners), prism LOW HIGH X Y X Y X Y ...,\n"
+    "plane X Y Z NX NY NZ (what lies behind it), mesh FILE, hull FILE";
+
+Vec3 vector_at(const std::vector<double>& numbers, std::size_t first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+void need(std::string_view kind, const std::vector<double>& numbers, std::size_t count) {
+  if (numbers.size() != count)
+    throw bad_use(fmt::format("a {} takes {} numbers; {} given", kind, count, numbers.size()), kFenceForms);
+}
+
+Prism prism_of(const std::vector<double>& numbers) {
+  if (numbers.size() < 8 || numbers.size() % 2 != 0)
+    throw bad_use("a prism takes its low and high end and three corners X Y or more", kFenceForms);
+  Prism prism{.corners = {}, .low_m = numbers[0], .high_m = numbers[1]};
+  for (std::size_t i = 2; i < numbers.size(); i += 2) prism.corners.push_back({numbers[i], numbers[i + 1]});
+  return prism;
+}
+
+/// Puts the region of words such as "box 0 0 0 5 5 3" into the fence.
+void set_region(const std::vector<std::string>& words, const MeshReading& reading, const Io& io, Fence& fence) {
+  const std::string& kind = words.front();
+  if (is_mesh_kind(kind)) {
+    fence.shape = {read_mesh_shape(words, reading, io)};
+    return;
+  }
+  const std::vector<double> numbers = parse_numbers({words.begin() + 1, words.end()}, Measure::length);
+  if (std::any_of(numbers.begin(), numbers.end(), [](double x) { return !std::isfinite(x); }))
+    throw bad_use("a fence's numbers must be finite");
+  if (kind == "sphere") {
+    need(kind, numbers, 4);
+    fence.shape = {SphereShape{.radius_m = numbers[3], .center = vector_at(numbers, 0)}};
+  } else if (kind == "box") {
+    need(kind, numbers, 6);
+    const Vec3 a = vector_at(numbers, 0);
+    const Vec3 b = vector_at(numbers, 3);
+    fence.shape = {BoxShape{.half_m = (b - a).cwiseAbs() / 2, .center = (a + b) / 2}};
+  } else if (kind == "plane") {
+    need(kind, numbers, 6);
+    fence.shape = {HalfSpaceShape{.normal = vector_at(numbers, 3), .point = vector_at(numbers, 0)}};
+  } else if (kind == "prism") {
+    fence.prism = prism_of(numbers);
+  } else {
+    throw bad_use(fmt::format("no region '{}'", kind), kFenceForms);
+  }
+}
+
+/// What "enter,exit" says that a fence tells.
+void set_told(const std::vector<std::string>& words, Fence& fence) {
+  if (words.empty()) return;
+  fence.enter = fence.exit = fence.cross = false;
+  for (const std::string& word : words) {
+    if (word == "enter") fence.enter = true;
+    else if (word == "exit") fence.exit = true;
+    else if (word == "cross") fence.cross = true;
+    else throw bad_use(fmt::format("--detect {}: nothing that a fence tells", word), "enter, exit, cross");
+  }
+}
+
+/// What the first word after the verb says is done: add, ls, rm or watch.
+class FenceCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "add NAME REGION NUMBERS, ls [GLOB], rm GLOB, or watch [GLOB]");
+    app.add_option("--to", fence_.to, "add: object that it moves along with; the numbers are in its frame");
+    app.add_option("--only", only_, "add: objects that it looks at; watch: fences or objects (glob)");
+    app.add_option("--skip", skip_, "add: objects that it leaves out; watch: fences or objects (glob)");
+    app.add_option("--mask", mask_, "add: layers that it looks at: bits (all)");
+    app.add_option("--detect", detect_, "add: what it tells, of enter, exit and cross (all)")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    app.add_flag("--keep", fence_.keep, "add: it stays, after a crash too, until it is removed");
+    declare_mesh_reading(app, reading_);
+    app.add_option("-n", most_events_, "End after so many events");
+    app.add_option("--for", most_time_, "End after this time");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const std::string action = words_.empty() ? "ls" : words_.front();
+    if (action == "add") return add(session, globals);
+    if (action == "ls") return list(session, globals);
+    if (action == "rm") return remove(session, globals);
+    if (action == "watch") return follow(session, globals, word(1));
+    throw bad_use(fmt::format("'{}' is nothing to do with fences", action), "add, ls, rm or watch");
+  }
+
+ private:
+  std::string word(std::size_t index) const { return index < words_.size() ? words_[index] : std::string(); }
+
+  /// A fence that is not kept goes with the process, so the process stays and tells of it.
+  Exit add(Session& session, const Globals& globals) {
+    if (words_.size() < 3) throw bad_use("a name and a region are needed", kFenceForms);
+    fence_.name = words_[1];
+    fence_.only = only_;
+    fence_.skip = skip_;
+    fence_.mask = parse_bits(mask_);
+    set_told(detect_, fence_);
+    set_region({words_.begin() + 2, words_.end()}, reading_, session.io, fence_);
+    take(session.client(globals).add_fence(fence_));
+    if (!fence_.keep && !session.has_many_verbs) {
+      only_ = skip_ = {};
+      print_hint(session.io, globals,
+                 fmt::format("fence {} stands until this ends; --keep lets it stand", printable(fence_.name)));
+      return follow(session, globals, fence_.name);
+    }
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) printer.line(fmt::format("fence {}", printable(fence_.name)));
+    else printer.record({{"fence", std::string(fence_.name)}});
+    printer.finish();
+    return Exit::yes;
+  }
+
+  Exit list(Session& session, const Globals& globals) {
+    const std::vector<ListedFence> fences = take(session.client(globals).fences(word(1)));
+    Printer printer = make_printer(session.io, globals);
+    for (const ListedFence& fence : fences) {
+      if (!printer.human()) {
+        printer.record(fence_record(fence));
+        continue;
+      }
+      printer.row({"FENCE", "REGION", "TO", "LOOKS AT", "TELLS", "KEPT", "INSIDE"}, fence_row(fence));
+    }
+    printer.finish();
+    return fences.empty() ? Exit::no : Exit::yes;
+  }
+
+  Exit remove(Session& session, const Globals& globals) {
+    if (words_.size() < 2) throw bad_use("which fence?", "collide fence rm GLOB");
+    const std::size_t count = take(session.client(globals).remove_fences(words_[1]));
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) printer.line(fmt::format("removed {} fence{}", count, count == 1 ? "" : "s"));
+    else printer.record({{"removed", std::uint64_t{count}}});
+    printer.finish();
+    return count > 0 ? Exit::yes : Exit::no;
+  }
+
+  Exit follow(Session& session, const Globals& globals, const std::string& glob) {
+    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
+    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
+    FenceWatch watch = take(session.client(globals).watch_fences({.only = glob.empty() ? only_ : glob, .skip = skip_}));
+    Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_fence_fields());
+    const Until until(most, most_time);
+    std::uint64_t count = 0;
+    while (!until.reached(count) && session.io.out.good()) {
+      const std::optional<FenceEvent> event = next_of(watch, session.io, until);
+      if (!event) continue;
+      if (printer.human()) printer.line(fence_line(printer, *event));
+      else printer.record(fence_record(*event));
+      ++count;
+    }
+    session.io.out.flush();
+    print_hint(
+        session.io, globals,
+        fmt::format("{} event{}, {} lost", format_count(count), count == 1 ? "" : "s", format_count(watch.lost())));
+    if (stop_requested) return Exit::interrupted;
+    return count > 0 ? Exit::yes : Exit::no;
+  }
+
+  std::vector<std::string> words_;
+  Fence fence_;
+  std::string only_;
+  std::string skip_;
+  std::string mask_ = "0xffffffff";
+  std::vector<std::string> detect_;
+  MeshReading reading_;
+  std::string most_events_;
+  std::string most_time_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_fence() { return std::make_unique<FenceCommand>(); }
+
+}  // namespace collided::cli

@@ -1,0 +1,210 @@
+#include "client/library/watching/fences.hpp"
+
+#include <algorithm>
+
+#include "client/library/commands/command.hpp"
+#include "client/library/commands/json_reading.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/shape_encoding.hpp"
+#include "idl/commands.hpp"
+
+namespace collided {
+namespace client {
+namespace {
+
+namespace names = wire_contract::command;
+
+constexpr std::chrono::seconds kFenceTimeout{10};
+/// A message of many fences stays below this: DDS delivers none above kMaxMessageBytes.
+constexpr std::size_t kMostFenceBytes = wire_contract::kMaxMessageBytes - 64 * 1024;
+
+/// What a fence tells, as its bits travel in an event. A doubt has none: all is told then.
+enum Tells : std::uint32_t { kTellsEnter = 1, kTellsExit = 2, kTellsCross = 4 };
+
+nlohmann::json arguments_of(const Fence& fence) {
+  nlohmann::json arguments{{"command", names::kFence}, {"name", fence.name}, {"keep", fence.keep}};
+  if (!fence.to.empty()) arguments["to"] = fence.to;
+  if (!fence.only.empty()) arguments["only"] = fence.only;
+  if (!fence.skip.empty()) arguments["skip"] = fence.skip;
+  if (fence.mask != 0xffffffff) arguments["mask"] = fence.mask;
+  if (!fence.enter || !fence.exit || !fence.cross) {
+    arguments["tells"] = nlohmann::json::array();
+    if (fence.enter) arguments["tells"].push_back("enter");
+    if (fence.exit) arguments["tells"].push_back("exit");
+    if (fence.cross) arguments["tells"].push_back("cross");
+  }
+  if (fence.prism) {
+    arguments["prism"] = {fence.prism->low_m, fence.prism->high_m};
+    for (const std::array<double, 2>& corner : fence.prism->corners) {
+      arguments["prism"].push_back(corner[0]);
+      arguments["prism"].push_back(corner[1]);
+    }
+  }
+  return arguments;
+}
+
+/// A fence as it is sent: its arguments, and its shape where it has one.
+struct EncodedFence {
+  std::string text;
+  std::vector<std::uint8_t> shape;
+};
+
+Result<EncodedFence> encoded(const Fence& fence) {
+  EncodedFence encoded;
+  try {
+    encoded.text = arguments_of(fence).dump();
+  } catch (const nlohmann::json::exception&) { return bad_input("fence: a name or glob is not UTF-8 text"); }
+  if (fence.prism) return encoded;
+  if (fence.shape.empty()) return bad_input("fence '" + fence.name + "': its shape has no part");
+  Result<std::vector<std::uint8_t>> shape = encode_shape(fence.shape, Vec3::Ones(), "fence '" + fence.name + "'");
+  if (!shape) return shape.error();
+  encoded.shape = std::move(*shape);
+  return encoded;
+}
+
+void append_sized(std::vector<std::uint8_t>& bytes, std::span<const std::uint8_t> item) {
+  for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(item.size() >> shift));
+  bytes.insert(bytes.end(), item.begin(), item.end());
+}
+
+std::span<const std::uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+ListedFence listed_of(const nlohmann::json& row) {
+  ListedFence fence{.name = row.at("fence"),
+                    .kind = row.at("kind"),
+                    .to = row.at("to"),
+                    .only = row.at("only"),
+                    .skip = row.at("skip"),
+                    .keep = row.at("keep"),
+                    .inside = row.at("inside"),
+                    .in_doubt = row.at("in_doubt")};
+  for (const nlohmann::json& word : row.at("tells")) {
+    fence.enter = fence.enter || word == "enter";
+    fence.exit = fence.exit || word == "exit";
+    fence.cross = fence.cross || word == "cross";
+  }
+  return fence;
+}
+
+FenceEvent news_of(const Event& event, FenceEventKind kind) {
+  return {.kind = kind,
+          .reason = kind == FenceEventKind::exit ? event.reason : EndReason::none,
+          .doubt = event.doubt,
+          .resync = event.resync,
+          .object = event.a,
+          .fence = event.b,
+          .object_id = event.a_id,
+          .fence_id = event.b_id,
+          .epoch = event.epoch,
+          .sequence = event.sequence,
+          .episode = event.episode,
+          .world_time = event.world_time,
+          .entered = event.began,
+          .bracket_low_s = event.bracket_low_s,
+          .bracket_high_s = event.bracket_high_s,
+          .point = event.point};
+}
+
+}  // namespace
+
+Result<void> add_fence(Connection& connection, const Fence& fence) {
+  Result<EncodedFence> one = encoded(fence);
+  if (!one) return one.error();
+  return read_answer(command_with_blob(connection, names::kFence, one->text, one->shape, kFenceTimeout, {}), "fence",
+                     [](const nlohmann::json&) {});
+}
+
+Result<void> add_fences(Connection& connection, std::span<const Fence> fences) {
+  std::vector<std::uint8_t> bytes;
+  const auto send = [&]() -> Result<void> {
+    if (bytes.empty()) return {};
+    Result<void> sent =
+        read_answer(command_with_blob(connection, names::kFence, R"({"many":true})", bytes, kFenceTimeout, {}), "fence",
+                    [](const nlohmann::json&) {});
+    bytes.clear();
+    return sent;
+  };
+  for (const Fence& fence : fences) {
+    Result<EncodedFence> one = encoded(fence);
+    if (!one) return one.error();
+    if (bytes.size() + one->text.size() + one->shape.size() > kMostFenceBytes) {
+      if (Result<void> sent = send(); !sent) return sent.error();
+    }
+    append_sized(bytes, bytes_of(one->text));
+    append_sized(bytes, one->shape);
+  }
+  return send();
+}
+
+Result<std::size_t> remove_fences(Connection& connection, const std::string& name) {
+  const nlohmann::json arguments{{"name", name}, {"remove", true}};
+  return read_answer(command(connection, names::kFence, arguments, kFenceTimeout), "fence",
+                     [](const nlohmann::json& answer) { return answer.at("fences").size(); });
+}
+
+Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::string& name_glob) {
+  const nlohmann::json arguments{{"name", name_glob}, {"limit", 1'000'000}};
+  return read_answer(command(connection, names::kFences, arguments, kFenceTimeout), "fences",
+                     [](const nlohmann::json& answer) {
+                       std::vector<ListedFence> fences;
+                       for (const nlohmann::json& row : answer.at("fences")) fences.push_back(listed_of(row));
+                       return fences;
+                     });
+}
+
+std::vector<FenceEvent> FenceNews::take(const Event& event) {
+  const std::optional<Event> passing = std::exchange(passing_, std::nullopt);
+  const bool is_passage = event.kind == EventKind::ended && event.reason == EndReason::crossed && passing &&
+                          passing->episode == event.episode;
+  std::vector<FenceEvent> told;
+  if (is_passage && (event.b_triangle & kTellsCross) != 0) {
+    told.push_back(news_of(*passing, FenceEventKind::cross));
+    told.back().sequence = event.sequence;
+    told.back().left_low_s = event.bracket_low_s;
+    told.back().left_high_s = event.bracket_high_s;
+    return told;
+  }
+  // A passage whose end was missed, or that its fence tells as coming and going.
+  if (passing && (passing->b_triangle & kTellsEnter) != 0) told.push_back(news_of(*passing, FenceEventKind::enter));
+  if (event.kind == EventKind::began && event.reason == EndReason::crossed) {
+    passing_ = event;
+  } else if (event.kind == EventKind::began && (event.b_triangle & kTellsEnter) != 0) {
+    told.push_back(news_of(event, FenceEventKind::enter));
+  } else if (event.kind == EventKind::ended && (event.b_triangle & kTellsExit) != 0) {
+    told.push_back(news_of(event, FenceEventKind::exit));
+  } else if (event.kind == EventKind::open) {
+    told.push_back(news_of(event, FenceEventKind::inside));
+  }
+  return told;
+}
+
+std::optional<FenceEvent> FenceWatcher::next(std::chrono::nanoseconds wait) {
+  const Clock::time_point until = Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+  const std::lock_guard lock(mutex_);
+  while (waiting_.empty()) {
+    const auto left = std::max<std::chrono::nanoseconds>(until - Clock::now(), std::chrono::nanoseconds(0));
+    const std::optional<Event> event = watch_.next(left);
+    if (!event) return std::nullopt;
+    for (FenceEvent& told : news_.take(*event)) waiting_.push_back(std::move(told));
+  }
+  FenceEvent event = std::move(waiting_.front());
+  waiting_.pop_front();
+  return event;
+}
+
+}  // namespace client
+
+FenceWatch::FenceWatch(std::unique_ptr<client::FenceWatcher> watcher) : watcher_(std::move(watcher)) {}
+FenceWatch::~FenceWatch() = default;
+FenceWatch::FenceWatch(FenceWatch&&) noexcept = default;
+FenceWatch& FenceWatch::operator=(FenceWatch&&) noexcept = default;
+
+std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) { return watcher_->next(wait); }
+std::uint64_t FenceWatch::lost() const { return watcher_->watch().lost(); }
+std::uint64_t FenceWatch::resyncs() const { return watcher_->watch().resyncs(); }
+bool FenceWatch::connected() const { return watcher_->watch().connected(); }
+bool FenceWatch::in_step() const { return watcher_->watch().in_step(); }
+
+}  // namespace collided

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "server/world/objects/object.hpp"
+
+namespace collided::engine {
+
+/// What a fence tells of an object: that it came in, that it went out, and that it was in and out again between two
+/// poses. Without kCross such a passage is told as the first two.
+enum FenceTells : std::uint8_t { kEnter = 1, kExit = 2, kCross = 4, kTellsAll = 7 };
+
+/// A region that stands in the world, or moves along with an object, and of which it is told which objects are in it.
+/// It touches nothing and no question meets it.
+struct FenceDefinition {
+  std::string name = {};  // unique among fences
+  /// Solid primitives, and a mesh only with what it encloses. Metres, in the world, or in the frame of its carrier.
+  Shape shape = {};
+  std::shared_ptr<const SolidMesh> solid = {};  // of the shape's mesh; null where it has none
+  std::string carrier = {};                     // name of the object that it is fixed to; empty: the world
+  std::string only = {};                        // name glob of the objects that it looks at; empty: all that move
+  std::string skip = {};                        // name glob of those that it leaves out; empty: none
+  std::uint32_t mask = 0xffffffff;              // an object's layers must have a bit of it
+  std::uint8_t tells = kTellsAll;               // FenceTells
+  std::uint64_t owner = 0;                      // for whoever defines it; the world does not read it
+};
+
+/// What many fences have in common; equal rules are shared.
+struct FenceRule {
+  std::string carrier;
+  std::string only;
+  std::string skip;
+  std::uint32_t mask = 0;
+  std::uint8_t tells = 0;
+  std::uint64_t owner = 0;
+
+  bool operator==(const FenceRule&) const = default;
+};
+
+}  // namespace collided::engine

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/world/events/contact_ledger.hpp"
+#include "server/world/fences/fence_table.hpp"
+#include "server/world/step/pair_windows.hpp"
+#include "server/world/step/piece_points.hpp"
+
+namespace collided::engine {
+
+/// Lists reused from step to step.
+struct FenceLists {
+  PiecePoints mover_points;
+  PiecePoints fence_points;
+  std::vector<std::int64_t> cuts;
+};
+
+/// What one step decides of objects and fences: sends to the ledger who is in a fence, who came and who went, by the
+/// tests and sweeps that decide contacts. An object and a fence in the world need no common time: the fence is known for
+/// ever. A carried fence has the time of its carrier.
+class FenceDecisions {
+ public:
+  FenceDecisions(const StepView& step, FenceTable& table, ContactLedger& ledger, FenceLists& lists, StepCost& cost)
+      : step_(step), rows_(step.rows), table_(table), ledger_(ledger), lists_(lists), cost_(cost) {}
+
+  /// The fence looks at this object: by its rule, and it is not its carrier.
+  bool looks_at(std::uint32_t fence, std::uint32_t mover) const;
+  /// Of one that is in: it is so still. A filter: false says nothing.
+  bool surely_stays(std::uint32_t fence, std::uint32_t mover);
+  /// Decides all that is newly known of the two.
+  ///
+  /// is_new  the fence came, or found its carrier, since the last step: only where the object is now counts
+  void decide(std::uint32_t fence, std::uint32_t mover, bool is_new);
+
+ private:
+  /// The two in a piece of time in which both move straight and rotate evenly; a is the object, b the fence.
+  struct FencePiece {
+    std::uint32_t mover = 0;
+    std::uint32_t fence = 0;
+    std::int64_t from_ns = 0;
+    std::int64_t to_ns = 0;
+    BodyMotion mover_motion;
+    BodyMotion fence_motion;
+  };
+
+  void decide_at_rest_in_the_world(std::uint32_t fence, std::uint32_t mover);
+  void decide_carried(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
+  void decide_on_common_time(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
+  void decide_new(std::uint32_t fence, std::uint32_t mover);
+  void decide_piece(const FencePiece& piece);
+  void begin_in_motion(const FencePiece& piece, const ContactSearch& touch, const SweptContact& sweep);
+  void decide_instant(const FencePiece& instant, const ContactEnd& left);
+  FencePiece instant_on(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier, std::int64_t time_ns) const;
+  FencePiece instant_now(std::uint32_t fence, std::uint32_t mover, std::int64_t time_ns) const;
+  ContactSearch touch_at_end(const FencePiece& piece);
+  bool holds_a_piece(const Placed& outer, const Placed& inner, PiecePoints& points);
+  SweptContact sweep(const FencePiece& piece);
+  std::optional<SweptContact> sweep_sphere(const FencePiece& piece, bool is_mover);
+  ContactEnd leaving(const FencePiece& piece);
+  ContactEnd in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  std::int64_t clock_error_ns(const FencePiece& piece) const;
+  FoundContact found_in(const FencePiece& piece) const;
+  Placed placed(std::uint32_t slot, const Frame& frame) const;
+  Placed placed_fence(std::uint32_t fence, const Frame& frame);
+  bool may_begin();
+
+  const StepView& step_;
+  const ObjectRows& rows_;
+  FenceTable& table_;
+  ContactLedger& ledger_;
+  FenceLists& lists_;
+  StepCost& cost_;
+  WalkCost walk_;
+};
+
+}  // namespace collided::engine

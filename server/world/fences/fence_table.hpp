@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "server/broad_phase/grid/grid.hpp"
+#include "server/world/fences/fence.hpp"
+#include "server/world/objects/sweep.hpp"
+
+namespace collided::engine {
+
+/// The fences of a world, by slot and by name, with an index over their bounds. Most are one primitive: such a fence
+/// takes some 400 bytes in all.
+/// threads  the writer's only
+class FenceTable {
+ public:
+  static constexpr std::uint32_t kMost = 1'000'000;
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  FenceTable() = default;
+  FenceTable(const FenceTable&) = delete;
+  FenceTable& operator=(const FenceTable&) = delete;
+
+  /// The name is free and there is room: both were checked.
+  ObjectId add(const FenceDefinition& definition);
+  void remove(std::uint32_t slot);
+
+  std::size_t size() const { return fences_.size(); }  // of slots, some of them free
+  std::size_t count() const { return by_name_.size(); }
+  bool holds(std::uint32_t slot) const { return slot < fences_.size() && fences_[slot].rule != nullptr; }
+  std::optional<std::uint32_t> find(std::string_view name) const;
+  /// Of a slot that holds a fence.
+  ObjectId id(std::uint32_t slot) const {
+    return kFenceBit | (static_cast<ObjectId>(fences_[slot].generation) << 32) | slot;
+  }
+  const std::string& name(std::uint32_t slot) const { return fences_[slot].name; }
+  const FenceRule& rule(std::uint32_t slot) const { return *fences_[slot].rule; }
+  /// The fence as an object, whose frame is the world's or its carrier's. Valid until the next call for another fence.
+  const ObjectInfo& body(std::uint32_t slot);
+  /// The same as a copy, for descriptions.
+  ObjectInfo described(std::uint32_t slot) const;
+  /// No point of the fence is farther from the origin of that frame, metres.
+  double reach_m(std::uint32_t slot) { return reach_of(body(slot)); }
+  std::size_t bytes() const;
+
+  /// Slot of the object that carries it; kNone: it stands in the world, or its carrier is not there.
+  std::uint32_t carrier(std::uint32_t slot) const;
+  bool is_carried(std::uint32_t slot) const { return !rule(slot).carrier.empty(); }
+  /// Fences on the object in that slot.
+  std::span<const std::uint32_t> carried_by(std::uint32_t object) const;
+  /// Slots of all fences that an object carries, or is to carry.
+  const std::unordered_set<std::uint32_t>& carried() const { return carried_; }
+  void bind(std::uint32_t slot, std::uint32_t object);
+  void unbind(std::uint32_t slot);
+  /// The fences that wait for an object of this name, to be bound to it.
+  std::vector<std::uint32_t> waiting_for(std::string_view carrier) const;
+
+  const Aabb& bounds(std::uint32_t slot) const { return bounds_[slot]; }
+  void set_bounds(std::uint32_t slot, const Aabb& bounds);
+  /// Brings the index up to date with the bounds; then it may be walked.
+  void update_index();
+  const Grid& index() const { return *index_; }
+
+ private:
+  struct FenceRow {
+    std::string name;
+    std::shared_ptr<const FenceRule> rule;  // null: the slot is free
+    Primitive primitive;                    // the whole fence, where there is no body
+    std::shared_ptr<const ObjectInfo> body;
+    std::uint32_t generation = 1;
+  };
+
+  /// Finds slots by the names in fences_, which so are kept once.
+  struct NameHash {
+    using is_transparent = void;
+    const std::deque<FenceRow>* fences;
+    std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>{}(name); }
+    std::size_t operator()(std::uint32_t slot) const { return (*this)((*fences)[slot].name); }
+  };
+  struct NameEqual {
+    using is_transparent = void;
+    const std::deque<FenceRow>* fences;
+    std::string_view name(std::string_view text) const { return text; }
+    std::string_view name(std::uint32_t slot) const { return (*fences)[slot].name; }
+    template <class A, class B>
+    bool operator()(const A& a, const B& b) const {
+      return name(a) == name(b);
+    }
+  };
+
+  std::shared_ptr<const FenceRule> shared(const FenceRule& rule);
+
+  std::deque<FenceRow> fences_;  // in blocks, so that none is empty for growth
+  std::vector<Aabb> bounds_;     // empty: the slot is free, or the carrier is not there
+  std::vector<std::uint32_t> free_;
+  std::unordered_set<std::uint32_t, NameHash, NameEqual> by_name_{0, NameHash{&fences_}, NameEqual{&fences_}};
+  std::unordered_multimap<std::size_t, std::weak_ptr<const FenceRule>> rules_;
+  std::unordered_map<std::uint32_t, std::uint32_t> carrier_of_;               // object by fence
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> carried_by_;  // fences by object
+  std::unordered_set<std::uint32_t> carried_;
+  ObjectInfo scratch_;
+  std::uint32_t scratch_slot_ = kNone;
+  std::unique_ptr<Grid> index_ = std::make_unique<Grid>();
+  std::vector<std::uint32_t> changed_;  // since the index was brought up to date
+};
+
+}  // namespace collided::engine

@@ -1,0 +1,240 @@
+#include "server/world/fences/fences.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "server/world/objects/sweep.hpp"
+
+namespace collided::engine {
+namespace {
+
+bool is_endless_primitive(const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); }
+
+std::string refusal_of(const FenceDefinition& definition) {
+  const std::vector<Primitive>& primitives = definition.shape.primitives;
+  if (definition.shape.mesh && !definition.solid)
+    return "its mesh is a surface, which holds nothing; a fence needs a closed one, declared solid";
+  if (primitives.empty() && !definition.solid) return "it has no shape";
+  if (!definition.carrier.empty() && std::any_of(primitives.begin(), primitives.end(), is_endless_primitive))
+    return "a half-space has no end, so it cannot move with an object";
+  if (definition.tells == 0) return "it tells of nothing; enter, exit and cross are offered";
+  return {};
+}
+
+}  // namespace
+
+std::variant<ObjectId, Refusal> Fences::add(const FenceDefinition& definition) {
+  std::string reason = refusal_of(definition);
+  if (table_.find(definition.name)) reason = "the name is taken; names are unique among fences";
+  if (table_.count() >= FenceTable::kMost)
+    reason = "it is one more than the limit of " + std::to_string(FenceTable::kMost) + " fences";
+  if (!reason.empty()) return Refusal{"fence '" + definition.name + "': " + reason + ". Nothing was added"};
+  const ObjectId id = table_.add(definition);
+  new_.push_back(slot_of(id));
+  return id;
+}
+
+bool Fences::remove(std::string_view name) {
+  const std::optional<std::uint32_t> slot = table_.find(name);
+  if (!slot) return false;
+  removed_.push_back({table_.id(*slot), std::string(name)});
+  std::erase(new_, *slot);
+  table_.remove(*slot);
+  return true;
+}
+
+std::optional<ObjectId> Fences::find(std::string_view name) const {
+  const std::optional<std::uint32_t> slot = table_.find(name);
+  if (!slot) return std::nullopt;
+  return table_.id(*slot);
+}
+
+std::string_view Fences::name(ObjectId fence) const {
+  const std::uint32_t slot = slot_of(fence);
+  if (table_.holds(slot) && table_.id(slot) == fence) return table_.name(slot);
+  const auto found = std::find_if(gone_.begin(), gone_.end(), [&](const GoneFence& gone) { return gone.id == fence; });
+  return found == gone_.end() ? std::string_view() : std::string_view(found->name);
+}
+
+void Fences::begin_step(std::int64_t world_time_ns, const Changes& changes) {
+  ledger_.begin_step(world_time_ns, false);
+  cost_ = {};
+  gone_ = std::exchange(removed_, {});
+  for (const GoneFence& fence : gone_) ledger_.end_object(fence.id, EndReason::fence_removed);
+  for (const auto& [id, reason] : changes.removed) {
+    ledger_.end_object(id, reason);
+    const std::span<const std::uint32_t> carried = table_.carried_by(slot_of(id));
+    for (const std::uint32_t fence : std::vector<std::uint32_t>(carried.begin(), carried.end())) {
+      ledger_.end_object(table_.id(fence), reason);
+      table_.unbind(fence);
+    }
+  }
+  for (const auto& [id, is_lost] : changes.lost) {
+    is_lost ? ledger_.lose(id) : ledger_.find_again(id);
+    for (const std::uint32_t fence : table_.carried_by(slot_of(id))) {
+      is_lost ? ledger_.lose(table_.id(fence)) : ledger_.find_again(table_.id(fence));
+    }
+  }
+}
+
+void Fences::decide(const StepView& step, const Grid& movers) {
+  if (table_.count() == 0 && ledger_.open().empty()) return new_.clear();
+  bind_waiting(step);
+  std::sort(new_.begin(), new_.end());
+  gather_movers(step);
+  follow_carriers(step);
+  table_.update_index();
+  FenceDecisions decisions(step, table_, ledger_, lists_, cost_);
+  for (const std::uint32_t mover : movers_) {
+    find_fences_of(step, mover);
+    for (const std::uint32_t fence : found_) consider(step, decisions, fence, mover);
+  }
+  look_around_.clear();
+  std::set_union(new_.begin(), new_.end(), followed_.begin(), followed_.end(), std::back_inserter(look_around_));
+  for (const std::uint32_t fence : look_around_) {
+    find_movers_of(step, movers, fence);
+    for (const std::uint32_t mover : found_) consider(step, decisions, fence, mover);
+  }
+  new_.clear();
+}
+
+/// Offers a pair to the decisions, once a step.
+void Fences::consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover) {
+  const ObjectInfo* info = step.rows.info(mover);
+  if (info == nullptr) return;
+  const OpenContact* open = ledger_.find(info->id, table_.id(fence));
+  if (open == nullptr && !overlaps(step.motion.bounds()[mover], table_.bounds(fence))) return;
+  if (open == nullptr && !decisions.looks_at(fence, mover)) return;
+  // Most of what is in a fence is deep in it, and stays.
+  if (open != nullptr && open->doubt == Doubt::none && decisions.surely_stays(fence, mover)) return;
+  decisions.decide(fence, mover, std::binary_search(new_.begin(), new_.end(), fence));
+}
+
+/// New fences look for their carriers, and fences that wait for one among the new objects.
+void Fences::bind_waiting(const StepView& step) {
+  if (table_.carried().empty()) return;
+  for (const std::uint32_t fence : new_) {
+    if (!table_.is_carried(fence) || table_.carrier(fence) != FenceTable::kNone) continue;
+    if (const std::optional<ObjectId> carrier = step.rows.find(table_.rule(fence).carrier))
+      bind(step, fence, slot_of(*carrier));
+  }
+  for (const std::uint32_t slot : step.rows.moved()) {
+    const ObjectInfo* info = step.rows.info(slot);
+    if (info == nullptr || !step.rows.is_new(slot)) continue;
+    for (const std::uint32_t fence : table_.waiting_for(info->name)) {
+      bind(step, fence, slot);
+      new_.push_back(fence);
+    }
+  }
+}
+
+void Fences::bind(const StepView& step, std::uint32_t fence, std::uint32_t object) {
+  table_.bind(fence, object);
+  table_.set_bounds(fence, bounds_of(table_.body(fence), step.rows[object].frame));
+  if (step.rows[object].is_stale) ledger_.lose(table_.id(fence));
+}
+
+/// Those of which something new may be known: the others have a decided past.
+void Fences::gather_movers(const StepView& step) {
+  movers_.clear();
+  const auto add = [&](std::uint32_t slot) {
+    const ObjectInfo* info = step.rows.info(slot);
+    if (info != nullptr && info->moving) movers_.push_back(slot);
+  };
+  if (step.looks_at_all) {
+    for (std::uint32_t slot = 0; slot < step.rows.size(); ++slot) add(slot);
+    return;
+  }
+  std::for_each(step.rows.moved().begin(), step.rows.moved().end(), add);
+  // Only a carried fence may wait for time that a mover has behind it.
+  if (table_.carried().empty()) return;
+  const auto add_open = [&](std::uint32_t slot) {
+    if (!step.rows.has_moved(slot)) add(slot);
+  };
+  std::for_each(step.motion.young().begin(), step.motion.young().end(), add_open);
+  const std::vector<std::uint32_t>& travelling = step.motion.history().travelling();
+  std::for_each(travelling.begin(), travelling.end(), add_open);
+}
+
+/// Carried fences get the bounds of their whole way that is not decided yet.
+void Fences::follow_carriers(const StepView& step) {
+  if (table_.carried().empty() && followed_.empty()) return;
+  const std::vector<std::uint32_t> before = std::exchange(followed_, {});
+  for (const std::uint32_t mover : movers_) {
+    const std::span<const std::uint32_t> carried = table_.carried_by(mover);
+    followed_.insert(followed_.end(), carried.begin(), carried.end());
+  }
+  // The floor passed a source that is silent: its pairs may begin anew though nothing moved.
+  if (step.sources.is_any_behind_floor()) {
+    followed_.clear();
+    std::copy_if(table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
+                 [&](std::uint32_t fence) { return table_.carrier(fence) != FenceTable::kNone; });
+  }
+  std::sort(followed_.begin(), followed_.end());
+  for (const std::uint32_t fence : followed_) table_.set_bounds(fence, bounds_on_the_way(step, fence));
+  // What rests again has the bounds of where it is.
+  for (const std::uint32_t fence : before) {
+    if (!table_.holds(fence) || std::binary_search(followed_.begin(), followed_.end(), fence)) continue;
+    const std::uint32_t carrier = table_.carrier(fence);
+    if (carrier != FenceTable::kNone) table_.set_bounds(fence, bounds_of(table_.body(fence), step.rows[carrier].frame));
+  }
+}
+
+Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
+  const std::uint32_t carrier = table_.carrier(fence);
+  const ObjectInfo& body = table_.body(fence);
+  const ObjectRow& row = step.rows[carrier];
+  Aabb all = bounds_of(body, row.frame);
+  if (step.rows.motion(carrier) == Motion::moved)
+    all.extend(bounds(body, BodyMotion(row.frame_before, row.frame), table_.reach_m(fence)));
+  step.motion.history().for_each(carrier, [&](const MotionSegment& segment) {
+    if (segment.is_jump()) {
+      all.extend(bounds_of(body, segment.from));
+      all.extend(bounds_of(body, segment.to));
+    } else {
+      all.extend(bounds(body, BodyMotion(segment.from, segment.to), table_.reach_m(fence)));
+    }
+  });
+  return all;
+}
+
+/// Something new may be known of it, so that it looks for its fences itself.
+bool Fences::is_pending(const StepView& step, std::uint32_t slot) const {
+  return step.looks_at_all || step.rows.has_moved(slot) || (!table_.carried().empty() && step.motion.is_open(slot));
+}
+
+/// Those that its motion may meet, and those that it is in, whose bounds it may have left.
+void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
+  found_.clear();
+  const auto meets = [&](std::uint32_t fence) {
+    found_.push_back(fence);
+    return true;
+  };
+  table_.index().walk_box(step.motion.bounds()[mover], meets, walk_);
+  const auto is_in = [&](std::uint32_t number) {
+    const std::uint32_t fence = slot_of(ledger_.open()[number].b);
+    if (table_.holds(fence)) found_.push_back(fence);
+    return true;
+  };
+  if (const ObjectInfo* info = step.rows.info(mover)) ledger_.for_each_with(info->id, is_in);
+  keep_found_once();
+}
+
+/// Those that do not look for their fences themselves.
+void Fences::find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence) {
+  found_.clear();
+  const auto add = [&](std::uint32_t mover) {
+    if (!is_pending(step, mover)) found_.push_back(mover);
+    return true;
+  };
+  movers.walk_box(table_.bounds(fence), add, walk_);
+  ledger_.for_each_with(table_.id(fence), [&](std::uint32_t number) { return add(slot_of(ledger_.open()[number].a)); });
+  keep_found_once();
+}
+
+void Fences::keep_found_once() {
+  std::sort(found_.begin(), found_.end());
+  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/world/fences/fence_decisions.hpp"
+
+namespace collided::engine {
+
+/// The fences of a world, who is in them, and the events that change that. Who is in a fence is kept like a contact: an
+/// event's a is the object, its b the fence, `began` says that the object came in, `ended` that it went out and why.
+/// threads  the writer's only
+class Fences {
+ public:
+  /// The reason where it is refused.
+  std::variant<ObjectId, Refusal> add(const FenceDefinition& definition);
+  /// Whoever is in it goes out with fence_removed at the next step. False: there is no such fence.
+  bool remove(std::string_view name);
+  const FenceTable& table() const { return table_; }
+  FenceTable& table() { return table_; }
+  std::optional<ObjectId> find(std::string_view name) const;
+  /// Empty: no such fence, or one removed since the last step but one.
+  std::string_view name(ObjectId fence) const;
+
+  /// What a step does to objects: taken out of the world with a reason, lost (true) or found again.
+  struct Changes {
+    std::span<const std::pair<ObjectId, EndReason>> removed;
+    std::span<const std::pair<ObjectId, bool>> lost;
+  };
+  /// Drops the last step's events. To be called before the slots of removed objects are used again.
+  void begin_step(std::int64_t world_time_ns, const Changes& changes);
+  /// Decides what moved.
+  ///
+  /// movers  index over the motions of the step
+  void decide(const StepView& step, const Grid& movers);
+  void finish_step() { ledger_.finish_step(); }
+  /// There is a fence to be decided, though nothing moved.
+  bool has_news() const { return !new_.empty(); }
+
+  const std::vector<Event>& events() const { return ledger_.events(); }
+  /// Who is in which fence, with the pairs in doubt, in no order.
+  const std::vector<OpenContact>& inside() const { return ledger_.open(); }
+  std::uint64_t last_sequence() const { return ledger_.last_sequence(); }
+  std::size_t doubt_count() const { return ledger_.doubt_count(); }
+  const StepCost& cost() const { return cost_; }
+
+ private:
+  void bind_waiting(const StepView& step);
+  void bind(const StepView& step, std::uint32_t fence, std::uint32_t object);
+  void follow_carriers(const StepView& step);
+  Aabb bounds_on_the_way(const StepView& step, std::uint32_t fence);
+  void gather_movers(const StepView& step);
+  bool is_pending(const StepView& step, std::uint32_t slot) const;
+  void find_fences_of(const StepView& step, std::uint32_t mover);
+  void find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence);
+  void keep_found_once();
+  void consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover);
+
+  FenceTable table_;
+  ContactLedger ledger_{true};
+  FenceLists lists_;
+  StepCost cost_;
+  std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step
+  struct GoneFence {
+    ObjectId id = 0;
+    std::string name;
+  };
+  std::vector<GoneFence> removed_;  // since the last step
+  std::vector<GoneFence> gone_;     // whose ends are among the events
+  std::vector<std::uint32_t> movers_;
+  std::vector<std::uint32_t> followed_;     // carried fences whose carrier moved or is not decided to its end
+  std::vector<std::uint32_t> look_around_;  // fences that look for what does not look for them
+  std::vector<std::uint32_t> found_;        // fences of an object, or objects of a fence
+  WalkCost walk_;
+};
+
+}  // namespace collided::engine
