@@ -89,15 +89,6 @@ std::optional<Vec3> Arguments::vector(const char* name) const {
   return Vec3((*value)[0].get<double>(), (*value)[1].get<double>(), (*value)[2].get<double>());
 }
 
-std::vector<std::string> Arguments::texts(const char* name) const {
-  const nlohmann::json* value = find(name);
-  if (!value) return {};
-  const bool good = value->is_array() && std::all_of(value->begin(), value->end(),
-                                                     [](const nlohmann::json& item) { return item.is_string(); });
-  if (!good) refuse(name, "a list of texts");
-  return value->get<std::vector<std::string>>();
-}
-
 std::vector<double> Arguments::numbers(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return {};

@@ -46,8 +46,7 @@ class Arguments {
   double number(const char* name, double otherwise) const;
   /// A whole number from 0 to `most`.
   std::uint64_t whole(const char* name, std::uint64_t otherwise, std::uint64_t most) const;
-  /// A list of texts, or of finite numbers; empty where there is no such argument.
-  std::vector<std::string> texts(const char* name) const;
+  /// A list of finite numbers; empty where there is no such argument.
   std::vector<double> numbers(const char* name) const;
   /// [x, y, z, qw, qx, qy, qz], checked as checked_pose() does; nothing where there is no such argument.
   std::optional<Pose> pose(const char* name) const;
