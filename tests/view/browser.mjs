@@ -43,7 +43,7 @@ const collide = (...args) => spawnSync(words.collide, args, { env: environment, 
 
 // ---- what the page shows, read from the page itself
 
-const state = (page) => page.evaluate(() => document.getElementById("state").textContent);
+const state = (page) => page.evaluate(() => document.getElementById("state")?.textContent ?? "");
 const isReady = async (page) => (await state(page)).startsWith("ready");
 const positions = (page) => page.evaluate(() => [...collidedPage.world.objects.values()].filter((o) => o.moving).map((o) => o.position.join()).sort());
 
@@ -67,7 +67,7 @@ async function inked(page) {
 }
 
 async function seesTheWorld(page) {
-  await until("the page is ready", () => isReady(page));
+  await until("the page is ready", () => isReady(page), 60);
   await until("the scene's objects are there", () => page.evaluate(() => collidedPage.world.objects.size > 30));
   await moves(page);
   const part = await inked(page);
@@ -254,7 +254,7 @@ async function run() {
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("console", (message) => { if (message.type() === "error" && !/WebSocket|ERR_|404/.test(message.text())) wrong.push(message.text()); });
-  await page.goto(`${url}/#theme=paper`);
+  await page.goto(`${url}/#theme=paper`, { waitUntil: "commit" });
   await seesTheWorld(page);
   await showsItsPanels(page);
   await flashesInTime(page);

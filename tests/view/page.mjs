@@ -25,8 +25,8 @@ async function open(world, { width = 1280, height = 800, touch = false, night = 
   page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
   page.on("request", (request) => { if (!request.url().startsWith(kAddress) && !request.url().startsWith("data:")) wrong.push(`asks for ${request.url()}`); });
   await world.serve(page, files, answers);
-  await page.goto(kAddress);
-  await until("the objects are there", () => page.evaluate((count) => collidedPage.world.objects.size === count, world.objects.length), 60);
+  await page.goto(kAddress, { waitUntil: "commit", timeout: 60000 });
+  await until("the objects are there", () => page.evaluate((count) => window.collidedPage?.world.objects.size === count, world.objects.length), 90);
   await until("a picture is drawn", () => page.evaluate(() => Boolean(collidedPage.picture.renderer.whole)));
   return page;
 }

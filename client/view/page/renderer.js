@@ -13,9 +13,9 @@ class Renderer {
     this.ink = this.program(kWholeVertex, kInkFragment);
     this.mark = this.program(kMarkVertex, kMarkFragment);
     this.nothing = gl.createVertexArray();
-    this.corners = this.buffer(gl.ARRAY_BUFFER, boxCorners());
+    this.corners = this.buffer(gl.ARRAY_BUFFER, boxStrip());
     this.quad = this.buffer(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    const solids = () => this.instances([[1, 3], [2, 4], [3, 3], [4, 2]], this.corners, 3);
+    const solids = () => this.instances([[1, 3], [2, 4], [3, 3], [4, 2]], this.corners, 4);
     this.stillSolids = { boxes: solids(), round: solids() };
     this.movingSolids = { boxes: solids(), round: solids() };
     this.marks = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
@@ -294,14 +294,14 @@ class Renderer {
     if (boxes.count > 0) {
       this.use(this.box, values);
       gl.bindVertexArray(boxes.array);
-      gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, boxes.count);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, boxes.count);
     }
     if (round.count === 0) return;
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);
     this.use(this.solid, values);
     gl.bindVertexArray(round.array);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, round.count);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, round.count);
     gl.disable(gl.CULL_FACE);
   }
 
@@ -386,22 +386,15 @@ class Renderer {
   }
 }
 
-/// 12 triangles, counter-clockwise from outside.
-function boxCorners() {
-  const corners = [];
-  for (let axis = 0; axis < 3; ++axis) {
-    for (const side of [-1, 1]) {
-      const u = (axis + 1) % 3;
-      const v = (axis + 2) % 3;
-      const square = [[-1, -1], [side, -side], [1, 1], [-1, -1], [1, 1], [-side, side]];
-      for (const [a, b] of square) {
-        const corner = [0, 0, 0];
-        corner[axis] = side;
-        corner[u] = a;
-        corner[v] = b;
-        corners.push(...corner);
-      }
-    }
-  }
-  return new Float32Array(corners);
+/// A box as a strip of 12 triangles, counter-clockwise from outside: 14 corners, each with the number of the side that its
+/// triangle, of which it is the last corner, lies in (2 * axis, one more for the upper one).
+/// Source: Evans, Skiena, Varshney, "Optimizing triangle strips for fast rendering", 1996.
+function boxStrip() {
+  const bits = [0x287a, 0x02af, 0x31e3];
+  const places = Array.from({ length: 14 }, (_, i) => bits.map((of) => ((of >> i) & 1 ? 1 : -1)));
+  return new Float32Array(places.flatMap((place, i) => {
+    const triangle = places.slice(Math.max(0, i - 2), i + 1);
+    const axis = i < 2 ? 0 : [0, 1, 2].find((each) => triangle.every((corner) => corner[each] === place[each]));
+    return [...place, 2 * axis + (place[axis] > 0 ? 1 : 0)];
+  }));
 }

@@ -89,7 +89,7 @@ void main() {
 // Boxes, as the triangles that they are: an impostor's pixels each cost a ray.
 const kBoxVertex = `#version 300 es
 precision highp float;
-layout(location = 0) in vec3 a_corner;
+layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here
 layout(location = 1) in vec3 i_position;
 layout(location = 2) in vec4 i_turn;
 layout(location = 3) in vec3 i_half;
@@ -101,11 +101,11 @@ flat out vec3 v_normal;
 flat out vec3 v_slot_side_opening;
 ${kTurn}${kStates}
 void main() {
-  int side = gl_VertexID / 6;  // as boxCorners() has them: axis by axis, first the lower
+  int side = int(a_corner.w);
   vec3 normal = vec3(0.0);
   normal[side / 2] = side % 2 == 0 ? -1.0 : 1.0;
   v_normal = turned(i_turn, normal);
-  v_from_eye = turned(i_turn, a_corner * i_half) + i_position + u_anchor_from_eye;
+  v_from_eye = turned(i_turn, a_corner.xyz * i_half) + i_position + u_anchor_from_eye;
   uint state = state_of(uint(i_kind_slot.y));
   v_slot_side_opening = vec3(i_kind_slot.y, float(side + 1), opening_of(state));
   gl_Position = placed_at(u_matrix * vec4(v_from_eye, 1.0), state, u_matrix[3][2]);
@@ -124,7 +124,7 @@ void main() {
 // A box around each round primitive, seen from behind, so that an eye inside it sees it too.
 const kSolidVertex = `#version 300 es
 precision highp float;
-layout(location = 0) in vec3 a_corner;
+layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here
 layout(location = 1) in vec3 i_position;
 layout(location = 2) in vec4 i_turn;
 layout(location = 3) in vec3 i_half;
@@ -140,7 +140,7 @@ flat out vec2 v_kind_slot;
 ${kTurn}${kStates}
 void main() {
   vec3 center = i_position + u_anchor_from_eye;
-  vec3 corner = a_corner * i_half * 1.001;
+  vec3 corner = a_corner.xyz * i_half * 1.001;
   v_eye = turned_back(i_turn, -center);
   v_ray = corner - v_eye;
   v_half = i_half;
