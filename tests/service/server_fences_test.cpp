@@ -77,7 +77,7 @@ TEST_F(ServerFences, WhoBeginsToWatchLaterIsToldWhoIsIn) {
   start();
   Client client = connect();
   Publisher publisher = publish(client, "pilot");
-  const Publisher::Object drone = add_ball(publisher, "drone", at(6, 0, 2));
+  add_ball(publisher, "drone", at(6, 0, 2));
   ASSERT_TRUE(client.add_fence(box("dock", {5, -1, 1}, {7, 1, 3})));
   ASSERT_TRUE(test::eventually([&] { return client.fences("dock")->at(0).inside == Names{"drone"}; }));
   FenceWatch watch = watch_fences(client);
