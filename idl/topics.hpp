@@ -50,7 +50,8 @@ enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 /// persisted: a contact that has begun goes on. contained, emerged: one of the two has come to lie wholly within the
 /// other, a solid, or no longer does.
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
-/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart.
+/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart. allowed: the two are
+/// allowed to touch since.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -60,7 +61,8 @@ enum class EndReason : std::uint8_t {
   geometry_changed,
   server_stopping,
   server_restarted,
-  decided
+  decided,
+  allowed
 };
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
 /// until it is decided: taking it for a contact errs on the safe side. Its depth is 0, with an infinite error bound.

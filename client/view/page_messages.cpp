@@ -141,7 +141,7 @@ std::string_view name_of(EventKind what) {
 std::string_view name_of(EndReason why) {
   constexpr std::string_view kNames[] = {"",           "separated",        "removed",         "publisher_lost",
                                          "teleported", "geometry_changed", "server_stopping", "server_restarted",
-                                         "decided"};
+                                         "decided",    "allowed"};
   return kNames[static_cast<std::size_t>(why)];
 }
 

@@ -51,6 +51,7 @@ COLLIDED_SAME(EndReason, EndReason, geometry_changed);
 COLLIDED_SAME(EndReason, EndReason, server_stopping);
 COLLIDED_SAME(EndReason, EndReason, server_restarted);
 COLLIDED_SAME(EndReason, EndReason, decided);
+COLLIDED_SAME(EndReason, EndReason, allowed);
 COLLIDED_SAME(Doubt, Doubt, none);
 COLLIDED_SAME(Doubt, Doubt, numeric);
 COLLIDED_SAME(Doubt, Doubt, cost_limit);

@@ -33,6 +33,7 @@ std::string_view name_of(EndReason why) {
     case EndReason::geometry_changed: return "geometry_changed";
     case EndReason::server_stopping: return "server_stopping";
     case EndReason::decided: return "decided";
+    case EndReason::allowed: return "allowed";
     case EndReason::server_restarted: break;
   }
   return "server_restarted";

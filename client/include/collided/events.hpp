@@ -21,7 +21,7 @@ namespace collided {
 /// between a contact's `began` and its `ended`.
 enum class EventKind { open, began, persisted, ended, contained, emerged };
 /// Why a contact ended. none: the reason was missed, or the event is not an `ended`. decided: the pair was in doubt and
-/// no longer is; where no contact begins at once, the two are apart.
+/// no longer is; where no contact begins at once, the two are apart. allowed: the two are allowed to touch since.
 enum class EndReason {
   none,
   separated,
@@ -31,7 +31,8 @@ enum class EndReason {
   geometry_changed,
   server_stopping,
   server_restarted,
-  decided
+  decided,
+  allowed
 };
 /// Why it is not known whether two objects touch.
 /// numeric         the test came out undecided

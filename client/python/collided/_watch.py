@@ -22,6 +22,7 @@ REASONS = (
     "server_stopping",
     "server_restarted",
     "decided",
+    "allowed",
 )
 DOUBTS = ("", "numeric", "cost_limit", "publisher_lost")
 # How long a wait in C lasts, so that Ctrl-C is seen and another thread may close the watch.

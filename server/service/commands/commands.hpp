@@ -98,6 +98,7 @@ class Commands {
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json covers(const Arguments& arguments) const;
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
+  nlohmann::json allowed(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
   nlohmann::json steps(const Arguments& arguments) const;
@@ -110,6 +111,9 @@ class Commands {
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json accept_loss(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json deny(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json change_rules(const PairRule& changed, std::vector<PairRule> rules);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
   void keep_upload(const std::string& scene, const std::string& path);
 

@@ -21,7 +21,7 @@
 namespace collided::engine::service {
 
 /// What a server restores after a crash: the scenes and objects that commands added, where commands have moved these
-/// to, what they took out of scenes, probes, and which publishers were there, so that it knows which to wait for. Poses
+/// to, what they took out of scenes, probes, rules for pairs, and which publishers were there, so that it knows which to wait for. Poses
 /// and events are not kept: publishers send them again.
 /// What had been acknowledged and cannot be restored is a loss, which lasts, over crashes too, until it is accepted.
 ///
@@ -84,6 +84,8 @@ class DurableState {
   void object_moved(const std::string& scene, const std::string& object, const CommandAsk& ask);
   void probe_set(const std::string& probe, const CommandAsk& ask);
   void probes_removed(const std::vector<std::string>& probes);
+  /// Keeps the rules of which pairs may touch, in their order, in place of as many as there were.
+  void rules_set(std::size_t earlier_count, const std::vector<std::string>& rules);
   /// From now on these publishers count and no others; until the first call, those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at

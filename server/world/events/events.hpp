@@ -14,7 +14,8 @@ namespace collided::engine {
 /// while one holds the other emerges first.
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 
-/// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
+/// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart. allowed: the
+/// two are allowed to touch since.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -25,6 +26,7 @@ enum class EndReason : std::uint8_t {
   server_stopping,
   server_restarted,
   decided,
+  allowed,
 };
 
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
