@@ -121,6 +121,16 @@ inline constexpr const char* kFences = "fences";
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
+/// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair
+/// decides, at most 64. a, b (globs), because (text) -> rules (how many there are), a_count, b_count (objects that match),
+/// ended, version
+inline constexpr const char* kAllow = "allow";
+/// a, b (globs): takes back the rule of these two, and what other rules allow of them
+/// -> rules, a_count, b_count, began, version
+inline constexpr const char* kDeny = "deny";
+/// -> rules [{a, b, because, allows (false: of deny)}] in their order, version
+inline constexpr const char* kAllowed = "allowed";
+
 /// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
 /// (all that was loaded with it) or a glob. from, to ("": all that `from` has not), skip (glob; left out of both), most
 /// (pairs told; 1, at most 10,000, with certificates 1,000), nearer_m (only pairs not surely farther apart; absent:
@@ -178,7 +188,8 @@ inline constexpr const char* kPoses = "poses";
 inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
-  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAcceptLoss, kRecording, kFence})
+  for (const std::string_view change :
+       {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss, kRecording, kFence})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

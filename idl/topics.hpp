@@ -51,7 +51,8 @@ enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 /// other, a solid, or no longer does.
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 /// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart. crossed, of fences: the
-/// object was in and out again between two poses, and its `began` has the reason too.
+/// object was in and out again between two poses, and its `began` has the reason too. allowed: the two are allowed to touch
+/// since.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -63,7 +64,8 @@ enum class EndReason : std::uint8_t {
   server_restarted,
   decided,
   crossed,
-  fence_removed
+  fence_removed,
+  allowed
 };
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
 /// until it is decided: taking it for a contact errs on the safe side. Its depth is 0, with an infinite error bound.

@@ -144,7 +144,7 @@ std::string_view name_of(EventKind what) {
 std::string_view name_of(EndReason why) {
   constexpr std::string_view kNames[] = {"",           "separated",        "removed",         "publisher_lost",
                                          "teleported", "geometry_changed", "server_stopping", "server_restarted",
-                                         "decided",    "crossed",          "fence_removed"};
+                                         "decided",    "crossed",          "fence_removed",   "allowed"};
   return kNames[static_cast<std::size_t>(why)];
 }
 

@@ -53,6 +53,7 @@ COLLIDED_SAME(EndReason, EndReason, server_restarted);
 COLLIDED_SAME(EndReason, EndReason, crossed);
 COLLIDED_SAME(EndReason, EndReason, fence_removed);
 COLLIDED_SAME(EndReason, EndReason, decided);
+COLLIDED_SAME(EndReason, EndReason, allowed);
 COLLIDED_SAME(Doubt, Doubt, none);
 COLLIDED_SAME(Doubt, Doubt, numeric);
 COLLIDED_SAME(Doubt, Doubt, cost_limit);

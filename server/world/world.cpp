@@ -351,6 +351,15 @@ const std::vector<OpenContact>& World::contacts() const { return state_->ledger.
 std::size_t World::doubt_count() const { return state_->ledger.doubt_count(); }
 std::uint64_t World::last_event_sequence() const { return state_->ledger.last_sequence(); }
 
+void World::set_pair_rules(std::vector<PairRule> rules) {
+  state_->pair_rules = rules.empty() ? nullptr : std::make_shared<const PairRules>(std::move(rules));
+  state_->has_new_pair_rules = true;
+}
+
+std::vector<PairRule> World::pair_rules() const {
+  return state_->pair_rules ? state_->pair_rules->rules() : std::vector<PairRule>();
+}
+
 std::optional<ObjectId> World::find(std::string_view name) const { return state_->rows.find(name); }
 const ObjectInfo* World::info(ObjectId id) const { return state_->rows.find(id); }
 const ObjectTable& World::objects() const { return state_->rows.table(); }

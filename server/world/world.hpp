@@ -169,6 +169,10 @@ class World {
 
   /// The object with that name, or nothing.
   std::optional<ObjectId> find(std::string_view name) const;
+  /// Replaces the rules of which pairs may touch, at most PairRules::kMost. The next step ends the contacts of pairs that
+  /// are allowed now, and begins those of pairs that touch and are no longer.
+  void set_pair_rules(std::vector<PairRule> rules);
+  std::vector<PairRule> pair_rules() const;
   /// Null: no such object.
   const ObjectInfo* info(ObjectId id) const;
   const ObjectTable& objects() const;

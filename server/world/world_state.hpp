@@ -10,6 +10,7 @@
 
 #include "server/world/fences/fences.hpp"
 #include "server/world/objects/object_rows.hpp"
+#include "server/world/objects/pair_rules.hpp"
 #include "server/world/step/decisions.hpp"
 #include "server/world/step/step_motion.hpp"
 #include "server/world/world.hpp"
@@ -37,6 +38,8 @@ struct World::State {
   std::vector<std::pair<ObjectId, bool>> lost;          // true: stale, false: found again; since the last step
   std::uint64_t version = 0;
   std::int64_t last_step_ns = 0;
+  std::shared_ptr<const PairRules> pair_rules;  // null: none
+  bool has_new_pair_rules = false;              // since the last step
   bool looks_at_all = false;  // the last search was cut short: objects at rest may touch without a contact
 
   StepMotion motion{rows};
@@ -53,6 +56,8 @@ struct World::State {
   // Decides all pairs of the step: fills lists, cost and ledger.
   void decide(const StepView& step, const Grid& grid);
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
+  // Rules that changed since the last step: ends contacts that are allowed now, and has what may touch looked at again.
+  void take_pair_rules();
   void forget_stale(ObjectId id);
   void gather_covers();
 };

@@ -249,7 +249,8 @@ TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
                                                              {EndReason::geometry_changed, "geometry_changed"},
                                                              {EndReason::server_stopping, "server_stopping"},
                                                              {EndReason::server_restarted, "server_restarted"},
-                                                             {EndReason::decided, "decided"}};
+                                                             {EndReason::decided, "decided"},
+                                                             {EndReason::allowed, "allowed"}};
   for (const auto& [why, word] : words) {
     Event ended = event(EventKind::ended);
     ended.reason = why;

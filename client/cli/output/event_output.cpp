@@ -47,6 +47,7 @@ std::string_view reason_word(EndReason why) {
     case EndReason::server_stopping: return "server_stopping";
     case EndReason::decided: return "decided";
     case EndReason::crossed: return "crossed";
+    case EndReason::allowed: return "allowed";
     case EndReason::fence_removed: return "fence_removed";
     case EndReason::server_restarted: break;
   }

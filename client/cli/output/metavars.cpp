@@ -15,6 +15,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--attach", "NAME=NAME"},
     {"--back", "LENGTH"},
     {"--bands", "N"},
+    {"--because", "TEXT"},
     {"--bind", "ADDRESS"},
     {"--center", "X Y Z"},
     {"--clearance", "LENGTH"},

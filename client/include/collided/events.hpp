@@ -21,7 +21,8 @@ namespace collided {
 /// between a contact's `began` and its `ended`.
 enum class EventKind { open, began, persisted, ended, contained, emerged };
 /// Why a contact ended. none: the reason was missed, or the event is not an `ended`. decided: the pair was in doubt and
-/// no longer is; where no contact begins at once, the two are apart. The last two are of fences (fences.hpp).
+/// no longer is; where no contact begins at once, the two are apart. crossed and fence_removed are of fences (fences.hpp).
+/// allowed: the two are allowed to touch since.
 enum class EndReason {
   none,
   separated,
@@ -33,7 +34,8 @@ enum class EndReason {
   server_restarted,
   decided,
   crossed,
-  fence_removed
+  fence_removed,
+  allowed
 };
 /// Why it is not known whether two objects touch.
 /// numeric         the test came out undecided

@@ -130,7 +130,8 @@ class Sorting {
   }
 
   static bool is_change(const std::string& what) {
-    return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe;
+    return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
+           what == names::kAllow || what == names::kDeny;
   }
 
   void take_reply(std::size_t index) {

@@ -29,8 +29,7 @@ bool fits(const wire::EventFrame& frame) {
          wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
          std::all_of(kinds.begin(), kinds.end(),
                      [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::emerged); }) &&
-         std::all_of(reasons.begin(), reasons.end(),
-                     [](auto r) { return r <= static_cast<int>(EndReason::fence_removed); });
+         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::allowed); });
 }
 
 bool fits(const wire::ContactShard& shard) {

@@ -24,6 +24,7 @@ REASONS = (
     "decided",
     "crossed",
     "fence_removed",
+    "allowed",
 )
 DOUBTS = ("", "numeric", "cost_limit", "publisher_lost")
 # How long a wait in C lasts, so that Ctrl-C is seen and another thread may close the watch.

@@ -129,7 +129,8 @@ void Commands::run(CommandAsk ask) {
       {names::kClear, &Commands::clear},      {names::kProbe, &Commands::probe},
       {names::kProbes, &Commands::probes},    {names::kAcceptLoss, &Commands::accept_loss},
       {names::kLeftOut, &Commands::left_out}, {names::kFence, &Commands::fence},
-      {names::kFences, &Commands::fences},
+      {names::kFences, &Commands::fences},    {names::kAllow, &Commands::allow},
+      {names::kDeny, &Commands::deny},
   };
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
@@ -151,6 +152,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
+  if (command == names::kAllowed) return answer(ask, [&] { return allowed(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kSteps) return answer(ask, [&] { return steps(*arguments); });
@@ -176,7 +178,8 @@ void Commands::run(CommandAsk ask) {
         names::kGet,       names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
         names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
         names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss,
-        names::kClearance, names::kLeftOut,   names::kFence,  names::kFences};
+        names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,   names::kDeny,
+        names::kAllowed};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

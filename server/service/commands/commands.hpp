@@ -103,6 +103,7 @@ class Commands {
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json covers(const Arguments& arguments) const;
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
+  nlohmann::json allowed(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
   nlohmann::json steps(const Arguments& arguments) const;
@@ -124,6 +125,9 @@ class Commands {
   void drop_fences_of_gone();
   void for_each_fence(const std::string& glob,
                       FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
+  nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json deny(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json change_rules(const PairRule& changed, std::vector<PairRule> rules);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
   void keep_upload(const std::string& scene, const std::string& path);
 

@@ -134,6 +134,8 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
       const std::string& command = arguments.command();
       if (command == names::kProbe) return probe(ask, arguments);
       if (command == names::kFence) return fence(ask, arguments);
+      if (command == names::kAllow) return allow(ask, arguments);
+      if (command == names::kDeny) return deny(ask, arguments);
       if (command == names::kMove) return move(ask, arguments);
       if (command == names::kAdd) return add(ask, arguments);
       // What is not there needs no removing: the start options or the file may be others than before.

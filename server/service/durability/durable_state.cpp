@@ -23,6 +23,7 @@ constexpr std::string_view kMemberMoved = "member_moved/";
 constexpr std::string_view kMoved = "moved/";
 constexpr std::string_view kProbe = "probe/";
 constexpr std::string_view kFence = "fence/";
+constexpr std::string_view kRule = "rule/";  // with the place in their order
 // These are no commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
@@ -68,7 +69,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
 }
 
 void DurableState::read_left() {
-  for (const std::string_view kind : {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence}) {
+  for (const std::string_view kind : {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule}) {
     for (const Journal::Entry& entry : journal_.entries()) {
       if (!entry.key.starts_with(kind)) continue;
       commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
@@ -271,6 +272,15 @@ void DurableState::fences_removed(const std::vector<std::string>& fences) {
   std::vector<std::string> gone;
   for (const std::string& fence : fences) gone.push_back(key(kFence, fence));
   if (!gone.empty()) change(std::move(gone), {});
+}
+
+void DurableState::rules_set(std::size_t earlier_count, const std::vector<std::string>& rules) {
+  const auto rule_key = [](std::size_t place) { return key(kRule, fmt::format("{:02}", place)); };
+  std::vector<std::string> gone;
+  std::vector<Journal::Entry> come;
+  for (std::size_t i = rules.size(); i < earlier_count; ++i) gone.push_back(rule_key(i));
+  for (std::size_t i = 0; i < rules.size(); ++i) come.push_back({.key = rule_key(i), .text = rules[i], .blob = {}});
+  change(std::move(gone), std::move(come));
 }
 
 void DurableState::set_publishers(const std::set<std::uint64_t>& publishers) {

@@ -21,8 +21,8 @@
 namespace collided::engine::service {
 
 /// What a server restores after a crash: the scenes and objects that commands added, where commands have moved these
-/// to, what they took out of scenes, probes, kept fences, and which publishers were there, so that it knows which to wait for. Poses
-/// and events are not kept: publishers send them again.
+/// to, what they took out of scenes, probes, kept fences, rules for pairs, and which publishers were there, so that it knows
+/// which to wait for. Poses and events are not kept: publishers send them again.
 /// What had been acknowledged and cannot be restored is a loss, which lasts, over crashes too, until it is accepted.
 ///
 /// threads  the world's, where nothing else is said; writing and syncing is done in order on a thread of its own, so a
@@ -87,6 +87,8 @@ class DurableState {
   /// The command and the name of each.
   void fences_set(const std::vector<std::pair<std::string, CommandAsk>>& fences);
   void fences_removed(const std::vector<std::string>& fences);
+  /// Keeps the rules of which pairs may touch, in their order, in place of as many as there were.
+  void rules_set(std::size_t earlier_count, const std::vector<std::string>& rules);
   /// From now on these publishers count and no others; until the first call, those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at

@@ -61,6 +61,7 @@ void ContactLedger::note_found_slot(std::uint32_t slot) {
 
 void ContactLedger::touches(const FoundContact& found) {
   assert(found.a < found.b && "a pair is named by its lower id first");
+  if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   std::uint32_t number = number_of(found.a, found.b);
   if (number != PairIndex::kNone && is_doubt(number)) {
@@ -129,6 +130,7 @@ bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const {
 }
 
 void ContactLedger::doubts(const FoundContact& found, Doubt why) {
+  if (passes(found.a, found.b)) return;
   const std::uint32_t number = number_of(found.a, found.b);
   if (number == PairIndex::kNone) return open(doubted(found, why, world_time_ns_), found);
   mark_found(number);
@@ -154,6 +156,7 @@ bool ContactLedger::is_found_again(ObjectId a, ObjectId b) const {
 }
 
 void ContactLedger::doubted_and_parted(const FoundContact& found, Doubt why) {
+  if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   if (is_open(found.a, found.b)) return;
   passed(doubted(found, why, world_time_ns_), found, EndReason::decided);
@@ -179,6 +182,7 @@ void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double brack
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
+  if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
   passed(opened(found, world_time_ns_), found, is_of_fences_ ? EndReason::crossed : EndReason::separated);
@@ -209,6 +213,14 @@ void ContactLedger::end_object(ObjectId object, EndReason reason) {
     endings_.push_back({{open_[number].a, open_[number].b}, {.reason = reason}});
     return true;
   });
+  for (const Ending& ending : endings_) end(number_of(ending.pair.a, ending.pair.b), ending.end);
+}
+
+void ContactLedger::end_allowed() {
+  endings_.clear();
+  for (const OpenContact& open : open_) {
+    if (passes(open.a, open.b)) endings_.push_back({{open.a, open.b}, {.reason = EndReason::allowed}});
+  }
   for (const Ending& ending : endings_) end(number_of(ending.pair.a, ending.pair.b), ending.end);
 }
 

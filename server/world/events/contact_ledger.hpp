@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -54,6 +55,10 @@ class ContactLedger {
   /// of_fences: its pairs are an object a and a fence b in which it is.
   explicit ContactLedger(bool of_fences = false) : is_of_fences_(of_fences) {}
 
+  /// Sets which pairs are allowed to touch: what is found of them is no contact. Empty: none.
+  void set_allowed(std::function<bool(ObjectId, ObjectId)> is_allowed) { is_allowed_ = std::move(is_allowed); }
+  /// Ends the contacts and doubts of pairs that are allowed to touch by now.
+  void end_allowed();
   /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for what continues.
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
@@ -135,6 +140,8 @@ class ContactLedger {
   std::uint64_t last_sequence() const { return last_sequence_; }
 
  private:
+  bool passes(ObjectId a, ObjectId b) const { return is_allowed_ && is_allowed_(a, b); }
+
   struct Pair {
     ObjectId a;
     ObjectId b;
@@ -177,6 +184,7 @@ class ContactLedger {
   std::size_t doubt_count_ = 0;
   std::int64_t world_time_ns_ = 0;
   bool persisted_wanted_ = false;
+  std::function<bool(ObjectId, ObjectId)> is_allowed_;
 };
 
 }  // namespace collided::engine

@@ -15,7 +15,8 @@ namespace collided::engine {
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
 
 /// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
-/// crossed, of fences: an object was in one and out again between two poses; its `began` has this reason too.
+/// crossed, of fences: an object was in one and out again between two poses; its `began` has this reason too. allowed: the
+/// two are allowed to touch since.
 enum class EndReason : std::uint8_t {
   none,
   separated,
@@ -28,6 +29,7 @@ enum class EndReason : std::uint8_t {
   decided,
   crossed,
   fence_removed,
+  allowed,
 };
 
 /// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,

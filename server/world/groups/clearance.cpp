@@ -112,7 +112,7 @@ class GroupSearch {
   bool look_at(std::uint32_t a, std::uint32_t b) {
     if (deadline_.is_over()) return false;
     if (comes_again(a, b)) return true;
-    if (!ask_.with_filtered && !may_meet(members_.info(a).filter, members_.info(b).filter)) {
+    if (!ask_.with_filtered && !members_.may_meet(a, b)) {
       ++found_.filtered;
       return true;
     }

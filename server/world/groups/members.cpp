@@ -4,6 +4,13 @@
 
 namespace collided::engine {
 
+bool Members::may_meet(std::uint32_t a, std::uint32_t b) const {
+  const Member& first = members_[a];
+  const Member& second = members_[b];
+  if (!engine::may_meet(first.info->filter, second.info->filter)) return false;
+  return !snapshot_.pair_rules || !snapshot_.pair_rules->allows(first.rule_fit, second.rule_fit);
+}
+
 std::uint32_t Members::add(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
   Member& member = members_.emplace_back();
@@ -16,6 +23,7 @@ std::uint32_t Members::add(ObjectId id) {
     member.placed.bounds = snapshot_.bounds[slot];
     if (snapshot_.has_given_poses) member.placed.pose = &member.pose;
   }
+  if (snapshot_.pair_rules) member.rule_fit = snapshot_.pair_rules->fit_of(member.info->name);
   member.placed.info = member.info.get();
   member.placed.frame = &member.frame;
   member.reach = member.placed.bounds;

@@ -25,6 +25,8 @@ class Members {
   std::uint32_t add(ObjectId id);
   std::size_t size() const { return members_.size(); }
   const ObjectInfo& info(std::uint32_t number) const { return *members_[number].info; }
+  /// Whether a contact of the two counts: neither filters nor the rules for pairs let them pass through each other.
+  bool may_meet(std::uint32_t a, std::uint32_t b) const;
   bool is_stale(std::uint32_t number) const { return members_[number].is_stale; }
   /// Contains everything that the object may reach: where its publisher is lost, more than where it is. Empty for an
   /// object without parts.
@@ -45,6 +47,7 @@ class Members {
     Placed placed;
     Aabb reach;
     bool is_stale = false;
+    RuleFit rule_fit;
   };
 
   void add_part(Member& member);

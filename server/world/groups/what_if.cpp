@@ -64,7 +64,7 @@ double WhatIf::limit_m(const NearestYet& yet) const {
 
 bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline& deadline) {
   if (deadline.is_over()) return false;
-  if (!with_filtered_ && !may_meet(members_.info(a).filter, members_.info(b).filter)) return true;
+  if (!with_filtered_ && !members_.may_meet(a, b)) return true;
   const auto found = clearance_in_order(members_, a, b, {.limit_m = limit_m(yet), .depth = depth_}, deadline);
   if (deadline.was_over()) return false;
   WhatIfAnswer& answer = yet.answer;

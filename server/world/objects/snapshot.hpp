@@ -10,6 +10,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/world/objects/object.hpp"
+#include "server/world/objects/pair_rules.hpp"
 
 namespace collided::engine {
 
@@ -41,6 +42,7 @@ struct Snapshot {
   std::vector<std::uint8_t> stale;     // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
+  std::shared_ptr<const PairRules> pair_rules;      // which pairs may touch; null: those that filters let pass alone
   bool contacts_truncated = false;                  // there are more contacts than the step could report
   std::shared_ptr<Grid> grid;      // over bounds, or larger ones; shared between snapshots while no object moves
   std::uint64_t changes_seen = 0;  // how many of ObjectRows' changes it has, so that refilling copies only later ones

@@ -1,3 +1,6 @@
+#include <utility>
+#include <vector>
+
 #include "idl/clocks.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/step/candidates.hpp"
@@ -58,6 +61,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   if (s.fences) s.fences->begin_step(world_time_ns, {s.removed, s.lost});
   end_removed(s.removed, s.ledger);
   note_lost(s);
+  s.take_pair_rules();
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
   s.rows.stamp_changes(world_time_ns, s.sources);
   s.fill(*next, world_time_ns);
@@ -99,6 +103,31 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   return true;
 }
 
+void World::State::take_pair_rules() {
+  if (!std::exchange(has_new_pair_rules, false)) return;
+  if (!pair_rules) {
+    ledger.set_allowed({});
+  } else {
+    // Names are matched once for each object: the same few touch step by step.
+    struct SlotFit {
+      ObjectId id = 0;
+      RuleFit fit;
+    };
+    const auto is_allowed = [rules = pair_rules, this, fits = std::vector<SlotFit>()](ObjectId a, ObjectId b) mutable {
+      const auto fit_of = [&](ObjectId id) {
+        const std::uint32_t slot = slot_of(id);
+        if (slot >= fits.size()) fits.resize(slot + 1);
+        if (fits[slot].id != id) fits[slot] = {id, rules->fit_of(rows.info(slot)->name)};
+        return fits[slot].fit;
+      };
+      return rules->allows(fit_of(a), fit_of(b));
+    };
+    ledger.set_allowed(is_allowed);
+    ledger.end_allowed();
+  }
+  rows.place_all_movers_again();
+}
+
 void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
   rows.copy_changes(next);
   next.epoch = options.epoch;
@@ -108,6 +137,7 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
   next.settled_ns = sources.settled_ns(world_time_ns);
   next.stale_objects = stale_objects;
   next.covers = covers;
+  next.pair_rules = pair_rules;
 }
 
 void World::State::decide(const StepView& step, const Grid& grid) {

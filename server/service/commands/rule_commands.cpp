@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "idl/commands.hpp"
+#include "idl/glob.hpp"
+#include "server/service/commands/commands.hpp"
+#include "server/service/questions/validation.hpp"
+
+// Pairs of objects that are allowed to touch.
+namespace collided::engine::service {
+
+using nlohmann::json;
+
+namespace {
+
+/// The two globs of a command; throws BadCommand.
+PairRule rule_of(const Arguments& arguments) {
+  const PairRule rule{.a = arguments.text("a"), .b = arguments.text("b"), .because = arguments.text("because")};
+  for (const std::string* glob : {&rule.a, &rule.b}) {
+    if (!is_good_name(*glob))
+      throw BadCommand(fmt::format("{}: the name pattern {} is empty, longer than 255 bytes or not text",
+                                   arguments.command(), printable(*glob)));
+  }
+  return rule;
+}
+
+void erase_same(std::vector<PairRule>& rules, const PairRule& rule) {
+  std::erase_if(rules, [&](const PairRule& other) {
+    return (other.a == rule.a && other.b == rule.b) || (other.a == rule.b && other.b == rule.a);
+  });
+}
+
+std::size_t count_matching(const World& world, const std::string& glob) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      world.objects(), [&](const auto& info) { return info && wire_contract::glob_matches(glob, info->name); }));
+}
+
+}  // namespace
+
+/// Puts the rules into the world and into what outlives a crash.
+json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules) {
+  World& world = with_.loop.world();
+  if (rules.size() > PairRules::kMost)
+    throw BadCommand(fmt::format("{} rules are there already, the limit", PairRules::kMost),
+                     "deny takes one back; a glob covers many objects");
+  if (with_.durable != nullptr) {
+    std::vector<std::string> texts;
+    for (const PairRule& rule : rules) {
+      const char* command = rule.allows ? wire_contract::command::kAllow : wire_contract::command::kDeny;
+      json text{{"command", command}, {"a", rule.a}, {"b", rule.b}};
+      if (!rule.because.empty()) text["because"] = rule.because;
+      texts.push_back(text.dump());
+    }
+    with_.durable->rules_set(world.pair_rules().size(), texts);
+  }
+  const std::size_t count = rules.size();
+  world.set_pair_rules(std::move(rules));
+  return {{"rules", count},
+          {"a_count", count_matching(world, changed.a)},
+          {"b_count", count_matching(world, changed.b)},
+          {"version", step()}};
+}
+
+json Commands::allow(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"a", "b", "because", "durable"});
+  const PairRule rule = rule_of(arguments);
+  std::vector<PairRule> rules = with_.loop.world().pair_rules();
+  erase_same(rules, rule);
+  rules.push_back(rule);
+  json answer = change_rules(rule, std::move(rules));
+  answer["ended"] = ended_count();
+  return answer;
+}
+
+json Commands::deny(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"a", "b", "durable"});
+  PairRule rule = rule_of(arguments);
+  std::vector<PairRule> rules = with_.loop.world().pair_rules();
+  erase_same(rules, rule);
+  rule.allows = false;
+  // Where nothing else is allowed there is nothing to take back.
+  if (std::ranges::any_of(rules, &PairRule::allows)) rules.push_back(rule);
+  json answer = change_rules(rule, std::move(rules));
+  const auto& events = with_.loop.world().events();
+  answer["began"] = std::ranges::count(events, EventKind::began, &Event::kind);
+  return answer;
+}
+
+json Commands::allowed(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = with_.loop.world().newest();
+  json rules = json::array();
+  if (state->pair_rules) {
+    for (const PairRule& rule : state->pair_rules->rules())
+      rules.push_back({{"a", rule.a}, {"b", rule.b}, {"because", rule.because}, {"allows", rule.allows}});
+  }
+  return {{"rules", rules}, {"version", state->version}};
+}
+
+}  // namespace collided::engine::service
