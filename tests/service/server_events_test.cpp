@@ -138,7 +138,9 @@ TEST_F(ServerEvents, ANameIsGivenOnForWhoWaits) {
   ASSERT_TRUE(first->wait_applied(5s));
   const Publisher::Object wanted = add_ball(second, "ball", at(6, 0, 1));
   move(second, wanted, at(6, 0, 0.05));
-  ASSERT_TRUE(second.wait_applied(5s));
+  const Result<void> applied = second.wait_applied(5s);
+  ASSERT_FALSE(applied) << "nothing of it is in the world";
+  EXPECT_EQ(applied.error().message, "object 'ball' is not in the world: the name is taken, by publisher 'first'");
   EXPECT_FALSE(events.next(300ms)) << "the second's ball touches the floor, but is not in the world";
   ASSERT_TRUE(second.keep_alive());
   first.reset();

@@ -272,7 +272,13 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     }
     const auto view = connection_->pulse().publisher(publisher_);
     const std::uint64_t applied = view ? view->applied_sequence : 0;
-    if (applied >= wanted) { return ask_for_left_out(deadline); }
+    if (applied >= wanted) {
+      Result<void> told = ask_for_left_out(deadline);
+      if (told || told.error().code == ErrorCode::refused || Clock::now() >= deadline) { return told; }
+      // The server has been silent for a moment, or is another one: it can be asked again.
+      connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + kWordPeriod));
+      continue;
+    }
     if (Clock::now() >= deadline) {
       return Error{ErrorCode::timeout,
                    "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +
