@@ -76,7 +76,7 @@ constexpr Verb kVerbs[] = {
      make_probe},
     {"fence", "Follow", "regions, and who comes in and goes out",
      "fence add NAME REGION NUMBERS\nfence ls [GLOB]\nfence rm GLOB\nfence watch [GLOB]",
-     "fence add dock box 0 0 0 5 5 3 --only 'forklift*' --detect enter,exit --keep\nfence add around sphere 0 0 0 2 "
+     "fence add dock box 0 0 0 5 5 3 --only 'forklift*' --detect enter,exit\nfence add around sphere 0 0 0 2 "
      "--to "
      "person --keep\nfence add yard prism 0 4  0 0  9 0  9 6  4 3  0 6\nfence watch dock -n 10",
      make_fence},

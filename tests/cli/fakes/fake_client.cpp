@@ -204,6 +204,37 @@ std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) {
 }
 std::uint64_t ProbeWatch::lost() const { return 0; }
 
+Result<void> Client::add_fence(const Fence& fence) {
+  fake::server().fences.push_back(fence);
+  return {};
+}
+Result<std::size_t> Client::remove_fences(const std::string& name) {
+  return std::erase_if(fake::server().fences, [&](const Fence& fence) { return fence.name == name; });
+}
+Result<std::vector<ListedFence>> Client::fences(const std::string&) { return fake::server().listed_fences; }
+namespace client {
+class FenceWatcher {};
+}  // namespace client
+Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
+  fake::server().fences_watched_with = options;
+  return FenceWatch(std::make_unique<client::FenceWatcher>());
+}
+FenceWatch::FenceWatch(std::unique_ptr<client::FenceWatcher> watcher) : watcher_(std::move(watcher)) {}
+FenceWatch::~FenceWatch() = default;
+FenceWatch::FenceWatch(FenceWatch&&) noexcept = default;
+FenceWatch& FenceWatch::operator=(FenceWatch&&) noexcept = default;
+std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) {
+  std::deque<FenceEvent>& events = fake::server().fence_events;
+  if (!events.empty()) {
+    FenceEvent event = events.front();
+    events.pop_front();
+    return event;
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+std::uint64_t FenceWatch::lost() const { return 0; }
+
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
   return fake::server().status;

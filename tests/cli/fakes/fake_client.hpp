@@ -46,6 +46,10 @@ struct Server {
   std::vector<Probe> probes;
   std::deque<ProbeReading> readings;  // also what is followed
   WatchOptions probes_watched_with;
+  std::vector<Fence> fences;
+  std::vector<ListedFence> listed_fences;
+  std::deque<FenceEvent> fence_events;
+  FenceWatchOptions fences_watched_with;
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way
