@@ -53,6 +53,35 @@ class ServerKeeping : public testing_support::ServerTest {
 
 using Names = std::vector<std::string>;
 
+// What may touch is still no contact after a kill, in the order in which rules were given.
+TEST_F(ServerKeeping, RulesOfWhatMayTouchOutliveAKill) {
+  start();
+  const json expected = json::parse(R"([{"a":"left","allows":true,"b":"right","because":"a joint"},
+                                        {"a":"left","allows":false,"b":"*","because":""},
+                                        {"a":"x*","allows":true,"b":"y*","because":""}])");
+  {
+    Client client = connect();
+    add(client, "left", 70);
+    add(client, "right", 70.1);
+    EXPECT_EQ(done(client, "allow", {{"a", "gone"}, {"b", "gone"}})["rules"], 1);
+    const json allowed = done(client, "allow", {{"a", "left"}, {"b", "right"}, {"because", "a joint"}});
+    EXPECT_EQ(allowed["ended"], 1);
+    EXPECT_EQ(allowed["a_count"], 1);
+    done(client, "deny", {{"a", "gone"}, {"b", "gone"}});
+    EXPECT_EQ(done(client, "deny", {{"a", "left"}, {"b", "*"}})["began"], 1);
+    done(client, "allow", {{"a", "x*"}, {"b", "y*"}});
+  }
+  for (int kill = 0; kill < 2; ++kill) {
+    kill_and_start();
+    Client client = connect();
+    ASSERT_TRUE(becomes(client, "ready"));
+    json rules = done(client, "allowed", json::object())["rules"];
+    std::erase_if(rules.get_ref<json::array_t&>(), [](const json& rule) { return rule["a"] == "gone"; });
+    EXPECT_EQ(rules, expected) << "kill " << kill;
+    EXPECT_EQ(client.get("left")->contacts.size(), 1u);
+  }
+}
+
 TEST_F(ServerKeeping, WhatWasRemovedStaysAwayAndWhatWasMovedStaysThere) {
   const std::string hall = folder_.write("hall.obj", kHall);
   const std::string shed = folder_.write("shed.obj", kHall);
