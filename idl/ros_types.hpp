@@ -26,6 +26,9 @@ inline constexpr wire_contract::TopicQos kJointStateTopic{
     "joint_states", wire_contract::Reliability::best_effort, wire_contract::Durability::volatile_data, 100, 0, false};
 inline constexpr wire_contract::TopicQos kRobotDescriptionTopic{
     "robot_description", wire_contract::Reliability::reliable, wire_contract::Durability::transient_local, 1, 0, false};
+/// Of PoseStamped; the topic's name is the user's.
+inline constexpr wire_contract::TopicQos kPoseStampedTopic{
+    "pose", wire_contract::Reliability::best_effort, wire_contract::Durability::volatile_data, 100, 0, false};
 inline constexpr wire_contract::TopicQos kContactMarkersTopic{
     "collided/contacts", wire_contract::Reliability::reliable, wire_contract::Durability::volatile_data, 10, 0, false};
 
@@ -47,6 +50,11 @@ template <>
 struct WireType<ros::JointState> {
   static constexpr const dds_topic_descriptor_t* descriptor = &sensor_msgs_msg_dds__JointState__desc;
   static constexpr const wire_contract::TopicQos& row = ros::kJointStateTopic;
+};
+template <>
+struct WireType<ros::PoseStamped> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &geometry_msgs_msg_dds__PoseStamped__desc;
+  static constexpr const wire_contract::TopicQos& row = ros::kPoseStampedTopic;
 };
 template <>
 struct WireType<ros::StringMessage> {

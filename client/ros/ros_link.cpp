@@ -37,7 +37,41 @@ dds::ParticipantOptions participant_of(const RosLinkOptions& options) {
   return made;
 }
 
-enum Token : std::intptr_t { kTf, kTfStatic, kJointStates, kRobotDescription };
+enum Token : std::intptr_t { kTf, kTfStatic, kJointStates, kRobotDescription, kFirstPose };
+
+/// A topic of poses, whose name it keeps.
+struct PoseReading {
+  PoseReading(const dds::Participant& participant, const RosPoseTopic& of)
+      : name(of.topic.substr(of.topic.starts_with('/') ? 1 : 0)),
+        frame(of.frame),
+        row(row_of(name)),
+        topic(participant, kTopicPrefix, row),
+        reader(topic) {}
+  PoseReading(const PoseReading&) = delete;
+  PoseReading& operator=(const PoseReading&) = delete;
+  static wire_contract::TopicQos row_of(const std::string& name) {
+    wire_contract::TopicQos row = kPoseStampedTopic;
+    row.suffix = name.c_str();
+    return row;
+  }
+
+  std::string name;
+  std::string frame;
+  wire_contract::TopicQos row;
+  dds::Topic<PoseStamped> topic;
+  dds::Reader<PoseStamped> reader;
+  dds::Sample<PoseStamped> sample;
+};
+
+RosTransform transform_of(const PoseStamped& from, const std::string& frame) {
+  const auto& p = from.pose.position;
+  const auto& r = from.pose.orientation;
+  return {.parent = text_of(from.header.frame_id),
+          .child = frame,
+          .stamp_ns = stamp_of(from.header.stamp),
+          .pose = {{p.x, p.y, p.z}, Quat(r.w, r.x, r.y, r.z)},
+          .is_static = false};
+}
 
 }  // namespace
 
@@ -53,6 +87,10 @@ struct RosEntities {
         came(participant) {
     came.attach(tf, kTf);
     came.attach(tf_static, kTfStatic);
+    for (const RosPoseTopic& pose : options.poses) {
+      poses.push_back(std::make_unique<PoseReading>(participant, pose));
+      came.attach(poses.back()->reader, kFirstPose + static_cast<std::intptr_t>(poses.size()) - 1);
+    }
     if (!options.has_joint_states) return;
     joints_topic.emplace(participant, kTopicPrefix, kJointStateTopic);
     robot_topic.emplace(participant, kTopicPrefix, kRobotDescriptionTopic);
@@ -69,6 +107,16 @@ struct RosEntities {
       ++count;
       for (const auto& transform : dds::view(tf_sample->transforms))
         taker.transform(transform_of(transform, is_static));
+    }
+    return count;
+  }
+
+  static std::size_t take_poses(PoseReading& pose, const RosTaker& taker) {
+    std::size_t count = 0;
+    while (pose.reader.take(pose.sample)) {
+      if (!pose.sample.info().valid_data) continue;
+      ++count;
+      taker.transform(transform_of(*pose.sample, pose.frame));
     }
     return count;
   }
@@ -105,6 +153,7 @@ struct RosEntities {
   dds::Reader<TfMessage> tf, tf_static;
   std::optional<dds::Reader<JointState>> joints;
   std::optional<dds::Reader<StringMessage>> robot;
+  std::vector<std::unique_ptr<PoseReading>> poses;
   dds::Writer<MarkerArray> contacts;
   dds::WaitSet came;
   dds::Sample<TfMessage> tf_sample;
@@ -123,6 +172,8 @@ std::size_t RosLink::take(std::chrono::nanoseconds wait, const RosTaker& taker) 
     if (token == kTfStatic) count += entities_->take_transforms(entities_->tf_static, true, taker);
     if (token == kJointStates) count += entities_->take_joints(taker);
     if (token == kRobotDescription) count += entities_->take_robots(taker);
+    if (token >= kFirstPose)
+      count += entities_->take_poses(*entities_->poses[static_cast<std::size_t>(token - kFirstPose)], taker);
   }
   return count;
 }
@@ -132,7 +183,9 @@ bool RosLink::show(const std::vector<ShownContact>& contacts, const std::string&
 }
 
 std::size_t RosLink::broadcasters() const {
-  return std::size_t{entities_->tf.matched_writers()} + entities_->tf_static.matched_writers();
+  std::size_t count = std::size_t{entities_->tf.matched_writers()} + entities_->tf_static.matched_writers();
+  for (const auto& pose : entities_->poses) count += pose->reader.matched_writers();
+  return count;
 }
 
 }  // namespace collided::ros

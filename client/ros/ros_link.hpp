@@ -11,12 +11,19 @@
 
 namespace collided::ros {
 
-/// Where ROS is.
+/// A topic of geometry_msgs/PoseStamped, whose poses are those of a frame.
+struct RosPoseTopic {
+  std::string topic;  // as ROS has it, with or without its leading slash
+  std::string frame;
+};
+
+/// Where ROS is, and what is read besides frames.
 struct RosLinkOptions {
   int domain = 0;                       // ROS_DOMAIN_ID
   std::string interface = "lo";         // "auto": as DDS chooses, and multicast
   std::vector<std::string> peers = {};  // addresses to look at where multicast does not reach
   bool has_joint_states = false;        // read /joint_states and /robot_description
+  std::vector<RosPoseTopic> poses = {};
 };
 
 /// A frame's pose in its parent, as a message said it.
@@ -52,7 +59,7 @@ struct RosTaker {
 /// Its DDS entities, which ros_link.cpp has.
 struct RosEntities;
 
-/// A participant of ROS's domain without ROS: reads /tf, /tf_static and, where wanted, /joint_states and
+/// A participant of ROS's domain without ROS: reads /tf, /tf_static and, where wanted, topics of poses, /joint_states and
 /// /robot_description, and writes /collided/contacts. Errors of DDS throw std::runtime_error with what was tried.
 ///
 /// threads  one at a time
@@ -68,7 +75,7 @@ class RosLink {
   /// Shows the contacts as markers, in place of those before: a ball at each point, and a line along each normal as long
   /// as the depth. False where a reader takes no more.
   bool show(const std::vector<ShownContact>& contacts, const std::string& frame, std::int64_t stamp_ns);
-  /// Number of writers of /tf and /tf_static that are matched.
+  /// Number of writers of /tf, /tf_static and the topics of poses that are matched.
   std::size_t broadcasters() const;
 
  private:

@@ -3,6 +3,7 @@
 //   ros_peer DOMAIN into MESSAGES              one frame that goes to and fro along x, 1 m at 5 cm a message
 //   ros_peer DOMAIN odd                        transforms that cannot be meant, then a good one
 //   ros_peer DOMAIN joints                     a robot's description and one state of its joints
+//   ros_peer DOMAIN pose                       a PoseStamped in a frame that stands still, best effort
 //   ros_peer DOMAIN contacts                   waits for contacts as markers and prints their points
 // Each says "ready" once it has a reader, sends at SIGUSR1, since what comes before the reader has met the writer is lost, says
 // what it has sent, and stays until SIGTERM.
@@ -170,6 +171,27 @@ void joints(int domain) {
   stay();
 }
 
+void pose(int domain) {
+  using geometry_msgs::msg::dds_::PoseStamped_;
+  using geometry_msgs::msg::dds_::PoseStamped_PubSubType;
+  Link link(domain);
+  fast::DataWriter* fixed = link.writer<TFMessage_PubSubType>(kTfStatic);
+  send(fixed, {transform("world", "camera", 0, 1)});
+  fast::DataWriter* poses = link.writer<PoseStamped_PubSubType>({.suffix = "tracker/pose", .prefix = "rt/"});
+  wait_for_go(poses, "/tracker/pose");
+  for (int i = 1; i <= 100; ++i) {
+    PoseStamped_ message;
+    message.header().stamp(stamp_of(now_ns()));
+    message.header().frame_id("camera");
+    message.pose().position().z(0.01 * i);
+    message.pose().orientation().w(1);
+    poses->write(&message);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::printf("sent 100 messages\n");
+  stay();
+}
+
 void contacts(int domain) {
   Link link(domain);
   fast::DataReader* reader = link.reader<MarkerArray_PubSubType>({.suffix = "collided/contacts", .prefix = "rt/"});
@@ -203,6 +225,7 @@ int run(const std::vector<std::string>& words) {
   else if (what == "into") into(domain, std::stoi(words.at(2)));
   else if (what == "odd") odd(domain);
   else if (what == "joints") joints(domain);
+  else if (what == "pose") pose(domain);
   else if (what == "contacts") contacts(domain);
   else throw std::runtime_error("unknown: " + what);
   return 0;

@@ -34,7 +34,7 @@ class Ros : public ServerTest {
   /// Has the peer send once each side has met the other; then waits until it has sent.
   static void send(ChildProcess& peer, const ChildProcess& bridge, int broadcasters = 1) {
     ASSERT_TRUE(peer.says("ready", seconds(30))) << peer.errors() << bridge.errors();
-    const std::string heard = "hears " + std::to_string(broadcasters) + " broadcaster";
+    const std::string heard = "hears " + std::to_string(broadcasters) + " writer";
     ASSERT_TRUE(test::eventually([&] { return bridge.errors().find(heard) != std::string::npos; }, seconds(30)))
         << bridge.errors();
     peer.signal(SIGUSR1);
@@ -153,6 +153,17 @@ TEST_F(Ros, JointsOfADescribedRobotMoveItsLinks) {
   EXPECT_EQ(end(ros)["joints"], 0);
 }
 
+TEST_F(Ros, ATopicOfPosesMovesTheFrameThatItIsGiven) {
+  start({nothing()});
+  Client client = connect();
+  add(client, "crate", at(0, 0, 50));
+  ChildProcess ros = bridge({"--pose", "/tracker/pose=crate"});
+  ChildProcess poses = peer({"pose"});
+  send(poses, ros, 2);
+  EXPECT_TRUE(test::eventually([&] { return is_at(client, "crate", {1, 0, 1}, 1e-15); }, seconds(10))) << ros.errors();
+  EXPECT_EQ(end(ros)["objects"], 1);
+}
+
 TEST_F(Ros, WhatStandsStillIsToldAndADomainThatIsNoneRefused) {
   start({nothing()});
   Client client = connect();
@@ -168,6 +179,11 @@ TEST_F(Ros, WhatStandsStillIsToldAndADomainThatIsNoneRefused) {
   ChildProcess none({COLLIDED_CLI, "ros", "--domain", std::to_string(domain_), "--ros-domain", "231"}, folder_.path(),
                     "none");
   EXPECT_EQ(none.wait(seconds(20)), 2);
+  ChildProcess nowhere({COLLIDED_CLI, "ros", "--domain", std::to_string(domain_), "--ros-domain", std::to_string(ros_),
+                        "--pose", "/tracker/pose"},
+                       folder_.path(), "nowhere");
+  EXPECT_EQ(nowhere.wait(seconds(20)), 2);
+  EXPECT_NE(nowhere.errors().find("--pose '/tracker/pose'; it is to be TOPIC=FRAME"), std::string::npos);
   EXPECT_NE(none.errors().find("--ros-domain 231, allowed 0 to 230"), std::string::npos) << none.errors();
 }
 

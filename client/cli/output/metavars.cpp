@@ -62,6 +62,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--package", "NAME=DIR"},
     {"--peer", "HOST"},
     {"--port", "N"},
+    {"--pose", "TOPIC=FRAME"},
     {"--protection", "KIND"},
     {"--quat", "W X Y Z"},
     {"--questions", "N"},

@@ -67,6 +67,7 @@ class RosCommand : public Command {
         ->allow_extra_args(false);
     app.add_option("--frame", follow_.fixed, "Frame that is the server's world (world)");
     app.add_option("--only", follow_.only, "Objects that may follow a frame: name glob (all)");
+    app.add_option("--pose", poses_, "TOPIC=FRAME: a topic of PoseStamped that moves a frame")->allow_extra_args(false);
     app.add_flag("--joint-states", has_joint_states_, "Read /joint_states with /robot_description too");
     app.add_option("--as", name_, "Name of the publisher (collide ros)");
     app.add_option("--for", for_, "End after this time");
@@ -107,12 +108,25 @@ class RosCommand : public Command {
     const std::string domain = domain_.empty() ? io.env("ROS_DOMAIN_ID") : domain_;
     const std::uint64_t number = domain.empty() ? 0 : parse_count(domain);
     if (number > 230) throw bad_use(fmt::format("--ros-domain {}, allowed 0 to 230", domain));
+    const std::vector<ros::RosPoseTopic> poses = pose_topics();
     try {
       return ros::RosLink({.domain = static_cast<int>(number),
                            .interface = follow_interface_,
                            .peers = peers_,
-                           .has_joint_states = has_joint_states_});
+                           .has_joint_states = has_joint_states_,
+                           .poses = poses});
     } catch (const std::runtime_error& failed) { throw Failure(Exit::no_server, std::string("ROS: ") + failed.what()); }
+  }
+
+  std::vector<ros::RosPoseTopic> pose_topics() const {
+    std::vector<ros::RosPoseTopic> topics;
+    for (const std::string& text : poses_) {
+      const std::size_t sign = text.find('=');
+      if (sign == 0 || sign == std::string::npos || sign + 1 == text.size())
+        throw bad_use(fmt::format("--pose '{}'; it is to be TOPIC=FRAME", printable(text)));
+      topics.push_back({text.substr(0, sign), text.substr(sign + 1)});
+    }
+    return topics;
   }
 
   ros::RosTaker taker(Io& io, ros::Bridge& bridge) const {
@@ -128,7 +142,7 @@ class RosCommand : public Command {
   void tell_broadcasters(Io& io, const Globals& globals, std::size_t count) {
     if (count == broadcasters_) return;
     broadcasters_ = count;
-    print_hint(io, globals, fmt::format("hears {} of frames", counted(count, "broadcaster")));
+    print_hint(io, globals, fmt::format("hears {} of frames", counted(count, "writer")));
   }
 
   /// Says each kind of trouble once.
@@ -194,6 +208,7 @@ class RosCommand : public Command {
   std::string domain_;
   std::string follow_interface_ = "lo";
   std::vector<std::string> peers_;
+  std::vector<std::string> poses_;
   std::string name_ = "collide ros";
   std::string for_;
   std::string last_error_;
