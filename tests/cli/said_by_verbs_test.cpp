@@ -180,10 +180,18 @@ TEST_F(SaidByVerbs, TopIsAsWideAsItsTerminalAndEightyColumnsWhereThatDoesNotSay)
   const auto columns_at = [](unsigned short columns) {
     const StandardTerminal terminal(columns);
     const Ran ran = at_terminal("top -n 1 --every 10ms", 0);
-    const std::size_t begin = ran.out.find("\x1b[H") + 3;
-    const std::string first = ran.out.substr(begin, ran.out.find("\x1b[K", begin) - begin);
-    return std::count_if(first.begin(), first.end(),
-                         [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
+    const std::size_t from = ran.out.find("\x1b[H") + 3;
+    const std::string screen = ran.out.substr(from, ran.out.find("\x1b[J") - from);
+    std::ptrdiff_t widest = 0;
+    for (std::size_t begin = 0; begin < screen.size();) {
+      const std::size_t end = std::min(screen.find("\x1b[K", begin), screen.size());
+      const std::string line = screen.substr(begin, end - begin);
+      widest = std::max(widest, std::count_if(line.begin(), line.end(), [](char c) {
+                          return (static_cast<unsigned char>(c) & 0xc0) != 0x80 && c != '\n' && c != '\r';
+                        }));
+      begin = end + 3;
+    }
+    return widest;
   };
   EXPECT_EQ(columns_at(43), 43);
   EXPECT_EQ(columns_at(0), 80);

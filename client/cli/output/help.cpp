@@ -16,7 +16,7 @@
 namespace collided::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kGroups{"Ask", "Follow", "Change", "Look", "Measure", "Files", "More"};
+constexpr std::array<std::string_view, 6> kGroups{"Ask", "Follow", "Change", "Look", "Files", "More"};
 constexpr std::size_t kOptionColumn = 28;
 constexpr std::size_t kHelpColumns = 78;
 constexpr std::string_view kCommonOptions = "options";

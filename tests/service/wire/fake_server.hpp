@@ -313,7 +313,8 @@ class FakeServer {
     return answer;
   }
 
-  // What was to come, else "long": a text in three chunks, the last first. "load": three words of progress, 250 ms apart. Else an echo.
+  // What was to come, else "long": a text in three chunks, the last first. "load": three words of progress, 250 ms apart.
+  // "left_out", of a publisher: nothing. Else an echo.
   void answer_command(const wire::Query& query, dds::Writer<wire::Reply>& writer) {
     const std::string text = query.text;
     const auto send = [&](std::string_view part, std::uint32_t index, std::uint32_t count, std::uint8_t status_code) {
@@ -337,6 +338,8 @@ class FakeServer {
       forget_questions(header);
       header.blob = {};
       slow_ = std::thread([this, header, &writer] { load(header, writer); });
+    } else if (text.find("\"left_out\"") != std::string::npos) {
+      send(R"({"objects":[]})", 0, 1, 0);
     } else if (text.find("\"refuse\"") != std::string::npos) {
       send(std::string_view(reinterpret_cast<const char*>(kRefusal.data()), kRefusal.size()), 0, 1, 1);
     } else {

@@ -87,7 +87,7 @@ TEST(WatchDecoding, AFrameWhoseListsDifferIsRefused) {
       {"episodes", [](FrameMessage& f) { f.episodes.pop_back(); }},
       {"numbers", [](FrameMessage& f) { f.numbers.pop_back(); }},
       {"an unknown kind", [](FrameMessage& f) { f.kinds[1] = 5; }},
-      {"an unknown reason", [](FrameMessage& f) { f.reasons[1] = 9; }},
+      {"an unknown reason", [](FrameMessage& f) { f.reasons[1] = 12; }},
   };
   for (const auto& [what, spoil] : spoilers) {
     Names names;
