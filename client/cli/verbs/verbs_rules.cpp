@@ -35,9 +35,9 @@ class AllowCommand : public Command {
                        {{"a", names_[0]}, {"b", names_[1]}, {"because", because_}, {"durable", durable_}});
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
-      printer.line(fmt::format("allowed  {} with {}  ended {} contacts (world {})",
-                               objects_of(count_of(answer, "a_count")), objects_of(count_of(answer, "b_count")),
-                               count_of(answer, "ended"), count_of(answer, "version")));
+      printer.line(fmt::format("allowed  {} with {}  ended {} (world {})", objects_of(count_of(answer, "a_count")),
+                               objects_of(count_of(answer, "b_count")), counted(count_of(answer, "ended"), "contact"),
+                               count_of(answer, "version")));
     } else {
       printer.record({{"a", std::string_view(names_[0])},
                       {"b", std::string_view(names_[1])},
@@ -90,9 +90,9 @@ class DenyCommand : public Command {
                                                  {{"a", names_[0]}, {"b", names_[1]}, {"durable", durable_}});
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
-      printer.line(fmt::format("denied  {} with {}  began {} contacts (world {})",
-                               objects_of(count_of(answer, "a_count")), objects_of(count_of(answer, "b_count")),
-                               count_of(answer, "began"), count_of(answer, "version")));
+      printer.line(fmt::format("denied  {} with {}  began {} (world {})", objects_of(count_of(answer, "a_count")),
+                               objects_of(count_of(answer, "b_count")), counted(count_of(answer, "began"), "contact"),
+                               count_of(answer, "version")));
     } else {
       printer.record({{"a", std::string_view(names_[0])},
                       {"b", std::string_view(names_[1])},

@@ -145,9 +145,13 @@ void put_answer(const WhatIfAnswer& given, const Snapshot& state, std::size_t pl
   answers.answers[place] = kVerdicts[static_cast<std::size_t>(given.touches)];
   if (given.touches == Decision::undecided) {
     const bool is_numeric = given.nearest && !given.nearest->is_stale;
-    answers.reasons[place] = given.is_late ? UndecidedReason::deadline
-                             : is_numeric  ? UndecidedReason::numeric
-                                           : UndecidedReason::stale_object;
+    answers.reasons[place] = given.is_late     ? UndecidedReason::deadline
+                             : given.uncovered ? UndecidedReason::not_covered
+                             : is_numeric      ? UndecidedReason::numeric
+                                               : UndecidedReason::stale_object;
+    if (given.uncovered && !given.is_late)
+      answers.not_covered.push_back(
+          {.question = static_cast<std::uint32_t>(place), .leaving = {.point = *given.uncovered}});
   }
   if (!given.nearest) return;
   answers.hits.push_back(hit_of(*given.nearest, false));

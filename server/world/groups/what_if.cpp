@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/geometry/box_union.hpp"
 #include "server/geometry/float_environment.hpp"
 
 namespace collided::engine {
@@ -85,6 +86,20 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
   return depth_ || !is_contact;
 }
 
+/// That nothing is met, and nothing nearer than what is told, is known where the loaded geometry is complete.
+void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
+  const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
+  for (const Aabb& reach : moved_reaches_) {
+    if (reach.empty()) continue;
+    const Vec3 middle = reach.low / 2 + reach.high / 2;
+    const std::optional<Aabb> outside = nearest_part_outside(grown(reach, claimed_m), *snapshot_->covers, middle);
+    if (!outside) continue;
+    answer.touches = Decision::undecided;
+    answer.uncovered = nearest_in(*outside, middle);
+    return;
+  }
+}
+
 WhatIfAnswer WhatIf::at(std::span<const Pose> poses, Deadline& deadline) {
   const OwnFloatEnvironment own_floats;
   place_all(poses);
@@ -106,6 +121,7 @@ WhatIfAnswer WhatIf::at(std::span<const Pose> poses, Deadline& deadline) {
   }
   yet.answer.is_late = deadline.was_over();
   if (yet.answer.is_late && yet.answer.touches == Decision::no) yet.answer.touches = Decision::undecided;
+  if (yet.answer.touches == Decision::no && snapshot_->covers) look_at_covers(yet.answer);
   if (yet.answer.nearest) nearest_before_ = {yet.a, yet.b};
   return yet.answer;
 }

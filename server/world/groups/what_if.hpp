@@ -34,6 +34,9 @@ struct WhatIfAnswer {
   // The least clearance within the distance asked for. Without depth a pair that touches has no more than its names and
   // an endless bound.
   std::optional<MemberPair> nearest;
+  // Where the answer reaches out of the space in which the loaded geometry was said to be complete: then it is undecided,
+  // not free.
+  std::optional<Vec3> uncovered = {};
 };
 
 /// One state of the world in which some objects are put elsewhere, again and again: each configuration is answered for
@@ -66,6 +69,7 @@ class WhatIf {
   void add_followers(const WhatIfAsk& ask);
   void place_all(std::span<const Pose> poses);
   double limit_m(const NearestYet& yet) const;
+  void look_at_covers(WhatIfAnswer& answer) const;
   /// False: the search may end.
   bool look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline& deadline);
 

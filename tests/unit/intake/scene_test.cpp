@@ -88,8 +88,9 @@ TEST(IntakeScene, ProgressRisesToOneAndCancellingEndsTheLoad) {
   }};
   load("p.obj", text, options);
   EXPECT_EQ(last, 1);
-  EXPECT_GT(calls, 4);
-  for (int stop = 0; stop < 4; ++stop) {  // how often it is asked depends on the threads, but not less than this
+  // How often it is called and asked depends on the threads, but not less than this.
+  EXPECT_GE(calls, 4);
+  for (int stop = 0; stop < 4; ++stop) {
     int asked = 0;
     const std::string said = complaint("p.obj", text, {.cancelled = [&] { return asked++ >= stop; }});
     ASSERT_EQ(said.substr(0, 21), "p.obj: cancelled afte") << stop;

@@ -132,6 +132,42 @@ TEST_F(WhatIfTest, AnAttachedObjectKeepsItsPlaceRelativeToItsParent) {
   }
 }
 
+TEST_F(WhatIfTest, OutsideOfWhatIsCoveredNothingIsFree) {
+  const auto cover = [&](double half_m) {
+    state_->covers = std::make_shared<const std::vector<Aabb>>(
+        1, Aabb{.low = Vec3::Constant(-half_m), .high = Vec3::Constant(half_m)});
+  };
+  const std::vector<ObjectId> one(1, moved_.front());
+  const WhatIfAsk contacts{.moved = one, .attached = {}, .against = {}, .within_m = 0};
+  const auto at = [&](const WhatIfAsk& ask, double x) {
+    return WhatIf(state_, ask, part_meshes_).at(std::vector<Pose>{{.position = {x, 0, 0}}}, never_);
+  };
+  EXPECT_EQ(at(contacts, 1e6).touches, Decision::no) << "without a word about it all is covered";
+  cover(1e3);
+  EXPECT_EQ(at(contacts, 0).touches, Decision::no);
+  const WhatIfAnswer far = at(contacts, 1e6);
+  EXPECT_EQ(far.touches, Decision::undecided);
+  ASSERT_TRUE(far.uncovered);
+  // A clearance claims the space up to it.
+  WhatIfAsk within = contacts;
+  within.within_m = 100;
+  EXPECT_EQ(at(within, 0).touches, Decision::no);
+  within.within_m = 1e4;
+  EXPECT_EQ(at(within, 0).touches, Decision::undecided);
+  // A contact is one wherever it is; nothing else is known there.
+  cover(1e-9);
+  WhatIf anywhere(state_, {.moved = moved_, .attached = {}, .against = others(moved_)}, part_meshes_);
+  int contacts_seen = 0;
+  for (int round = 0; round < 40; ++round) {
+    const std::vector<Pose> poses = any_poses();
+    const WhatIfAnswer answer = anywhere.at(poses, never_);
+    ASSERT_EQ(answer.touches, plain(moved_, poses).front().touches ? Decision::yes : Decision::undecided);
+    ASSERT_EQ(answer.uncovered.has_value(), answer.touches != Decision::yes);
+    contacts_seen += answer.touches == Decision::yes ? 1 : 0;
+  }
+  EXPECT_GT(contacts_seen, 0);
+}
+
 TEST_F(WhatIfTest, TheStateStaysAsItIs) {
   const std::vector<Pose> before = state_->poses;
   WhatIf what_if(state_, {.moved = moved_, .attached = {}, .against = others(moved_)}, part_meshes_);
