@@ -9,7 +9,7 @@
 #include "tests/extreme/broad/candidates.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::traps_test {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -81,4 +81,4 @@ TEST(ExtremeBroadTraps, AHostThatTrapsSurvives) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::traps_test

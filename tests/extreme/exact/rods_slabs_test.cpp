@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::rods_slabs_test {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -51,4 +51,4 @@ TEST(ExtremeRodsSlabs, ABallOnARodAndAThread) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::rods_slabs_test

@@ -6,7 +6,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::triangle_filter_test {
 namespace {
 
 Triangle moved(const Triangle& t, const Vec3& by) { return {t.a + by, t.b + by, t.c + by}; }
@@ -66,4 +66,4 @@ TEST(ExtremeTriangleFilter, FarFromOriginAndOutOfRangeItClaimsNothingWrong) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::triangle_filter_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::voronoi_border_test {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -54,4 +54,4 @@ TEST(ExtremeVoronoiBorder, InsideOnTheBisectorTheDepthIsOneNumber) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::voronoi_border_test

@@ -9,7 +9,7 @@
 #include "tests/extreme/world/given_pairs.hpp"
 #include "tests/oracle/wide_gap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::given_round_test {
 namespace {
 
 using oracle::WideVerdict;
@@ -56,4 +56,4 @@ TEST_F(ExtremeGivenRound, APairIsDecidedForTheShapesAndPosesGiven) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::given_round_test

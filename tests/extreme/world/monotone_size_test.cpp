@@ -5,7 +5,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::monotone_size_test {
 namespace {
 
 std::set<ObjectId> met(const Answers& answers) {
@@ -68,4 +68,4 @@ TEST_P(ExtremeMonotoneSize, ALargerBoxNeverLosesAnOverlap) {
 INSTANTIATE_TEST_SUITE_P(Grounds, ExtremeMonotoneSize, testing::ValuesIn(extreme::kGrounds));
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::monotone_size_test

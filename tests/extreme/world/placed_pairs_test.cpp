@@ -9,7 +9,7 @@
 #include "tests/extreme/world/given_pairs.hpp"
 #include "tests/oracle/wide_gap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::placed_pairs_test {
 namespace {
 
 using oracle::PosedPart;
@@ -138,4 +138,4 @@ TEST_F(ExtremePlacedPairs, NoAnswerIsWrongAndNoBoundIsBroken) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::placed_pairs_test

@@ -9,7 +9,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ball_filter_test {
 namespace {
 
 Vec3 any(std::mt19937_64& random) {
@@ -128,4 +128,4 @@ TEST(BallFilter, PartsWhatLiesOnTheLineBeyondEitherEndOfTheWay) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ball_filter_test

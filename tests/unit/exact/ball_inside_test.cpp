@@ -7,7 +7,7 @@
 #include "server/exact_phase/distance/ball_inside.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ball_inside_test {
 namespace {
 
 using kernel::DifferencePoint;
@@ -58,4 +58,4 @@ TEST(ExactBallInside, HoldsWhatRationalsSay) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ball_inside_test

@@ -19,7 +19,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::body_motion_test {
 namespace {
 
 using oracle::Family;
@@ -319,4 +319,4 @@ TEST(BodyMotion, TheVelocityOfAPointIsWithinItsBound) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::body_motion_test

@@ -16,7 +16,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::box_filters_test {
 namespace {
 
 class Random {
@@ -187,4 +187,4 @@ TEST(ExactBoxMotionFilter, ATouchIsNeverSurelyApart) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::box_filters_test

@@ -7,7 +7,7 @@
 #include "server/exact_phase/overlap/capsule_filter.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::capsule_filter_test {
 namespace {
 
 Vec3 any(std::mt19937_64& random) {
@@ -119,4 +119,4 @@ TEST(CapsuleFilter, SaysNothingOutOfRange) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::capsule_filter_test

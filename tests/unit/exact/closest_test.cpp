@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/distance/closest.hpp"
 
-namespace collided::engine {
+namespace collided::engine::closest_test {
 namespace {
 
 const Box kUnitBox{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}};
@@ -64,4 +64,4 @@ TEST(ExactClosest, DegenerateShapesAreSegmentsAndPoints) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::closest_test

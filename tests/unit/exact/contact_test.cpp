@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/distance/contact.hpp"
 
-namespace collided::engine {
+namespace collided::engine::contact_test {
 namespace {
 
 const Box kUnitBox{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}};
@@ -119,4 +119,4 @@ TEST(ExactContact, DegenerateShapesStillHaveANormal) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::contact_test

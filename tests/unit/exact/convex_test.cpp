@@ -13,7 +13,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::convex_test {
 namespace {
 
 using oracle::Family;
@@ -321,4 +321,4 @@ INSTANTIATE_TEST_SUITE_P(Families, ExactGeneral,
                          [](const auto& test) { return std::string(oracle::name(test.param)); });
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::convex_test

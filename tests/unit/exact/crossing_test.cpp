@@ -11,7 +11,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::crossing_test {
 namespace {
 
 using Q = mpq_class;
@@ -121,4 +121,4 @@ TEST(Crossing, OfKnownPairs) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::crossing_test

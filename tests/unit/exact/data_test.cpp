@@ -16,7 +16,7 @@
 #include "tests/oracle/exact_data.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 
-namespace collided::engine {
+namespace collided::engine::data_test {
 namespace {
 
 using oracle::Table;
@@ -317,4 +317,4 @@ TEST(ExactData, ClosedForms) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::data_test

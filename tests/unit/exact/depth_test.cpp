@@ -11,7 +11,7 @@
 #include "tests/oracle/seed.hpp"
 
 // A depth is carried out: moved apart by it, a pair parts; moved by less, in whatever direction, it does not.  // A44
-namespace collided::engine {
+namespace collided::engine::depth_test {
 namespace {
 
 using oracle::Family;
@@ -108,4 +108,4 @@ INSTANTIATE_TEST_SUITE_P(Families, ExactDepth,
                          [](const auto& family) { return std::string(oracle::name(family.param)); });
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::depth_test

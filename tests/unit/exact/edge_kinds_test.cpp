@@ -12,7 +12,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::edge_kinds_test {
 namespace {
 
 std::size_t count(const TriangleMesh& mesh, const EdgeView& view, EdgeKind kind) {
@@ -145,4 +145,4 @@ TEST(ExactEdgeKinds, AgreeWithRationalsOnSoupsOfSmallNumbers) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::edge_kinds_test

@@ -15,7 +15,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::edges_of_ranges_test {
 namespace {
 
 Hull cube(double half_m, const Vec3& position = Vec3::Zero()) {
@@ -148,4 +148,4 @@ TEST(Manifold, ABentFaceIsWithinTheBoundsOfItsPoints) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::edges_of_ranges_test

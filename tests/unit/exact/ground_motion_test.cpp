@@ -5,7 +5,7 @@
 #include "server/exact_phase/motion/ground_motion.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ground_motion_test {
 namespace {
 
 const HalfSpace kGround{.point = {3, -2, 0}, .normal = {0, 0, 2}};
@@ -82,4 +82,4 @@ TEST(GroundMotion, OnlyWhatCannotComeDownSurelyStaysAbove) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ground_motion_test

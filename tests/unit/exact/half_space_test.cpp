@@ -17,7 +17,7 @@
 #include "tests/oracle/seed.hpp"
 
 // Half-spaces against every kind, by rationals and 100 digits that share nothing with the product.  // A23 A25 A38
-namespace collided::engine {
+namespace collided::engine::half_space_test {
 namespace {
 
 using oracle::exact;
@@ -303,4 +303,4 @@ TEST(GeneralClosest, ThePointIsNoBetterKnownThanTheDistanceAllows) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::half_space_test

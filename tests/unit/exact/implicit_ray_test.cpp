@@ -14,7 +14,7 @@
 #include "tests/oracle/implicit_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::implicit_ray_test {
 namespace {
 
 using oracle::Rational;
@@ -495,4 +495,4 @@ TEST(ExactImplicitRayPlanted, WithoutRationalsWhatIsOpenIsUndecided) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::implicit_ray_test

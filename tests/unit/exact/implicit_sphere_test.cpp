@@ -11,7 +11,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::implicit_sphere_test {
 namespace {
 
 /// -1 inside, 0 on the surface, 1 outside.
@@ -94,4 +94,4 @@ TEST(ExactImplicitSphere, AnUlpDecidesAtPointsOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::implicit_sphere_test

@@ -11,7 +11,7 @@
 #include "tests/oracle/line_pair.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::line_pair_test {
 namespace {
 
 using oracle::line_pair;
@@ -135,4 +135,4 @@ TEST(ExactLinePair, InSpaceTheNearestPointsLieAcrossBothLines) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::line_pair_test

@@ -8,7 +8,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::manifold_test {
 namespace {
 
 std::vector<ManifoldPoint> manifold(const ConvexPart& a, const ConvexPart& b) {
@@ -199,4 +199,4 @@ TEST(Manifold, PointsInALineKeepBothEnds) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::manifold_test

@@ -14,7 +14,7 @@
 #include "tests/oracle/moving_data.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::moving_features_test {
 namespace {
 
 using oracle::MovingQuery;
@@ -282,4 +282,4 @@ TEST(ExactMovingFeatures, WhereRationalsAreForbiddenADoubtStaysOne) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::moving_features_test

@@ -8,7 +8,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::moving_solids_test {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -180,4 +180,4 @@ TEST(ExactMovingSolids, SamplingFindsACapsuleNowhereBeforeItsFirstContact) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::moving_solids_test

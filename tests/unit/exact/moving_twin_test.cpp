@@ -14,7 +14,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::moving_twin_test {
 namespace {
 
 /// Places and motions that take turns at being hard: what is asked is where doubles stop being sure.
@@ -225,4 +225,4 @@ TEST(ExactMovingTwin, TimeOfACallForTheRecord) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::moving_twin_test

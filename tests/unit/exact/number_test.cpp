@@ -11,7 +11,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::number_test {
 namespace {
 
 using oracle::Rational;
@@ -195,4 +195,4 @@ TEST(ExactExpansion, OutOfRangeIsLost) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::number_test

@@ -5,7 +5,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::overlap_oracle_test {
 namespace {
 
 using oracle::Family;
@@ -53,4 +53,4 @@ TEST(ExactOverlapOracle, CapsuleTriangle) { compare(100, 9, kCapsule, kTriangle,
 TEST(ExactOverlapOracle, TriangleTriangle) { compare(25, 10, kTriangle, kTriangle, kByClipping); }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::overlap_oracle_test

@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/exact/certified.hpp"
 
-namespace collided::engine {
+namespace collided::engine::pair_poses_test {
 namespace {
 
 constexpr const char* kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull", "triangle"};
@@ -116,4 +116,4 @@ TEST(ExactPairPoses, AreDecidedAlikeInEitherOrderAndProved) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::pair_poses_test

@@ -7,7 +7,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::part_motion_filter_test {
 namespace {
 
 class PartMotionFilter : public testing::TestWithParam<oracle::Family> {
@@ -117,4 +117,4 @@ TEST(PartMotionFilters, ATouchIsNeverSurelyApart) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::part_motion_filter_test

@@ -13,7 +13,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // Neighbours in one plane, decided without exact arithmetic.  A24
-namespace collided::engine {
+namespace collided::engine::parted_in_projection_test {
 namespace {
 
 int turn_by_rationals(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) {
@@ -156,4 +156,4 @@ TEST(ExactPartedInProjection, OverlapsPlantedInAFlatGridAreFound) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::parted_in_projection_test

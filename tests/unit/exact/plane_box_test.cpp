@@ -12,7 +12,7 @@
 #include "server/exact_phase/distance/half_space.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::plane_box_test {
 namespace {
 
 /// normal . x = offset, and a box about its centre; small whole numbers in double.
@@ -126,4 +126,4 @@ TEST(ExactPlaneBox, TheProjectionIsFasterThanTheCorners) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::plane_box_test

@@ -9,7 +9,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_limits_test {
 namespace {
 
 using Whole = std::int64_t;
@@ -95,4 +95,4 @@ TEST(ExactRayLimits, AHitLiesBetweenTheStartAndTheEndBothIncluded) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_limits_test

@@ -7,7 +7,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_oracle_test {
 namespace {
 
 using oracle::Family;
@@ -73,4 +73,4 @@ TEST(ExactRayOracle, Capsule) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_oracle_test

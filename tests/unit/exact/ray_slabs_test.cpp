@@ -14,7 +14,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/oracle/slabs.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_slabs_test {
 namespace {
 
 using oracle::dot;
@@ -199,4 +199,4 @@ TEST(ExactRaySlabs, AFrustumHoldsAndIsMetAsItsHalfSpacesSay) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_slabs_test

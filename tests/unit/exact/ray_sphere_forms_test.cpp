@@ -12,7 +12,7 @@
 #include "tests/oracle/plain_sphere.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_sphere_forms_test {
 namespace {
 
 using oracle::PlainSphereCost;
@@ -177,4 +177,4 @@ TEST(ExactRaySphereForms, EarlyRejectsAreNotMuchSlowerAnywhere) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_sphere_forms_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -164,4 +164,4 @@ TEST(ExactRay, OneThatDoubleCannotDecideIsCountedOnceAndAClearOneNever) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_test

@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_triangle_weights_test {
 namespace {
 
 using oracle::Family;
@@ -77,4 +77,4 @@ TEST(ExactRayTriangleWeights, NothingLeaksThroughAClosedMeshAndThePlainFormDoes)
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_triangle_weights_test

@@ -21,7 +21,7 @@
 // Round solids that touch, or are one rounding short of it or past it, against a truth in rationals that shares no formula
 // with the product: a solid against a plane by how far it reaches, against a segment by the highest value of a parabola.
 
-namespace collided::engine {
+namespace collided::engine::round_tangents_test {
 namespace {
 
 using namespace oracle;
@@ -519,4 +519,4 @@ TEST(ExactRoundTangents, ABentHullIsTheHullOfItsPlacedCorners) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::round_tangents_test

@@ -9,7 +9,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::segment_box_test {
 namespace {
 
 using Whole = std::int64_t;
@@ -89,4 +89,4 @@ TEST(ExactSegmentBox, IsWhatClippingInWholeNumbersSays) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::segment_box_test

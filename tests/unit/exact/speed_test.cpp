@@ -8,7 +8,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::speed_test {
 namespace {
 
 /// Best of a few passes, printed for the record; what is asserted is that the first rung decided, since that is what
@@ -55,4 +55,4 @@ TEST(ExactSpeed, GenericQuestionsStayOnTheFirstRung) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::speed_test

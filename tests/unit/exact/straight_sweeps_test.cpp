@@ -12,7 +12,7 @@
 
 // Straight ways that end a hair before a face, on it or a hair behind it, against where the solid is then in rationals.
 
-namespace collided::engine {
+namespace collided::engine::straight_sweeps_test {
 namespace {
 
 using namespace oracle;
@@ -171,4 +171,4 @@ TEST(ExactStraightSweeps, ABallThatStopsBesideARoundSolidTouchesItThereOrNowhere
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::straight_sweeps_test

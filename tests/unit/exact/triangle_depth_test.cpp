@@ -12,7 +12,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::triangle_depth_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -102,4 +102,4 @@ TEST(TriangleDepth, ATieIsNotSure) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::triangle_depth_test

@@ -8,7 +8,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::twin_test {
 namespace {
 
 using oracle::RandomShapes;
@@ -144,4 +144,4 @@ TEST(ExactTwin, ThePrecisionOfTheThreadIsNotAsked) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::twin_test

@@ -10,7 +10,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::values_oracle_test {
 namespace {
 
 using oracle::exact;
@@ -170,4 +170,4 @@ TEST(ExactFirstContactOracle, Capsule) { compare_first_contact(40, 63, kCapsule)
 TEST(ExactFirstContactOracle, Triangle) { compare_first_contact(30, 64, kTriangle); }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::values_oracle_test

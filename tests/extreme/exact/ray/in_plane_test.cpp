@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::in_plane_test {
 namespace {
 
 const Triangle kFloor{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
@@ -63,4 +63,4 @@ TEST(ExtremeRayInPlane, SlantedPlanesAtEveryScale) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::in_plane_test

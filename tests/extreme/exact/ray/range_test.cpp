@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::range_test {
 namespace {
 
 const Triangle kFloor{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
@@ -49,4 +49,4 @@ TEST(ExtremeRay, TinyAndHugeInOneQuestion) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::range_test

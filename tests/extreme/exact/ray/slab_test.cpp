@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::slab_test {
 namespace {
 
 Box from_to(const Vec3& low, const Vec3& high) { return {.center = (low + high) / 2, .half_m = (high - low) / 2}; }
@@ -55,4 +55,4 @@ TEST(ExtremeRaySlab, ADenormalDirectionIsADirection) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::slab_test

@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Vec3 to_float(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
-Vec3 on_sphere(std::mt19937_64& random) {
+Vec3 on_unit_sphere(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const double x = normal(random);
   const double y = normal(random);
@@ -30,8 +30,8 @@ std::vector<Ray> random_rays(const TriangleMesh& mesh, int count, std::mt19937_6
   std::vector<Ray> rays;
   const double size = extent(mesh);
   for (int i = 0; i < count; ++i) {
-    const Vec3 origin = to_float(2 * size * on_sphere(random));
-    const Vec3 through = 0.4 * size * on_sphere(random);
+    const Vec3 origin = to_float(2 * size * on_unit_sphere(random));
+    const Vec3 through = 0.4 * size * on_unit_sphere(random);
     rays.push_back({origin, to_float(through - origin)});
   }
   return rays;
@@ -47,7 +47,7 @@ std::vector<Ray> hard_rays(const TriangleMesh& mesh, int count, std::mt19937_64&
     const Vec3 normal = (t.b - t.a).cross(t.c - t.a).normalized();
     Vec3 target = t.a;
     if (i % 3 == 1) target = t.a + part(random) * (t.b - t.a);
-    Vec3 from = size * (normal + 0.5 * on_sphere(random));
+    Vec3 from = size * (normal + 0.5 * on_unit_sphere(random));
     if (i % 3 == 2) {
       target = (t.a + t.b + t.c) / 3;
       from = size * ((t.b - t.a).normalized() + 1e-6 * normal);
@@ -124,7 +124,7 @@ double keep_decided(Walk& walk, const Triangle& t, double limit) {
   return std::min(limit, (hit.distance_m + hit.distance_error_m) / walk.direction_m * (1 + 0x1p-50));
 }
 
-using Decide = double (*)(Walk& walk, const Triangle& t, double limit);
+using DecideOnWalk = double (*)(Walk& walk, const Triangle& t, double limit);
 
 class RayStudy {
  public:
@@ -133,8 +133,8 @@ class RayStudy {
     for (const Ray& ray : rays_) truth_.push_back(truth_of(scene.mesh, ray));
   }
 
-  Method method(const std::string& series, const std::string& label, Decide decide, const Precision& precision = {},
-                double knob = kUnknown) const {
+  Method method(const std::string& series, const std::string& label, DecideOnWalk decide,
+                const Precision& precision = {}, double knob = kUnknown) const {
     return {series, label, knob, each(rays_, [this, decide, precision](const Ray& ray) {
               const PrecisionScope scope(precision);
               Walk walk{ray, ray.direction.norm(), {}};
