@@ -6,6 +6,7 @@
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/asking/question_request.hpp"
+#include "client/library/asking/send_window.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/columns.hpp"
@@ -14,7 +15,6 @@
 namespace collided::client {
 namespace {
 
-using wire_contract::kChunksInFlight;
 using wire_contract::kMaxQuestionsPerChunk;
 using wire_contract::kMaxQuestionsPerRequest;
 
@@ -104,28 +104,33 @@ std::optional<Error> run_once(Connection& connection, const QuestionRequest& req
   query.request = running->number();
   fill_header(query, request, options, options.fresh ? connection.last_write() : WriteBarrier{});
 
+  SendWindow window;
   std::uint32_t sent = 0;
   const auto send_to = [&](std::size_t end) {
     std::optional<Error> error;
     for (; !error && sent < query.chunk_count && sent < end; ++sent) {
       error = send_chunk(connection, *running, request, sent);
+      window.note_sent(Clock::now());
     }
     return error;
   };
-  if (auto error = send_to(kChunksInFlight)) { return error; }
+  if (auto error = send_to(window.size())) { return error; }
   AnswerCollector collector(request.question_count, request.most_in_chunk, connection.names(), std::move(answers));
   while (!collector.complete()) {
-    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) { return error; }
+    if (auto error = send_to(collector.chunks_answered() + window.size())) { return error; }
     const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
     if (waited.error) { return waited.error; }
     for (const auto& reply : *waited.replies) {
       if ((*reply)->server != server) {
         continue;  // a second server on this namespace
       }
+      const std::size_t before = collector.chunks_answered();
       if (auto error = collector.add(**reply)) {
         answers = collector.take();
         return error;
       }
+      if (collector.chunks_answered() > before)
+        window.note_answered(Clock::now(), std::chrono::nanoseconds((*reply)->compute_ns));
     }
   }
   answers = collector.take();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/local_process.hpp"
+#include "client/library/connection/machine_findings.hpp"
 
 namespace collided::client {
 namespace {
@@ -14,8 +16,18 @@ using std::chrono::nanoseconds;
 
 // A reply that is written before this reader is matched is lost. So hello is repeated until a reply arrives: whenever a
 // new match is seen, since then it may succeed, and every 20 ms.
-constexpr milliseconds kHelloPeriod{20};
-constexpr milliseconds kMatchPeriod{1};
+// Again and again, for a server that starts meanwhile; seldom once it takes long: DDS repeats what a busy server's machine
+// dropped, and all hellos that were said until then with it.
+constexpr milliseconds kFirstHelloPeriod{20};
+constexpr milliseconds kLastHelloPeriod{640};
+// How often it is looked whether the server's reader was found: soon at first, and seldom on a machine where that takes
+// long, since fifty clients that look each millisecond take the time that the server would need to answer them.
+constexpr milliseconds kFirstMatchPeriod{1};
+constexpr milliseconds kLastMatchPeriod{20};
+constexpr milliseconds kSoon{100};
+// For a server of this machine: since it was last seen to have more to do than it can, and in all.
+constexpr milliseconds kAfterCrowd{2'000};
+constexpr milliseconds kCrowdPatience{60'000};
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -73,6 +85,31 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
   }
 }
 
+namespace {
+
+/// Until when a server's answer is waited for on a machine that has more to do than it can: time in which the server hardly
+/// gets a processor does not count.
+class CrowdPatience {
+ public:
+  CrowdPatience(const ConnectOptions& options, nanoseconds wait) : options_(options), wait_(wait) {}
+
+  Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found) {
+    if (!is_machine_crowded()) return began;
+    // Where a server of the domain runs beside us it is there, and its answer a matter of time.
+    if (!runs_beside_us_) runs_beside_us_ = options_.interface == "lo" && places_taken(options_.domain) > 0;
+    const Clock::time_point last =
+        *runs_beside_us_ ? began + kCrowdPatience : std::min(began + 3 * wait_, deadline_if_found);
+    return std::min(Clock::now() + (*runs_beside_us_ ? kAfterCrowd : kFirstHelloPeriod), last);
+  }
+
+ private:
+  const ConnectOptions& options_;
+  nanoseconds wait_;
+  std::optional<bool> runs_beside_us_;
+};
+
+}  // namespace
+
 bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right) {
   const std::unique_ptr<Requests::Running> hello = requests_.begin();
   if (!hello) { return false; }
@@ -81,19 +118,26 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   query.request = hello->number();
   query.chunk_count = 1;
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
-  const Clock::time_point deadline_if_crowded = std::min(deadline_if_found, deadline + 2 * (deadline - Clock::now()));
+  CrowdPatience crowd(options_, deadline - Clock::now());
   std::uint32_t matched = 0;
-  Clock::time_point next_hello = Clock::now();
+  milliseconds match_period = kFirstMatchPeriod;
+  milliseconds hello_period = kFirstHelloPeriod;
+  const Clock::time_point began = Clock::now();
+  Clock::time_point next_hello = began;
+  Clock::time_point next_look = began;
   do {
     const std::uint32_t matched_now = query_writers_.matched_readers() + reply_reader_.matched_writers();
     if (matched_now > 0) { deadline = deadline_if_found; }
     if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
       if (send(query, right)) { return false; }
-      next_hello = Clock::now() + kHelloPeriod;
-      // Time in which the server hardly gets a processor does not count.
-      if (is_machine_crowded()) deadline = std::max(deadline, std::min(deadline + kHelloPeriod, deadline_if_crowded));
+      next_hello = Clock::now() + hello_period;
+      hello_period = std::min(2 * hello_period, kLastHelloPeriod);
     }
-    const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
+    if (Clock::now() >= next_look) {
+      next_look = Clock::now() + kFirstHelloPeriod;
+      deadline = std::max(deadline, crowd.deadline(began, deadline_if_found));
+    }
+    const auto& replies = hello->wait(std::min(deadline, Clock::now() + match_period));
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
       known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);
@@ -103,6 +147,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
       greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);
       return true;
     }
+    if (Clock::now() - began > kSoon) match_period = std::min(2 * match_period, kLastMatchPeriod);
   } while (Clock::now() < deadline);
   return false;
 }

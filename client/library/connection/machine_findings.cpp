@@ -35,6 +35,8 @@ std::map<std::string, bool> interfaces() {
   return found;
 }
 
+constexpr unsigned kPlaces = wire_contract::kMaxParticipantIndex + 1;
+
 /// Adds the local ports in one of the kernel's tables of UDP sockets.
 void add_udp_ports(const char* path, std::set<unsigned>& ports) {
   std::ifstream table(path);
@@ -84,16 +86,20 @@ std::optional<Finding> buffer_finding() {
                  "sysctl -w net.core.rmem_max=" + std::to_string(kAsked)};
 }
 
-Finding places_finding(int domain) {
+unsigned places_taken(int domain) {
   // Unicast discovery port of participant i; source: OMG, "DDS Interoperability Wire Protocol" 2.2, 9.6.1.1.
   const unsigned first = 7'400U + 250U * static_cast<unsigned>(domain) + 10U;
-  constexpr unsigned kPlaces = wire_contract::kMaxParticipantIndex + 1;
   std::set<unsigned> ports;
   add_udp_ports("/proc/net/udp", ports);
   add_udp_ports("/proc/net/udp6", ports);
   unsigned taken = 0;
   for (unsigned i = 0; i < kPlaces; ++i)
     taken += ports.count(first + 2 * i) > 0 || ports.count(first + 2 * i + 1) > 0 ? 1 : 0;
+  return taken;
+}
+
+Finding places_finding(int domain) {
+  const unsigned taken = places_taken(domain);
   const std::string text = std::to_string(taken) + " of " + std::to_string(kPlaces) + " places for servers of domain " +
                            std::to_string(domain) + " on this machine are taken";
   if (taken == kPlaces)
