@@ -42,11 +42,12 @@ inline constexpr const char* kAdd = "add";
 /// publisher.
 inline constexpr const char* kMove = "move";
 
-/// name (glob) -> removed [names], ended, version. Refused for objects of a live publisher.
+/// name (glob) -> removed [names], detached [names] (what was attached to them and stays; only where there is any), ended, version. Refused for objects of a live publisher.
 inline constexpr const char* kRemove = "remove";
 
 /// name (glob, "" = all), moving (true / false / absent: both), limit
-/// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale}], count, version
+/// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale, attached_to (only where it
+/// is)}], count, version
 inline constexpr const char* kList = "list";
 
 /// name -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
@@ -134,15 +135,23 @@ inline constexpr const char* kAllowed = "allowed";
 /// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
 /// (all that was loaded with it) or a glob. from, to ("": all that `from` has not), skip (glob; left out of both), most
 /// (pairs told; 1, at most 10,000, with certificates 1,000), nearer_m (only pairs not surely farther apart; absent:
-/// all), with_filtered (true: pairs that masks and groups let pass through each other too), certificate, as_of,
+/// all), with_filtered (true: pairs that masks and groups let pass through each other too), certificate, as_of, progress
+/// (true: replies of status `progress` come before, as of load),
 /// deadline_ns (as of pair)
 /// -> answer (hit: a pair touches; miss; undecided), version, pairs [{a (of from), b, a_id, b_id, answer, clearance (m; negative:
 ///    depth), error, contained ("", "a", "b": which lies within the other, a solid), on_a, on_b, point_error, normal
 ///    (from a to b), a_triangle, b_triangle, stale, certificate or no_certificate as of pair}] least clearance first,
 ///    from_count, to_count (objects), filtered (pairs left out that pass through each other, among those near enough to
 ///    be looked at), tested (pairs), cut (true: there are more), late (true: the deadline was over, some pairs were not
-///    looked at), stale (true: an object of a lost publisher may be in a nearer pair by now)
+///    looked at), stale (true: an object of a lost publisher may be in a nearer pair by now),
+///    uncovered [3] (only without `to`: a point nearer than what is told, that is not covered)
 inline constexpr const char* kClearance = "clearance";
+
+/// An object that no publisher has moves along with another one, until one of the two is removed or the first is
+/// detached. child, parent, pose (of the child in the parent's frame; absent: as they are) -> child, parent, version
+inline constexpr const char* kAttach = "attach";
+/// child: stays where it is -> child, parent (that it had), version
+inline constexpr const char* kDetach = "detach";
 
 /// show (true: nothing is accepted) -> losses [text] (what had been acknowledged before a crash and is missing),
 /// accepted (the world counts as whole without it from now on)
@@ -189,7 +198,7 @@ inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
   for (const std::string_view change :
-       {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss, kRecording, kFence})
+       {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss, kRecording, kFence, kAttach, kDetach})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

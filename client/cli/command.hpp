@@ -67,6 +67,8 @@ std::unique_ptr<Command> make_load();
 std::unique_ptr<Command> make_clear();
 std::unique_ptr<Command> make_allow();
 std::unique_ptr<Command> make_deny();
+std::unique_ptr<Command> make_attach();
+std::unique_ptr<Command> make_detach();
 std::unique_ptr<Command> make_accept_loss();
 std::unique_ptr<Command> make_status();
 std::unique_ptr<Command> make_ls();

@@ -280,7 +280,7 @@ typedef struct collided_object {
   double scale[3];
   double position[3];
   double orientation[4];
-  int32_t solid; /* its closed mesh holds what lies in it; for collided_add */
+  int32_t solid; /* its closed mesh holds what lies in it; refused where it does not close */
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 
@@ -292,6 +292,17 @@ COLLIDED_API int collided_move(collided_client* client, const char* name, const 
                                const double* orientation, int32_t teleport, collided_error* error);
 /* Removes by name or glob. *removed may be null. */
 COLLIDED_API int collided_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error);
+
+/* Lets each object of glob a touch each of glob b; because may be null. *ended may be null: contacts that ended with it. */
+COLLIDED_API int collided_allow(collided_client* client, const char* a, const char* b, const char* because,
+                                uint64_t* ended, collided_error* error);
+/* Takes that back. *began may be null: contacts that began with it. */
+COLLIDED_API int collided_deny(collided_client* client, const char* a, const char* b, uint64_t* began,
+                               collided_error* error);
+/* An object that no publisher has moves along with another one until it is detached or one of the two is removed. */
+COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent,
+                                 collided_error* error);
+COLLIDED_API int collided_detach(collided_client* client, const char* child, collided_error* error);
 
 /* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes.
  * answer  to be given to collided_free_text */
@@ -368,6 +379,13 @@ COLLIDED_API int collided_publish(collided_client* client, const char* name, col
 COLLIDED_API void collided_publisher_close(collided_publisher* publisher);
 COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const collided_object* object, uint32_t* handle,
                                         collided_error* error);
+/* Takes over an object that is in the world and has no living publisher; its shape stays. It goes back there instead of
+ * being removed.
+ * orientation  null: as the world's axes
+ * lost         what becomes of it when this publisher is lost: 0 remove (it is given back), 1 freeze, 2 hold */
+COLLIDED_API int collided_publisher_claim(collided_publisher* publisher, const char* name, const double* position,
+                                          const double* orientation, int32_t lost, uint32_t* handle,
+                                          collided_error* error);
 COLLIDED_API int collided_publisher_remove(collided_publisher* publisher, uint32_t handle, collided_error* error);
 /* The newest poses of `count` objects, sent by the next flush: positions three numbers each, orientations (w x y z) four,
  * null: as the world's axes. The first that is refused ends the call; those before it are taken. */

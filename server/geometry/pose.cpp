@@ -58,6 +58,15 @@ Vec3 place(const Frame& frame, const Vec3& point) {
   return placed;
 }
 
+Pose composed(const Pose& a, const Pose& b) {
+  return {.position = place(frame_of(a), b.position), .rotation = (a.rotation * b.rotation).normalized()};
+}
+
+Pose inverse(const Pose& pose) {
+  const Quat back = pose.rotation.conjugate().normalized();
+  return {.position = -place(frame_of({.position = Vec3::Zero(), .rotation = back}), pose.position), .rotation = back};
+}
+
 Sphere place(const Frame& frame, const Sphere& sphere) { return {place(frame, sphere.center), sphere.radius_m}; }
 
 Box place(const Frame& frame, const Box& box) {

@@ -21,6 +21,10 @@ struct Frame {
 /// Divides the quaternion by its norm, in double, unless that is 1 already but for its own rounding.
 Frame frame_of(const Pose& pose);
 
+/// a then b, as one pose: b's frame is given in a's. Rounded in double.
+Pose composed(const Pose& a, const Pose& b);
+Pose inverse(const Pose& pose);
+
 /// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the result
 /// is the world point, and later decisions are exact about it.
 Vec3 place(const Frame& frame, const Vec3& point);

@@ -9,7 +9,9 @@
 
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/questions/validation.hpp"
 #include "server/service/runtime/out_of_memory.hpp"
+#include "server/world/solids/declared.hpp"
 
 namespace collided::engine::service {
 
@@ -147,12 +149,27 @@ void WorldLoop::take(Arrival& arrival) {
   }
 }
 
+/// Makes the mesh that a publisher sent solid, where it has one, or has the definition refused.
+void WorldLoop::declare_solid(DefinitionSample& sample) const {
+  const auto& mesh = std::get<Shape>(sample.shape).mesh;
+  if (!mesh) return;
+  DeclaredMesh declared = declare_solid_at_once(mesh);
+  if (!declared.solid) {
+    sample.shape = Refusal{"it is not solid: " + declared.refusal};
+    return;
+  }
+  if (!declared.warning.empty()) with_.notice("object " + printable(sample.name) + ": " + declared.warning);
+  sample.indexed = std::move(declared.indexed);
+  sample.solid = std::move(declared.solid);
+}
+
 void WorldLoop::take(DefinitionSample& sample) {
   const std::int64_t now_ns = with_.clock.now_ns();
   if (!sample.removed && !sample.claims) {
     DecodedShape decoded = decode_shape(std::as_bytes(std::span(sample.shape_bytes)));
     if (decoded.shape) {
       sample.shape = std::move(*decoded.shape);
+      if (decoded.is_solid) declare_solid(sample);
     } else {
       sample.shape = Refusal{std::move(decoded.refusal)};
     }

@@ -261,6 +261,7 @@ bool World::remove(ObjectId id, EndReason reason) {
   s.forget_stale(id);
   const std::uint32_t source = s.rows.source(slot_of(id));
   if (source != Sources::kResting) s.sources.remove_object(source);
+  s.has_lost_attached = s.has_lost_attached || s.attachments.find(id) != nullptr || s.attachments.is_parent(id);
   s.rows.remove(id);
   return true;
 }
@@ -278,7 +279,9 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, boo
     if (of.is_timed) at.since_ns = is_streamed ? at.time_ns - kStreamGapNs : of.instant_before(at.time_ns);
     sources.note_posed(source, teleport || rows.is_new(slot) || at.since_ns >= at.time_ns);
   }
-  return rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved);
+  if (!rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved)) return false;
+  if (!attachments.empty()) carry(id, pose, time_ns, teleport, is_streamed);
+  return true;
 }
 
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
@@ -317,22 +320,24 @@ void World::State::forget_stale(ObjectId id) {
   std::erase_if(stale_objects, [&](const StaleObject& object) { return object.id == id; });
 }
 
-void World::set_stale(ObjectId id, bool is_stale) {
-  State& s = *state_;
-  if (s.rows.find(id) == nullptr) return;
-  const ObjectRow& row = s.rows[slot_of(id)];
+void World::set_stale(ObjectId id, bool is_stale) { state_->set_stale(id, is_stale); }
+
+void World::State::set_stale(ObjectId id, bool is_stale) {
+  if (rows.find(id) == nullptr) return;
+  const ObjectRow& row = rows[slot_of(id)];
   if (row.is_stale == is_stale) return;
-  s.rows.set_stale(slot_of(id), is_stale);
-  s.lost.emplace_back(id, is_stale);
-  if (!is_stale) return s.forget_stale(id);
+  rows.set_stale(slot_of(id), is_stale);
+  lost.emplace_back(id, is_stale);
+  attachments.for_each_child(id, [&](const AttachedObject& attached) { set_stale(attached.child, is_stale); });
+  if (!is_stale) return forget_stale(id);
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
   const double travel_m = (row.frame.position - row.frame_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
-  s.stale_objects.push_back({.id = id,
-                             .position = row.frame.position,
-                             .reach_m = row.reach_m,
-                             .speed_mps = has_speed ? travel_m / motion_s : 0,
-                             .posed_ns = row.posed_ns});
+  stale_objects.push_back({.id = id,
+                           .position = row.frame.position,
+                           .reach_m = row.reach_m,
+                           .speed_mps = has_speed ? travel_m / motion_s : 0,
+                           .posed_ns = row.posed_ns});
 }
 
 std::variant<ObjectId, Refusal> World::add_fence(const FenceDefinition& definition) {

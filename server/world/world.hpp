@@ -12,6 +12,7 @@
 
 #include "server/intake/scene.hpp"
 #include "server/world/events/events.hpp"
+#include "server/world/objects/attachments.hpp"
 #include "server/world/objects/object.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/pose_memory.hpp"
@@ -86,6 +87,13 @@ struct StepOptions {
 struct IndexedScene {
   Scene scene;  // without its triangles and saved indexes
   std::shared_ptr<StaticScene> geometry;
+};
+
+/// An attachment that is over since one of the two objects is no longer there.
+struct EndedAttachment {
+  std::string child;
+  std::string parent;
+  bool is_child_there = false;  // where the parent had it last
 };
 
 struct FenceDefinition;  // fences/fence.hpp
@@ -173,6 +181,18 @@ class World {
   /// are allowed now, and begins those of pairs that touch and are no longer.
   void set_pair_rules(std::vector<PairRule> rules);
   std::vector<PairRule> pair_rules() const;
+
+  /// Has an object of no publisher move along with another one from now on, until one of the two is removed: where that
+  /// one goes, it keeps its place relative to it. Refuses an object that is attached already, one with a publisher, one
+  /// that stands still, and a circle.
+  ///
+  /// in_parent  that place, as a pose in the parent's frame; nothing: as it is now
+  std::optional<Refusal> attach(ObjectId child, ObjectId parent, const std::optional<Pose>& in_parent = {});
+  /// It stays where it is. False: it is not attached.
+  bool detach(ObjectId child);
+  const Attachments& attachments() const;
+  /// Those that ended with a removed object, since the last call.
+  std::vector<EndedAttachment> take_ended_attachments();
   /// Null: no such object.
   const ObjectInfo* info(ObjectId id) const;
   const ObjectTable& objects() const;

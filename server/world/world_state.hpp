@@ -40,6 +40,9 @@ struct World::State {
   std::int64_t last_step_ns = 0;
   std::shared_ptr<const PairRules> pair_rules;  // null: none
   bool has_new_pair_rules = false;              // since the last step
+  Attachments attachments;
+  bool has_lost_attached = false;  // since the last step an object that is attached, or has some attached, was removed
+  std::vector<EndedAttachment> ended_attachments;
   bool looks_at_all = false;  // the last search was cut short: objects at rest may touch without a contact
 
   StepMotion motion{rows};
@@ -59,6 +62,11 @@ struct World::State {
   // Rules that changed since the last step: ends contacts that are allowed now, and has what may touch looked at again.
   void take_pair_rules();
   void forget_stale(ObjectId id);
+  void set_stale(ObjectId id, bool is_stale);
+  void carry(ObjectId parent, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
+  void give_time_of(std::uint64_t publisher, ObjectId id);
+  void join_parent(ObjectId child, ObjectId parent, bool is_placed);
+  void settle_attachments();
   void gather_covers();
 };
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "client/cli/io.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -114,6 +115,30 @@ TEST_F(ClearanceVerb, CertificatesAreCheckedHere) {
   const Ran lie = collide("clearance a --certificate");
   EXPECT_EQ(lie.code, 3);
   EXPECT_EQ(lie.out, "");
+}
+
+// The server tells how far it is, and whoever waits may end it there.
+TEST_F(ClearanceVerb, CtrlCEndsALongOneAtTheNextSignOfProgress) {
+  bool was_told = false;
+  fake::server().clearance = [&](const std::string&, const ClearanceOptions& options) {
+    options.progress(0.25);
+    was_told = true;
+    cli::stop_requested = true;
+    options.progress(0.5);
+    return next;
+  };
+  EXPECT_EQ(collide("clash").code, 130);
+  EXPECT_TRUE(was_told);
+}
+
+TEST_F(ClearanceVerb, WhatIsNotCoveredLeavesItUndecided) {
+  next.verdict = Verdict::undecided;
+  next.reason = UndecidedReason::not_covered;
+  next.uncovered = Vec3(3, 0, 0);
+  const Ran ran = at_terminal("clearance robot");
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_NE(ran.err.find("what is near 3 0 0 is not covered"), std::string::npos) << ran.err;
+  EXPECT_EQ(collide("clash plant --unit mm").code, 2);
 }
 
 }  // namespace

@@ -54,5 +54,39 @@ TEST_F(RuleVerbs, DenyTakesItBack) {
   EXPECT_EQ(collide("deny a").code, 2);
 }
 
+class AttachVerbs : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().command = [](const std::string& name, const nlohmann::json& arguments, const Shape&) {
+      sent = arguments;
+      sent["command"] = name;
+      if (name == "list")
+        return Result<std::string>(std::string(
+            R"({"objects":[{"name":"crate","id":1,"kind":"box","moving":true,"scene":"","publisher":"","position":[0,0,1],
+                "triangles":0,"layers":1,"stale":false,"attached_to":"arm/hand"}],"count":1,"version":9})"));
+      return Result<std::string>(std::string(R"({"child":"crate","parent":"arm/hand","version":9})"));
+    };
+  }
+  static inline nlohmann::json sent;
+};
+
+TEST_F(AttachVerbs, AttachAndDetachSayWhatMovesWithWhat) {
+  const Ran ran = at_terminal("attach crate arm/hand");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "crate moves along with arm/hand  (world 9)\n");
+  EXPECT_EQ(ran.err, "undo: collide detach 'crate'\n");
+  EXPECT_EQ(sent["command"], "attach");
+  EXPECT_EQ(sent["child"], "crate");
+  EXPECT_EQ(sent["parent"], "arm/hand");
+  EXPECT_EQ(collide("attach crate arm/hand --json").out, "{\"child\":\"crate\",\"parent\":\"arm/hand\",\"world\":9}\n");
+  EXPECT_EQ(at_terminal("detach crate").out, "crate no longer moves along with arm/hand  (world 9)\n");
+  EXPECT_EQ(sent["command"], "detach");
+  EXPECT_EQ(collide("attach crate").code, 2);
+  EXPECT_EQ(collide("detach").code, 2);
+  EXPECT_NE(at_terminal("ls").out.find("yes, with arm/hand"), std::string::npos);
+  EXPECT_NE(collide("ls --json").out.find("\"attached_to\":\"arm/hand\""), std::string::npos);
+}
+
 }  // namespace
 }  // namespace collided

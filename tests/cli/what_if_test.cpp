@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -99,6 +102,40 @@ TEST_F(WhatIfVerb, OptionsBecomeWhatTheLibraryTakes) {
                             "what-if - --attach =hand", "what-if /no/such/file"}) {
     EXPECT_EQ(with_input(words, kPlan).code, 2) << words;
   }
+}
+
+// A robot of one joint that slides along x, so that its position is where the link is.
+TEST_F(WhatIfVerb, ARobotsJointsBecomePosesOfItsLinks) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "slider.urdf";
+  std::ofstream(file) << R"(<robot name="slider"><link name="rail"/><link name="cart"/><link name="lamp"/>
+    <joint name="drive" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="2" effort="1" velocity="1"/></joint>
+    <joint name="post" type="fixed"><parent link="cart"/><child link="lamp"/><origin xyz="0 0 1"/></joint></robot>)";
+  std::string asked_for;
+  fake::server().command = [&](const std::string& name, const nlohmann::json& arguments, const Shape&) {
+    asked_for = name + " " + arguments.value("name", "");
+    const auto row = [](const std::string& link) {
+      return R"({"name":"slider/)" + link + R"(","id":1,"kind":"box","moving":true,"scene":"slider","publisher":"",
+                "position":[0,0,0],"triangles":0,"layers":1,"stale":false})";
+    };
+    return Result<std::string>(R"({"count":2,"version":3,"objects":[)" + row("lamp") + "," + row("cart") + "]}");
+  };
+  const std::string words = "what-if --robot " + file.string() + " --joints - --at 0,5,0 ";
+  const Ran ran = with_input(words, "config,drive\nleft,50cm\nright,1.5\nstays,\nbeyond,3\n");
+  EXPECT_EQ(asked_for, "list slider/*");
+  EXPECT_EQ(ran.code, 6) << ran.err;
+  EXPECT_EQ(ran.out, "left\tfree\t\t\t\nright\ttouching\tslider/cart\twall\t\nstays\ttouching\tslider/cart\twall\t\n");
+  EXPECT_NE(ran.err.find("stdin line 5: joint 'drive': 3 m is beyond its limits, allowed 0 to 2"), std::string::npos)
+      << ran.err;
+  EXPECT_EQ(last.objects, (std::vector<std::string>{"slider/cart", "slider/lamp"}));
+  ASSERT_EQ(last.poses.size(), 6u);
+  EXPECT_EQ(last.poses[0].position, Vec3(0.5, 5, 0));
+  EXPECT_EQ(last.poses[1].position, Vec3(0.5, 5, 1));
+  EXPECT_EQ(with_input(words + "--beyond-limits", "drive\n3\n").code, 1);
+  EXPECT_EQ(with_input(words, "drv\n3\n").code, 2);
+  EXPECT_EQ(with_input("what-if --robot " + file.string(), "").code, 2);
+  EXPECT_EQ(with_input("what-if plan.csv --joints -", "").code, 2);
+  EXPECT_EQ(with_input("what-if - --beyond-limits", kPlan).code, 2);
 }
 
 }  // namespace

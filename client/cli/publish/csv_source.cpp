@@ -39,12 +39,14 @@ class CsvSource : public MotionSource {
   }
 
   std::size_t move(Publisher& publisher) override {
+    const std::size_t known = objects_.size();
     for (const PoseRow& row : frame_) {
       auto found = objects_.find(row.name);
       if (found == objects_.end())
         found = objects_.emplace(row.name, take(publisher.add(definition(row.name, row.pose)))).first;
       moved(publisher.move(found->second, row.pose));
     }
+    if (options_.objects.solid && objects_.size() > known) take(publisher.wait_applied(kPatience));
     has_own_instants_ = has_own_instants_ || frame_.size() < objects_.size();
     return frame_.size();
   }
@@ -108,6 +110,7 @@ class CsvSource : public MotionSource {
     object.layers = options_.objects.layers;
     object.mask = options_.objects.mask;
     object.lost_policy = options_.objects.lost_policy;
+    object.solid = options_.objects.solid;
     return object;
   }
 

@@ -30,6 +30,11 @@ void JointCsv::take_header() {
   for (const std::string& cell : cells_) {
     if (std::count(cells_.begin(), cells_.end(), cell) > 1)
       throw bad_use(fmt::format("{}column '{}' stands twice", where, printable(cell)));
+    if (has_configs_ && cell == "config" && !robot_.find_joint(cell)) {
+      config_cell_ = joint_of_cell_.size();
+      joint_of_cell_.push_back(std::nullopt);
+      continue;
+    }
     const bool is_time = is_time_column(cell);
     const std::optional<std::size_t> joint = robot_.find_joint(cell);
     if (!is_time && !joint) {
@@ -52,6 +57,10 @@ void JointCsv::read(JointRow& row) {
     throw bad_use(fmt::format("{} cells, {} are needed", cells_.size(), joint_of_cell_.size()));
   row = {};
   for (std::size_t at = 0; at < cells_.size(); ++at) {
+    if (at == config_cell_) {
+      row.config = cells_[at];
+      continue;
+    }
     const RobotJoint* const joint = joint_of_cell_[at] ? &robot_.joints()[*joint_of_cell_[at]] : nullptr;
     if (joint != nullptr && cells_[at].empty()) continue;
     double value = 0;

@@ -13,6 +13,7 @@ namespace collided::cli {
 /// A row of joint positions.
 struct JointRow {
   std::optional<double> time_s;
+  std::string config;  // what it is called; empty: it is not
   std::vector<JointValue> joints;
 };
 
@@ -24,7 +25,9 @@ class JointCsv {
   enum class Found { row, refused, end };
 
   /// robot  whose joints the header may name; must outlive this
-  JointCsv(const InputFile& file, const Robot& robot) : file_(file), robot_(robot), lines_(file.descriptor()) {}
+  /// has_configs  a column config, where there is one, names the rows
+  JointCsv(const InputFile& file, const Robot& robot, bool has_configs = false)
+      : file_(file), robot_(robot), has_configs_(has_configs), lines_(file.descriptor()) {}
 
   /// Reads the next row. Where it is refused, `refusal` says why: "joints.csv line 7: 'nan' in column elbow". Throws
   /// Failure where the header names no joint of the robot, or one twice.
@@ -39,11 +42,13 @@ class JointCsv {
 
   const InputFile& file_;
   const Robot& robot_;
+  bool has_configs_;
   LineReader lines_;
   bool started_ = false;
   bool has_time_ = false;
   char separator_ = ',';
-  std::vector<std::optional<std::size_t>> joint_of_cell_;  // none: the time
+  std::vector<std::optional<std::size_t>> joint_of_cell_;  // none: the time, or the name
+  std::optional<std::size_t> config_cell_;
   std::string text_;
   std::vector<std::string> cells_;
 };

@@ -57,7 +57,9 @@ class PathSource : public MotionSource {
     object.layers = options_.objects.layers;
     object.mask = options_.objects.mask;
     object.lost_policy = options_.objects.lost_policy;
+    object.solid = options_.objects.solid;
     object_ = take(publisher.add(object));
+    if (object.solid) take(publisher.wait_applied(kPatience));
   }
 
   std::optional<double> next_time() override {

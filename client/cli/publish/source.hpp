@@ -19,7 +19,11 @@ struct ObjectTexts {
   std::uint32_t layers = 1;
   std::uint32_t mask = 0xffffffff;
   LostPolicy lost_policy = LostPolicy::remove;
+  bool solid = false;  // their meshes are borders of solids
 };
+
+/// How long the server may take to say whether it has taken an object.
+inline constexpr std::chrono::seconds kPatience{5};
 
 /// Throws Failure where the library refused a pose. A pose that could not be sent is kept and goes with the next flush,
 /// where the loop counts what a silent server misses.

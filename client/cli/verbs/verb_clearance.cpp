@@ -1,13 +1,19 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/answer_output.hpp"
+#include "client/cli/output/progress.hpp"
 #include "client/cli/output/readable.hpp"
+#include "client/cli/own_server.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/clearance_output.hpp"
 
@@ -43,7 +49,20 @@ class GroupCommand : public Command {
     options.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
     options.timeout = timeout_of(globals, std::chrono::seconds(60));
     const std::string from = adjust(options);
+    if (const std::string file = file_in(from); !file.empty()) return ask_file(session, globals, file, options);
+    return ask(session, globals, from, options);
+  }
+
+ protected:
+  /// Asks and prints.
+  Exit ask(Session& session, const Globals& globals, const std::string& from, ClearanceOptions& options) {
+    Progress progress(session.io, globals);
+    options.progress = [&](double fraction) {
+      if (stop_requested) throw Failure(Exit::interrupted, "");
+      progress.show(0, "looking at pairs", fraction);
+    };
     const ClearanceAnswer answer = take(session.client(globals).clearance(from, options));
+    progress.clear();
     check_certificates(answer.pairs);
     Printer printer = make_printer(session.io, globals);
     print_clearance(printer, answer, certificate_);
@@ -53,11 +72,36 @@ class GroupCommand : public Command {
     return exit_of(answer);
   }
 
- protected:
+  /// Asks a server of its own, which reads the file and ends with the answer: the other one's world stays as it is.
+  Exit ask_file(Session& session, const Globals& globals, const std::string& file, ClearanceOptions& options) {
+    const auto own_id = static_cast<unsigned>(::getpid());
+    ConnectOptions where = connect_options(session.io, globals);
+    where.name_space = fmt::format("clash_{}", own_id);
+    Globals its_own = globals;
+    its_own.domain = std::to_string(where.domain);
+    its_own.name_space = where.name_space;
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("collide-clash-{}", own_id);
+    std::vector<std::string> words = reading_words();
+    words.insert(words.end(), {"--state-dir", folder.string(), std::filesystem::absolute(file).string()});
+    const std::shared_ptr<void> cleaning(nullptr, [&](void*) {
+      std::error_code ignored;
+      std::filesystem::remove_all(folder, ignored);
+    });
+    OwnServer server(session.io, where, words);
+    Session with_it(session.io);
+    server.meet(with_it, its_own);
+    options.to = "*";
+    return ask(with_it, its_own, "*", options);
+  }
+
   virtual void declare_own(CLI::App& app) = 0;
   virtual std::string nearer_help() const = 0;
   /// Sets the options of its own; returns the first group.
   virtual std::string adjust(ClearanceOptions& options) = 0;
+  /// The file that the group names instead; empty: it names objects.
+  virtual std::string file_in(const std::string&) const { return {}; }
+  virtual std::vector<std::string> reading_words() const { return {}; }
   bool has_nearer() const { return !nearer_.empty(); }
   std::uint32_t most_told(const std::string& text) const {
     const std::uint64_t most = certificate_ ? kMostCertificates : kMostPairs;
@@ -91,6 +135,10 @@ class GroupCommand : public Command {
       print_hint(io, globals, "cut: more pairs are so near than are told here; -k tells more, up to 10000");
     if (answer.late)
       print_hint(io, globals, "the deadline was over: some pairs were not looked at, and a nearer one may be missing");
+    else if (answer.uncovered)
+      print_hint(io, globals,
+                 fmt::format("what is near {} is not covered: something that is not loaded may be nearer",
+                             readable_point(*answer.uncovered, 0, Digits::rounded)));
     else if (answer.stale)
       print_hint(io, globals, "an object of a lost publisher may by now be nearer than is told here");
     if (answer.filtered > 0)
@@ -106,7 +154,7 @@ class GroupCommand : public Command {
                            std::count_if(answer.pairs.begin(), answer.pairs.end(), is_proved), answer.pairs.size()));
   }
   static Exit exit_of(const ClearanceAnswer& answer) {
-    if (answer.verdict == Verdict::undecided || answer.late) return Exit::undecided;
+    if (answer.verdict == Verdict::undecided || answer.late || answer.uncovered) return Exit::undecided;
     return answer.pairs.empty() ? Exit::no : Exit::yes;
   }
 
@@ -143,7 +191,9 @@ class ClearanceCommand : public GroupCommand {
 class ClashCommand : public GroupCommand {
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("group", of_, "A scene, or a glob of objects (everything)");
+    app.add_option("group", of_, "A scene, a glob of objects (everything), or a file, which a server of its own reads");
+    app.add_option("--unit", unit_, "Of the file: m, mm, cm, km, um, in, ft, or metres a unit (m)");
+    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)");
     app.add_option("-k", count_, "At most so many pairs, the nearest (10000)");
   }
   std::string nearer_help() const override { return "Pairs nearer than this too: 5mm (0: only those that touch)"; }
@@ -153,9 +203,26 @@ class ClashCommand : public GroupCommand {
     options.most = most_told(count_);
     return of_;
   }
+  /// A file is named with its ending, as no scene is.
+  std::string file_in(const std::string& group) const override {
+    std::error_code failed;
+    const std::filesystem::path path(group);
+    const bool is_file = path.has_extension() && std::filesystem::is_regular_file(path, failed);
+    if (!is_file && (!unit_.empty() || !up_.empty()))
+      throw bad_use(fmt::format("--unit and --up go with a file; {} is none", printable(group)));
+    return is_file ? group : std::string();
+  }
+  std::vector<std::string> reading_words() const override {
+    std::vector<std::string> words;
+    if (!unit_.empty()) words.insert(words.end(), {"--unit", unit_});
+    if (!up_.empty()) words.insert(words.end(), {"--up", up_});
+    return words;
+  }
 
   std::string of_ = "*";
   std::string count_;
+  std::string unit_;
+  std::string up_;
 };
 
 }  // namespace

@@ -87,9 +87,9 @@ class CompleteCommand : public PassOn {
     const std::string& before = words_.back();
     const bool wants_object = before == "--only" || before == "--skip" || before == "--on" || before == "--to" ||
                               before == "--against" || before == verb.name || verb.name == "pair" ||
-                              verb.name == "rm" || verb.name == "allow" || verb.name == "deny";
-    constexpr std::array<std::string_view, 9> kByName{"allow", "clash", "clearance", "deny", "get",
-                                                      "ls",    "move",  "pair",      "rm"};
+                              verb.name == "rm" || verb.name == "allow" || verb.name == "deny" || verb.name == "attach";
+    constexpr std::array<std::string_view, 11> kByName{"allow", "attach", "clash", "clearance", "deny", "detach",
+                                                       "get",   "ls",     "move",  "pair",      "rm"};
     const bool takes_object = std::ranges::find(kByName, verb.name) != kByName.end();
     const bool is_option = before.starts_with("-");
     return wants_object && (takes_object || is_option) ? objects(session, globals) : std::vector<std::string>();

@@ -1,10 +1,3 @@
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <csignal>
-#include <cstring>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -12,51 +5,11 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
-#include "client/cli/sibling_program.hpp"
+#include "client/cli/own_server.hpp"
 #include "client/cli/verbs/undo.hpp"
 
 namespace collided::cli {
 namespace {
-
-/// A program that runs beside this one and ends with it.
-class Child {
- public:
-  explicit Child(std::vector<std::string> words) {
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    id_ = ::fork();
-    if (id_ < 0) throw Failure(Exit::refused, fmt::format("{} cannot be started: {}", words[0], std::strerror(errno)));
-    if (id_ > 0) return;
-    // Ctrl-C reaches the whole terminal; this program ends its child itself, in order.
-    ::setpgid(0, 0);
-    // It says how to ask it, and so does the demo; what goes wrong comes by its standard error.
-    const int nowhere = ::open("/dev/null", O_WRONLY);
-    ::dup2(nowhere < 0 ? STDERR_FILENO : nowhere, STDOUT_FILENO);
-    ::execvp(pointers[0], pointers.data());
-    ::_exit(127);
-  }
-  ~Child() {
-    if (ended()) return;
-    ::kill(id_, SIGTERM);
-    while (::waitpid(id_, &status_, 0) < 0 && errno == EINTR) {}
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  std::uint32_t id() const { return static_cast<std::uint32_t>(id_); }
-  bool ended() {
-    if (!ended_) ended_ = ::waitpid(id_, &status_, WNOHANG) == id_;
-    return ended_;
-  }
-  /// Of a child that ended.
-  int exit_code() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_); }
-
- private:
-  pid_t id_ = 0;
-  int status_ = 0;
-  bool ended_ = false;
-};
 
 class DemoCommand : public Command {
  public:
@@ -67,9 +20,8 @@ class DemoCommand : public Command {
         for_.empty() ? std::nullopt : std::optional(parse_duration(for_));
     const auto begun = std::chrono::steady_clock::now();
     const ConnectOptions where = connect_options(session.io, globals);
-    Child server({sibling_program(session.io, "COLLIDED_SERVER", "collided"), "--log", "error", "--domain",
-                  std::to_string(where.domain), "--namespace", where.name_space});
-    meet(server, session, globals);
+    OwnServer server(session.io, where, {});
+    server.meet(session, globals);
     tell(session, where);
     while (!stop_requested && !server.ended() && !(time && std::chrono::steady_clock::now() - begun > *time))
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -79,25 +31,6 @@ class DemoCommand : public Command {
   }
 
  private:
-  /// Waits until the server answers.
-  static void meet(Child& server, Session& session, const Globals& globals) {
-    for (;;) {
-      if (stop_requested) throw Failure(Exit::interrupted, "");
-      if (server.ended()) {
-        throw Failure(Exit::refused, fmt::format("the server did not start ({})", server.exit_code()),
-                      "it is the program collided; COLLIDED_SERVER may name it");
-      }
-      try {
-        // Until ours runs another one may answer, and then ours ends and says so.
-        const ServerStatus status = take(session.client(globals).status());
-        if (status.state == "ready" && status.pid == server.id()) return;
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      } catch (const Failure& failure) {
-        if (failure.code != Exit::no_server) throw;
-      }
-    }
-  }
-
   static void tell(Session& session, const ConnectOptions& where) {
     Client& client = session.client({});
     std::ostream& out = session.io.out;

@@ -33,7 +33,7 @@ class PublishCommand : public Command {
   void declare(CLI::App& app) override {
     app.add_option("file", file_, "Poses (.csv, -), a motion capture (.bvh) or, with --joints, a robot (.urdf)");
     declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
-    declare_group(app, "Objects", {"--shape", "--name", "--layers", "--mask", "--when-lost", "--as"});
+    declare_group(app, "Objects", {"--shape", "--name", "--solid", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
     declare_group(app, "Robot", {"--joints", "--at", "--rpy", "--beyond-limits", "--package"});
     declare_group(app, "Spheres in a cube",
@@ -108,6 +108,7 @@ class PublishCommand : public Command {
     ObjectTexts objects;
     if (given("--layers")) objects.layers = parse_bits(text("--layers"));
     if (given("--mask")) objects.mask = parse_bits(text("--mask"));
+    objects.solid = setting("--solid").flag;
     const std::string& lost = text("--when-lost");
     if (lost == "freeze") objects.lost_policy = LostPolicy::freeze;
     else if (lost == "hold") objects.lost_policy = LostPolicy::hold;
@@ -227,8 +228,8 @@ class PublishCommand : public Command {
     return make_path_source(std::move(points), setting("--loop").flag, options);
   }
 
-  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",        "--bounce",
-                                             "--as-asked", "--face", "--beyond-limits"};
+  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",         "--bounce",
+                                             "--as-asked", "--face", "--beyond-limits", "--solid"};
 
   std::string file_;
   std::vector<Setting> settings_{
@@ -242,6 +243,9 @@ class PublishCommand : public Command {
       {"--name",
        {Kind::recording, Kind::robot, Kind::spheres, Kind::path},
        "Of the object or the robot's scene, or what its parts' names begin with"},
+      {"--solid",
+       {Kind::poses, Kind::path},
+       "The mesh of --shape is the border of a solid; refused where it does not close"},
       {"--layers", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers the objects are in: bits (1)"},
       {"--mask", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers that they meet: bits (all)"},
       {"--when-lost", {}, "If this publisher is lost: remove (default; robots: freeze), freeze or hold"},

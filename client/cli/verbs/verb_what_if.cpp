@@ -1,9 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/configuration_reader.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/robot_configurations.hpp"
+#include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/output/readable.hpp"
@@ -38,6 +42,13 @@ class WhatIfCommand : public Command {
     app.add_flag("--with-filtered", options_.with_filtered,
                  "Also pairs that masks and groups let pass through each other");
     app.add_option("--attach", attached_, "Moves along in thought: crate=robot/hand; may be given again");
+    app.add_option("--robot", robot_path_, "A robot (.urdf) of the world, whose links are moved by --joints");
+    app.add_option("--joints", joints_path_,
+                   "Positions of its joints (.csv, -): config and the names of joints, rad and m");
+    app.add_option("--name", place_.scene, "Scene that the robot was loaded as (the stem of its file)");
+    app.add_option("--at", at_, "Where its root link stands: 1,2,0");
+    app.add_option("--rpy", rpy_, "Roll, pitch and yaw of its root link: 0,0,90deg");
+    app.add_flag("--beyond-limits", place_.beyond_limits, "Take positions beyond the joints' limits");
     app.add_option("--deadline", deadline_, "Configurations not answered by then are undecided: 5s");
     app.add_option("--importance", importance_, "low: refused first by an overloaded server; high: never (normal)");
     app.add_option("--as-of", as_of_,
@@ -46,12 +57,39 @@ class WhatIfCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (files_.size() != 1)
+    check_source();
+    read_options(globals);
+    const InputFile file(has_robot() ? joints_path_ : files_[0], session.io.in);
+    if (!has_robot()) {
+      ConfigurationReader reader(file);
+      return ask_all(session, globals, reader);
+    }
+    const Robot robot = take(Robot::read(robot_path_));
+    if (place_.scene.empty()) place_.scene = std::filesystem::path(robot_path_).stem().string();
+    place_.base = parse_pose(at_, rpy_, {});
+    print_warning(session.io, angle_warning("--rpy", rpy_));
+    const RobotObjects objects = take(robot_objects(session.client(globals), robot, place_.scene));
+    RobotConfigurations reader(file, robot, objects, place_);
+    return ask_all(session, globals, reader);
+  }
+
+ private:
+  bool has_robot() const { return !robot_path_.empty() || !joints_path_.empty(); }
+
+  void check_source() const {
+    if (has_robot() && (robot_path_.empty() || joints_path_.empty()))
+      throw bad_use("--robot and --joints go together", "collide what-if --robot arm.urdf --joints plan.csv");
+    if (has_robot() && !files_.empty())
+      throw bad_use(fmt::format("{} beside --joints: configurations come from one file", printable(files_[0])));
+    if (!has_robot() && (!place_.scene.empty() || !at_.empty() || !rpy_.empty() || place_.beyond_limits))
+      throw bad_use("--name, --at, --rpy and --beyond-limits go with --robot");
+    if (!has_robot() && files_.size() != 1)
       throw bad_use(fmt::format("{} files; one is needed, or - for standard input", files_.size()),
                     "collide what-if plan.csv --against 'cell/*'");
-    read_options(globals);
-    const InputFile file(files_[0], session.io.in);
-    ConfigurationReader reader(file);
+  }
+
+  template <class Reader>
+  Exit ask_all(Session& session, const Globals& globals, Reader& reader) {
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields({"config", "answer", "a", "b", "clearance"});
     Progress progress(session.io, globals);
@@ -73,7 +111,6 @@ class WhatIfCommand : public Command {
     return counts_.undecided > 0 ? Exit::undecided : Exit::yes;
   }
 
- private:
   struct AnswerTally {
     std::size_t free = 0;
     std::size_t touching = 0;
@@ -100,7 +137,8 @@ class WhatIfCommand : public Command {
   }
 
   /// Reads up to one request; false: there was nothing left.
-  bool read_some(Session& session, ConfigurationReader& reader) {
+  template <class Reader>
+  bool read_some(Session& session, Reader& reader) {
     ids_.clear();
     configurations_.poses.clear();
     bool has_any = false;
@@ -108,6 +146,7 @@ class WhatIfCommand : public Command {
       auto next = reader.next();
       if (!next) return has_any;
       has_any = true;
+      warn_of(session, reader);
       if (!next->refusal.empty()) {
         ++counts_.refused;
         session.io.err << "error: " << next->refusal << "; this configuration was not asked about\n";
@@ -117,6 +156,14 @@ class WhatIfCommand : public Command {
       configurations_.poses.insert(configurations_.poses.end(), next->poses.begin(), next->poses.end());
     }
     return has_any;
+  }
+
+  static void warn_of(Session&, const ConfigurationReader&) {}
+  void warn_of(Session& session, const RobotConfigurations& reader) {
+    constexpr std::size_t kMostSaid = 10;
+    for (const std::string& warning : reader.warnings()) {
+      if (++warned_ <= kMostSaid) print_warning(session.io, warning);
+    }
   }
 
   void print(Printer& printer, const WhatIfAnswers& answers) {
@@ -171,6 +218,12 @@ class WhatIfCommand : public Command {
 
   std::vector<std::string> files_;
   std::vector<std::string> attached_;
+  std::string robot_path_;
+  std::string joints_path_;
+  std::string at_;
+  std::string rpy_;
+  RobotPlace place_;
+  std::size_t warned_ = 0;
   std::string nearer_;
   std::string mask_;
   std::string deadline_;

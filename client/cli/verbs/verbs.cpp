@@ -60,10 +60,12 @@ constexpr Verb kVerbs[] = {
      "clearance GROUP [--to GROUP]",
      "clearance 'robot/*' --to 'cell/*'\nclearance 'robot/*' -k 5\nclearance 'robot/*' --to cell --nearer 5mm --json",
      make_clearance},
-    {"clash", "Ask", "all pairs of a scene or group that touch, or are too near", "clash [SCENE|GLOB]",
-     "clash\nclash plant --nearer 5mm --csv\nclash 'pipe_*' --certificate", make_clash},
-    {"what-if", "Ask", "whether objects would be free at other poses, and how near to the rest", "what-if FILE|-",
-     "what-if plan.csv --against 'cell/*'\nwhat-if plan.csv --clearance --json\nwhat-if - --attach crate=robot/hand < "
+    {"clash", "Ask", "all pairs of a scene or group that touch, or are too near", "clash [SCENE|GLOB|FILE]",
+     "clash\nclash plant --nearer 5mm --csv\nclash plant.glb --nearer 5mm\nclash 'pipe_*' --certificate", make_clash},
+    {"what-if", "Ask", "whether objects would be free at other poses, and how near to the rest",
+     "what-if FILE|-\nwhat-if --robot FILE.urdf --joints FILE.csv|-",
+     "what-if plan.csv --against 'cell/*'\nwhat-if plan.csv --clearance --json\nwhat-if --robot arm.urdf --joints "
+     "plan.csv\nwhat-if - --attach crate=robot/hand < "
      "plan.jsonl",
      make_what_if},
     {"watch", "Follow", "collisions as they begin and end", "watch",
@@ -116,6 +118,10 @@ constexpr Verb kVerbs[] = {
      "allow arm/upper arm/fore --because 'they share a joint'\nallow 'cable_*' '*'\nallow", make_allow},
     {"deny", "Change", "take back that pairs may touch", "deny GLOB GLOB",
      "deny arm/upper arm/fore\ndeny 'human_*' '*'", make_deny},
+    {"attach", "Change", "an object that moves along with another", "attach CHILD PARENT", "attach crate robot/hand",
+     make_attach},
+    {"detach", "Change", "an object that moves along with another no longer", "detach CHILD", "detach crate",
+     make_detach},
     {"accept-loss", "Change", "go on without what a crash or a damaged disk took", "accept-loss",
      "accept-loss --show\naccept-loss", make_accept_loss},
     {"menu", "Look", "this scene's price list: error against time", "menu\nmenu --from FILE|- --of KIND",

@@ -234,6 +234,8 @@ class RemoveCommand : public Command {
     if (ended > 0) line += fmt::format("; it had {}, ended (removed)", counted(ended, "open contact"));
     print_done(session, globals, answer, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}},
                line);
+    if (const std::vector<std::string> detached = texts_of(answer, "detached"); !detached.empty())
+      print_hint(session.io, globals, fmt::format("attached to it until now, and still there: {}", joined(detached)));
     if (!removed.empty()) print_undo(session, globals, undo);
     return removed.size();
   }

@@ -201,7 +201,8 @@ class ListCommand : public Command {
       printer.row(
           {"OBJECT", "KIND", "MOVES", "AT", "FROM"},
           {printable(text_of(object, "name")), printable(text_of(object, "kind")),
-           std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
+           std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : "") +
+               (text_of(object, "attached_to").empty() ? "" : ", with " + printable(text_of(object, "attached_to"))),
            position.given ? readable_point(position.value, 0, printer.digits()) : std::string(), printable(from)});
       return;
     }
@@ -214,7 +215,8 @@ class ListCommand : public Command {
                     {"position", vector_of(object, "position")},
                     {"triangles", count_of(object, "triangles")},
                     {"layers", count_of(object, "layers")},
-                    {"stale", flag_of(object, "stale")}});
+                    {"stale", flag_of(object, "stale")},
+                    {"attached_to", text_of(object, "attached_to")}});
   }
 
   std::string glob_;
@@ -268,6 +270,7 @@ class GetCommand : public Command {
     line("layers", fmt::format("{:#x}", count_of(object, "layers")));
     line("scene", printable(text_of(object, "scene")));
     line("publisher", printable(text_of(object, "publisher")));
+    line("attached", printable(text_of(object, "attached_to")));
     std::string contacts;
     for (const std::string& contact : texts_of(object, "contacts"))
       contacts += (contacts.empty() ? "" : ", ") + printable(contact);
@@ -275,9 +278,9 @@ class GetCommand : public Command {
   }
 
   static void print_record(Printer& printer, const nlohmann::json& object) {
-    static constexpr std::array<const char*, 15> kKeys{"name",      "id",        "kind",   "moving",   "scene",
-                                                       "publisher", "position",  "pose",   "velocity", "bounds",
-                                                       "shape",     "triangles", "layers", "age_ns",   "contacts"};
+    static constexpr std::array<const char*, 16> kKeys{
+        "name",     "id",     "kind",  "moving",    "scene",  "publisher", "position", "pose",
+        "velocity", "bounds", "shape", "triangles", "layers", "age_ns",    "contacts", "attached_to"};
     Record record;
     for (const char* key : kKeys) {
       const bool given = object.contains(key) && !object[key].is_null();

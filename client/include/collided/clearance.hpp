@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -27,7 +28,10 @@ struct ClearanceOptions {
   bool certificate = false;                          // a proof for each pair: that it touches, or that it is apart
   Instant as_of = {};                                // of all objects; latest: each at its newest pose
   std::chrono::nanoseconds deadline{0};              // on the server; 0: none but the timeout
-  std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
+  std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer; with progress, for each sign of life
+  /// Called ten times a second or less often, on the calling thread, with the fraction of the pairs that were looked at,
+  /// at least; what it throws ends the question.
+  std::function<void(double)> progress = {};
 };
 
 /// One object of the first group and one of the other.
@@ -55,7 +59,8 @@ struct ClearancePair {
 
 /// The nearest pairs of two groups in one state of the world.
 struct ClearanceAnswer {
-  /// hit: a pair touches. Undecided where that is open of a pair, or not all pairs were looked at, and no pair surely
+  /// hit: a pair touches. Undecided where that is open of a pair, or not all pairs were looked at, or it reaches out of what is
+  /// covered, and no pair surely
   /// touches.
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;
@@ -63,11 +68,13 @@ struct ClearanceAnswer {
   bool cut = false;                  // more pairs are within ClearanceOptions::nearer_m than were to be reported
   bool late = false;                 // the deadline was over: a nearer pair may be missing
   bool stale = false;                // an object of a lost publisher may by now be in a pair that is nearer
-  std::uint64_t from_count = 0;      // objects of the first group
-  std::uint64_t to_count = 0;        // and of the other
-  std::uint64_t filtered = 0;        // pairs near enough to be looked at that may pass through each other: left out
-  std::uint64_t tested = 0;          // pairs whose parts were looked at
-  std::uint64_t version = 0;         // of the state
+  /// Without ClearanceOptions::to, where space is stated to be covered: a point that is not, and nearer than what is told.
+  std::optional<Vec3> uncovered = {};
+  std::uint64_t from_count = 0;  // objects of the first group
+  std::uint64_t to_count = 0;    // and of the other
+  std::uint64_t filtered = 0;    // pairs near enough to be looked at that may pass through each other: left out
+  std::uint64_t tested = 0;      // pairs whose parts were looked at
+  std::uint64_t version = 0;     // of the state
 };
 
 }  // namespace collided

@@ -218,6 +218,22 @@ class Client {
   /// Loads a file that the server cannot read, from its bytes; see upload().
   Result<Loaded> load(std::span<const std::byte> bytes, std::string_view file_name, const LoadOptions& options = {},
                       std::function<void(double)> progress = {});
+  /// Lets each object of the first glob touch each of the second: their contacts are none, and those that hold end. The last
+  /// rule that fits a pair decides.
+  ///
+  /// because  for whoever reads the rules
+  Result<RuleChanged> allow(const std::string& a, const std::string& b, const std::string& because = {},
+                            std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  /// Takes such a rule back, and what other rules allow of these two.
+  Result<RuleChanged> deny(const std::string& a, const std::string& b,
+                           std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  /// Has an object that no publisher has move along with another one, at its place relative to that as it is now, until
+  /// it is detached or one of the two is removed. Between two poses of the parent it is swept, and touches what lies there.
+  /// Refused for an object of a publisher, one that stands still, a parent that does, and a circle.
+  Result<Attached> attach(const std::string& child, const std::string& parent,
+                          std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  /// It stays where it is.
+  Result<Attached> detach(const std::string& child, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// Removes scenes, moving objects, or both.
   Result<Cleared> clear(const ClearOptions& options = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 
@@ -227,6 +243,8 @@ class Client {
   Result<ObjectList> list(const ListOptions& options = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// One object in full.
   Result<ObjectDetails> get(const std::string& name, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  /// The rules of which pairs may touch, in their order.
+  Result<std::vector<PairRule>> rules(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// Which structures the server has built for what it holds, which it has left out, and why.
   Result<Plan> plan(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 

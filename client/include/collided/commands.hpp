@@ -41,6 +41,29 @@ struct Removed {
   std::string not_kept = {};  // as in Added
 };
 
+/// The answer of Client::allow and Client::deny.
+struct RuleChanged {
+  std::uint64_t rules = 0;     // how many there are now, of up to 64
+  std::uint64_t a_count = 0;   // objects that match the first glob now
+  std::uint64_t b_count = 0;   // and the second
+  std::uint64_t contacts = 0;  // that ended with it (allow), or began (deny)
+  std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
+};
+/// A rule of which pairs may touch.
+struct PairRule {
+  std::string a, b;     // globs: each object of the first with each of the second
+  std::string because;  // for people; may be empty
+  bool allows = true;   // false: it takes back what earlier rules allow of such a pair
+};
+
+/// The answer of Client::attach and Client::detach.
+struct Attached {
+  std::string parent;  // that the object moves along with, or did
+  std::uint64_t version = 0;
+  std::string not_kept = {};  // as in Added
+};
+
 /// What Client::clear removes.
 struct ClearOptions {
   std::string scene = {};  // only this scene; empty: all of them
@@ -116,6 +139,7 @@ struct ListedObject {
   std::uint64_t triangles = 0;   // number of them
   std::uint32_t layers = 0;      // as in ObjectOptions
   bool stale = false;            // its publisher is lost (LostPolicy::freeze)
+  std::string attached_to = {};  // what it moves along with (Client::attach); empty: nothing
 };
 /// The answer of Client::list.
 struct ObjectList {

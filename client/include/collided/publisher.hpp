@@ -33,8 +33,8 @@ struct ObjectOptions {
   std::uint32_t group = 0;          // objects of one group other than 0 never touch each other
   bool moving = true;               // false: poses of the object are refused
   LostPolicy lost_policy = LostPolicy::remove;  // for a publisher's objects
-  /// Of Client::add: a mesh is the border of a solid, and refused where it does not close. Other shapes always are solid.
-  /// A publisher's meshes are surfaces.
+  /// Its mesh is the border of a solid; the object is refused where that does not close. Other shapes always are solid. Of a
+  /// publisher's objects Publisher::wait_applied() tells the refusal.
   bool solid = false;
 };
 

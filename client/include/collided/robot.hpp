@@ -94,6 +94,33 @@ class Robot {
   std::vector<RobotJoint> joints_;
 };
 
+/// The links of a robot that are objects of the world. Links without a collision shape are none.
+struct RobotObjects {
+  std::vector<std::size_t> links;  // numbers
+  std::vector<std::string> names;  // of the objects, one a link: scene/link
+};
+/// Finds them. Error refused where there are none.
+///
+/// scene  that the robot was loaded as; empty: the robot's name
+Result<RobotObjects> robot_objects(Client& client, const Robot& robot, const std::string& scene = {});
+
+/// Positions of the same joints, one row a configuration.
+struct JointConfigurations {
+  std::vector<std::string> joints;  // those that are not named are at 0, or follow
+  std::vector<double>
+      positions;  // radians or metres; of the first configuration, in the order of the joints, then of the next
+};
+/// Which objects a robot's links are, and where it stands.
+struct RobotPlace {
+  std::string scene = {};      // the links' objects are scene/link; empty: the robot's name
+  Pose base = {};              // of the root link
+  bool beyond_limits = false;  // take positions beyond the joints' limits
+};
+/// Client::what_if for a robot: whether each configuration of its joints is free. Its links in the world stay where they
+/// are. Errors as of Robot::set() and robot_objects(); with one nothing is asked.
+Result<WhatIfAnswers> what_if(Client& client, const Robot& robot, const JointConfigurations& configurations,
+                              const RobotPlace& place = {}, const WhatIfOptions& options = {});
+
 /// Where a robot stands, and whose objects its links are.
 struct PublishedRobotOptions {
   std::string scene = {};                       // the links' objects are scene/link; empty: the robot's name

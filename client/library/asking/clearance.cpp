@@ -47,10 +47,12 @@ ClearanceAnswer read_clearance(const nlohmann::json& text) {
   answer.cut = text.value("cut", false);
   answer.late = text.value("late", false);
   answer.stale = text.value("stale", false);
+  if (text.contains("uncovered")) answer.uncovered = vector_of(text.at("uncovered"));
   if (answer.verdict == Verdict::undecided)
-    answer.reason = answer.late    ? UndecidedReason::deadline
-                    : answer.stale ? UndecidedReason::stale_object
-                                   : UndecidedReason::numeric;
+    answer.reason = answer.late        ? UndecidedReason::deadline
+                    : answer.uncovered ? UndecidedReason::not_covered
+                    : answer.stale     ? UndecidedReason::stale_object
+                                       : UndecidedReason::numeric;
   answer.from_count = text.at("from_count");
   answer.to_count = text.at("to_count");
   answer.filtered = text.at("filtered");
@@ -67,17 +69,21 @@ Result<ClearanceAnswer> clearance(Connection& connection, const std::string& fro
   if (!(options.nearer_m >= 0)) {
     return bad_input("clearance: nearer_m is " + words(options.nearer_m) + "; allowed 0 or more");
   }
-  nlohmann::json arguments{{"from", from},
-                           {"to", options.to},
-                           {"skip", options.skip},
-                           {"most", options.most},
-                           {"with_filtered", options.with_filtered},
-                           {"certificate", options.certificate},
-                           {"as_of", wire_contract::text_of(instant_of(options.as_of))},
-                           {"deadline_ns", server_deadline(options.deadline, options.timeout).count()}};
+  nlohmann::json arguments{
+      {"from", from},
+      {"to", options.to},
+      {"skip", options.skip},
+      {"most", options.most},
+      {"with_filtered", options.with_filtered},
+      {"certificate", options.certificate},
+      {"as_of", wire_contract::text_of(instant_of(options.as_of))},
+      {"deadline_ns",
+       (options.progress ? options.deadline : server_deadline(options.deadline, options.timeout)).count()}};
+  if (options.progress) arguments["progress"] = true;
   if (std::isfinite(options.nearer_m)) arguments["nearer_m"] = options.nearer_m;
-  return read_answer(command(connection, wire_contract::command::kClearance, arguments, options.timeout), "clearance",
-                     read_clearance);
+  return read_answer(
+      command(connection, wire_contract::command::kClearance, arguments, options.timeout, options.progress),
+      "clearance", read_clearance);
 }
 
 }  // namespace collided::client

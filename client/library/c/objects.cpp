@@ -143,4 +143,43 @@ int collided_remove(collided_client* client, const char* name, uint64_t* removed
   });
 }
 
+int collided_allow(collided_client* client, const char* a, const char* b, const char* because, uint64_t* ended,
+                   collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<RuleChanged> changed = client->client.allow(text(a), text(b), text(because));
+    if (!changed) return changed.error();
+    if (ended) *ended = changed->contacts;
+    return {};
+  });
+}
+
+int collided_deny(collided_client* client, const char* a, const char* b, uint64_t* began, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<RuleChanged> changed = client->client.deny(text(a), text(b));
+    if (!changed) return changed.error();
+    if (began) *began = changed->contacts;
+    return {};
+  });
+}
+
+int collided_attach(collided_client* client, const char* child, const char* parent, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<Attached> attached = client->client.attach(text(child), text(parent));
+    if (!attached) return attached.error();
+    return {};
+  });
+}
+
+int collided_detach(collided_client* client, const char* child, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<Attached> detached = client->client.detach(text(child));
+    if (!detached) return detached.error();
+    return {};
+  });
+}
+
 }  // extern "C"

@@ -36,6 +36,23 @@ int collided_publisher_add(collided_publisher* publisher, const collided_object*
   });
 }
 
+int collided_publisher_claim(collided_publisher* publisher, const char* name, const double* position,
+                             const double* orientation, int32_t lost, uint32_t* handle, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!publisher) return missing("publisher");
+    if (!position) return missing("position");
+    if (lost < 0 || lost > 2)
+      return Error{ErrorCode::bad_input, "lost policy " + std::to_string(lost) + "; allowed 0 to 2",
+                   "nothing was sent"};
+    const Pose pose{vector(position), rotation(orientation)};
+    const Result<Publisher::Object> claimed =
+        publisher->publisher.claim(text(name), pose, static_cast<LostPolicy>(lost));
+    if (!claimed) return claimed.error();
+    if (handle) *handle = *claimed;
+    return {};
+  });
+}
+
 int collided_publisher_remove(collided_publisher* publisher, uint32_t handle, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");

@@ -87,14 +87,14 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
 }
 
 Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
-                            std::chrono::nanoseconds timeout) {
+                            std::chrono::nanoseconds timeout, const std::function<void(double)>& progress) {
   std::string text;
   try {
     text = arguments.dump();
   } catch (const nlohmann::json::type_error&) {
     return bad_input(std::string(name) + ": a name is not UTF-8 text. Nothing was sent");
   }
-  return command_with_blob(connection, name, text, {}, timeout, {});
+  return command_with_blob(connection, name, text, {}, timeout, progress);
 }
 
 Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,

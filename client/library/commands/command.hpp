@@ -19,7 +19,7 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
 /// The same for arguments with names: a text that is not UTF-8 is bad_input, since replacing its bytes could make it
 /// another object's name.
 Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
-                            std::chrono::nanoseconds timeout);
+                            std::chrono::nanoseconds timeout, const std::function<void(double)>& progress = {});
 /// The same with bytes, up to what a message can hold beside its text.
 Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
                                       std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,

@@ -88,6 +88,18 @@ Loaded loaded_of(const json& answer) {
   return loaded;
 }
 
+RuleChanged rule_changed(const json& answer, const char* contacts) {
+  return {.rules = answer.at("rules"),
+          .a_count = answer.at("a_count"),
+          .b_count = answer.at("b_count"),
+          .contacts = answer.at(contacts),
+          .version = answer.at("version"),
+          .not_kept = answer.value("not_kept", "")};
+}
+Attached attached_of(const json& answer) {
+  return {.parent = answer.at("parent"), .version = answer.at("version"), .not_kept = answer.value("not_kept", "")};
+}
+
 void read_brief(const json& row, ListedObject& object) {
   object.name = row.at("name");
   object.id = row.at("id");
@@ -99,6 +111,7 @@ void read_brief(const json& row, ListedObject& object) {
   object.triangles = row.at("triangles");
   object.layers = row.at("layers");
   object.stale = row.at("stale");
+  object.attached_to = row.value("attached_to", "");
 }
 ObjectDetails details_of(const json& answer) {
   ObjectDetails object;
@@ -153,6 +166,43 @@ Result<Removed> Client::remove(const std::string& name, nanoseconds timeout) {
                    .version = answer.at("version"),
                    .not_kept = answer.value("not_kept", "")};
   });
+}
+
+Result<RuleChanged> Client::allow(const std::string& a, const std::string& b, const std::string& because,
+                                  nanoseconds timeout) {
+  const std::optional<std::string> text = text_of({{"a", a}, {"b", b}, {"because", because}});
+  if (!text) return not_utf8("allow");
+  return read_answer(command(names::kAllow, *text, {}, timeout), "allow",
+                     [](const json& answer) { return rule_changed(answer, "ended"); });
+}
+
+Result<RuleChanged> Client::deny(const std::string& a, const std::string& b, nanoseconds timeout) {
+  const std::optional<std::string> text = text_of({{"a", a}, {"b", b}});
+  if (!text) return not_utf8("deny");
+  return read_answer(command(names::kDeny, *text, {}, timeout), "deny",
+                     [](const json& answer) { return rule_changed(answer, "began"); });
+}
+
+Result<std::vector<PairRule>> Client::rules(nanoseconds timeout) {
+  return read_answer(command(names::kAllowed, "{}", {}, timeout), "rules", [](const json& answer) {
+    std::vector<PairRule> rules;
+    for (const json& rule : answer.at("rules"))
+      rules.push_back(
+          {.a = rule.at("a"), .b = rule.at("b"), .because = rule.at("because"), .allows = rule.at("allows")});
+    return rules;
+  });
+}
+
+Result<Attached> Client::attach(const std::string& child, const std::string& parent, nanoseconds timeout) {
+  const std::optional<std::string> text = text_of({{"child", child}, {"parent", parent}});
+  if (!text) return not_utf8("attach");
+  return read_answer(command(names::kAttach, *text, {}, timeout), "attach", attached_of);
+}
+
+Result<Attached> Client::detach(const std::string& child, nanoseconds timeout) {
+  const std::optional<std::string> text = text_of({{"child", child}});
+  if (!text) return not_utf8("detach");
+  return read_answer(command(names::kDetach, *text, {}, timeout), "detach", attached_of);
 }
 
 Result<Loaded> Client::load(const std::string& path, const LoadOptions& options, std::function<void(double)> progress) {

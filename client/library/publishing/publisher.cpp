@@ -123,9 +123,6 @@ std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options
     return bad_input(where + "this publisher has an object of that name already");
   }
   if (auto reason = pose_fault(options.pose)) { return bad_input(where + *reason); }
-  if (options.solid) {
-    return bad_input(where + "a publisher's meshes are surfaces; solid is for objects that Client::add adds");
-  }
   const bool is_endless = std::any_of(options.shape.begin(), options.shape.end(), [](const ShapePart& part) {
     return std::holds_alternative<HalfSpaceShape>(part);
   });
@@ -141,7 +138,7 @@ Error Publisher::State::unknown(Object object) const {
 
 Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
   Result<std::vector<std::uint8_t>> shape =
-      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'');
+      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'', options.solid);
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
   if (!shape) { return shape.error(); }

@@ -184,7 +184,7 @@ flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuil
                                          &field->heights_m);
 }
 
-std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale) {
+std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, bool is_solid) {
   flatbuffers::FlatBufferBuilder builder;
   const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
@@ -206,14 +206,15 @@ std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale) {
   const auto polylines = build_points(builder, parts.polylines);
   const format::Vec3 factors = packed(scale);
   builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls,
-                                     half_spaces, field, clouds, polylines,
-                                     scale == Vec3::Ones() ? nullptr : &factors));
+                                     half_spaces, field, clouds, polylines, scale == Vec3::Ones() ? nullptr : &factors,
+                                     0, is_solid));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where) {
+Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where,
+                                               bool is_solid) {
   if (shape.empty()) { return bad_input(where + ": its shape has no part"); }
   if (!((scale.array() > 0).all() && scale.allFinite())) {
     return bad_input(where + ": its scale must be finite and above 0");
@@ -229,7 +230,7 @@ Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& s
     }
     std::visit([&](const auto& part) { parts.add(part); }, shape[i]);
   }
-  std::vector<std::uint8_t> bytes = build(parts, scale);
+  std::vector<std::uint8_t> bytes = build(parts, scale, is_solid);
   if (bytes.size() > kMaxShapeBytes) {
     return bad_input(where + ": its shape takes " + std::to_string(bytes.size()) + " bytes; allowed " +
                          std::to_string(kMaxShapeBytes),

@@ -131,7 +131,7 @@ class Sorting {
 
   static bool is_change(const std::string& what) {
     return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
-           what == names::kAllow || what == names::kDeny;
+           what == names::kAllow || what == names::kDeny || what == names::kAttach || what == names::kDetach;
   }
 
   void take_reply(std::size_t index) {

@@ -1,5 +1,3 @@
-#include <unordered_set>
-
 #include "client/library/connection/errors.hpp"
 #include "collided/robot.hpp"
 
@@ -11,25 +9,16 @@ PublishedRobot::PublishedRobot(Robot robot, const PublishedRobotOptions& options
 Result<PublishedRobot> PublishedRobot::claim(Client& client, Publisher& publisher, Robot robot,
                                              const PublishedRobotOptions& options) {
   PublishedRobot made(std::move(robot), options);
-  const std::string scene = options.scene.empty() ? made.robot_.name() : options.scene;
-  const Result<ObjectList> listed = client.list({.name = scene + "/*", .limit = 1'000'000});
-  if (!listed) return listed.error();
-  std::unordered_set<std::string> there;
-  for (const ListedObject& object : listed->objects) there.insert(object.name);
+  const Result<RobotObjects> objects = robot_objects(client, made.robot_, options.scene);
+  if (!objects) return objects.error();
   const Result<std::vector<std::string>> set = made.robot_.set(options.joints, made.positions_, options.beyond_limits);
   if (!set) return set.error();
   const std::vector<Pose> poses = made.robot_.link_poses(made.positions_, options.base);
-  for (std::size_t link = 0; link < poses.size(); ++link) {
-    const std::string name = scene + "/" + made.robot_.links()[link];
-    if (!there.contains(name)) continue;
-    const Result<Publisher::Object> object = publisher.claim(name, poses[link], options.lost_policy);
+  for (std::size_t i = 0; i < objects->links.size(); ++i) {
+    const std::size_t link = objects->links[i];
+    const Result<Publisher::Object> object = publisher.claim(objects->names[i], poses[link], options.lost_policy);
     if (!object) return object.error();
     made.objects_.push_back({link, *object});
-  }
-  if (made.objects_.empty()) {
-    return Error{ErrorCode::refused,
-                 "no link of robot '" + made.robot_.name() + "' is in the world as '" + scene + "/LINK'",
-                 "load it as a scene that moves: collide load FILE --moving"};
   }
   if (const Result<void> applied = publisher.wait_applied(std::chrono::seconds(5)); !applied) return applied.error();
   return made;

@@ -372,6 +372,28 @@ class Client(Owned):
         call("remove", self._handle, encoded(name, "the name"), ctypes.byref(removed))
         return removed.value
 
+    def allow(self, a: str, b: str, because: str = "") -> int:
+        """Lets each object of glob a touch each of glob b: their contacts are none. Returns how many ended with it."""
+        ended = ctypes.c_uint64()
+        texts = [encoded(a, "a"), encoded(b, "b"), encoded(because, "because")]
+        call("allow", self._handle, *texts, ctypes.byref(ended))
+        return ended.value
+
+    def deny(self, a: str, b: str) -> int:
+        """Takes that back. Returns how many contacts began with it."""
+        began = ctypes.c_uint64()
+        call("deny", self._handle, encoded(a, "a"), encoded(b, "b"), ctypes.byref(began))
+        return began.value
+
+    def attach(self, child: str, parent: str) -> None:
+        """Has an object that no publisher has move along with another one, until it is detached or one of the two is
+        removed."""
+        call("attach", self._handle, encoded(child, "the child"), encoded(parent, "the parent"))
+
+    def detach(self, child: str) -> None:
+        """It stays where it is."""
+        call("detach", self._handle, encoded(child, "the child"))
+
     def load(self, path: str, timeout: float = 600.0, **arguments: Any) -> dict[str, Any]:
         """Loads a file that the server can read, as a scene: meshes, clouds, tables of boxes, robots (.urdf). The
         arguments are those of the command `load`, such as name, unit, up and replace."""

@@ -286,6 +286,10 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint64), _ERROR]),
     "move": (c_int32, [c_void_p, c_char_p, c_void_p, c_void_p, c_int32, _ERROR]),
     "remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "allow": (c_int32, [c_void_p, c_char_p, c_char_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "deny": (c_int32, [c_void_p, c_char_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "attach": (c_int32, [c_void_p, c_char_p, c_char_p, _ERROR]),
+    "detach": (c_int32, [c_void_p, c_char_p, _ERROR]),
     "command": (c_int32, [c_void_p, c_char_p, c_char_p, c_int64, _OUT, _ERROR]),
     "free_text": (None, [c_void_p]),
     # The callback stays null: events are polled, so that no thread of the library waits for Python's lock.
@@ -297,6 +301,10 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
     "publisher_close": (None, [c_void_p]),
     "publisher_add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint32), _ERROR]),
+    "publisher_claim": (
+        c_int32,
+        [c_void_p, c_char_p, POINTER(c_double), POINTER(c_double), c_int32, POINTER(c_uint32), _ERROR],
+    ),
     "publisher_remove": (c_int32, [c_void_p, c_uint32, _ERROR]),
     "publisher_move": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_int32, _ERROR]),
     "publisher_flush": (c_int32, [c_void_p, c_int64, POINTER(c_uint64), _ERROR]),

@@ -6,9 +6,9 @@ import ctypes
 from typing import Sequence
 
 from . import _numbers
-from ._library import Owned, call, library, nanoseconds
+from ._library import BadInput, Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._shapes import Shape, encode_object
+from ._shapes import LOST_POLICIES, Shape, encode_object
 
 
 class Publisher(Owned):
@@ -36,9 +36,12 @@ class Publisher(Owned):
         group: int = 0,
         moving: bool = True,
         lost: str = "remove",
+        solid: bool = False,
     ) -> int:
-        """Defines an object and returns its handle. lost: "remove", "freeze" or "hold"."""
+        """Defines an object and returns its handle. lost: "remove", "freeze" or "hold". solid: its mesh is closed and
+        holds what lies in it; wait_applied() tells where it is refused."""
         made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, lost)
+        made.value.solid = 1 if solid else 0
         handle = ctypes.c_uint32()
         call("publisher_add", self._handle, ctypes.byref(made.value), ctypes.byref(handle))
         return handle.value
@@ -46,6 +49,20 @@ class Publisher(Owned):
     def remove(self, handle: int) -> None:
         """Takes an object out of the world."""
         call("publisher_remove", self._handle, handle)
+
+    def claim(
+        self, name: str, position: Row, orientation: Row = (1.0, 0.0, 0.0, 0.0), *, lost: str = "remove"
+    ) -> int:
+        """Takes over an object that is in the world and has no living publisher; its shape stays. Returns its handle.
+        It goes back there instead of being removed."""
+        if lost not in LOST_POLICIES:
+            raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
+        at = _numbers.vector(position, 3, "position")
+        turned = _numbers.vector(orientation, 4, "orientation")
+        handle = ctypes.c_uint32()
+        policy = LOST_POLICIES[lost]
+        call("publisher_claim", self._handle, encoded(name, "the name"), at, turned, policy, ctypes.byref(handle))
+        return handle.value
 
     def move(self, handle: int, position: Row, orientation: Row | None = None, *, teleport: bool = False) -> None:
         """The newest pose of an object. Contacts on the way from its last pose count, unless it is teleported."""

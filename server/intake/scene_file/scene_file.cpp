@@ -243,14 +243,18 @@ void save_scene(int file, const std::string& name, const Scene& scene) {
 
 DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits) {
   if (bytes.size() > limits.max_bytes) {
-    return {std::nullopt, fmt::format("{} bytes, limit {}", bytes.size(), limits.max_bytes)};
+    return {.shape = std::nullopt, .refusal = fmt::format("{} bytes, limit {}", bytes.size(), limits.max_bytes)};
   }
   const AlignedBytes aligned(std::as_bytes(std::span(bytes)));
   const auto* root = verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
-  if (root == nullptr) { return {std::nullopt, "not a shape, or a damaged one: its tables do not check out"}; }
+  if (root == nullptr) {
+    return {.shape = std::nullopt, .refusal = "not a shape, or a damaged one: its tables do not check out"};
+  }
   try {
-    return {SceneDecoder(bytes.size(), limits.max_triangles, limits.max_primitives).shape(*root), {}};
-  } catch (const Flaw& flaw) { return {std::nullopt, flaw.what}; }
+    return {.shape = SceneDecoder(bytes.size(), limits.max_triangles, limits.max_primitives).shape(*root),
+            .refusal = {},
+            .is_solid = root->is_solid()};
+  } catch (const Flaw& flaw) { return {.shape = std::nullopt, .refusal = flaw.what}; }
 }
 
 std::vector<std::byte> encode_shape(const Shape& shape) {

@@ -47,6 +47,7 @@ struct ShapeLimits {
 struct DecodedShape {
   std::optional<Shape> shape;
   std::string refusal;
+  bool is_solid = false;  // its mesh is meant to be the border of a solid; not checked
 };
 
 /// Decodes a FlatBuffers buffer whose root is format::Shape, with the checks of read_scene_file.

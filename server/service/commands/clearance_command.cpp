@@ -62,7 +62,7 @@ constexpr double kPartsPerCost = 8;
 
 ClearanceAsk clearance_options_of(const Arguments& arguments) {
   arguments.allow_only(
-      {"from", "to", "skip", "most", "nearer_m", "with_filtered", "certificate", "as_of", "deadline_ns"});
+      {"from", "to", "skip", "most", "nearer_m", "with_filtered", "certificate", "as_of", "deadline_ns", "progress"});
   ClearanceAsk options;
   options.certificates = arguments.truth("certificate", false);
   options.with_filtered = arguments.truth("with_filtered", false);
@@ -90,11 +90,18 @@ Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
   asked.past = past_state(arguments, *asked.newest);
   asked.options.deadline_ns = job.deadline_ns;
   asked.options.called_off = &job.called_off;
+  if (arguments.truth("progress", false)) {
+    asked.options.progress = [this, whose = CommandAsk{job.ask.client, job.ask.request, {}, {}}](double fraction) {
+      answering_->send_text(whose.client, whose.request, ReplyStatus::progress,
+                            fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+    };
+  }
   const std::string from = arguments.text("from");
   const std::string to = arguments.text("to");
   const std::string skip = arguments.text("skip");
   const Snapshot& state = asked.state();
   asked.options.from = group_of(state, from, skip);
+  asked.options.is_all_else = to.empty();
   asked.options.to = to.empty() ? all_others(state, asked.options.from, skip) : group_of(state, to, skip);
   if (asked.options.to.empty())
     throw BadCommand(fmt::format("clearance: beside {} nothing is in the world", printable(from)),
@@ -108,12 +115,7 @@ Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
 
 json Commands::measured(const AskedGroups& asked) const {
   const Snapshot& state = asked.state();
-  // One more than is told shows whether there are more.
-  ClearanceAsk one_more = asked.options;
-  ++one_more.most;
-  GroupClearance found = clearance_of(state, one_more, with_.part_meshes);
-  found.is_cut = found.pairs.size() > asked.options.most;
-  if (found.is_cut) found.pairs.pop_back();
+  const GroupClearance found = clearance_of(state, asked.options, with_.part_meshes);
   json answer{{"answer", word_of(found.touches)},
               {"pairs", json::array()},
               {"from_count", asked.options.from.size()},
@@ -125,6 +127,7 @@ json Commands::measured(const AskedGroups& asked) const {
     answer["pairs"].push_back(described(pair, state, asked.options.certificates));
   if (found.is_cut) answer["cut"] = true;
   if (found.is_late) answer["late"] = true;
+  if (found.uncovered) answer["uncovered"] = numbers(*found.uncovered);
   if (found.is_stale) answer["stale"] = true;
   return answer;
 }

@@ -16,10 +16,9 @@
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/service/runtime/named_thread.hpp"
-#include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/query/plan.hpp"
 #include "server/world/query/query.hpp"
-#include "server/world/solids/solid.hpp"
+#include "server/world/solids/declared.hpp"
 
 namespace collided::engine::service {
 
@@ -112,8 +111,8 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
     return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
   if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
   // What comes or goes by these is known later; they look at each object. A file does nothing until it is loaded.
-  for (const char* later :
-       {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece, names::kFence}) {
+  for (const char* later : {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece,
+                            names::kFence, names::kAttach, names::kDetach}) {
     if (command == later) return {};
   }
   const bool is_one_object = command == names::kAdd || command == names::kMove;
@@ -130,7 +129,8 @@ void Commands::run(CommandAsk ask) {
       {names::kProbes, &Commands::probes},    {names::kAcceptLoss, &Commands::accept_loss},
       {names::kLeftOut, &Commands::left_out}, {names::kFence, &Commands::fence},
       {names::kFences, &Commands::fences},    {names::kAllow, &Commands::allow},
-      {names::kDeny, &Commands::deny},
+      {names::kDeny, &Commands::deny},        {names::kAttach, &Commands::attach},
+      {names::kDetach, &Commands::detach},
   };
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
@@ -179,7 +179,7 @@ void Commands::run(CommandAsk ask) {
         names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
         names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss,
         names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,   names::kDeny,
-        names::kAllowed};
+        names::kAllowed,   names::kAttach,    names::kDetach};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -348,18 +348,14 @@ namespace {
 /// Primitives are solid without it.
 std::string declare_solid(ObjectDefinition& definition) {
   if (!definition.shape.mesh) return {};
-  // The world's thread does this, and everybody waits for it.
-  constexpr std::int64_t kPatienceNs = 200'000'000;
-  const std::int64_t until_ns = steady_ns() + kPatienceNs;
-  const std::shared_ptr<const TriangleMesh>& mesh = definition.shape.mesh;
-  definition.indexed = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
-  SolidFindings findings;
-  definition.solid = solid_within(definition.indexed, findings, [&] { return steady_ns() > until_ns; });
-  if (!definition.solid)
+  DeclaredMesh declared = declare_solid_at_once(definition.shape.mesh);
+  if (!declared.solid)
     throw BadCommand(
-        fmt::format("add: {} is not solid: {}. Nothing was added", printable(definition.name), findings.refusal),
+        fmt::format("add: {} is not solid: {}. Nothing was added", printable(definition.name), declared.refusal),
         "without --solid it is a surface; collide check FILE says more");
-  return findings.warning;
+  definition.indexed = std::move(declared.indexed);
+  definition.solid = std::move(declared.solid);
+  return declared.warning;
 }
 
 }  // namespace
@@ -405,6 +401,10 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
   const bool teleport = arguments.truth("teleport", false);
   const ObjectId id = find_object(name);
   refuse_if_live(*world.info(id));
+  if (const AttachedObject* attached = world.attachments().find(id))
+    throw BadCommand(
+        fmt::format("object {} is attached to {}, which moves it", printable(name), printable(attached->parent_name)),
+        "collide detach " + name);
   // A step examines one motion of an object only, so an earlier one is examined first.
   if (world.has_moved(id)) with_.loop.step_now();
   const Vec3 before = world.newest()->poses[slot_of(id)].position;

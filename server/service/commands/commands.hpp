@@ -127,6 +127,12 @@ class Commands {
                       FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json deny(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json attach(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json detach(const CommandAsk& ask, const Arguments& arguments);
+  void keep_detached(const std::string& child);
+  nlohmann::json note_ended_attachments();
+  bool waits_for_parent(const CommandAsk& ask) const;
+  void attach_again();
   nlohmann::json change_rules(const PairRule& changed, std::vector<PairRule> rules);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
   void keep_upload(const std::string& scene, const std::string& path);
@@ -220,6 +226,7 @@ class Commands {
   UploadReceiver uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // path by scene; used by the world's thread alone
   std::set<std::uint64_t> fence_owners_;                // clients that may have fences; likewise
+  std::vector<CommandAsk> parted_;                      // by a crash: attachments whose parents may still come back
   std::atomic<bool> stopping_{false};
   std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;

@@ -48,17 +48,11 @@ json words_of(std::uint8_t tells) {
 /// Makes the definition's mesh, which must close, hold what it encloses.
 void enclose(FenceDefinition& definition) {
   if (!definition.shape.mesh) return;
-  // The world's thread does this, and everybody waits for it.
-  constexpr std::int64_t kPatienceNs = 200'000'000;
-  const std::int64_t until_ns = steady_ns() + kPatienceNs;
-  const std::shared_ptr<const TriangleMesh>& mesh = definition.shape.mesh;
-  SolidFindings findings;
-  definition.solid =
-      solid_within(indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}})), findings,
-                   [&] { return steady_ns() > until_ns; });
-  if (!definition.solid)
+  DeclaredMesh declared = declare_solid_at_once(definition.shape.mesh);
+  if (!declared.solid)
     throw BadCommand(fmt::format("fence {}: its mesh holds nothing: {}. Nothing was added", printable(definition.name),
-                                 findings.refusal));
+                                 declared.refusal));
+  definition.solid = std::move(declared.solid);
 }
 
 Shape prism_of(const Arguments& arguments) {

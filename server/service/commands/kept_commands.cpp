@@ -129,6 +129,10 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
   };
   for (const CommandAsk& ask : asks) {
     if (!with_.durable->is_due(ask.request)) continue;
+    if (waits_for_parent(ask)) {
+      parted_.push_back(ask);
+      continue;
+    }
     answer_once_kept(ask, [&]() -> json {
       const Arguments arguments(ask.text);
       const std::string& command = arguments.command();
@@ -136,6 +140,7 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
       if (command == names::kFence) return fence(ask, arguments);
       if (command == names::kAllow) return allow(ask, arguments);
       if (command == names::kDeny) return deny(ask, arguments);
+      if (command == names::kAttach) return attach(ask, arguments);
       if (command == names::kMove) return move(ask, arguments);
       if (command == names::kAdd) return add(ask, arguments);
       // What is not there needs no removing: the start options or the file may be others than before.

@@ -89,16 +89,21 @@ std::string_view kind_of(const ObjectInfo& info) {
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
   const std::uint32_t slot = slot_of(info.id);
   const bool placed = info.scene_part == kNoTriangle;
-  return {{"name", info.name},
-          {"id", info.id},
-          {"kind", kind_of(info)},
-          {"moving", info.moving},
-          {"scene", info.scene},
-          {"publisher", publisher_name},
-          {"position", placed ? numbers(snapshot.poses[slot].position) : json(nullptr)},
-          {"triangles", triangles_of(info)},
-          {"layers", info.filter.layers},
-          {"stale", snapshot.stale[slot] != 0}};
+  json object{{"name", info.name},
+              {"id", info.id},
+              {"kind", kind_of(info)},
+              {"moving", info.moving},
+              {"scene", info.scene},
+              {"publisher", publisher_name},
+              {"position", placed ? numbers(snapshot.poses[slot].position) : json(nullptr)},
+              {"triangles", triangles_of(info)},
+              {"layers", info.filter.layers},
+              {"stale", snapshot.stale[slot] != 0}};
+  if (snapshot.parents) {
+    if (const auto parent = snapshot.parents->find(info.id); parent != snapshot.parents->end())
+      object["attached_to"] = (*snapshot.objects)[slot_of(parent->second)]->name;
+  }
+  return object;
 }
 
 void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object) {

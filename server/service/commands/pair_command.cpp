@@ -172,6 +172,8 @@ std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Argu
 }
 
 void Commands::look_for_gone() {
+  static_cast<void>(note_ended_attachments());
+  attach_again();
   drop_fences_of_gone();
   const std::lock_guard lock(awaited_mutex_);
   std::erase_if(awaited_, [&](const std::weak_ptr<AwaitedJob>& awaited) {

@@ -65,8 +65,9 @@ json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);
   if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
-  const std::uint64_t version = step();
-  return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
+  json answer{{"removed", removed}, {"version", step()}, {"ended", ended_count()}};
+  if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);
+  return answer;
 }
 
 /// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
@@ -111,8 +112,9 @@ json Commands::clear(const CommandAsk& ask, const Arguments& arguments) {
     }
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);
-  const std::uint64_t version = step();
-  return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
+  json answer{{"removed", removed}, {"kept", kept}, {"version", step()}, {"ended", ended_count()}};
+  if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);
+  return answer;
 }
 
 }  // namespace collided::engine::service

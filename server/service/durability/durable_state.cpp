@@ -23,7 +23,8 @@ constexpr std::string_view kMemberMoved = "member_moved/";
 constexpr std::string_view kMoved = "moved/";
 constexpr std::string_view kProbe = "probe/";
 constexpr std::string_view kFence = "fence/";
-constexpr std::string_view kRule = "rule/";  // with the place in their order
+constexpr std::string_view kAttached = "attached/";  // by the name of the child
+constexpr std::string_view kRule = "rule/";          // with the place in their order
 // These are no commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
@@ -69,7 +70,8 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
 }
 
 void DurableState::read_left() {
-  for (const std::string_view kind : {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule}) {
+  for (const std::string_view kind :
+       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached}) {
     for (const Journal::Entry& entry : journal_.entries()) {
       if (!entry.key.starts_with(kind)) continue;
       commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
@@ -282,6 +284,12 @@ void DurableState::rules_set(std::size_t earlier_count, const std::vector<std::s
   for (std::size_t i = 0; i < rules.size(); ++i) come.push_back({.key = rule_key(i), .text = rules[i], .blob = {}});
   change(std::move(gone), std::move(come));
 }
+
+void DurableState::attached(const std::string& child, const std::string& command) {
+  change({}, {{.key = key(kAttached, child), .text = command, .blob = {}}});
+}
+
+void DurableState::detached(const std::string& child) { change({key(kAttached, child)}, {}); }
 
 void DurableState::set_publishers(const std::set<std::uint64_t>& publishers) {
   if (publishers == publishers_ || !jobs_.has_room()) return;

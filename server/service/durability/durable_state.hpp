@@ -21,7 +21,7 @@
 namespace collided::engine::service {
 
 /// What a server restores after a crash: the scenes and objects that commands added, where commands have moved these
-/// to, what they took out of scenes, probes, kept fences, rules for pairs, and which publishers were there, so that it knows
+/// to, what they took out of scenes, probes, kept fences, rules for pairs, what is attached to what, and which publishers were there, so that it knows
 /// which to wait for. Poses and events are not kept: publishers send them again.
 /// What had been acknowledged and cannot be restored is a loss, which lasts, over crashes too, until it is accepted.
 ///
@@ -89,6 +89,9 @@ class DurableState {
   void fences_removed(const std::vector<std::string>& fences);
   /// Keeps the rules of which pairs may touch, in their order, in place of as many as there were.
   void rules_set(std::size_t earlier_count, const std::vector<std::string>& rules);
+  /// Keeps what an object is attached to, as the command that does it again.
+  void attached(const std::string& child, const std::string& command);
+  void detached(const std::string& child);
   /// From now on these publishers count and no others; until the first call, those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at

@@ -159,7 +159,9 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                                   .filter = sample.filter,
                                   .moving = record.moving,
                                   .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
-                                  .publisher = publisher.id};
+                                  .publisher = publisher.id,
+                                  .indexed = std::move(sample.indexed),
+                                  .solid = std::move(sample.solid)};
   record.has_velocity = false;
   enter(publisher, record);
 }
@@ -201,6 +203,9 @@ std::string Publishers::why_waits(const Record& record) const {
   if (record.is_claim && info->scene_part != kNoScenePart)
     return fmt::format("it is a part of the mesh of scene {}, which stands still", printable(info->scene));
   if (record.is_claim && !info->moving) return "it was added as static; a scene is to be loaded as moving";
+  const AttachedObject* const attached = record.is_claim ? world_.attachments().find(info->id) : nullptr;
+  if (attached != nullptr)
+    return fmt::format("it is attached to {}, and moves along with that", printable(attached->parent_name));
   if (record.is_claim) return {};
   return info->scene.empty() ? std::string("the name is taken")
                              : fmt::format("the name is taken, by scene {}", printable(info->scene));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -29,6 +30,8 @@ struct DefinitionSample {
   std::vector<std::uint8_t> shape_bytes;            // as received
   std::variant<Shape, Refusal> shape;               // decoded on the world's thread, or the reason why it cannot be
   bool claims = false;                              // without a shape: an object that is there is to be taken over
+  std::shared_ptr<const IndexedMesh> indexed;       // of the shape's mesh, where it was declared solid, with what it
+  std::shared_ptr<const SolidMesh> solid;           // encloses
 };
 
 /// A PoseBatch of collided.idl, copied from the wire. Its vectors are reused from batch to batch.

@@ -31,6 +31,7 @@ class WhatIfReader {
     const auto blob = dds::view(query_.blob);
     for (const std::string_view name : wire_contract::unpack_names(blob)) take_moved(name);
     read_attached();
+    add_attached_in_world();
     choose_others();
     return std::move(ask_);
   }
@@ -98,6 +99,22 @@ class WhatIfReader {
       const ObjectId parent = find(next->parent).id;
       ask_.attached.push_back({.child = find_free(next->child).id, .parent = parent});
       open.erase(next);
+    }
+  }
+
+  /// What is attached in the world goes along too, unless the question says where it goes.
+  void add_attached_in_world() {
+    if (!state_.parents) return;
+    for (bool has_new = true; has_new;) {
+      has_new = false;
+      for (const auto& [child, parent] : *state_.parents) {
+        const ObjectInfo* const there =
+            slot_of(child) < state_.objects->size() ? (*state_.objects)[slot_of(child)].get() : nullptr;
+        if (there == nullptr || there->id != child) continue;  // not yet, at a past instant
+        if (!goes_.contains(parent) || !goes_.insert(child).second) continue;
+        ask_.attached.push_back({.child = child, .parent = parent});
+        has_new = true;
+      }
     }
   }
 

@@ -1,12 +1,15 @@
 #include "server/world/groups/clearance.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <unordered_map>
 
+#include "idl/clocks.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/groups/bounds_tree.hpp"
+#include "server/world/groups/uncovered.hpp"
 
 namespace collided::engine {
 namespace {
@@ -39,16 +42,12 @@ class NearestPairs {
   void keep(const MemberPair& pair) {
     const auto place = std::upper_bound(pairs_.begin(), pairs_.end(), pair, &NearestPairs::nearer);
     if (pairs_.size() == most_) {
-      is_cut_ = true;
       if (place == pairs_.end()) return;
     }
     pairs_.insert(place, pair);
     if (pairs_.size() > most_) pairs_.pop_back();
   }
-  void take_into(GroupClearance& found) {
-    found.pairs = std::move(pairs_);
-    found.is_cut = is_cut_;
-  }
+  void take_into(GroupClearance& found) { found.pairs = std::move(pairs_); }
 
  private:
   static bool nearer(const MemberPair& x, const MemberPair& y) {
@@ -58,7 +57,6 @@ class NearestPairs {
   double within_m_;
   std::size_t most_;
   std::vector<MemberPair> pairs_;  // nearest first
-  bool is_cut_ = false;
 };
 
 /// One question's way over the pairs of its groups.
@@ -66,9 +64,10 @@ class GroupSearch {
  public:
   GroupSearch(const Snapshot& snapshot, const ClearanceAsk& ask, PartMeshes& part_meshes)
       : ask_(ask),
+        snapshot_(snapshot),
         members_(snapshot, part_meshes),
         deadline_(ask.deadline_ns, ask.called_off),
-        nearest_(ask.within_m, ask.most) {
+        nearest_(ask.within_m, ask.most + 1) {  // one more shows whether there are more
     collect(ask.from, from_, is_from_);
     collect(ask.to, to_, is_to_);
   }
@@ -76,12 +75,17 @@ class GroupSearch {
   GroupClearance run() {
     const BoundsTree from = from_.tree();
     const BoundsTree to = to_.tree();
+    if (ask_.progress) pair_count_ = count_of_pairs(from, to);
     const auto visit = [&](std::uint32_t i, std::uint32_t k, double) {
+      say_progress();
       return look_at(from_.members[i], to_.members[k]);
     };
     walk_nearest_pairs(
         from, to, [&] { return nearest_.limit_m(); }, visit);
     nearest_.take_into(found_);
+    found_.is_cut = found_.pairs.size() > ask_.most;
+    if (found_.is_cut) found_.pairs.pop_back();
+    if (ask_.is_all_else && snapshot_.covers) look_at_covers();
     if (ask_.certificates) prove_all();
     found_.is_late = deadline_.was_over();
     if (found_.is_late && found_.touches == Decision::no) found_.touches = Decision::undecided;
@@ -130,6 +134,36 @@ class GroupSearch {
     return true;
   }
 
+  /// As many pairs as may be looked at: those within the distance asked for, by their boxes.
+  double count_of_pairs(const BoundsTree& from, const BoundsTree& to) {
+    if (!std::isfinite(ask_.within_m))
+      return static_cast<double>(from_.members.size()) * static_cast<double>(to_.members.size());
+    double count = 0;
+    walk_nearest_pairs(
+        from, to, [&] { return ask_.within_m; },
+        [&](std::uint32_t, std::uint32_t, double) {
+          ++count;
+          return !deadline_.is_over();
+        });
+    return count;
+  }
+  void say_progress() {
+    constexpr std::int64_t kPeriodNs = 100'000'000;
+    if (!ask_.progress) return;
+    ++seen_count_;
+    const std::int64_t now_ns = wire_contract::steady_ns();
+    if (now_ns - said_ns_ < kPeriodNs) return;
+    said_ns_ = now_ns;
+    ask_.progress(std::min(1.0, seen_count_ / std::max(1.0, pair_count_)));
+  }
+
+  /// That nothing else is nearer is known where the loaded geometry is complete.
+  void look_at_covers() {
+    const double claimed_m = found_.is_cut ? std::max(0.0, found_.pairs.back().clearance.high_m()) : ask_.within_m;
+    found_.uncovered = uncovered_near(from_.reaches, claimed_m, *snapshot_.covers);
+    if (found_.uncovered && found_.touches == Decision::no) found_.touches = Decision::undecided;
+  }
+
   void prove_all() {
     for (MemberPair& pair : found_.pairs) {
       if (deadline_.is_over()) pair.no_proof = "the deadline was over";
@@ -152,6 +186,7 @@ class GroupSearch {
   }
 
   const ClearanceAsk& ask_;
+  const Snapshot& snapshot_;
   Members members_;
   Deadline deadline_;
   NearestPairs nearest_;
@@ -159,6 +194,9 @@ class GroupSearch {
   std::unordered_map<ObjectId, std::uint32_t> number_of_;
   MemberGroup from_;
   MemberGroup to_;
+  double pair_count_ = 0;
+  double seen_count_ = 0;
+  std::int64_t said_ns_ = wire_contract::steady_ns();
   std::vector<bool> is_from_;
   std::vector<bool> is_to_;
 };

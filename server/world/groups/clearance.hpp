@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -16,9 +17,12 @@ struct ClearanceAsk {
   std::vector<ObjectId> to;
   double within_m = std::numeric_limits<double>::infinity();  // pairs surely farther apart are not told
   std::size_t most = 1;                                       // of the nearest pairs are told
-  bool with_filtered = false;                     // also pairs whose filters let them pass through each other
-  bool certificates = false;                      // a proof for each pair that is told
-  std::int64_t deadline_ns = 0;                   // steady clock; 0: none
+  bool is_all_else = false;      // `to` is all that there is: what is near `from` and not covered counts, too
+  bool with_filtered = false;    // also pairs whose filters let them pass through each other
+  bool certificates = false;     // a proof for each pair that is told
+  std::int64_t deadline_ns = 0;  // steady clock; 0: none
+  // called now and then, at most ten times a second, with the fraction of the pairs that were looked at, at least
+  std::function<void(double)> progress = {};
   const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
 };
 
@@ -42,6 +46,9 @@ struct GroupClearance {
   bool is_late = false;           // the deadline was over: some pairs were not looked at
   // An object of a lost publisher may by now be in a pair that is nearer than the last one told.
   bool is_stale = false;
+  // Where ClearanceAsk::is_all_else: a point nearer than the last pair told, or the distance asked for, in which the
+  // loaded geometry is not said to be complete. Then a nearer pair may be missing, and nothing is called apart.
+  std::optional<Vec3> uncovered = {};
   std::uint64_t filtered =
       0;                     // pairs near enough to be told that were left out, since they may pass through each other
   std::uint64_t tested = 0;  // pairs whose parts were looked at

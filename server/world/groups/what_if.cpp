@@ -3,19 +3,10 @@
 #include <algorithm>
 #include <cassert>
 
-#include "server/geometry/box_union.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/world/groups/uncovered.hpp"
 
 namespace collided::engine {
-
-Pose composed(const Pose& a, const Pose& b) {
-  return {.position = place(frame_of(a), b.position), .rotation = (a.rotation * b.rotation).normalized()};
-}
-
-Pose inverse(const Pose& pose) {
-  const Quat back = pose.rotation.conjugate().normalized();
-  return {.position = -place(frame_of({.position = Vec3::Zero(), .rotation = back}), pose.position), .rotation = back};
-}
 
 WhatIf::WhatIf(std::shared_ptr<const Snapshot> snapshot, const WhatIfAsk& ask, PartMeshes& part_meshes)
     : snapshot_(std::move(snapshot)),
@@ -89,15 +80,8 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
 /// That nothing is met, and nothing nearer than what is told, is known where the loaded geometry is complete.
 void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
   const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
-  for (const Aabb& reach : moved_reaches_) {
-    if (reach.empty()) continue;
-    const Vec3 middle = reach.low / 2 + reach.high / 2;
-    const std::optional<Aabb> outside = nearest_part_outside(grown(reach, claimed_m), *snapshot_->covers, middle);
-    if (!outside) continue;
-    answer.touches = Decision::undecided;
-    answer.uncovered = nearest_in(*outside, middle);
-    return;
-  }
+  answer.uncovered = uncovered_near(moved_reaches_, claimed_m, *snapshot_->covers);
+  if (answer.uncovered) answer.touches = Decision::undecided;
 }
 
 WhatIfAnswer WhatIf::at(std::span<const Pose> poses, Deadline& deadline) {

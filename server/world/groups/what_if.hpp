@@ -87,8 +87,4 @@ class WhatIf {
   std::optional<std::pair<std::uint32_t, std::uint32_t>> nearest_before_;
 };
 
-/// a then b, as one pose: b's frame is given in a's. Rounded in double.
-Pose composed(const Pose& a, const Pose& b);
-Pose inverse(const Pose& pose);
-
 }  // namespace collided::engine

@@ -122,6 +122,19 @@ void ObjectRows::set_stale(std::uint32_t slot, bool is_stale) {
   note_change(slot);
 }
 
+void ObjectRows::follow_source(std::uint32_t slot, std::uint32_t source, std::int64_t known_ns,
+                               std::int64_t decided_ns) {
+  ObjectRow& row = rows_[slot];
+  source_[slot] = source;
+  row.joined_ns = std::max(row.joined_ns, decided_ns);
+  row.born_ns = known_ns;
+  row.posed_ns = row.posed_before_ns = row.said_before_ns = std::max(row.posed_ns, known_ns);
+  row.frame_before = row.frame;
+  row.has_motion = false;
+  news_[slot] = kDefined;
+  mark(slot, Motion::placed);
+}
+
 void ObjectRows::note_change(std::uint32_t slot) {
   if (changes_.size() > 2 * size()) {
     forgotten_changes_ += changes_.size();

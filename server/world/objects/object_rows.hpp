@@ -37,6 +37,7 @@ struct ObjectRow {
   bool is_stale = false;
   std::int64_t born_ns = 0;         // world time from which its definition's pose holds
   std::int64_t said_before_ns = 0;  // world time given with its pose before, however long it rested since
+  std::int64_t joined_ns = 0;       // world time up to which it was decided when its time became another source's
 };
 
 /// When a pose holds, and from when the motion to it began.
@@ -76,6 +77,9 @@ class ObjectRows {
   /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
   void look_again(std::uint32_t slot);
   void set_stale(std::uint32_t slot, bool is_stale);
+  /// Its poses have another source's time from now on, in which it rested until known_ns. decided_ns: up to when its pairs
+  /// were decided.
+  void follow_source(std::uint32_t slot, std::uint32_t source, std::int64_t known_ns, std::int64_t decided_ns);
 
   // A step: changes are stamped, then copied, then no longer changes.
   /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.

@@ -9,6 +9,7 @@
 #include "server/broad_phase/grid/grid.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
+#include "server/world/objects/attachments.hpp"
 #include "server/world/objects/object.hpp"
 #include "server/world/objects/pair_rules.hpp"
 
@@ -43,6 +44,7 @@ struct Snapshot {
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
   std::shared_ptr<const PairRules> pair_rules;      // which pairs may touch; null: those that filters let pass alone
+  std::shared_ptr<const ParentOf> parents;          // of attached objects; null: there is none
   bool contacts_truncated = false;                  // there are more contacts than the step could report
   std::shared_ptr<Grid> grid;      // over bounds, or larger ones; shared between snapshots while no object moves
   std::uint64_t changes_seen = 0;  // how many of ObjectRows' changes it has, so that refilling copies only later ones

@@ -44,6 +44,8 @@ void PoseMemory::note(const Step& step) {
   epoch_ = step.snapshot.epoch;
   version_ = step.snapshot.version;
   stale_objects_ = step.stale_objects;
+  if (pair_rules_ != step.snapshot.pair_rules) pair_rules_ = step.snapshot.pair_rules;
+  if (parents_ != step.snapshot.parents) parents_ = step.snapshot.parents;
   if (scenes_ != step.scenes || covers_ != step.snapshot.covers) {
     scenes_ = step.scenes;
     covers_ = step.snapshot.covers;
@@ -83,6 +85,7 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
             .first = row.pose,
             .moves = {}};
   }
+  life.source = step.rows.source(slot);  // an attached object has its parent's
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;
   const MotionTimes times =
@@ -136,6 +139,9 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     state->world_time_ns = time_ns;
     state->scenes = scenes_;
     state->covers = covers_;
+    // What may touch, and what moves along with what, is a rule of now for any instant.
+    state->pair_rules = pair_rules_;
+    state->parents = parents_;
     state->poses.resize(lives_.size());
     state->frames.resize(lives_.size());
     state->posed_ns.resize(lives_.size());

@@ -102,6 +102,8 @@ class PoseMemory {
   std::deque<Life> gone_;     // removed objects, by gone_ns
   std::vector<std::shared_ptr<const StaticScene>> scenes_;
   std::shared_ptr<const std::vector<Aabb>> covers_;
+  std::shared_ptr<const PairRules> pair_rules_;
+  std::shared_ptr<const ParentOf> parents_;
   std::vector<Known> sources_;
   std::vector<StaleObject> stale_objects_;
   std::uint64_t epoch_ = 0;

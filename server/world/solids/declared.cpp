@@ -2,6 +2,7 @@
 
 #include <unordered_map>
 
+#include "idl/clocks.hpp"
 #include "idl/glob.hpp"
 #include "server/intake/weld.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
@@ -40,6 +41,18 @@ void note(const std::string& name, const SolidFindings& findings, DeclaredSolids
 }
 
 }  // namespace
+
+DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& mesh) {
+  constexpr std::int64_t kPatienceNs = 200'000'000;
+  const std::int64_t until_ns = wire_contract::steady_ns() + kPatienceNs;
+  DeclaredMesh declared;
+  declared.indexed = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+  SolidFindings findings;
+  declared.solid = solid_within(declared.indexed, findings, [&] { return wire_contract::steady_ns() > until_ns; });
+  declared.refusal = std::move(findings.refusal);
+  declared.warning = std::move(findings.warning);
+  return declared;
+}
 
 DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::string_view glob,
                               const std::function<bool()>& cancelled) {

@@ -10,6 +10,17 @@
 
 namespace collided::engine {
 
+/// A mesh declared solid.
+struct DeclaredMesh {
+  std::shared_ptr<const IndexedMesh> indexed;
+  std::shared_ptr<const SolidMesh> solid;  // null: it bounds none
+  std::string refusal;                     // why, as a whole clause; empty: it is one
+  std::string warning;                     // what makes it more than a border; empty: nothing does
+};
+/// Declares one mesh solid while others wait for it: what takes longer than 200 ms of the search for triangles that cross,
+/// and of the tree, is left out.
+DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& mesh);
+
 /// What came of declaring the meshes of a scene solid. Each line is a sentence for the user.
 struct DeclaredSolids {
   std::size_t count = 0;

@@ -54,6 +54,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   if (next == nullptr) return false;
   const std::int64_t started = steady_ns();
   s.version += batches;
+  s.settle_attachments();
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
   // Ingest: what came since the last step ends contacts and goes into the snapshot.
@@ -138,6 +139,7 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
   next.stale_objects = stale_objects;
   next.covers = covers;
   next.pair_rules = pair_rules;
+  next.parents = attachments.table();
 }
 
 void World::State::decide(const StepView& step, const Grid& grid) {

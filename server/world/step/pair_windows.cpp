@@ -43,7 +43,8 @@ PairWindow window_of(const StepView& step, std::uint32_t first, std::uint32_t se
   // What one publisher moved since the last step is complete for its own pairs, however far other publishers are.
   const std::uint32_t source = rows.source(first);
   const bool needs_memory = source != rows.source(second) || step.sources[source].is_streamed;
-  const std::int64_t floor_ns = needs_memory ? step.sources.floor_ns() : 0;
+  const std::int64_t joined_ns = std::max(rows[first].joined_ns, rows[second].joined_ns);
+  const std::int64_t floor_ns = needs_memory ? std::max(step.sources.floor_ns(), joined_ns) : 0;
   const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
   const std::int64_t from_ns = std::max({decided_ns, rows[first].born_ns, rows[second].born_ns, floor_ns});
   // Where the window does not continue the decided time, the pair begins anew, however many steps ago both objects

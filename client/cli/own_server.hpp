@@ -1,0 +1,38 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// A server that this program starts, and that ends with it. One thread.
+class OwnServer {
+ public:
+  /// Starts the program collided at this domain and namespace. Throws Failure where that cannot be.
+  ///
+  /// words  its further arguments
+  OwnServer(Io& io, const ConnectOptions& where, const std::vector<std::string>& words);
+  ~OwnServer();
+  OwnServer(const OwnServer&) = delete;
+  OwnServer& operator=(const OwnServer&) = delete;
+
+  /// Waits until it answers. Throws Failure where it ends before, or Ctrl-C comes.
+  ///
+  /// session  whose connection, made by globals, is to the domain and namespace given above
+  void meet(Session& session, const Globals& globals);
+  bool ended();
+  /// Of a server that ended.
+  int exit_code() const;
+
+ private:
+  pid_t id_ = 0;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace collided::cli
