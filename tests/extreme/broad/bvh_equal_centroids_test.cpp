@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::bvh_equal_centroids_test {
 namespace {
 
 /// Centroid 0 exactly: (-2s, -s), (s, -s), (s, 2s) in three orientations, sizes over twelve decades.
@@ -46,4 +46,4 @@ TEST(ExtremeBvhEqualCentroids, AnswersAreThoseOfTestingEachOne) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::bvh_equal_centroids_test

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::bvh_flat_test {
 namespace {
 
 /// n x n squares of two triangles in the plane `axis` = height; square (u, v) is triangles 2 (v n + u) and the next.
@@ -85,4 +85,4 @@ TEST(ExtremeBvhFlat, AllOnOneLine) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::bvh_flat_test

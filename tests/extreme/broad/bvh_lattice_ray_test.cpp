@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::bvh_lattice_ray_test {
 namespace {
 
 /// Boxes of side 1 with shared faces on a 6^3 lattice: 2,592 triangles, half of them twice in one place.
@@ -50,4 +50,4 @@ TEST(ExtremeBvhLatticeRay, RaysInTheCuttingPlanesEqualBruteForce) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::bvh_lattice_ray_test

@@ -6,7 +6,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::bvh_one_leaf_test {
 namespace {
 
 TriangleMesh identical(std::uint32_t count) {
@@ -56,4 +56,4 @@ TEST(ExtremeBvhOneLeaf, BesideThePileNothingIsTested) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::bvh_one_leaf_test

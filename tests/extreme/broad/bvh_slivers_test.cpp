@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::bvh_slivers_test {
 namespace {
 
 constexpr std::uint32_t kCount = 2'000;
@@ -57,4 +57,4 @@ TEST(ExtremeBvhSlivers, TheRightOneOfTwoThousand) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::bvh_slivers_test

@@ -4,7 +4,7 @@
 #include "server/broad_phase/grid/grid_levels.hpp"
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_cell_border_test {
 namespace {
 
 constexpr double kTiniest = 0x1p-1074;
@@ -74,4 +74,4 @@ TEST(ExtremeGridCellBorder, CornersOnTheGridsOwnBordersAreFoundFromBothSides) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_cell_border_test

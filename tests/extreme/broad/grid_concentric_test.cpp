@@ -4,7 +4,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_concentric_test {
 namespace {
 
 std::vector<Aabb> shells(int count) {
@@ -41,4 +41,4 @@ TEST(ExtremeGridConcentric, OverManySizes) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_concentric_test

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_coordinates_far_test {
 namespace {
 
 /// Unit cubes in a row along the diagonal, one in two touching its successor at a corner.
@@ -44,4 +44,4 @@ TEST(ExtremeGridFar, NearAndFarInOneGrid) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_coordinates_far_test

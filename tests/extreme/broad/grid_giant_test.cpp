@@ -3,7 +3,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_giant_test {
 namespace {
 
 /// 32^3 grains of a millimetre in a lattice of 2 m: none touches another.
@@ -55,4 +55,4 @@ TEST(ExtremeGridGiant, GiantsOfEveryDecadeAtOnce) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_giant_test

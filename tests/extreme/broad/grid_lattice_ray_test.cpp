@@ -5,7 +5,7 @@
 #include "server/broad_phase/grid/grid_levels.hpp"
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_lattice_ray_test {
 namespace {
 
 /// Unit cubes on all points of an 8^3 lattice, sharing faces.
@@ -71,4 +71,4 @@ TEST(ExtremeGridLatticeRay, TheLimitOnABorderTouchesTheNextCell) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_lattice_ray_test

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_line_plane_test {
 namespace {
 
 TEST(ExtremeGridLinePlane, PointsOnALine) {
@@ -52,4 +52,4 @@ TEST(ExtremeGridLinePlane, OneBoxAndNone) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_line_plane_test

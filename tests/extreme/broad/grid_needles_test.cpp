@@ -4,7 +4,7 @@
 #include "tests/extreme/broad/candidates.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_needles_test {
 namespace {
 
 std::vector<Aabb> bundle(int axis, int side, double pitch) {
@@ -68,4 +68,4 @@ TEST(ExtremeGridNeedles, PairsEndWhenTold) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_needles_test

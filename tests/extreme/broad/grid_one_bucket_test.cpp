@@ -5,7 +5,7 @@
 #include "server/broad_phase/grid/grid_levels.hpp"
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_one_bucket_test {
 namespace {
 
 constexpr double kSize = 0.75;
@@ -64,4 +64,4 @@ TEST(ExtremeGridOneBucket, AWorldTooWideForItsKeysLosesNothing) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_one_bucket_test

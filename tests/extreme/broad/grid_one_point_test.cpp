@@ -3,7 +3,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_one_point_test {
 namespace {
 
 TEST(ExtremeGridOnePoint, AHundredThousandCostNoMemoryOfPairs) {
@@ -40,4 +40,4 @@ TEST(ExtremeGridOnePoint, PairsAreCountedOnceEach) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_one_point_test

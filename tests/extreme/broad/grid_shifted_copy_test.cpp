@@ -4,7 +4,7 @@
 
 #include "tests/extreme/broad/candidates.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grid_shifted_copy_test {
 namespace {
 
 constexpr int kSide = 8;
@@ -45,4 +45,4 @@ TEST(ExtremeGridShiftedCopy, CubesWithoutGapsTouchTheirNeighbours) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grid_shifted_copy_test

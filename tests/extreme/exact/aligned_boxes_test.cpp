@@ -5,7 +5,7 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::aligned_boxes_test {
 namespace {
 
 /// The 24 turns that map the axes to themselves; mirrored ones too, which make the same box.
@@ -60,4 +60,4 @@ TEST(ExtremeAlignedBoxes, StacksOfABillionMetres) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::aligned_boxes_test

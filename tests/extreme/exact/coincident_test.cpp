@@ -5,7 +5,7 @@
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::coincident_test {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -52,4 +52,4 @@ TEST(ExtremeCoincident, MovingOutOfItselfTouchesAtTheStart) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::coincident_test

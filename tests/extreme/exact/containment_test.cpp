@@ -5,7 +5,7 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::containment_test {
 namespace {
 
 const Box kRoom{.center = {0, 0, 0}, .half_m = {5, 5, 5}};
@@ -65,4 +65,4 @@ TEST(ExtremeContainment, InsideASolidTheDistanceIsZero) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::containment_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::coplanar_test {
 namespace {
 
 /// (u, v) in the plane z = x + y, which no axis is parallel to; exact for small multiples of powers of two.
@@ -70,4 +70,4 @@ TEST(ExtremeCoplanar, ATriangleInTheFaceOfABox) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::coplanar_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 
-namespace collided::engine {
+namespace collided::engine::decades_test {
 namespace {
 
 /// 10^-12 .. 10^12, each rounded to a double.
@@ -60,4 +60,4 @@ TEST(ExtremeDecades, AThousandthApartIsApart) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::decades_test

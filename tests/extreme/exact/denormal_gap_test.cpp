@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/part.hpp"
 
-namespace collided::engine {
+namespace collided::engine::denormal_gap_test {
 namespace {
 
 // A gap that vanishes in the first subtraction: beside coordinates of a half, 2^-1074 is lost at once, and the error of
@@ -61,4 +61,4 @@ TEST(ExtremeDenormalGap, ADistanceIsWithinItsBoundDownToTheLeastDouble) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::denormal_gap_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::first_contact_test {
 namespace {
 
 using extreme::down;
@@ -87,4 +87,4 @@ TEST(ExtremeFirstContact, ScaleDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::first_contact_test

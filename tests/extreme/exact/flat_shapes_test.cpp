@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::flat_shapes_test {
 namespace {
 
 using extreme::down;
@@ -49,4 +49,4 @@ TEST(ExtremeFlatShapes, RaysMeetThem) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::flat_shapes_test

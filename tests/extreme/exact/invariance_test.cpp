@@ -6,7 +6,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_test {
 namespace {
 
 using oracle::RandomShapes;
@@ -86,4 +86,4 @@ TEST(ExtremeInvariance, RollingCornersChangesNothing) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::kissing_test {
 namespace {
 
 // Each kind reaches to x = 1 when its place is 0, and to x - 1 when turned round.
@@ -73,4 +73,4 @@ TEST(ExtremeKissing, TheDepthOfAKissIsNothing) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::kissing_test

@@ -9,7 +9,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::nearest_filter_test {
 namespace {
 
 /// Points at every scale of distance from a triangle of about unit size: above its inside, its edges, its corners.
@@ -81,4 +81,4 @@ TEST(ExtremeNearestFilter, NoContactIsDeeperThanItsBound) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::nearest_filter_test

@@ -3,7 +3,7 @@
 #include "server/exact_phase/distance/closest.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::nearest_surface_test {
 namespace {
 
 // Ever nearer to a tilted triangle: the digits of the distance are not eaten by the coordinates.
@@ -44,4 +44,4 @@ TEST(ExtremeNearestSurface, FeatureBordersAgree) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::nearest_surface_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::nearly_aligned_boxes_test {
 namespace {
 
 /// Axes (1, s), (-s, 1) in a plane: a turn by s to first order, and exactly this parallelepiped by declaration.
@@ -70,4 +70,4 @@ TEST(ExtremeNearlyAlignedBoxes, ThinAndTall) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::nearly_aligned_boxes_test

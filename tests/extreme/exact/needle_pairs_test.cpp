@@ -7,7 +7,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::needle_pairs_test {
 namespace {
 
 constexpr double kThin = 0x1p-20;
@@ -56,4 +56,4 @@ TEST(ExtremeNeedlePairs, BoxesFromTheSide) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::needle_pairs_test

@@ -5,7 +5,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 
-namespace collided::engine {
+namespace collided::engine::not_finite_test {
 namespace {
 
 // The border refuses such input; should some get through, the answer is never "no" (a finite part of the shape may well
@@ -43,4 +43,4 @@ TEST(ExtremeNotFinite, OverflowInsideIsDecidedAllTheSame) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::not_finite_test

@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::offset_detail_test {
 namespace {
 
 constexpr double kFar = 1e8;
@@ -47,4 +47,4 @@ TEST(ExtremeOffsetDetail, DepthsAndDistancesAreTheDetailsOwn) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::offset_detail_test

@@ -6,7 +6,7 @@
 #include "server/exact_phase/arithmetic/number.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 
-namespace collided::engine {
+namespace collided::engine::out_of_range_test {
 namespace {
 
 // Products of lengths near 2^990 are beyond what an expansion holds; the greater of such a number and another one must
@@ -34,4 +34,4 @@ TEST(ExtremeOutOfRange, ATriangleInAHugeBoxIsFound) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::out_of_range_test

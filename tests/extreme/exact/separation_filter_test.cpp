@@ -6,7 +6,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::separation_filter_test {
 namespace {
 
 Box moved(const Box& box, const Vec3& by) { return {box.center + by, box.axes, box.half_m}; }
@@ -91,4 +91,4 @@ TEST(ExtremeSeparationFilter, DecidesGenericPairs) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::separation_filter_test

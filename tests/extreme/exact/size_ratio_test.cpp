@@ -4,7 +4,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::size_ratio_test {
 namespace {
 
 using extreme::up;
@@ -36,4 +36,4 @@ TEST(ExtremeSizeRatio, TheGrainsDepthIsTheGrainsOwn) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::size_ratio_test

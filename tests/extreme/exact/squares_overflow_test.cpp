@@ -8,7 +8,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::squares_overflow_test {
 namespace {
 
 constexpr int kPowers[] = {-1000, -665, -512, 512, 665, 1000};
@@ -69,4 +69,4 @@ TEST(ExtremeSquaresOverflow, AcrossTheWholeRange) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::squares_overflow_test

@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::start_inside_test {
 namespace {
 
 template <class Shape>
@@ -57,4 +57,4 @@ TEST(ExtremeStartInside, OnTheSurfaceEveryDirectionHitsAtZero) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::start_inside_test

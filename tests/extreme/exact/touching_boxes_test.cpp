@@ -6,7 +6,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::touching_boxes_test {
 namespace {
 
 using extreme::down;
@@ -76,4 +76,4 @@ TEST(ExtremeTouchingBoxes, SingularAxesAreUndecided) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::touching_boxes_test

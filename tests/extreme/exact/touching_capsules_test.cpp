@@ -3,7 +3,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::touching_capsules_test {
 namespace {
 
 using extreme::down;
@@ -48,4 +48,4 @@ TEST(ExtremeTouchingCapsules, AgainstBoxAndTriangle) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::touching_capsules_test

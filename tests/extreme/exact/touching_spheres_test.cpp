@@ -4,7 +4,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::touching_spheres_test {
 namespace {
 
 using extreme::down;
@@ -48,4 +48,4 @@ TEST(ExtremeTouchingSpheres, PointsTouchOnlyThemselves) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::touching_spheres_test

@@ -3,7 +3,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::touching_triangles_test {
 namespace {
 
 using extreme::down;
@@ -56,4 +56,4 @@ TEST(ExtremeTouchingTriangles, WithoutAreaTheyAreSegmentsAndPoints) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::touching_triangles_test

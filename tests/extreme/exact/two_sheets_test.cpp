@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::two_sheets_test {
 namespace {
 
 Triangle sheet(double z) { return {{0, 0, z}, {2, 0, z}, {0, 2, z}}; }
@@ -53,4 +53,4 @@ TEST(ExtremeTwoSheets, ScaleAndOffsetDoNotMatter) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::two_sheets_test

@@ -5,7 +5,7 @@
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::wall_in_time_test {
 namespace {
 
 constexpr double kHalfWall = 0x1p-11;
@@ -67,4 +67,4 @@ TEST(ExtremeWallInTime, MotionsTooSmallToMatter) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::wall_in_time_test

@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::zero_area_test {
 namespace {
 
 const Triangle kSegment{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
@@ -59,4 +59,4 @@ TEST(ExtremeZeroArea, NearestPointsAndContactsAreNumbers) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::zero_area_test

@@ -5,7 +5,7 @@
 #include "server/service/questions/validation.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::validation_quaternion_drift_test {
 namespace {
 
 std::variant<Pose, Refusal> checked(const Quat& q) {
@@ -82,4 +82,4 @@ TEST(ExtremeQuaternionDrift, ContactsDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::validation_quaternion_drift_test

@@ -7,7 +7,7 @@
 #include "server/service/questions/validation.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::validation_refusals_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -207,4 +207,4 @@ TEST(ExtremeBorderRefusals, TheWorldsOwn) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::validation_refusals_test

@@ -5,7 +5,7 @@
 #include "server/intake/scene_file/scene_file.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::validation_shapes_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -67,4 +67,4 @@ TEST(ExtremeBorderShapes, TheOddComesInBitForBit) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::validation_shapes_test

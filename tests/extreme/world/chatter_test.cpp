@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::chatter_test {
 namespace {
 
 /// The body goes up and down between two heights; every step must say exactly what it did.
@@ -70,4 +70,4 @@ TEST(ExtremeChatter, SlidingInTouchIsOneContact) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::chatter_test

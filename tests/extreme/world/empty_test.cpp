@@ -4,7 +4,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::empty_test {
 namespace {
 
 void expect_nothing(const extreme::Stage& stage) {
@@ -59,4 +59,4 @@ TEST(ExtremeEmpty, OneTriangle) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::empty_test

@@ -5,7 +5,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::far_sphere_test {
 namespace {
 
 constexpr double kDistances[] = {1e4, 1e6, 1e7, 1e8, 1e12, 1e15};
@@ -60,4 +60,4 @@ TEST(ExtremeFarSphere, BoxesCapsulesAndTrianglesToo) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::far_sphere_test

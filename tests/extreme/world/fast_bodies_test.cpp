@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::fast_bodies_test {
 namespace {
 
 Shape one(const Primitive& primitive) { return {.primitives = {primitive}, .mesh = nullptr}; }
@@ -157,4 +157,4 @@ TEST(ExtremeFastBodies, AJumpAndASlowStepAreNotSwept) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::fast_bodies_test

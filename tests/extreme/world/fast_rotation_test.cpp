@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::fast_rotation_test {
 namespace {
 
 // Turning by a third about (1, 1, 1) renames the axes: exact, so that kissing is decided to the step.
@@ -75,4 +75,4 @@ TEST(ExtremeFastRotation, AnOffCentreBallSweepsItsChord) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::fast_rotation_test

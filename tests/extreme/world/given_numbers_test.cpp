@@ -10,7 +10,7 @@
 #include "tests/extreme/world/given_pairs.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 
-namespace collided::engine {
+namespace collided::engine::given_numbers_test {
 namespace {
 
 using oracle::Figure;
@@ -139,4 +139,4 @@ TEST_F(ExtremeGivenNumbers, ATurnedBoxQuestionIsDecidedForItsOwnNumbers) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::given_numbers_test

@@ -7,7 +7,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::history_test {
 namespace {
 
 struct Body {
@@ -85,4 +85,4 @@ TEST(ExtremeWorldHistory, UndoneChangesLeaveNoTrace) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::history_test

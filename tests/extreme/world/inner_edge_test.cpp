@@ -5,7 +5,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::inner_edge_test {
 namespace {
 
 constexpr double kDepth = 0x1p-7;
@@ -131,4 +131,4 @@ TEST(ExtremeInnerEdge, WallsAndStepsKeepTheirNormals) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::inner_edge_test

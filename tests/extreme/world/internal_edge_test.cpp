@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::internal_edge_test {
 namespace {
 
 /// n x n unit squares from the corner -n/2, two triangles each, at the height.
@@ -68,4 +68,4 @@ TEST(ExtremeInternalEdge, OnTheFloorsOwnBorderTheBallStillStands) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::internal_edge_test

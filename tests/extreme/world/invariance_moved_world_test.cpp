@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_moved_world_test {
 namespace {
 
 /// What happens to points; turn is exact and its own quaternion.
@@ -87,4 +87,4 @@ TEST(ExtremeInvarianceMovedWorld, ExactTurnsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_moved_world_test

@@ -5,7 +5,7 @@
 #include "tests/extreme/transformed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_scaled_world_test {
 namespace {
 
 extreme::Cast scaled(extreme::Cast cast, const extreme::Scaling& scale) {
@@ -58,4 +58,4 @@ TEST(ExtremeInvarianceScaledWorld, EveryAnswerAndContactIsTheSame) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_scaled_world_test

@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_shuffle_test {
 namespace {
 
 /// Answers with names for ids, hits of a question in the order of (distance, name).
@@ -69,4 +69,4 @@ TEST(ExtremeInvarianceShuffle, TiesGoByName) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_shuffle_test

@@ -10,7 +10,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_swap_test {
 namespace {
 
 using oracle::RandomShapes;
@@ -100,4 +100,4 @@ TEST(ExtremeInvarianceSwap, TheWorldsNormalFollowsTheIds) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_swap_test

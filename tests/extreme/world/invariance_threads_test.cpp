@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_threads_test {
 namespace {
 
 std::size_t stride_of(QuestionKind kind) {
@@ -128,4 +128,4 @@ TEST(ExtremeInvarianceBuild, TheNumberOfBuildingThreadsDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_threads_test

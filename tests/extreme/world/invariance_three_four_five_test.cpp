@@ -8,7 +8,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::invariance_three_four_five_test {
 namespace {
 
 using oracle::RandomShapes;
@@ -85,4 +85,4 @@ TEST(ExtremeInvarianceThreeFourFive, OrderOfHitsAndNearestDistances) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::invariance_three_four_five_test

@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::mesh_neighbours_test {
 namespace {
 
 /// A unit cube of twelve triangles beside another: one contact if `touching`, as mover against mover, against static
@@ -62,4 +62,4 @@ TEST(ExtremeMeshNeighbours, MeshesAreSurfacesAndBoxesAreSolid) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::mesh_neighbours_test

@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::monotone_ray_test {
 namespace {
 
 std::set<std::pair<ObjectId, std::uint32_t>> met(const Answers& answers) {
@@ -54,4 +54,4 @@ TEST(ExtremeMonotoneRay, ALongerRayNeverLosesAHit) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::monotone_ray_test

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::odd_but_legal_test {
 namespace {
 
 constexpr double kGreatest = std::numeric_limits<double>::max();
@@ -95,4 +95,4 @@ TEST(ExtremeOddButLegal, MinusZeroIsZeroToTheBit) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::odd_but_legal_test

@@ -7,7 +7,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::one_point_test {
 namespace {
 
 TEST(ExtremeOnePoint, EveryPairBeginsOnceAndEndsOnce) {
@@ -75,4 +75,4 @@ TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::one_point_test

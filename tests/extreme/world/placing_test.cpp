@@ -8,7 +8,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::placing_test {
 namespace {
 
 using oracle::Wide;
@@ -184,4 +184,4 @@ TEST_F(ExtremePlacing, DepthsHoldForTheNumbersGiven) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::placing_test

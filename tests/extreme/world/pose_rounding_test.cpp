@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::pose_rounding_test {
 namespace {
 
 TEST(ExtremePoseRounding, BoxesThatKissFarOutAreDecidedForTheirPlacedCorners) {
@@ -61,4 +61,4 @@ TEST(ExtremePoseRounding, EventsAndTheTwinAgreeOnEveryTurnedPair) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::pose_rounding_test

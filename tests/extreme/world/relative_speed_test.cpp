@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::relative_speed_test {
 namespace {
 
 /// Both fly by `speed`; b, one radius sum and a bit behind a in y, closes by `closing`.
@@ -63,4 +63,4 @@ TEST(ExtremeRelativeSpeed, StandingStillAtFullSpeedIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::relative_speed_test

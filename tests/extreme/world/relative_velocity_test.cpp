@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::relative_velocity_test {
 namespace {
 
 const Event& began_of(const extreme::Stage& stage) {
@@ -84,4 +84,4 @@ TEST(ExtremeRelativeVelocity, AJumpIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::relative_velocity_test

@@ -6,7 +6,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::shared_edge_far_test {
 namespace {
 
 /// Rays from inside to every corner, to the middle of every edge and to random places on edges: all must hit.
@@ -62,4 +62,4 @@ TEST(ExtremeSharedEdgeFar, ATurnedMovingBallLosesNoRay) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::shared_edge_far_test

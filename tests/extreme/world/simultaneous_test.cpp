@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::simultaneous_test {
 namespace {
 
 TEST(ExtremeSimultaneous, AThousandPairsBeginInOrderOfTheirIds) {
@@ -52,4 +52,4 @@ TEST(ExtremeSimultaneous, AllAtOnceIntoOneBall) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::simultaneous_test

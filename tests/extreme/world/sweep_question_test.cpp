@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::sweep_question_test {
 namespace {
 
 std::vector<double> numbers_of_way(const Pose& from, const Pose& to) {
@@ -122,4 +122,4 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::sweep_question_test

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided::engine {
+namespace collided::engine::teleport_test {
 namespace {
 
 TEST(ExtremeTeleport, AJumpThroughAWallMeetsNothingAndAMotionDoes) {
@@ -66,4 +66,4 @@ TEST(ExtremeTeleport, ThereAndBackAThousandTimes) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::teleport_test

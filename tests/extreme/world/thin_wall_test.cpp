@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::engine {
+namespace collided::engine::thin_wall_test {
 namespace {
 
 constexpr double kHalfWall = 0x1p-11;  // about half a millimetre
@@ -78,4 +78,4 @@ TEST(ExtremeThinWall, EveryWallOfAThousandIsReported) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::thin_wall_test

@@ -9,7 +9,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::traps_test {
 namespace {
 
 /// Steps and questions over ordinary, touching, degenerate, far, tiny and huge input, all of it accepted.
@@ -86,4 +86,4 @@ TEST(ExtremeTraps, AHostThatTrapsSurvives) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::traps_test

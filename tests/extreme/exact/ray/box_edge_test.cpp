@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::box_edge_test {
 namespace {
 
 const Box kUnit{.center = {0.5, 0.5, 0.5}, .half_m = {0.5, 0.5, 0.5}};
@@ -53,4 +53,4 @@ TEST(ExtremeRayBoxEdge, FromTenThousandBillionKilometres) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::box_edge_test

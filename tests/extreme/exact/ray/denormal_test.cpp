@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/ray/ray_cast.hpp"
 
-namespace collided::engine {
+namespace collided::engine::denormal_test {
 namespace {
 
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
@@ -41,4 +41,4 @@ TEST(ExtremeRayDenormal, ZerosOfBothSignsAgree) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::denormal_test

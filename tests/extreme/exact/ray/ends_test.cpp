@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ends_test {
 namespace {
 
 using extreme::down;
@@ -49,4 +49,4 @@ TEST(ExtremeRayEnds, AStartOnTheSurfaceIsAHitAtZero) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ends_test

@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::fan_test {
 namespace {
 
 /// Six triangles around the apex, not flat: the rim goes up and down.
@@ -48,4 +48,4 @@ TEST(ExtremeRayFan, OneStepOffTheApexFewerRemainButNeverNone) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::fan_test

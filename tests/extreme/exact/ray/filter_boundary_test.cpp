@@ -5,7 +5,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::filter_boundary_test {
 namespace {
 
 /// Random rays prove nothing about a filter: these are aimed, then bisected between a hit and a miss until the two
@@ -106,4 +106,4 @@ TEST(ExactRayTriangle, AgreesWithRationalsAtThePlane) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::filter_boundary_test

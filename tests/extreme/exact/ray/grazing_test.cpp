@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/ray/ray_cast.hpp"
 
-namespace collided::engine {
+namespace collided::engine::grazing_test {
 namespace {
 
 const Triangle kFloor{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
@@ -33,4 +33,4 @@ TEST(ExtremeRayGrazing, DistanceStaysSharp) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::grazing_test

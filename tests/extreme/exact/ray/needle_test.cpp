@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::needle_test {
 namespace {
 
 // One metre long, down to one denormal wide. Through its inside, its tip, and beside it.
@@ -33,4 +33,4 @@ TEST(ExtremeRayNeedle, ThinAndSlanted) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::needle_test

@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::shared_edge_test {
 namespace {
 
 /// A closed bumpy ball: an octahedron whose faces are split and pushed out, vertices rounded.
@@ -55,4 +55,4 @@ TEST(ExtremeRaySharedEdge, EdgesHaveNoCracks) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::shared_edge_test

@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::tangent_test {
 namespace {
 
 using extreme::down;
@@ -48,4 +48,4 @@ TEST(ExtremeRayTangent, ABallOfNoSizeIsAPoint) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::tangent_test
