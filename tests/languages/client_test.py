@@ -409,6 +409,43 @@ class World(WithServer):
         self.assertEqual(events[1].episode, events[0].sequence)
         self.assertLess(abs(abs(events[0].normal[0]) - 1), 1e-9)
 
+    def test_pairs_may_touch_and_what_is_attached_moves_along(self):
+        self.client.add("py_hand", collided.Box((0.5, 0.5, 0.5)), (400, 0, 0))
+        self.client.add("py_crate", collided.Box((0.5, 0.5, 0.5)), (400.9, 0, 0))
+        try:
+            self.assertEqual(self.client.allow("py_hand", "py_crate", "a grip"), 1)
+            self.assertEqual(self.client.command("allowed")["rules"][0]["because"], "a grip")
+            self.assertEqual(self.client.deny("py_hand", "py_crate"), 1)
+            self.client.attach("py_crate", "py_hand")
+            with self.client.publish("py_driver") as publisher:
+                hand = publisher.claim("py_hand", (400, 0, 0))
+                publisher.wait_applied()
+                publisher.move(hand, (405, 0, 0))
+                publisher.flush()
+                publisher.wait_applied()
+                crate = self.client.command("get", name="py_crate")
+                self.assertEqual(crate["attached_to"], "py_hand")
+                self.assertAlmostEqual(crate["position"][0], 405.9)
+            with self.assertRaisesRegex(collided.Refused, "'py_crate' moves along with it"):
+                self.client.attach("py_hand", "py_crate")
+            self.client.detach("py_crate")
+            self.assertNotIn("attached_to", self.client.command("get", name="py_crate"))
+        finally:
+            self.client.remove("py_hand")
+            self.client.remove("py_crate")
+
+    def test_a_publisher_s_mesh_is_solid_where_it_closes(self):
+        corners = [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]]
+        faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        with self.client.publish("py_cutter") as publisher:
+            publisher.add("py_closed", collided.Mesh(corners, faces), (500, 0, 0), solid=True)
+            publisher.flush()
+            publisher.wait_applied()
+            self.assertTrue(self.client.inside((500.2, 0.2, 0.2), only="py_closed"))
+            publisher.add("py_open", collided.Mesh(corners, faces[:3]), (510, 0, 0), solid=True)
+            with self.assertRaisesRegex(collided.Refused, "'py_open' is not in the world: it is not solid"):
+                publisher.wait_applied()
+
     def test_async_for(self):
         async def first():
             with self.client.watch("py_async*") as watch:

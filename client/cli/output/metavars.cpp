@@ -73,6 +73,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--reach", "LENGTH"},
     {"--repeat", "N"},
     {"--rm", "GLOB"},
+    {"--robot", "FILE"},
     {"--role", "ROLE"},
     {"--ros-domain", "N"},
     {"--ros-interface", "NAME"},

@@ -244,7 +244,7 @@ class Client {
   /// One object in full.
   Result<ObjectDetails> get(const std::string& name, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// The rules of which pairs may touch, in their order.
-  Result<std::vector<PairRule>> rules(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
+  Result<std::vector<ListedRule>> rules(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
   /// Which structures the server has built for what it holds, which it has left out, and why.
   Result<Plan> plan(std::chrono::nanoseconds timeout = std::chrono::seconds(10));
 

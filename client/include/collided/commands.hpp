@@ -51,7 +51,7 @@ struct RuleChanged {
   std::string not_kept = {};  // as in Added
 };
 /// A rule of which pairs may touch.
-struct PairRule {
+struct ListedRule {
   std::string a, b;     // globs: each object of the first with each of the second
   std::string because;  // for people; may be empty
   bool allows = true;   // false: it takes back what earlier rules allow of such a pair

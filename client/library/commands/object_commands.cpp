@@ -183,9 +183,9 @@ Result<RuleChanged> Client::deny(const std::string& a, const std::string& b, nan
                      [](const json& answer) { return rule_changed(answer, "began"); });
 }
 
-Result<std::vector<PairRule>> Client::rules(nanoseconds timeout) {
+Result<std::vector<ListedRule>> Client::rules(nanoseconds timeout) {
   return read_answer(command(names::kAllowed, "{}", {}, timeout), "rules", [](const json& answer) {
-    std::vector<PairRule> rules;
+    std::vector<ListedRule> rules;
     for (const json& rule : answer.at("rules"))
       rules.push_back(
           {.a = rule.at("a"), .b = rule.at("b"), .because = rule.at("because"), .allows = rule.at("allows")});

@@ -193,6 +193,79 @@ TEST(WorldSolid, WhereSurfacesOverlapInsideIsWhereTheyGoAround) {
   for (const NamedMesh& named : overlapping_meshes()) expect_sides(named, false, random);
 }
 
+/// A solid built of boxes, some with a hollow: what holds a point is known from their bounds alone. Their numbers are eighths, so
+/// that faces, edges and corners of several fall together; those of hollows are sixteenths, since the check takes a hollow that
+/// shares an edge with another box for one surface with that, and may refuse it.
+class BuiltOfBoxes {
+ public:
+  explicit BuiltOfBoxes(std::mt19937_64& random) : random_(random) {
+    const int count = 1 + static_cast<int>(random_() % 5);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 half(eighths(2, 12), eighths(2, 12), eighths(2, 12));
+      const Vec3 center(eighths(-12, 12), eighths(-12, 12), eighths(-12, 12));
+      add(half, center, true);
+      if (random_() % 2 == 0) add(half - Vec3::Constant(0.0625), center, false);
+    }
+  }
+  const TriangleMesh& mesh() const { return mesh_; }
+  SolidSide side(const Vec3& point) const {
+    int times = 0;
+    for (const Part& part : parts_) {
+      if ((point.array() < part.box.low.array()).any() || (point.array() > part.box.high.array()).any()) continue;
+      if ((point.array() == part.box.low.array()).any() || (point.array() == part.box.high.array()).any())
+        return SolidSide::on;
+      times += part.is_outward ? 1 : -1;
+    }
+    return times > 0 ? SolidSide::in : SolidSide::out;
+  }
+  Vec3 any_point() {
+    Vec3 point = Vec3(eighths(-52, 52), eighths(-52, 52), eighths(-52, 52)) / 2;
+    for (double& x : point) {
+      const auto by = random_() % 4;
+      if (by < 2) x = std::nextafter(x, by == 0 ? -INFINITY : INFINITY);
+    }
+    return point;
+  }
+
+ private:
+  struct Part {
+    Aabb box;
+    bool is_outward = true;
+  };
+  double eighths(int low, int high) { return 0.125 * std::uniform_int_distribution<int>(low, high)(random_); }
+  void add(const Vec3& half, const Vec3& center, bool is_outward) {
+    const TriangleMesh box = scenes::box(half, center);
+    scenes::append(mesh_, is_outward ? box : turned_over(box));
+    parts_.push_back({{center - half, center + half}, is_outward});
+  }
+
+  std::mt19937_64& random_;
+  TriangleMesh mesh_;
+  std::vector<Part> parts_;
+};
+
+TEST(WorldSolid, WhatIsBuiltOfBoxesHoldsWhatTheirBoundsSay) {
+  std::mt19937_64 random = oracle::seeded(28);
+  int counts[3] = {};
+  for (int i = 0; i < points_a_mesh(); ++i) {
+    BuiltOfBoxes built(random);
+    const auto surface = indexed(built.mesh());
+    SolidFindings findings;
+    const auto solid = solid_within(surface, findings);
+    ASSERT_TRUE(solid) << findings.refusal;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 point = built.any_point();
+      const SolidSide truth = built.side(point);
+      ++counts[static_cast<int>(truth)];
+      WalkCost cost;
+      const auto said = [&] { return testing::Message() << i << ": " << std::hexfloat << point.transpose(); };
+      ASSERT_EQ(side_of(*solid, point, cost).side, truth) << said();
+      ASSERT_EQ(side_by_ray(*surface, point, cost).side, truth) << said();
+    }
+  }
+  for (const int count : counts) EXPECT_GT(count, points_a_mesh());
+}
+
 // The frame rounds; the answer is for the quaternion and the position as they were given.
 TEST(WorldSolid, SidesAtAPoseAreThoseOfTheNumbersGiven) {
   std::mt19937_64 random = oracle::seeded(26);
