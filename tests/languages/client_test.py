@@ -441,7 +441,7 @@ class World(WithServer):
             publisher.add("py_closed", collided.Mesh(corners, faces), (500, 0, 0), solid=True)
             publisher.flush()
             publisher.wait_applied()
-            self.assertTrue(self.client.inside((500.2, 0.2, 0.2), only="py_closed"))
+            self.assertTrue(self.client.inside([(500.2, 0.2, 0.2)], only="py_closed")[0])
             publisher.add("py_open", collided.Mesh(corners, faces[:3]), (510, 0, 0), solid=True)
             with self.assertRaisesRegex(collided.Refused, "'py_open' is not in the world: it is not solid"):
                 publisher.wait_applied()

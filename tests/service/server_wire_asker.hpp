@@ -66,7 +66,11 @@ class WireAsker {
     query.client = client_;
     if (query.request == 0) query.request = ++requests_;
     if (query.chunk_count == 0) query.chunk_count = 1;
-    if (!query_writer_.write(query)) throw std::runtime_error("the server reads no questions");
+    // A reader that is full makes a write wait; on a busy machine longer than one write does.
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!query_writer_.write(query)) {
+      if (std::chrono::steady_clock::now() > until) throw std::runtime_error("the server reads no questions");
+    }
   }
   std::optional<Heard> reply_to(std::uint64_t request, std::chrono::milliseconds wait) {
     std::unique_lock lock(mutex_);

@@ -27,7 +27,7 @@ constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
 // For a server of this machine: since it was last seen to have more to do than it can, and in all.
 constexpr milliseconds kAfterCrowd{2'000};
-constexpr milliseconds kCrowdPatience{60'000};
+constexpr milliseconds kCrowdPatience{30'000};
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -95,8 +95,9 @@ class CrowdPatience {
 
   Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found) {
     if (!is_machine_crowded()) return began;
-    // Where a server of the domain runs beside us it is there, and its answer a matter of time.
-    if (!runs_beside_us_) runs_beside_us_ = options_.interface == "lo" && places_taken(options_.domain) > 0;
+    // Where a server of the domain runs beside us it is there, and its answer a matter of time; with keys it may never be.
+    if (!runs_beside_us_)
+      runs_beside_us_ = options_.interface == "lo" && options_.keys.empty() && places_taken(options_.domain) > 0;
     const Clock::time_point last =
         *runs_beside_us_ ? began + kCrowdPatience : std::min(began + 3 * wait_, deadline_if_found);
     return std::min(Clock::now() + (*runs_beside_us_ ? kAfterCrowd : kFirstHelloPeriod), last);
