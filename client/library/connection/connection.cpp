@@ -98,9 +98,9 @@ class CrowdPatience {
     // Where a server of the domain runs beside us it is there, and its answer a matter of time; with keys it may never be.
     if (!runs_beside_us_)
       runs_beside_us_ = options_.interface == "lo" && options_.keys.empty() && places_taken(options_.domain) > 0;
-    const Clock::time_point last =
-        *runs_beside_us_ ? began + kCrowdPatience : std::min(began + 3 * wait_, deadline_if_found);
-    return std::min(Clock::now() + (*runs_beside_us_ ? kAfterCrowd : kFirstHelloPeriod), last);
+    if (!*runs_beside_us_) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
+    // A crowd that is over leaves behind what DDS has yet to say again.
+    return std::max(deadline_if_found, std::min(Clock::now() + kAfterCrowd, began + kCrowdPatience));
   }
 
  private:
