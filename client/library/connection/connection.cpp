@@ -15,8 +15,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 // A reply that is written before this reader is matched is lost. So hello is repeated until a reply arrives: whenever a
-// new match is seen, since then it may succeed, and every 20 ms.
-// Again and again, for a server that starts meanwhile; seldom once it takes long: DDS repeats what a busy server's machine
+// new match is seen, since then it may succeed, and again and again, for a server that starts meanwhile; seldom once it takes long: DDS repeats what a busy server's machine
 // dropped, and all hellos that were said until then with it.
 constexpr milliseconds kFirstHelloPeriod{20};
 constexpr milliseconds kLastHelloPeriod{640};
@@ -25,9 +24,9 @@ constexpr milliseconds kLastHelloPeriod{640};
 constexpr milliseconds kFirstMatchPeriod{1};
 constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
-// For a server of this machine: since it was last seen to have more to do than it can, and in all.
+// For a server of this machine, since that was last seen to have more to do than it can.
 constexpr milliseconds kAfterCrowd{2'000};
-constexpr milliseconds kCrowdPatience{30'000};
+constexpr int kCrowdPatience = 10;  // times what is waited for a server at all
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -100,7 +99,7 @@ class CrowdPatience {
       runs_beside_us_ = options_.interface == "lo" && options_.keys.empty() && places_taken(options_.domain) > 0;
     if (!*runs_beside_us_) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
     // A crowd that is over leaves behind what DDS has yet to say again.
-    return std::max(deadline_if_found, std::min(Clock::now() + kAfterCrowd, began + kCrowdPatience));
+    return std::min(began + kCrowdPatience * wait_, std::max(deadline_if_found, Clock::now() + kAfterCrowd));
   }
 
  private:
