@@ -14,7 +14,8 @@
 namespace collided::wire_contract::command {
 
 /// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, packages ["NAME=DIR"], foreign,
-/// replace (a scene of that name), moving (true: its objects take poses, so that a publisher can claim them), solid (name glob of the parts and objects whose meshes are solid), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
+/// replace (a scene of that name), moving (true: its objects take poses, so that a publisher can claim them), solid (name glob of the parts and objects whose meshes are solid), solid_by ("winding": those that do not close too, by
+/// their winding number), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
 /// complete)
 /// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
 ///    covers, version.
@@ -34,7 +35,8 @@ inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 /// -> removed, kept (objects of live publishers, and those that the keys are not for), ended, version
 inline constexpr const char* kClear = "clear";
 
-/// name, pose, layers, mask, group, moving, scale [3], solid (true: its mesh is; refused where that does not close); the
+/// name, pose, layers, mask, group, moving, scale [3], solid (true: its mesh is; refused where that does not close), solid_by
+/// ("winding": not refused then, but solid by its winding number); the
 /// shape is the query's blob -> name, id, version, warning (where the mesh is more than the border of a solid)
 inline constexpr const char* kAdd = "add";
 

@@ -45,8 +45,9 @@ enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recover
 /// refused: the text says why. progress: more replies to the same request follow.
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 /// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
-/// lost and its policy is `freeze`.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
+/// lost and its policy is `freeze`. kByWinding: inside by the winding number of a mesh that does not close; the distance is
+/// that of its surface.
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
 /// persisted: a contact that has begun goes on. contained, emerged: one of the two has come to lie wholly within the
 /// other, a solid, or no longer does.
 enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };

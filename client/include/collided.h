@@ -183,7 +183,7 @@ typedef struct collided_columns {
   double* weights;
   double* time_low;
   double* time_high;
-  uint8_t* inside;
+  uint8_t* inside; /* 1: inside; 2: inside by winding number */
   uint8_t* stale;
 } collided_columns;
 COLLIDED_API void collided_read_columns(const collided_answers* answers, const collided_columns* columns);
@@ -280,7 +280,7 @@ typedef struct collided_object {
   double scale[3];
   double position[3];
   double orientation[4];
-  int32_t solid; /* its closed mesh holds what lies in it; refused where it does not close */
+  int32_t solid; /* its closed mesh holds what lies in it; refused where it does not close. 2: then solid by winding number */
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 

@@ -91,6 +91,7 @@ struct LoadOptions {
   std::optional<double> mend_m{};  // close T-vertices, and cracks up to this width; 0: the width that mend() chooses
   bool is_foreign = false;         // sent by a client, so not trusted: only the converter process reads it
   std::string solid{};             // name glob of the parts and objects whose meshes are declared solid; empty: none
+  bool solid_by_winding = false;   // those of them that do not close are solid by their winding number
   std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::vector<std::string> packages{};  // of a URDF robot: folders of packages that it names, as "NAME=DIR"
   std::uint64_t max_triangles = 100'000'000;

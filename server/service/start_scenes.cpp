@@ -62,6 +62,7 @@ LoadedScene load(const Options& options, const std::string& path) {
   load_options.up = options.up;
   load_options.mend_m = options.mend_m;
   load_options.solid = options.solid;
+  load_options.solid_by_winding = options.solid_by_winding;
   load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
   LoadedScene loaded = load_and_index(path, load_options);
@@ -71,6 +72,7 @@ LoadedScene load(const Options& options, const std::string& path) {
   if (options.mend_m) again["mend"] = true;
   if (options.mend_m && *options.mend_m > 0) again["crack_m"] = *options.mend_m;
   if (!options.solid.empty()) again["solid"] = options.solid;
+  if (options.solid_by_winding) again["solid_by"] = "winding";
   loaded.indexed.geometry->source = again.dump();
   return loaded;
 }
@@ -78,9 +80,11 @@ LoadedScene load(const Options& options, const std::string& path) {
 LoadedScene embedded(const Options& options) {
   LoadOptions load_options;
   load_options.solid = options.solid;
+  load_options.solid_by_winding = options.solid_by_winding;
   LoadedScene loaded = load_and_index(kEmbeddedPath, load_options);
   nlohmann::json again{{"path", kEmbeddedPath}};
   if (!options.solid.empty()) again["solid"] = options.solid;
+  if (options.solid_by_winding) again["solid_by"] = "winding";
   loaded.indexed.geometry->source = again.dump();
   return loaded;
 }

@@ -73,7 +73,9 @@ static_assert(kRayNumbers == wire_contract::kRayNumbers && kSphereNumbers == wir
               kBoxNumbers == wire_contract::kBoxNumbers && kNearNumbers == wire_contract::kNearNumbers &&
               kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers &&
               kInsideNumbers == wire_contract::kInsideNumbers);
-static_assert(kInside == static_cast<int>(wire_contract::kInside) && kStale == static_cast<int>(wire_contract::kStale));
+static_assert(kInside == static_cast<int>(wire_contract::kInside) &&
+              kStale == static_cast<int>(wire_contract::kStale) &&
+              kByWinding == static_cast<int>(wire_contract::kByWinding));
 static_assert(kUnitNormSlack == wire_contract::kUnitQuaternionSlack);
 static_assert(kNoTriangle == wire_contract::kNoTriangle);
 

@@ -150,17 +150,18 @@ void WorldLoop::take(Arrival& arrival) {
 }
 
 /// Makes the mesh that a publisher sent solid, where it has one, or has the definition refused.
-void WorldLoop::declare_solid(DefinitionSample& sample) const {
+void WorldLoop::declare_solid(DefinitionSample& sample, bool by_winding) const {
   const auto& mesh = std::get<Shape>(sample.shape).mesh;
   if (!mesh) return;
-  DeclaredMesh declared = declare_solid_at_once(mesh);
-  if (!declared.solid) {
+  DeclaredMesh declared = declare_solid_at_once(mesh, by_winding ? SolidBy::winding : SolidBy::closing);
+  if (!declared.solid && !declared.winding) {
     sample.shape = Refusal{"it is not solid: " + declared.refusal};
     return;
   }
   if (!declared.warning.empty()) with_.notice("object " + printable(sample.name) + ": " + declared.warning);
   sample.indexed = std::move(declared.indexed);
   sample.solid = std::move(declared.solid);
+  sample.winding = std::move(declared.winding);
 }
 
 void WorldLoop::take(DefinitionSample& sample) {
@@ -169,7 +170,7 @@ void WorldLoop::take(DefinitionSample& sample) {
     DecodedShape decoded = decode_shape(std::as_bytes(std::span(sample.shape_bytes)));
     if (decoded.shape) {
       sample.shape = std::move(*decoded.shape);
-      if (decoded.is_solid) declare_solid(sample);
+      if (decoded.is_solid) declare_solid(sample, decoded.by_winding);
     } else {
       sample.shape = Refusal{std::move(decoded.refusal)};
     }

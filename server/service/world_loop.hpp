@@ -115,7 +115,7 @@ class WorldLoop {
   void serve();
   void take(Arrival& arrival);
   void take(DefinitionSample& sample);
-  void declare_solid(DefinitionSample& sample) const;
+  void declare_solid(DefinitionSample& sample, bool by_winding) const;
   template <class Apply>
   void apply(Apply&& once);
   void keep_time();

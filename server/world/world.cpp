@@ -44,10 +44,12 @@ Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
   return {"the name '" + name + "' is taken" + of + "; names are unique in a world. Nothing was added"};
 }
 
-std::shared_ptr<const SolidMesh> solid_of(const StaticScene& scene, std::uint32_t part) {
-  const auto found = std::lower_bound(scene.solid_parts.begin(), scene.solid_parts.end(), part,
-                                      [](const SolidPart& solid, std::uint32_t number) { return solid.part < number; });
-  return found == scene.solid_parts.end() || found->part != part ? nullptr : found->solid;
+/// The entry of a part in a list in the order of parts; null: it has none.
+template <class Entry>
+const Entry* entry_of(const std::vector<Entry>& entries, std::uint32_t part) {
+  const auto found = std::lower_bound(entries.begin(), entries.end(), part,
+                                      [](const Entry& entry, std::uint32_t number) { return entry.part < number; });
+  return found == entries.end() || found->part != part ? nullptr : &*found;
 }
 
 }  // namespace
@@ -149,12 +151,14 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
     info->scene_part = part;
     info->part_triangles = scene.parts[part].triangle_count;
     info->cut = scene.parts[part].cut;
-    info->solid = solid_of(*indexed.geometry, part);
+    if (const SolidPart* own = entry_of(indexed.geometry->solid_parts, part)) info->solid = own->solid;
+    if (const WindingPart* own = entry_of(indexed.geometry->winding_parts, part)) info->winding = own->winding;
     s.rows.put(std::move(info));
     indexed.geometry->part_objects.push_back(id);
   }
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
   const std::vector<std::shared_ptr<const SolidMesh>> solids = std::move(indexed.geometry->object_solids);
+  const std::vector<std::shared_ptr<const WindingMesh>> windings = std::move(indexed.geometry->object_windings);
   s.scenes.push_back(indexed.geometry);
   s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -167,7 +171,8 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
                                                   .moving = scene.is_moving && !is_endless(object.shape),
                                                   .indexed = i < meshes.size() ? meshes[i] : nullptr,
                                                   .cut = object.cut,
-                                                  .solid = i < solids.size() ? solids[i] : nullptr});
+                                                  .solid = i < solids.size() ? solids[i] : nullptr,
+                                                  .winding = i < windings.size() ? windings[i] : nullptr});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   s.rows.place_all_movers_again();
@@ -229,6 +234,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->primitives = definition.shape.primitives;
   info->parts = index_parts(info->primitives);
   info->solid = definition.solid;
+  info->winding = definition.winding;
   if (definition.cut.piece_of) {
     info->cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
@@ -251,7 +257,8 @@ ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
           .publisher = info.publisher,
           .indexed = info.mesh,
           .cut = info.cut,
-          .solid = info.solid};
+          .solid = info.solid,
+          .winding = info.winding};
 }
 
 bool World::remove(ObjectId id, EndReason reason) {

@@ -44,6 +44,7 @@ struct ObjectDefinition {
   std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh with its index, where that exists already
   CutTriangles cut{};                            // of the shape's mesh: which pieces belong to which original triangle
   std::shared_ptr<const SolidMesh> solid{};      // what the shape's mesh encloses; null: it is a surface
+  std::shared_ptr<const WindingMesh> winding{};  // what it holds by winding number, where it does not close
 };
 
 /// What defines again an object that is in the world, at a pose. Not for a part of a static scene.

@@ -51,6 +51,8 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
     record.push_back({"exit", hit && hit->inside ? Value(hit->exit_m) : none});
   }
   record.push_back({"inside", hit && hit->inside ? Value(true) : none});
+  if (view.kind == QuestionKind::inside || view.kind == QuestionKind::near)
+    record.push_back({"by", hit && hit->by_winding ? Value(std::string_view("winding")) : none});
   record.push_back({"stale", hit && hit->stale ? Value(true) : none});
   record.push_back({"reason", reason_value(answer)});
   if (!measures_depth(view.kind)) record.push_back({"point_error", hit ? Value(hit->point_error_m) : none});
@@ -71,6 +73,7 @@ std::string hit_line(const Printer& printer, const AnswerView& view, const Hit& 
   if (hit.triangle != kNoTriangle) line += fmt::format("  triangle {}", hit.triangle);
   if (hit.inside)
     line += ray ? "  inside, out at " + readable_length(hit.exit_m, hit.error_m, Digits::rounded) : "  inside";
+  if (hit.by_winding) line += " by winding";
   if (hit.stale) line += "  stale";
   return line;
 }
@@ -79,6 +82,7 @@ void contact_row(Printer& printer, const AnswerView& view, const Hit& hit) {
   std::string what = is_touching(hit) ? "touching" : "contact";
   if (view.kind == QuestionKind::inside)
     what = is_touching(hit) && std::isfinite(hit.error_m) ? "on the surface" : "inside";
+  if (hit.by_winding) what = "inside by winding";
   if (hit.stale) what += " stale";
   printer.row({"OBJECT", "WHAT", "DEPTH", "CONTACT"},
               {printable(hit.object), what, readable_length(hit.distance_m, hit.error_m, printer.digits()),

@@ -111,6 +111,7 @@ class CsvSource : public MotionSource {
     object.mask = options_.objects.mask;
     object.lost_policy = options_.objects.lost_policy;
     object.solid = options_.objects.solid;
+    object.solid_by_winding = options_.objects.solid_by_winding;
     return object;
   }
 

@@ -58,6 +58,7 @@ class PathSource : public MotionSource {
     object.mask = options_.objects.mask;
     object.lost_policy = options_.objects.lost_policy;
     object.solid = options_.objects.solid;
+    object.solid_by_winding = options_.objects.solid_by_winding;
     object_ = take(publisher.add(object));
     if (object.solid) take(publisher.wait_applied(kPatience));
   }

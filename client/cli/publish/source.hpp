@@ -19,7 +19,8 @@ struct ObjectTexts {
   std::uint32_t layers = 1;
   std::uint32_t mask = 0xffffffff;
   LostPolicy lost_policy = LostPolicy::remove;
-  bool solid = false;  // their meshes are borders of solids
+  bool solid = false;             // their meshes are borders of solids
+  bool solid_by_winding = false;  // of those that do not close, by winding number
 };
 
 /// How long the server may take to say whether it has taken an object.

@@ -98,7 +98,8 @@ std::string load_line(const std::string& scene, const nlohmann::json& load) {
   if (!text_of(load, "srdf").empty()) line += " --srdf " + shell_word(text_of(load, "srdf"));
   for (const std::string& package : texts_of(load, "packages")) line += " --package " + shell_word(package);
   if (const std::string solid = text_of(load, "solid"); !solid.empty())
-    line += solid == "*" ? " --solid" : " --solid-only " + shell_word(solid);
+    line += solid != "*" ? " --solid-only " + shell_word(solid) : text_of(load, "solid_by").empty() ? " --solid" : "";
+  if (!text_of(load, "solid_by").empty()) line += " --solid=" + shell_word(text_of(load, "solid_by"));
   for (const char* flag : {"strict", "mend", "moving"}) {
     if (flag_of(load, flag)) line += fmt::format(" --{}", flag);
   }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/solid_flag.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_file.hpp"
@@ -43,6 +44,7 @@ class PublishCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
+    setting("--solid").flag = solid_.is_given();
     for (Setting& setting : settings_) setting.given = setting.given || setting.flag || !setting.text.empty();
     const Kind kind = kind_of_run();
     for (const Setting& setting : settings_) refuse_unless_known(setting, kind);
@@ -64,6 +66,11 @@ class PublishCommand : public Command {
   void declare_group(CLI::App& app, const std::string& group, std::initializer_list<const char*> names) {
     for (const char* name : names) {
       Setting& entry = setting(name);
+      if (std::string_view(entry.name) == "--solid") {
+        solid_.declare(app, entry.meaning);
+        app.get_option("--solid")->group(group);
+        continue;
+      }
       const bool is_flag = std::find(std::begin(kFlags), std::end(kFlags), entry.name) != std::end(kFlags);
       if (is_flag) app.add_flag(entry.name, entry.flag, entry.meaning)->group(group);
       else app.add_option(entry.name, entry.text, entry.meaning)->group(group);
@@ -108,7 +115,8 @@ class PublishCommand : public Command {
     ObjectTexts objects;
     if (given("--layers")) objects.layers = parse_bits(text("--layers"));
     if (given("--mask")) objects.mask = parse_bits(text("--mask"));
-    objects.solid = setting("--solid").flag;
+    objects.solid = solid_.is_given();
+    objects.solid_by_winding = solid_.is_by_winding();
     const std::string& lost = text("--when-lost");
     if (lost == "freeze") objects.lost_policy = LostPolicy::freeze;
     else if (lost == "hold") objects.lost_policy = LostPolicy::hold;
@@ -228,10 +236,11 @@ class PublishCommand : public Command {
     return make_path_source(std::move(points), setting("--loop").flag, options);
   }
 
-  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",         "--bounce",
-                                             "--as-asked", "--face", "--beyond-limits", "--solid"};
+  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",        "--bounce",
+                                             "--as-asked", "--face", "--beyond-limits"};
 
   std::string file_;
+  SolidFlag solid_;
   std::vector<Setting> settings_{
       {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
       {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
@@ -245,7 +254,8 @@ class PublishCommand : public Command {
        "Of the object or the robot's scene, or what its parts' names begin with"},
       {"--solid",
        {Kind::poses, Kind::path},
-       "The mesh of --shape is the border of a solid; refused where it does not close"},
+       "The mesh of --shape is the border of a solid; refused where it does not close; =winding: solid by winding "
+       "number then"},
       {"--layers", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers the objects are in: bits (1)"},
       {"--mask", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers that they meet: bits (all)"},
       {"--when-lost", {}, "If this publisher is lost: remove (default; robots: freeze), freeze or hold"},

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/solid_flag.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/package_folder.hpp"
@@ -91,7 +92,8 @@ class AddCommand : public Command {
     app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
     declare_mesh_reading(app, reading_);
     app.add_flag("--static", static_, "It will not move (a plane never does)");
-    app.add_flag("--solid", solid_, "A mesh with what it encloses; refused if it does not close");
+    solid_.declare(
+        app, "A mesh with what it encloses; refused if it does not close; =winding: not then, but by winding number");
     declare_durable(app, durable_);
   }
 
@@ -109,13 +111,16 @@ class AddCommand : public Command {
                              {"group", parse_bits(group_)},
                              {"scale", scale()},
                              {"moving", moving}};
-    if (solid_) arguments["solid"] = true;
+    if (solid_.is_given()) arguments["solid"] = true;
+    if (solid_.is_by_winding()) arguments["solid_by"] = "winding";
     const nlohmann::json answer =
         server_command(session, globals, wire::kAdd, with_durable(arguments, durable_), {shape});
     const std::uint64_t version = count_of(answer, "version");
     const std::string warning = text_of(answer, "warning");
     if (!warning.empty())
-      print_warning(session.io, printable(warning) + ": inside is where the mesh goes around a point");
+      print_warning(session.io, printable(warning) + (solid_.is_by_winding() && warning.starts_with("solid by")
+                                                          ? ""
+                                                          : ": inside is where the mesh goes around a point"));
     print_done(session, globals, answer,
                {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
                fmt::format("added {} (world {})", printable(name), version));
@@ -140,7 +145,7 @@ class AddCommand : public Command {
   std::string mask_ = "0xffffffff";
   std::string group_ = "0";
   bool static_ = false;
-  bool solid_ = false;
+  SolidFlag solid_;
   bool durable_ = false;
 };
 
@@ -265,7 +270,9 @@ class LoadCommand : public Command {
         ->allow_extra_args(false);
     app.add_flag("--replace", replace_, "Replace the scene of that name");
     app.add_flag("--moving", moving_, "Its objects take poses: of `move`, or of a publisher that claims them");
-    app.add_flag("--solid", solid_, "Its meshes with what they enclose; those that do not close stay surfaces");
+    solid_.declare(app,
+                   "Its meshes with what they enclose; those that do not close stay surfaces; =winding: they are by "
+                   "winding number");
     app.add_option("--solid-only", solid_only_, "The same for parts and objects whose name matches this glob");
     app.add_option("--covers", covers_,
                    "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
@@ -288,8 +295,11 @@ class LoadCommand : public Command {
     arguments = with_durable(std::move(arguments), durable_);
     if (moving_) arguments["moving"] = true;
     for (const std::string& package : packages_) arguments["packages"].push_back(absolute_package(package));
-    if (solid_ && !solid_only_.empty()) throw bad_use("--solid and --solid-only exclude each other");
-    if (solid_ || !solid_only_.empty()) arguments["solid"] = solid_ ? "*" : solid_only_;
+    const bool is_by_winding = solid_.is_by_winding();
+    if (solid_.is_given() && !is_by_winding && !solid_only_.empty())
+      throw bad_use("--solid and --solid-only exclude each other");
+    if (solid_.is_given() || !solid_only_.empty()) arguments["solid"] = solid_only_.empty() ? "*" : solid_only_;
+    if (is_by_winding) arguments["solid_by"] = "winding";
     for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     const bool is_embedded = path_ == "embedded:";
@@ -399,7 +409,7 @@ class LoadCommand : public Command {
   std::vector<std::string> packages_;
   std::vector<std::string> covers_;
   std::string solid_only_;
-  bool solid_ = false;
+  SolidFlag solid_;
   bool strict_ = false;
   bool mend_ = false;
   bool upload_ = false;

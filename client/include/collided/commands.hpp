@@ -102,6 +102,9 @@ struct LoadOptions {
   /// Name glob of the parts and objects whose meshes are solid ("*": all); empty: none. Those that do not close stay
   /// surfaces, and Loaded::refused says why.
   std::string solid = {};
+  /// Those that do not close are solid by their winding number then, for Client::inside and signed near; to all other
+  /// questions, and for events, they are surfaces.
+  bool solid_by_winding = false;
   std::vector<CoveredBox> covers =
       {};  // where the geometry is complete; outside of all such boxes nothing is called free
   std::chrono::nanoseconds timeout{600'000'000'000};  // without a word of progress
@@ -156,7 +159,8 @@ struct ObjectDetails : ListedObject {
   std::array<Vec3, 2> bounds{Vec3::Zero(), Vec3::Zero()};  // low and high corner, in the world
   std::optional<std::chrono::nanoseconds> age;             // of the pose, for what moves
   std::vector<std::string> contacts;                       // names of what it touches
-  bool solid = false;  // it holds points: Client::inside. A mesh that was not declared solid does not
+  bool solid = false;             // it holds points: Client::inside. A mesh that was not declared solid does not
+  bool solid_by_winding = false;  // it does so by its winding number, since its mesh does not close
 };
 
 /// A structure that the server builds only where it is needed.

@@ -36,6 +36,9 @@ struct ObjectOptions {
   /// Its mesh is the border of a solid; the object is refused where that does not close. Other shapes always are solid. Of a
   /// publisher's objects Publisher::wait_applied() tells the refusal.
   bool solid = false;
+  /// With `solid`: a mesh that does not close is not refused but solid by its winding number, for Client::inside and signed
+  /// near; to all other questions, and for events, it is a surface.
+  bool solid_by_winding = false;
 };
 
 /// A source of objects and their poses, made by Client::publish. Its objects live as long as it does unless removed

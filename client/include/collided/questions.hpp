@@ -127,6 +127,9 @@ struct Hit {
   double time_high = 0;         // ... and contact by here
   // rays, sweeps: the origin, or the shape at its first pose, is in the solid; near, inside: the point is in it or on it
   bool inside = false;
+  /// The mesh does not close, and its winding number, above 1/2, says inside: distance_m is how far its surface is (near:
+  /// with a minus), which is no depth, since a way out may lead through a hole.
+  bool by_winding = false;
   bool stale = false;  // where the object is now is not known: its publisher is lost (LostPolicy::freeze)
 };
 

@@ -51,6 +51,7 @@ void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names,
   hit.weights = vector_in(reply.weights, index);
   hit.point_error_m = dds::view(reply.point_errors)[index];
   hit.inside = (flags & wire_contract::kInside) != 0;
+  hit.by_winding = (flags & wire_contract::kByWinding) != 0;
   hit.stale = (flags & wire_contract::kStale) != 0;
 }
 

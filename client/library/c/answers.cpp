@@ -53,7 +53,7 @@ void put_hit(const collided_columns& to, std::size_t at, const Hit& hit) {
   if (to.weights) put(hit.weights, to.weights + 3 * at);
   if (to.time_low) to.time_low[at] = hit.time_low;
   if (to.time_high) to.time_high[at] = hit.time_high;
-  if (to.inside) to.inside[at] = hit.inside ? 1 : 0;
+  if (to.inside) to.inside[at] = static_cast<std::uint8_t>(hit.by_winding ? 2 : hit.inside ? 1 : 0);
   if (to.stale) to.stale[at] = hit.stale ? 1 : 0;
 }
 

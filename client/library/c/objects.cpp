@@ -78,6 +78,7 @@ Result<ObjectOptions> object_options(const collided_object* object) {
   made.group = given.group;
   made.moving = given.moving != 0;
   made.solid = given.solid != 0;
+  made.solid_by_winding = given.solid == 2;
   made.lost_policy = static_cast<LostPolicy>(given.lost_policy);
   if (given.part_count > 0 && !given.parts) return missing("parts");
   // The parts lie as far from each other as the caller's header says.

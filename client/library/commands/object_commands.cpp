@@ -64,6 +64,7 @@ json arguments_of(const LoadOptions& options) {
                  {"crack_m", options.crack_m},   {"srdf", options.srdf},     {"replace", options.replace}};
   // A server that does not know the word refuses it, so it is said only where it is meant.
   if (!options.solid.empty()) arguments["solid"] = options.solid;
+  if (options.solid_by_winding) arguments["solid_by"] = "winding";
   if (options.moving) arguments["moving"] = true;
   if (!options.packages.empty()) arguments["packages"] = options.packages;
   for (const CoveredBox& box : options.covers) arguments["covers"].push_back(list_of(box));
@@ -123,6 +124,7 @@ ObjectDetails details_of(const json& answer) {
   if (answer.contains("age_ns")) object.age = nanoseconds(answer.at("age_ns").get<std::int64_t>());
   object.contacts = answer.at("contacts");
   object.solid = answer.value("solid", false);
+  object.solid_by_winding = answer.value("solid_by", "") == "winding";
   return object;
 }
 
@@ -135,6 +137,7 @@ Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
                  {"mask", object.mask},    {"group", object.group},        {"scale", list_of(object.scale)},
                  {"moving", object.moving}};
   if (object.solid) arguments["solid"] = true;
+  if (object.solid_by_winding) arguments["solid_by"] = "winding";
   const std::optional<std::string> text = text_of(arguments);
   if (!text) return not_utf8("add");
   return read_answer(command(names::kAdd, *text, object.shape, timeout), "add", [](const json& answer) {

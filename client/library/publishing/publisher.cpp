@@ -136,9 +136,18 @@ Error Publisher::State::unknown(Object object) const {
   return bad_input("object " + std::to_string(object) + " was not added to this publisher, or is removed");
 }
 
+namespace {
+
+client::SaidSolid said_solid(const ObjectOptions& options) {
+  if (!options.solid) return client::SaidSolid::surface;
+  return options.solid_by_winding ? client::SaidSolid::by_winding : client::SaidSolid::border;
+}
+
+}  // namespace
+
 Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
   Result<std::vector<std::uint8_t>> shape =
-      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'', options.solid);
+      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'', said_solid(options));
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
   if (!shape) { return shape.error(); }

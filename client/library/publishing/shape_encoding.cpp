@@ -184,7 +184,7 @@ flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuil
                                          &field->heights_m);
 }
 
-std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, bool is_solid) {
+std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, SaidSolid solid) {
   flatbuffers::FlatBufferBuilder builder;
   const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
@@ -207,14 +207,14 @@ std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, bo
   const format::Vec3 factors = packed(scale);
   builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls,
                                      half_spaces, field, clouds, polylines, scale == Vec3::Ones() ? nullptr : &factors,
-                                     0, is_solid));
+                                     0, solid != SaidSolid::surface, solid == SaidSolid::by_winding));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
 }  // namespace
 
 Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where,
-                                               bool is_solid) {
+                                               SaidSolid solid) {
   if (shape.empty()) { return bad_input(where + ": its shape has no part"); }
   if (!((scale.array() > 0).all() && scale.allFinite())) {
     return bad_input(where + ": its scale must be finite and above 0");
@@ -230,7 +230,7 @@ Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& s
     }
     std::visit([&](const auto& part) { parts.add(part); }, shape[i]);
   }
-  std::vector<std::uint8_t> bytes = build(parts, scale, is_solid);
+  std::vector<std::uint8_t> bytes = build(parts, scale, solid);
   if (bytes.size() > kMaxShapeBytes) {
     return bad_input(where + ": its shape takes " + std::to_string(bytes.size()) + " bytes; allowed " +
                          std::to_string(kMaxShapeBytes),

@@ -191,21 +191,26 @@ Bounded WindingTree::around(const Vec3& given, double off_m, double widest, std:
   return Bounded(sum.value, grown_sum(sum.error, nodes)) / Bounded(kTurn, kTurn * kRoundoff);
 }
 
+WindingSide WindingTree::side_of(const Bounded& number, const Vec3& point, double off_m) const {
+  const double beyond_m = std::max((bounds_.low - point).maxCoeff(), (point - bounds_.high).maxCoeff());
+  if (beyond_m > off_m * (1 + kBoundSlack) || number.high() <= 0.5) return WindingSide::out;
+  return number.low() > 0.5 && beyond_m <= -off_m * (1 + kBoundSlack) ? WindingSide::in : WindingSide::undecided;
+}
+
 WindingSide WindingTree::side(const Vec3& point, double off_m, std::uint32_t& nodes) const {
-  const Vec3 below = bounds_.low - point;
-  const Vec3 beyond = point - bounds_.high;
-  if (below.maxCoeff() > off_m * (1 + kBoundSlack) || beyond.maxCoeff() > off_m * (1 + kBoundSlack))
-    return WindingSide::out;
+  // Nothing is known of the number yet; the bounds alone may decide.
+  if (side_of({0, std::numeric_limits<double>::infinity()}, point, off_m) == WindingSide::out) return WindingSide::out;
   // About a closed surface the coarsest decides all but what lies beside it; about a hole finer ones are needed.
   for (const double widest : {0.35, 0.12, 0.04, 0.01}) {
-    const Bounded number = around(point, off_m, widest, nodes);
-    if (number.high() <= 0.5) return WindingSide::out;
-    if (number.low() > 0.5) {
-      const bool is_surely_within = below.maxCoeff() <= -off_m && beyond.maxCoeff() <= -off_m;
-      return is_surely_within ? WindingSide::in : WindingSide::undecided;
-    }
+    const WindingSide found = side_of(around(point, off_m, widest, nodes), point, off_m);
+    if (found != WindingSide::undecided) return found;
   }
   return WindingSide::undecided;
+}
+
+WindingSide WindingTree::side_by_sum(const Vec3& point, double off_m) const {
+  std::uint32_t nodes = 0;
+  return side_of(around(point, off_m, 0, nodes), point, off_m);
 }
 
 }  // namespace collided::engine

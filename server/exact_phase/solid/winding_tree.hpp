@@ -37,6 +37,9 @@ class WindingTree {
   /// From coarse to fine, until the bound decides or does not get better.
   WindingSide side(const Vec3& point, double off_m, std::uint32_t& nodes) const;
 
+  /// The same from every triangle on its own.
+  WindingSide side_by_sum(const Vec3& point, double off_m) const;
+
   std::uint64_t bytes() const {
     return clusters_.size() * sizeof(WindingCluster) + triangles_.size() * sizeof(Triangle);
   }
@@ -58,6 +61,8 @@ class WindingTree {
     std::uint32_t other = 0;  // its second half; the first one follows it; 0: it is not divided
   };
 
+  /// Whether the number says on which side the point is; `in` only where it is surely within the bounds.
+  WindingSide side_of(const Bounded& number, const Vec3& point, double off_m) const;
   std::uint32_t divide(std::uint32_t first, std::uint32_t count);
   WindingCluster cluster_of(std::uint32_t first, std::uint32_t count) const;
   static Bounded half_solid_angle_from_afar(const WindingCluster& c, const Vec3& to_centre, double moved, double near);

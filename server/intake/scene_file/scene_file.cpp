@@ -253,7 +253,8 @@ DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& l
   try {
     return {.shape = SceneDecoder(bytes.size(), limits.max_triangles, limits.max_primitives).shape(*root),
             .refusal = {},
-            .is_solid = root->is_solid()};
+            .is_solid = root->is_solid(),
+            .by_winding = root->by_winding()};
   } catch (const Flaw& flaw) { return {.shape = std::nullopt, .refusal = flaw.what}; }
 }
 

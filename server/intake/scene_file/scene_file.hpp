@@ -47,7 +47,8 @@ struct ShapeLimits {
 struct DecodedShape {
   std::optional<Shape> shape;
   std::string refusal;
-  bool is_solid = false;  // its mesh is meant to be the border of a solid; not checked
+  bool is_solid = false;    // its mesh is meant to be the border of a solid; not checked
+  bool by_winding = false;  // one that does not close is solid by its winding number
 };
 
 /// Decodes a FlatBuffers buffer whose root is format::Shape, with the checks of read_scene_file.

@@ -30,6 +30,12 @@ void Arguments::refuse(const char* name, const std::string& allowed) const {
                                allowed));
 }
 
+bool Arguments::is_solid_by_winding() const {
+  const std::string by = text("solid_by");
+  if (by.empty() || by == "winding") return by == "winding";
+  throw BadCommand(fmt::format("{}: solid_by is {}; allowed: 'winding', or nothing", command_, printable(by)));
+}
+
 void Arguments::allow_only(std::initializer_list<const char*> names) const {
   std::vector<std::string> allowed(names.begin(), names.end());
   for (const auto& [key, value] : arguments_.items()) {

@@ -30,6 +30,8 @@ class Arguments {
   const std::string& command() const { return command_; }
   /// Whether the client wants it refused where it would not outlive a crash.
   bool is_durable() const { return is_durable_; }
+  /// `solid_by` is "winding"; throws BadCommand for another word.
+  bool is_solid_by_winding() const;
   /// Refuses every argument that is not among these: a misspelt one must not be ignored.
   void allow_only(std::initializer_list<const char*> names) const;
 

@@ -346,22 +346,23 @@ namespace {
 
 /// Makes the object's mesh solid; returns what makes it more than a border. Throws BadCommand where it bounds no solid.
 /// Primitives are solid without it.
-std::string declare_solid(ObjectDefinition& definition) {
+std::string declare_solid(ObjectDefinition& definition, SolidBy by) {
   if (!definition.shape.mesh) return {};
-  DeclaredMesh declared = declare_solid_at_once(definition.shape.mesh);
-  if (!declared.solid)
+  DeclaredMesh declared = declare_solid_at_once(definition.shape.mesh, by);
+  if (!declared.solid && !declared.winding)
     throw BadCommand(
         fmt::format("add: {} is not solid: {}. Nothing was added", printable(definition.name), declared.refusal),
-        "without --solid it is a surface; collide check FILE says more");
+        "without --solid it is a surface; --solid=winding decides by winding number; collide check FILE says more");
   definition.indexed = std::move(declared.indexed);
   definition.solid = std::move(declared.solid);
+  definition.winding = std::move(declared.winding);
   return declared.warning;
 }
 
 }  // namespace
 
 json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale", "durable", "solid"});
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale", "durable", "solid", "solid_by"});
   constexpr std::uint64_t kBits = 0xffffffff;
   const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
                       .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
@@ -383,7 +384,8 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
                               .filter = filter,
                               .moving = arguments.truth("moving", true)};
   std::string warning;
-  if (arguments.truth("solid", false)) warning = declare_solid(definition);
+  const SolidBy by = arguments.is_solid_by_winding() ? SolidBy::winding : SolidBy::closing;
+  if (arguments.truth("solid", false)) warning = declare_solid(definition, by);
   const std::variant<ObjectId, Refusal> defined = with_.loop.world().define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
   if (with_.durable != nullptr) with_.durable->object_added(name, ask);

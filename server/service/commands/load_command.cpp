@@ -36,7 +36,7 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign", "covers", "crc32", "durable", "solid", "moving", "packages"});
+                        "foreign", "covers", "crc32", "durable", "solid", "solid_by", "moving", "packages"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -57,6 +57,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   load.options.srdf = arguments.text("srdf");
   load.options.packages = arguments.texts("packages");
   load.options.solid = arguments.text("solid");
+  load.options.solid_by_winding = arguments.is_solid_by_winding();
   load.options.is_foreign = arguments.truth("foreign", false);
   load.covers = arguments.boxes("covers");
   load.is_durable = arguments.is_durable();

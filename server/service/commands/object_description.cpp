@@ -121,6 +121,7 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   }
   object["shape"] = shape;
   object["solid"] = info.solid != nullptr || !info.primitives.empty();
+  if (info.winding) object["solid_by"] = "winding";
   if (info.scene_part != kNoTriangle) {
     const StaticScene* scene = scene_with(snapshot, info);
     object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);

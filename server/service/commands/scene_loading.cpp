@@ -20,12 +20,18 @@ std::string counted(std::size_t count, std::string_view what) {
 
 void declare(LoadedScene& loaded, const LoadOptions& options) {
   DeclaredSolids declared =
-      declare_solids(loaded.indexed.scene, *loaded.indexed.geometry, options.solid, options.cancelled);
+      declare_solids(loaded.indexed.scene, *loaded.indexed.geometry, options.solid, options.cancelled,
+                     options.solid_by_winding ? SolidBy::winding : SolidBy::closing);
   LoadReport& report = loaded.report;
   if (declared.count > 0)
     report.notes.push_back(fmt::format(
         "{} declared solid", declared.count == 1 ? "1 mesh is" : fmt::format("{} meshes are", declared.count)));
-  if (declared.count == 0 && declared.refused.empty())
+  if (declared.by_winding > 0)
+    report.notes.push_back(fmt::format("{} solid by winding number",
+                                       declared.by_winding == 1
+                                           ? "1 mesh that does not close is"
+                                           : fmt::format("{} meshes that do not close are", declared.by_winding)));
+  if (declared.count + declared.by_winding == 0 && declared.refused.empty())
     report.warnings.push_back("nothing with a mesh is named '" + options.solid + "', so nothing is solid");
   report.refused.insert(report.refused.end(), declared.refused.begin(), declared.refused.end());
   report.warnings.insert(report.warnings.end(), declared.warnings.begin(), declared.warnings.end());

@@ -161,7 +161,8 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                                   .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
                                   .publisher = publisher.id,
                                   .indexed = std::move(sample.indexed),
-                                  .solid = std::move(sample.solid)};
+                                  .solid = std::move(sample.solid),
+                                  .winding = std::move(sample.winding)};
   record.has_velocity = false;
   enter(publisher, record);
 }

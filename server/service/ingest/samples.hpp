@@ -32,6 +32,7 @@ struct DefinitionSample {
   bool claims = false;                              // without a shape: an object that is there is to be taken over
   std::shared_ptr<const IndexedMesh> indexed;       // of the shape's mesh, where it was declared solid, with what it
   std::shared_ptr<const SolidMesh> solid;           // encloses
+  std::shared_ptr<const WindingMesh> winding;       // or holds by its winding number
 };
 
 /// A PoseBatch of collided.idl, copied from the wire. Its vectors are reused from batch to batch.

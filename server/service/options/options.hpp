@@ -23,6 +23,7 @@ struct Options {
   char up = 0;                      // axis of the scene files that points up, 'y' or 'z'; 0: as the format says
   std::optional<double> mend_m{};   // for the scene files, as in LoadOptions
   std::string solid;                // glob of the names whose meshes are declared solid; empty: none
+  bool solid_by_winding = false;    // those of them that do not close are solid by their winding number
   std::vector<Aabb> covers;         // where the loaded scenes are complete, in the world; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;

@@ -87,6 +87,12 @@ Allowed apply_mend(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_solid_by(Options& options, Values values) {
+  options.solid_by_winding = values[0] == "winding";
+  if (options.solid_by_winding || values[0].empty()) return std::nullopt;
+  return "'winding', or nothing";
+}
+
 Allowed apply_solid(Options& options, Values values) {
   options.solid = values[0];
   return std::nullopt;
@@ -242,6 +248,8 @@ constexpr Setting kSettings[] = {
     {"world.solid", "--solid", "COLLIDED_SOLID", "", "GLOB",
      "meshes of the scene files that are solid, by name, * for all; those that do not close stay surfaces", false,
      apply_solid},
+    {"world.solid_by", "--solid-by", "COLLIDED_SOLID_BY", "", "winding",
+     "those that do not close are solid by winding number: for inside and near --signed", false, apply_solid_by},
     {"world.covers", "--covers", "COLLIDED_COVERS", "", "BOXES",
      "where what is loaded is complete: X0,Y0,Z0:X1,Y1,Z1; outside of it nothing is called free", false, apply_covers},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",

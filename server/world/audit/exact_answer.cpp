@@ -12,6 +12,7 @@
 #include "server/world/objects/parts.hpp"
 #include "server/world/query/question_shapes.hpp"
 #include "server/world/solids/solid.hpp"
+#include "server/world/solids/winding.hpp"
 
 namespace collided::engine {
 
@@ -136,10 +137,21 @@ std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide l
   return found;
 }
 
+void ExactAnswer::find_by_winding(const Snapshot& snapshot) {
+  for (const auto& info : *snapshot.objects) {
+    if (!info || !info->winding || touched_.contains(info->id) || !allowed(snapshot, info->id)) continue;
+    const Placed placed = placed_in(snapshot, slot_of(info->id));
+    const WindingSide side = side_by_winding_sum(*info->winding, placed, point_of(question_.numbers.data()));
+    if (side == WindingSide::in) touched_.insert(info->id);
+    if (side == WindingSide::undecided) doubtful_.insert(info->id);
+  }
+}
+
 void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked,
                                const Aabb& near) {
   for (const ObjectId object : holders(snapshot, SolidSide::on)) touched_.insert(object);
   const bool only_solids = question_.kind == QuestionKind::inside;
+  if (only_solids) find_by_winding(snapshot);
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart& given) {
     if (only_solids && triangle != kNoTriangle) return;
     if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, wide_bounds(shape))) return;
@@ -243,8 +255,9 @@ std::string ExactAnswer::difference_of_near(const Answers& given) const {
     const AnswerHit& hit = given.hits[i];
     const auto own = distances_.find(hit.object);
     // A depth is told instead of 0; that the object is there at all is what is judged.
-    const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0;
-    const Interval at = is_depth ? Interval(0, 0) : Interval(hit.distance_m, hit.error_m);
+    // By winding, the mesh is a surface and only the sign is more.
+    const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0 && (hit.flags & kByWinding) == 0;
+    const Interval at = is_depth ? Interval(0, 0) : Interval(std::abs(hit.distance_m), hit.error_m);
     if (own == distances_.end() || !may_be_equal(at, own->second) || !may_be_equal(at, nearest[i])) {
       return fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", i,
                          nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m);

@@ -51,6 +51,8 @@ class ExactAnswer {
 
   bool allowed(const Snapshot& snapshot, ObjectId id) const;
   void cast_ray(const Snapshot& snapshot);
+  /// Of inside: the meshes that hold the point by their winding number.
+  void find_by_winding(const Snapshot& snapshot);
   /// The declared solids in which the middle of what is asked about lies; least `on`: or on whose surface.
   std::vector<ObjectId> holders(const Snapshot& snapshot, SolidSide least) const;
   /// near: bounds of the asked shape as given

@@ -41,6 +41,7 @@ inline constexpr std::uint32_t kNoScenePart = 0xffffffff;
 struct IndexedParts;  // part_index.hpp
 struct SceneLevel;    // scene_levels.hpp
 struct SolidMesh;     // server/world/solids
+struct WindingMesh;   // server/world/solids
 
 /// What is known of an object besides its pose. Immutable: a new definition makes a new one.
 struct ObjectInfo {
@@ -55,9 +56,12 @@ struct ObjectInfo {
   std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
   std::shared_ptr<const IndexedMesh> mesh;    // in the object's frame; null for a part of a static scene
   std::shared_ptr<const SolidMesh> solid;     // what the mesh or the part encloses; null: it is a surface
-  std::uint32_t scene_part = kNoScenePart;    // number of the part, where the object is a run of static triangles
-  std::uint32_t part_triangles = 0;           // of the part, or of a mesh with triangles cut by mending
-  CutTriangles cut;                           // of these triangles: which original each piece belongs to
+  // What a mesh that does not close holds by its winding number: for `inside` and signed near alone, to all else it is a
+  // surface. Null where it was not asked for, or the mesh closes.
+  std::shared_ptr<const WindingMesh> winding;
+  std::uint32_t scene_part = kNoScenePart;  // number of the part, where the object is a run of static triangles
+  std::uint32_t part_triangles = 0;         // of the part, or of a mesh with triangles cut by mending
+  CutTriangles cut;                         // of these triangles: which original each piece belongs to
 
   /// The number that answers give for a triangle.
   std::uint32_t reported_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
@@ -73,19 +77,28 @@ struct SolidPart {
   std::shared_ptr<const SolidMesh> solid;
 };
 
+/// A part of a scene that is solid by its winding number, in world coordinates.
+struct WindingPart {
+  std::uint32_t part = 0;
+  Aabb bounds;
+  std::shared_ptr<const WindingMesh> winding;
+};
+
 /// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
 struct StaticScene {
   std::string name;
   std::string source;  // for whoever loaded it: how to do so again; the world does not read it
   TriangleMesh mesh;
   Bvh tree;
-  std::vector<Part> parts;                                        // ordered by first_triangle, without gap
-  std::vector<ObjectId> part_objects;                             // one a part
-  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one per object of the file; null: without a mesh
-  std::vector<std::shared_ptr<const SolidMesh>> object_solids;    // likewise; null: not declared solid
-  std::vector<SolidPart> solid_parts;                             // in the order of their parts
-  std::vector<std::shared_ptr<const SceneLevel>> levels;          // simpler forms of the mesh, finest first
-  std::vector<std::string> warnings;                              // saved indexes that were not fit for use
+  std::vector<Part> parts;                                          // ordered by first_triangle, without gap
+  std::vector<ObjectId> part_objects;                               // one a part
+  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;    // one per object of the file; null: without a mesh
+  std::vector<std::shared_ptr<const SolidMesh>> object_solids;      // likewise; null: not declared solid
+  std::vector<SolidPart> solid_parts;                               // in the order of their parts
+  std::vector<std::shared_ptr<const WindingMesh>> object_windings;  // as object_solids, of meshes that do not close
+  std::vector<WindingPart> winding_parts;                           // in the order of their parts
+  std::vector<std::shared_ptr<const SceneLevel>> levels;            // simpler forms of the mesh, finest first
+  std::vector<std::string> warnings;                                // saved indexes that were not fit for use
 
   /// The part that holds the triangle.
   std::uint32_t part_of(std::uint32_t triangle) const;

@@ -44,6 +44,20 @@ struct InsideSearch {
     if (touch.yes && touch.wanted) touch.contact.depth_error_m += placing_error_m(object, kNoTriangle, near);
     if (object.info->solid) meet_deeper(*object.info->solid, object, touch);
     take(object.info->id, touch);
+    if (object.info->winding && !touch.yes) search_by_winding(*object.info->winding, object);
+  }
+  /// A mesh that does not close has no way out to measure: what is told is how far its surface is.
+  void search_by_winding(const WindingMesh& winding, const Placed& object) {
+    const std::optional<NearestSurface> nearest = surface_from_inside(winding, object, ball.center, question);
+    if (!nearest) return;
+    question.found.push_back(
+        {.object = object.info->id,
+         .triangle = nearest->triangle,
+         .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside | kByWinding),
+         .distance_m = nearest->distance_m,
+         .error_m = std::numeric_limits<double>::infinity(),
+         .point = nearest->point,
+         .normal = nearest->normal});
   }
   /// The deepest part of an object counts.
   void meet_deeper(const SolidMesh& solid, const Placed& object, ContactSearch& touch) {
@@ -70,11 +84,14 @@ void ask_inside(Question& question, const double* n) {
       meet_solid(search.ball, *part.solid, object, touch, question);
       search.take(object.info->id, touch);
     });
+    visit_winding_parts(*scene, search.near, question, [&](const WindingPart& part, const Placed& object) {
+      if (!search.ended() && !question.deadline.is_over()) search.search_by_winding(*part.winding, object);
+    });
   }
   if (question.snapshot.grid && !search.ended()) {
     const auto candidate = [&](std::uint32_t slot) {
       const Placed object = question.placed(slot);
-      const bool is_solid = !object.info->primitives.empty() || object.info->solid;
+      const bool is_solid = !object.info->primitives.empty() || object.info->solid || object.info->winding;
       if (is_solid && question.allows(object.info->id)) search.search(object);
       return !search.ended();
     };

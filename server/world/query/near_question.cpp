@@ -50,6 +50,8 @@ struct NearWalk {
   void walk_object(std::uint32_t slot);
   /// A solid that holds the point is at distance 0, however far its surface is.
   void test_solid(const SolidMesh& solid, const Placed& object);
+  /// A mesh that does not close is a surface, and where its winding number says inside the distance is less than 0.
+  void test_winding(const WindingMesh& winding, const Placed& object);
   template <class Test>
   void walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one);
   template <class Test>
@@ -224,6 +226,21 @@ void NearWalk::test_solid(const SolidMesh& solid, const Placed& object) {
         .normal = nearest->normal});
 }
 
+void NearWalk::test_winding(const WindingMesh& winding, const Placed& object) {
+  Aabb here;
+  here.extend(point);
+  if (!is_signed() || is_over() || !overlaps(object.bounds, here)) return;
+  const std::optional<NearestSurface> nearest = surface_from_inside(winding, object, point, question);
+  if (!nearest) return;
+  keep({.object = object.info->id,
+        .triangle = nearest->triangle,
+        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside | kByWinding),
+        .distance_m = -nearest->distance_m,
+        .error_m = with_underflow(nearest->distance_m, nearest->error_m),
+        .point = nearest->point,
+        .normal = nearest->normal});
+}
+
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
@@ -239,6 +256,7 @@ void NearWalk::walk_object(std::uint32_t slot) {
     for (std::size_t i = 0; i < info.primitives.size() && !is_over(); ++i) test_primitive(i);
   }
   if (info.solid) test_solid(*info.solid, question.placed(slot));
+  if (info.winding) test_winding(*info.winding, question.placed(slot));
   if (!info.mesh) return;
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
     const Triangle own = info.mesh->mesh->triangle(triangle);
@@ -282,6 +300,9 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
   for (const auto& scene : question.snapshot.scenes) {
     visit_solid_parts(*scene, here, question,
                       [&](const SolidPart& part, const Placed& object) { walk.test_solid(*part.solid, object); });
+    visit_winding_parts(*scene, here, question, [&](const WindingPart& part, const Placed& object) {
+      walk.test_winding(*part.winding, object);
+    });
     const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
     if (level == nullptr) {
       walk.walk_scene(*scene);

@@ -8,6 +8,7 @@
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/solids/solid.hpp"
+#include "server/world/solids/winding.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,8 +23,10 @@ struct SceneCounts {
   std::uint32_t indexed_parts = 0;  // objects whose primitives have an index
   std::uint64_t parts = 0;          // primitives of those objects
   std::uint32_t with_mesh = 0;
-  std::uint32_t meshes = 0;  // distinct ones among them
-  std::uint32_t solids = 0;  // objects with a mesh that was declared solid
+  std::uint32_t meshes = 0;      // distinct ones among them
+  std::uint32_t solids = 0;      // objects with a mesh that was declared solid
+  std::uint32_t by_winding = 0;  // objects with a mesh that is solid by winding number
+  std::uint64_t winding_bytes = 0;
   std::uint32_t solid_trees = 0;
   std::uint64_t solid_triangles = 0;
   std::uint64_t tree_bytes = 0;
@@ -43,6 +46,10 @@ SceneCounts count(const Snapshot& snapshot) {
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
     if (info && info->solid) count_solid(*info->solid, counts);
+    if (info && info->winding) {
+      ++counts.by_winding;
+      counts.winding_bytes += info->winding->tree.bytes();
+    }
     if (!info || info->scene_part != kNoScenePart) continue;
     ++(info->moving ? counts.moving : counts.placed);
     if (info->moving && info->mesh) ++counts.moving_meshes;
@@ -156,6 +163,13 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
                             "; rays decide in the others, where that is faster"
                       : "no mesh is declared solid (--solid)",
                   c.solids > 0 ? "" : "a check a mesh, and a BSP tree"});
+  if (c.by_winding > 0) {
+    rows.push_back(
+        {"solids by winding number", true,
+         number(c.by_winding, "meshes that do not close, ") + number(c.winding_bytes, "bytes") +
+             "; decides inside and near --signed alone: overlaps, pairs, rays and events take them as surfaces",
+         ""});
+  }
   const bool finds_contacts = events_wanted && c.moving > 0;
   rows.push_back({"contact points", finds_contacts,
                   finds_contacts  ? "somebody subscribes to events"

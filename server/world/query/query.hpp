@@ -45,8 +45,9 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
 /// kInside: the ray begins in the solid, the shape of a sweep does and does not meet its surface there, or the point of
-/// near or inside is in it or on it. kStale: the object's publisher is lost and its policy is `freeze`.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
+/// near or inside is in it or on it. kStale: the object's publisher is lost and its policy is `freeze`. kByWinding: inside
+/// by the winding number of a mesh that does not close; the distance is that of its surface.
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
 
 /// Questions of one kind, and the filter of what may answer them.
 struct Questions {

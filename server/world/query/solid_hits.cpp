@@ -37,6 +37,15 @@ std::optional<NearestSurface> surface_from_inside(const SolidMesh& solid, const 
   return nearest;
 }
 
+std::optional<NearestSurface> surface_from_inside(const WindingMesh& mesh, const Placed& object, const Vec3& point,
+                                                  Question& question) {
+  const WindingSide side = side_by_winding(mesh, object, point, question.walk);
+  ++question.exact_tests;
+  if (side == WindingSide::undecided) question.undecided = true;
+  if (side != WindingSide::in) return std::nullopt;
+  return nearest_surface(*mesh.surface, object, point, question.deadline, question.walk, question.exact_tests);
+}
+
 void meet_solid(const Sphere& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,
                 Question& question) {
   if (!touch.wanted) {

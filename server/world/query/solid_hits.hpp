@@ -2,6 +2,7 @@
 
 #include "server/world/query/question.hpp"
 #include "server/world/solids/nearest_surface.hpp"
+#include "server/world/solids/winding.hpp"
 
 namespace collided::engine {
 
@@ -21,15 +22,30 @@ void meet_solid(const Sphere& asked, const SolidMesh& solid, const Placed& objec
 void meet_solid(const Box& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,
                 Question& question);
 
-/// Calls visit(solid part, placed) for each declared part of the scene that may answer and whose bounds meet the box.
-template <class Visit>
-void visit_solid_parts(const StaticScene& scene, const Aabb& near, Question& question, Visit&& visit) {
-  for (const SolidPart& part : scene.solid_parts) {
+/// The nearest point of a mesh's surface, of a point that is in it by its winding number; nothing where that is outside, or
+/// not decided, which the question then says.
+std::optional<NearestSurface> surface_from_inside(const WindingMesh& mesh, const Placed& object, const Vec3& point,
+                                                  Question& question);
+
+template <class Part, class Visit>
+void visit_parts_about(const std::vector<Part>& parts, const StaticScene& scene, const Aabb& near, Question& question,
+                       Visit&& visit) {
+  for (const Part& part : parts) {
     if (!overlaps(part.bounds, near) || !question.allows_part(scene, part.part)) continue;
     Placed placed = question.placed(slot_of(scene.part_objects[part.part]));
     placed.bounds = part.bounds;
     visit(part, placed);
   }
+}
+/// Calls visit(solid part, placed) for each declared part of the scene that may answer and whose bounds meet the box.
+template <class Visit>
+void visit_solid_parts(const StaticScene& scene, const Aabb& near, Question& question, Visit&& visit) {
+  visit_parts_about(scene.solid_parts, scene, near, question, visit);
+}
+/// The same for parts that are solid by winding number.
+template <class Visit>
+void visit_winding_parts(const StaticScene& scene, const Aabb& near, Question& question, Visit&& visit) {
+  visit_parts_about(scene.winding_parts, scene, near, question, visit);
 }
 
 /// Deepest first, ties by name; cut at max_hits.

@@ -7,6 +7,7 @@
 #include "server/intake/weld.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/solids/solid.hpp"
+#include "server/world/solids/winding.hpp"
 
 namespace collided::engine {
 namespace {
@@ -29,7 +30,18 @@ std::shared_ptr<const TriangleMesh> mesh_of(const StaticScene& geometry, const P
   return mesh;
 }
 
-void note(const std::string& name, const SolidFindings& findings, DeclaredSolids& declared) {
+/// What a user must know of a mesh that is solid by winding number.
+std::string winding_warning(const std::string& refusal) {
+  return "solid by winding number, since " + refusal +
+         "; that decides inside and near --signed alone: overlaps, pairs, rays and events take it as a surface";
+}
+
+void note(const std::string& name, const SolidFindings& findings, bool is_by_winding, DeclaredSolids& declared) {
+  if (is_by_winding) {
+    ++declared.by_winding;
+    declared.warnings.push_back(name + " is " + winding_warning(findings.refusal));
+    return;
+  }
   if (!findings.refusal.empty()) {
     declared.refused.push_back(name + " is not solid, and stays a surface: " + findings.refusal);
     return;
@@ -42,7 +54,7 @@ void note(const std::string& name, const SolidFindings& findings, DeclaredSolids
 
 }  // namespace
 
-DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& mesh) {
+DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& mesh, SolidBy by) {
   constexpr std::int64_t kPatienceNs = 200'000'000;
   const std::int64_t until_ns = wire_contract::steady_ns() + kPatienceNs;
   DeclaredMesh declared;
@@ -51,11 +63,14 @@ DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& me
   declared.solid = solid_within(declared.indexed, findings, [&] { return wire_contract::steady_ns() > until_ns; });
   declared.refusal = std::move(findings.refusal);
   declared.warning = std::move(findings.warning);
+  if (declared.solid || by != SolidBy::winding) return declared;
+  declared.winding = winding_within(declared.indexed);
+  declared.warning = winding_warning(declared.refusal);
   return declared;
 }
 
 DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::string_view glob,
-                              const std::function<bool()>& cancelled) {
+                              const std::function<bool()>& cancelled, SolidBy by) {
   DeclaredSolids declared;
   const auto is_cancelled = [&] { return cancelled && cancelled(); };
   for (std::uint32_t i = 0; i < geometry.parts.size() && !is_cancelled(); ++i) {
@@ -65,20 +80,30 @@ DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::st
     const auto surface = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = cancelled}));
     SolidFindings findings;
     const auto solid = solid_within(surface, findings, cancelled);
-    note(part.name, findings, declared);
+    const bool is_by_winding = !solid && by == SolidBy::winding;
+    note(part.name, findings, is_by_winding, declared);
     if (solid) geometry.solid_parts.push_back({i, surface->tree.bounds(), solid});
+    if (is_by_winding) geometry.winding_parts.push_back({i, surface->tree.bounds(), winding_within(surface)});
   }
   geometry.object_solids.resize(geometry.object_meshes.size());
+  geometry.object_windings.resize(geometry.object_meshes.size());
   // Objects that share a mesh share what it encloses.
-  std::unordered_map<const IndexedMesh*, std::pair<std::shared_ptr<const SolidMesh>, SolidFindings>> of_mesh;
+  struct Found {
+    std::shared_ptr<const SolidMesh> solid;
+    std::shared_ptr<const WindingMesh> winding;
+    SolidFindings findings;
+  };
+  std::unordered_map<const IndexedMesh*, Found> of_mesh;
   for (std::size_t i = 0; i < geometry.object_meshes.size() && !is_cancelled(); ++i) {
     const std::shared_ptr<const IndexedMesh>& surface = geometry.object_meshes[i];
     if (!surface || !glob_matches(glob, scene.objects[i].name)) continue;
     const auto [known, is_new] = of_mesh.try_emplace(surface.get());
-    auto& [solid, findings] = known->second;
+    auto& [solid, winding, findings] = known->second;
     if (is_new) solid = solid_within(surface, findings, cancelled);
-    note(scene.objects[i].name, findings, declared);
+    if (is_new && !solid && by == SolidBy::winding) winding = winding_within(surface);
+    note(scene.objects[i].name, findings, winding != nullptr, declared);
     geometry.object_solids[i] = solid;
+    geometry.object_windings[i] = winding;
   }
   return declared;
 }

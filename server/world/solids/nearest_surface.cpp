@@ -20,9 +20,8 @@ double reach_along(const Aabb& box, const Vec3& direction) {
 
 }  // namespace
 
-std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Placed& object, const Vec3& point,
+std::optional<NearestSurface> nearest_surface(const IndexedMesh& surface, const Placed& object, const Vec3& point,
                                               Deadline& deadline, WalkCost& cost, std::uint32_t& tests) {
-  const IndexedMesh& surface = *solid.surface;
   NearestSurface best{.distance_m = kUnbounded};
   double limit_m2 = kUnbounded;
   const auto candidate = [&](std::uint32_t number, double) {
@@ -45,7 +44,13 @@ std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Plac
   const double slack_m = placement_slack(*object.frame, away.lpNorm<1>() + point.lpNorm<1>(), surface.radius_m);
   surface.tree.walk_near(object.frame->rotation.transpose() * away, limit_m2, slack_m, candidate, cost);
   if (deadline.was_over() || best.triangle == kNoTriangle) return std::nullopt;
-  if (!solid.is_border) best.error_m = kUnbounded;
+  return best;
+}
+
+std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Placed& object, const Vec3& point,
+                                              Deadline& deadline, WalkCost& cost, std::uint32_t& tests) {
+  std::optional<NearestSurface> best = nearest_surface(*solid.surface, object, point, deadline, cost, tests);
+  if (best && !solid.is_border) best->error_m = kUnbounded;
   return best;
 }
 

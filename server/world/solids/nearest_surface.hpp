@@ -21,6 +21,10 @@ struct NearestSurface {
 std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Placed& object, const Vec3& point,
                                               Deadline& deadline, WalkCost& cost, std::uint32_t& tests);
 
+/// The same for any mesh, as it is.
+std::optional<NearestSurface> nearest_surface(const IndexedMesh& surface, const Placed& object, const Vec3& point,
+                                              Deadline& deadline, WalkCost& cost, std::uint32_t& tests);
+
 /// How far a thing that lies in a solid without meeting its surface must be moved to leave it: no motion shorter than
 /// `least` parts the two, and some motion of `most` does. Metres.
 struct WayOut {

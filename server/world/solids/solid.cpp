@@ -230,6 +230,13 @@ SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const
   return side_placed(surface, nullptr, object, {.at = point}, cost);
 }
 
+PointSeen point_seen_from(const Placed& object, const Vec3& point, double radius_m) {
+  if (is_unmoved(object)) return {.at = point, .slack_m = 0};
+  const Vec3 away = point - object.frame->position;
+  return {.at = object.frame->rotation.transpose() * away,
+          .slack_m = seen_slack_m(object, away.lpNorm<1>(), point, radius_m)};
+}
+
 SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const Vec3& point) {
   const TriangleMesh& mesh = *solid.surface->mesh;
   const bool is_given = object.pose != nullptr && !is_unmoved(object);

@@ -72,6 +72,14 @@ SideFound side_of_placed(const SolidMesh& solid, const Placed& object, const Pla
 /// The same without a tree, for a point of the world.
 SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const Vec3& point, WalkCost& cost);
 
+/// A point of the world as an object sees it, in its own frame, rounded by at most slack_m.
+struct PointSeen {
+  Vec3 at = Vec3::Zero();
+  double slack_m = 0;
+};
+/// radius_m  no point that matters is farther from the frame's origin
+PointSeen point_seen_from(const Placed& object, const Vec3& point, double radius_m);
+
 /// The same by rationals alone and without an index, for audits.
 SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const Vec3& point);
 
