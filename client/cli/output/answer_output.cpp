@@ -50,9 +50,8 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
     record.push_back({"order", hit && view.several ? Value(std::uint64_t{order}) : none});
     record.push_back({"exit", hit && hit->inside ? Value(hit->exit_m) : none});
   }
-  record.push_back({"inside", hit && hit->inside ? Value(true) : none});
-  if (view.kind == QuestionKind::inside || view.kind == QuestionKind::near)
-    record.push_back({"by", hit && hit->by_winding ? Value(std::string_view("winding")) : none});
+  const Value by = hit && hit->by_winding ? Value(std::string_view("winding")) : Value(true);
+  record.push_back({"inside", hit && hit->inside ? by : none});
   record.push_back({"stale", hit && hit->stale ? Value(true) : none});
   record.push_back({"reason", reason_value(answer)});
   if (!measures_depth(view.kind)) record.push_back({"point_error", hit ? Value(hit->point_error_m) : none});

@@ -137,21 +137,25 @@ std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide l
   return found;
 }
 
-void ExactAnswer::find_by_winding(const Snapshot& snapshot) {
+std::vector<ObjectId> ExactAnswer::by_winding(const Snapshot& snapshot, WindingSide asked) const {
+  std::vector<ObjectId> found;
   for (const auto& info : *snapshot.objects) {
-    if (!info || !info->winding || touched_.contains(info->id) || !allowed(snapshot, info->id)) continue;
+    if (!info || !info->winding || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
-    const WindingSide side = side_by_winding_sum(*info->winding, placed, point_of(question_.numbers.data()));
-    if (side == WindingSide::in) touched_.insert(info->id);
-    if (side == WindingSide::undecided) doubtful_.insert(info->id);
+    if (side_by_winding_sum(*info->winding, placed, point_of(question_.numbers.data())) == asked)
+      found.push_back(info->id);
   }
+  return found;
 }
 
 void ExactAnswer::find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked,
                                const Aabb& near) {
   for (const ObjectId object : holders(snapshot, SolidSide::on)) touched_.insert(object);
   const bool only_solids = question_.kind == QuestionKind::inside;
-  if (only_solids) find_by_winding(snapshot);
+  if (only_solids) {
+    for (const ObjectId object : by_winding(snapshot, WindingSide::in)) touched_.insert(object);
+    for (const ObjectId object : by_winding(snapshot, WindingSide::undecided)) doubtful_.insert(object);
+  }
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart& given) {
     if (only_solids && triangle != kNoTriangle) return;
     if (!allowed(snapshot, object) || touched_.contains(object) || !overlaps(near, wide_bounds(shape))) return;
@@ -165,6 +169,9 @@ void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
   const Vec3 point = point_of(question_.numbers.data());
   const double reach_m = question_.numbers[3];
   for (const ObjectId object : holders(snapshot, SolidSide::on)) keep_nearer(distances_, object, Interval(0, 0));
+  if (question_.mode == HitMode::signed_near) {
+    for (const ObjectId object : by_winding(snapshot, WindingSide::in)) keep_nearer(distances_, object, Interval(0, 0));
+  }
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
     if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + kSearchMargin)) return;
@@ -255,9 +262,8 @@ std::string ExactAnswer::difference_of_near(const Answers& given) const {
     const AnswerHit& hit = given.hits[i];
     const auto own = distances_.find(hit.object);
     // A depth is told instead of 0; that the object is there at all is what is judged.
-    // By winding, the mesh is a surface and only the sign is more.
-    const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0 && (hit.flags & kByWinding) == 0;
-    const Interval at = is_depth ? Interval(0, 0) : Interval(std::abs(hit.distance_m), hit.error_m);
+    const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0;
+    const Interval at = is_depth ? Interval(0, 0) : Interval(hit.distance_m, hit.error_m);
     if (own == distances_.end() || !may_be_equal(at, own->second) || !may_be_equal(at, nearest[i])) {
       return fmt::format("object {} of the nearest is at [{:.17g}, {:.17g}] m, answered was {:.17g} +- {:.3g} m", i,
                          nearest[i].low, nearest[i].high, hit.distance_m, hit.error_m);

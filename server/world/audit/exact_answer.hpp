@@ -10,6 +10,7 @@
 
 #include "server/exact_phase/given/given_part.hpp"
 #include "server/exact_phase/solid/surface_crossing.hpp"
+#include "server/exact_phase/solid/winding_tree.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
@@ -51,8 +52,8 @@ class ExactAnswer {
 
   bool allowed(const Snapshot& snapshot, ObjectId id) const;
   void cast_ray(const Snapshot& snapshot);
-  /// Of inside: the meshes that hold the point by their winding number.
-  void find_by_winding(const Snapshot& snapshot);
+  /// The meshes that have the point on that side by their winding number.
+  std::vector<ObjectId> by_winding(const Snapshot& snapshot, WindingSide asked) const;
   /// The declared solids in which the middle of what is asked about lies; least `on`: or on whose surface.
   std::vector<ObjectId> holders(const Snapshot& snapshot, SolidSide least) const;
   /// near: bounds of the asked shape as given
