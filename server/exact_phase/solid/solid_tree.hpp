@@ -55,6 +55,7 @@ class SolidTree {
 
  private:
   friend class SolidTreeBuild;
+  friend class SolidSegment;
   static constexpr std::uint32_t kOut = 0xffffffff;
   static constexpr std::uint32_t kIn = 0xfffffffe;
 
