@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/world/objects/snapshot.hpp"
+#include "server/world/query/move_log.hpp"
 
 namespace collided::engine {
 
@@ -57,12 +58,6 @@ class PoseMemory {
   std::shared_ptr<const Snapshot> at(std::int64_t time_ns) const;
 
  private:
-  /// The object rested up to from_ns and moved to the pose until to_ns; both equal: it jumped.
-  struct Move {
-    std::int64_t from_ns = 0;
-    std::int64_t to_ns = 0;
-    Pose pose;
-  };
   /// One object from its definition to its removal.
   struct Life {
     static constexpr std::int64_t kStillThere = std::numeric_limits<std::int64_t>::max();
@@ -71,9 +66,8 @@ class PoseMemory {
     std::int64_t born_ns = 0;
     std::int64_t gone_ns = kStillThere;
     std::uint32_t source = 0;  // whose time its poses have
-    Pose first;                // before the first of the moves that count
-    std::vector<Move> moves;   // ordered by to_ns; the first `forgotten` of them lie before the reach
-    std::size_t forgotten = 0;
+    Pose first;                // before the first of the moves
+    MoveLog moves;
     double largest_mps = 0;  // largest speed of any move
 
     const Pose& last() const { return moves.empty() ? first : moves.back().pose; }
@@ -90,6 +84,7 @@ class PoseMemory {
   void note_object(const Step& step, std::uint32_t slot);
   void add_move(Life& life, const Move& move);
   void forget(Life& life);
+  void forget_in_turn();
   void end(Life& life);
   void move_floor();
   Frame frame_at(const Life& life, std::int64_t time_ns) const;
@@ -111,6 +106,7 @@ class PoseMemory {
   std::int64_t from_ns_ = 0;
   std::int64_t to_ns_ = 0;
   std::size_t move_count_ = 0;
+  std::size_t turn_ = 0;  // the slot that forget_in_turn() looks at next
 };
 
 }  // namespace collided::engine
