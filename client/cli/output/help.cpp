@@ -140,10 +140,11 @@ void print_help(Io& io) {
             "  collide ray 0 0 5  0 0 -1          first thing below (0 0 5)\n"
             "  collide watch                      collisions as they begin and end\n\n";
   constexpr std::size_t kIndent = 9;
+  constexpr std::size_t kTerminalColumns = 80;
   for (const std::string_view group : kGroups) {
     std::string line = fmt::format("{:<{}}", group, kIndent - 2);
     const auto put = [&](std::string_view words) {
-      if (line.size() + 2 + words.size() > kHelpColumns) {
+      if (line.size() + 2 + words.size() > kTerminalColumns) {
         io.out << line << '\n';
         line = std::string(kIndent - 2, ' ');
       }
