@@ -84,6 +84,8 @@ constexpr Verb kVerbs[] = {
      make_fence},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
+    {"explain", "Follow", "why two objects touch or not, how near they came, and why no event says so",
+     "explain pair A B", "explain pair drone tower\nexplain pair drone tower --last 5s --json", make_explain},
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},

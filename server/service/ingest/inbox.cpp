@@ -50,7 +50,7 @@ void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
 
 /// Once some poses of a publisher are merged, its later ones must be merged too: what was merged comes last, so an
 /// unmerged newer pose would be applied before an older one.
-bool Inbox::must_merge(const Line& line, std::size_t poses) const {
+bool Inbox::must_merge(const PublisherLine& line, std::size_t poses) const {
   if (line.is_merging) return true;
   const auto is_above = [&](std::size_t times) {
     return batch_count_ >= times * limits_.batches || pose_count_ + poses > times * limits_.poses;
@@ -61,7 +61,7 @@ bool Inbox::must_merge(const Line& line, std::size_t poses) const {
 void Inbox::push(std::unique_ptr<PoseSample> sample) {
   const std::lock_guard lock(mutex_);
   if (lines_.size() > limits_.merged_publishers) forget_idle_lines();
-  Line& line = lines_[sample->publisher];
+  PublisherLine& line = lines_[sample->publisher];
   if (must_merge(line, sample->object_numbers.size())) {
     merging_lines_ += std::exchange(line.is_merging, true) ? 0 : 1;
     merge(*sample);
@@ -203,7 +203,7 @@ void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
   if (merging_lines_ == 0 && merged_.size() > kMostKept) merged_.clear();
 }
 
-std::unique_ptr<PoseSample> Inbox::Line::pop() {
+std::unique_ptr<PoseSample> Inbox::PublisherLine::pop() {
   std::unique_ptr<PoseSample> sample = std::move(queue[head++].sample);
   // The part that was taken is given up once it is the greater one, so that each batch is moved at most once.
   if (2 * head >= queue.size()) {
@@ -217,8 +217,8 @@ std::unique_ptr<PoseSample> Inbox::Line::pop() {
 void Inbox::take_instants(std::vector<Arrival>& arrivals) {
   const std::uint64_t until = ordered_.empty() ? next_place_ : ordered_.front().first;
   std::sort(busy_.begin(), busy_.end(),
-            [](const Line* a, const Line* b) { return a->first_place() < b->first_place(); });
-  for (Line* line : busy_) {
+            [](const PublisherLine* a, const PublisherLine* b) { return a->first_place() < b->first_place(); });
+  for (PublisherLine* line : busy_) {
     for (bool more = true; more && !line->empty() && line->first_place() < until;) {
       std::unique_ptr<PoseSample> sample = line->pop();
       more = (sample->flags & wire_contract::kMoreFollows) != 0;
@@ -227,13 +227,13 @@ void Inbox::take_instants(std::vector<Arrival>& arrivals) {
       arrivals.emplace_back(std::move(sample));
     }
   }
-  std::erase_if(busy_, [](const Line* line) { return line->empty(); });
+  std::erase_if(busy_, [](const PublisherLine* line) { return line->empty(); });
 }
 
 /// Definitions, news and jobs, as far as no poses that came before them wait.
 void Inbox::take_ordered(std::vector<Arrival>& arrivals) {
   std::uint64_t until = next_place_;
-  for (const Line* line : busy_) until = std::min(until, line->first_place());
+  for (const PublisherLine* line : busy_) until = std::min(until, line->first_place());
   while (!ordered_.empty() && ordered_.front().first < until) {
     Arrival arrival = std::move(ordered_.front().second);
     ordered_.pop_front();

@@ -102,7 +102,7 @@ class Inbox {
     void clear();
   };
   /// What waits of one publisher, in order; the queue keeps its memory.
-  struct Line {
+  struct PublisherLine {
     struct Waiting {
       std::uint64_t place = 0;  // among all arrivals
       std::unique_ptr<PoseSample> sample;
@@ -116,7 +116,7 @@ class Inbox {
     std::uint64_t first_place() const { return queue[head].place; }
     std::unique_ptr<PoseSample> pop();
   };
-  bool must_merge(const Line& line, std::size_t poses) const;
+  bool must_merge(const PublisherLine& line, std::size_t poses) const;
   void merge(const PoseSample& sample);
   void merge_pose(Merged& merged, const PoseSample& sample, std::size_t index);
   std::unique_ptr<PoseSample> start_slice(std::uint64_t publisher, const Merged& merged, bool teleported);
@@ -131,8 +131,8 @@ class Inbox {
   InboxLimits limits_;
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
-  std::unordered_map<std::uint64_t, Line> lines_;  // by publisher
-  std::vector<Line*> busy_;                        // those with something in the queue
+  std::unordered_map<std::uint64_t, PublisherLine> lines_;  // by publisher
+  std::vector<PublisherLine*> busy_;                        // those with something in the queue
   /// Definitions, news and jobs, each with its place among all arrivals.
   std::deque<std::pair<std::uint64_t, Arrival>> ordered_;
   std::uint64_t next_place_ = 0;

@@ -29,6 +29,16 @@ class MoveLog {
   void pop_front();
   std::size_t size() const;
 
+  /// Calls visit(move) for each, in order.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    std::size_t first = forgotten_;
+    for (const std::vector<Move>& block : blocks_) {
+      for (; first < block.size(); ++first) visit(block[first]);
+      first = 0;
+    }
+  }
+
   /// The move under way at that time or the next to begin, and the one before it; null where there is none. Of several
   /// that end at one time the last counts.
   struct Around {

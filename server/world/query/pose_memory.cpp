@@ -177,6 +177,26 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
   return state;
 }
 
+std::optional<PoseMemory::RememberedPath> PoseMemory::path_of(ObjectId id) const {
+  const std::lock_guard lock(mutex_);
+  const std::uint32_t slot = slot_of(id);
+  if (!is_on() || slot >= lives_.size() || !lives_[slot].info || lives_[slot].info->id != id) return std::nullopt;
+  const Life& life = lives_[slot];
+  const bool is_resting = life.source == Sources::kResting;
+  RememberedPath path{.from_ns = std::max(from_ns_, life.born_ns),
+                      .to_ns = is_resting ? to_ns_ : std::min(to_ns_, known_of(life)),
+                      .first = frame_of(life.first),
+                      .pieces = {}};
+  const std::optional<Sphere> ball = lone_sphere(*life.info);
+  Frame before = path.first;
+  life.moves.for_each([&](const Move& move) {
+    const Frame now = frame_of(move.pose);
+    path.pieces.push_back({.from_ns = move.from_ns, .to_ns = move.to_ns, .motion = motion_between(ball, before, now)});
+    before = now;
+  });
+  return path;
+}
+
 void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const {
   state.frames[slot] = frame_at(life, time_ns);
   state.has_given_poses = false;

@@ -5,8 +5,10 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/move_log.hpp"
 
@@ -50,6 +52,22 @@ class PoseMemory {
   Reach reach() const;
   /// Bytes of remembered poses.
   std::size_t bytes() const;
+
+  /// Where one object went, within the reach.
+  struct RememberedPath {
+    /// From one pose to the next; a jump where both have one time. Between two it rests.
+    struct PathPiece {
+      std::int64_t from_ns = 0;
+      std::int64_t to_ns = 0;
+      BodyMotion motion;
+    };
+    std::int64_t from_ns = 0;  // it was there from then on, and its place is known
+    std::int64_t to_ns = 0;    // up to then
+    Frame first;               // before the first piece
+    std::vector<PathPiece> pieces;
+  };
+  /// Nothing where the object is not there now or the memory is off.
+  std::optional<RememberedPath> path_of(ObjectId id) const;
 
   /// The state of every object at that instant; null outside of reach(). Objects that existed then but whose poses are
   /// not known so far appear as stale: somewhere within the largest speed that they ever had. Poses within a motion are
