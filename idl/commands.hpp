@@ -124,6 +124,15 @@ inline constexpr const char* kFences = "fences";
 ///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
+/// Why two objects touch or do not, and why events do or do not say so.
+/// a, b (names), last_ns (how far back their paths are looked at; absent: as far as poses are remembered), deadline_ns (as
+/// of pair)
+/// -> as pair without triangles and certificate, and why_not [sentence] (why no contact of the two is ever told; empty: it
+///    would be), attached (name of the one that moves along with the other; empty: none does), version,
+///    nearest {end (found; touched; undecided; cut_short: the deadline), from_ns, to_ns, time_ns (world time), distance,
+///    error, at_least (m; at no time of the stretch nearer), looks}, or no_nearest (why)
+inline constexpr const char* kExplain = "explain";
+
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair
 /// decides, at most 64. a, b (globs), because (text) -> rules (how many there are), a_count, b_count (objects that match),
 /// ended, version

@@ -85,6 +85,7 @@ std::unique_ptr<Command> make_fence();
 std::unique_ptr<Command> make_keys();
 std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
+std::unique_ptr<Command> make_explain();
 std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_demo();
 std::unique_ptr<Command> make_shell();

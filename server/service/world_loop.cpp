@@ -61,7 +61,7 @@ void WorldLoop::serve() {
   next_status_ns_ = steady_ns();
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
-    with_.inbox.drain(next_wake(), arrivals_);
+    with_.inbox.take_round(next_wake(), arrivals_);
     if (restore_float_environment()) ++with_.questions.float_repairs;
     take_arrivals();
     step_if_due();

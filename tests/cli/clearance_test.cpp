@@ -76,7 +76,7 @@ TEST_F(ClearanceVerb, OptionsBecomeWhatTheLibraryTakes) {
   EXPECT_TRUE(last_options.with_filtered);
   EXPECT_EQ(last_options.as_of.kind, Instant::Kind::settled);
   EXPECT_EQ(last_options.deadline, std::chrono::seconds(2));
-  collide("clearance a --nearer 5mm -k 3");
+  collide("clearance a --within 5mm -k 3");
   EXPECT_EQ(last_options.most, 3u);
   collide("clash plant");
   EXPECT_EQ(last_from, "plant");

@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <set>
+#include <sstream>
+
 #include "client/cli/guides/guide_page.hpp"
 #include "client/cli/guides/man_page.hpp"
 #include "client/cli/guides/markdown.hpp"
+#include "client/cli/command.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided::cli {
@@ -48,6 +52,20 @@ TEST(Guides, ManualPagesShowTextAsItIs) {
   EXPECT_NE(page.find("collided\\-sample \\- to see\n"), std::string::npos) << page;
   EXPECT_NE(page.find(".SH \\&.Dots\n"), std::string::npos) << page;
   EXPECT_NE(page.find("\\&.first \\fBbold\\fR\n"), std::string::npos) << page;
+}
+
+// The last verb of a full line once ran into what follows it.
+TEST(Guides, HelpNamesEveryVerbAsAWordOfItsOwn) {
+  std::istringstream help(collide("help").out);
+  std::set<std::string> words;
+  for (std::string word; help >> word;) words.insert(word);
+  for (const Verb& verb : verbs()) {
+    if (verb.group.empty()) continue;
+    EXPECT_TRUE(words.contains(std::string(verb.name))) << verb.name;
+  }
+  help.clear();
+  help.seekg(0);
+  for (std::string line; std::getline(help, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST(Guides, HelpPrintsAGuideThatFitsAndListsThemAll) {

@@ -1,6 +1,7 @@
 // Pairs of objects and probes through the library and a real server.  // A25 A46 B3
 #include <atomic>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 #include <thread>
@@ -368,6 +369,42 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
   EXPECT_TRUE(client.probes()->empty());
   EXPECT_FALSE(client.add_probe({.name = "p", .object = "car", .direction = Vec3::Zero()}));
   EXPECT_FALSE(client.add_probe({.name = "", .object = "car"}));
+}
+
+// A ball passes another by 0.2 m between two poses, 0.1 s before it stops 2.6 m from it.
+TEST_F(ServerPairs, HowNearTwoCameBetweenPosesIsExplained) {
+  start();
+  Client client = connect();
+  ASSERT_TRUE(client.add(
+      {.name = "post", .shape = {SphereShape{.radius_m = 0.4}}, .pose = {.position = {0, 1, 50}}, .layers = 4}));
+  Publisher publisher = publish(client, "flight");
+  const Result<Publisher::Object> drone =
+      publisher.add({.name = "drone", .shape = {SphereShape{.radius_m = 0.4}}, .pose = at(-3, 0, 50), .mask = 1});
+  ASSERT_TRUE(drone) << drone.error().message;
+  ASSERT_TRUE(publisher.flush());
+  std::this_thread::sleep_for(200ms);  // the way from here takes as long
+  move(publisher, *drone, at(3, 0, 50));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const auto explained = [&](const std::string& rest) {
+    Result<std::string> text = client.command("explain", R"({"a":"drone","b":"post")" + rest + "}");
+    EXPECT_TRUE(text) << text.error().message;
+    return text ? nlohmann::json::parse(*text) : nlohmann::json();
+  };
+  const nlohmann::json answer = explained("");
+  EXPECT_EQ(answer.at("answer"), "miss");
+  EXPECT_EQ(answer.at("why_not"), (std::vector<std::string>{"layers 0x4 of 'post' are not in mask 0x1 of 'drone'"}));
+  const nlohmann::json& nearest = answer.at("nearest");
+  EXPECT_EQ(nearest.at("end"), "found");
+  EXPECT_NEAR(nearest.at("distance").get<double>(), 0.2, 3e-4);
+  EXPECT_LE(nearest.at("at_least").get<double>(), 0.2 + 1e-12);
+  EXPECT_GE(nearest.at("at_least").get<double>(), 0.1995);
+  EXPECT_LE(nearest.at("time_ns").get<std::int64_t>(), nearest.at("to_ns").get<std::int64_t>());
+  // Of the last microsecond only the end of the way is left.
+  EXPECT_GT(explained(R"(,"last_ns":1000)").at("nearest").at("distance").get<double>(), 2);
+  for (const char* bad : {R"(,"last_ns":-1)", R"(,"last":5)", R"(,"b":"drone")"}) {
+    Result<std::string> refused = client.command("explain", R"({"a":"drone","b":"post")" + std::string(bad) + "}");
+    EXPECT_FALSE(refused) << bad;
+  }
 }
 
 }  // namespace

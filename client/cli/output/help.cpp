@@ -139,14 +139,22 @@ void print_help(Io& io) {
   io.out << "collide - ask a collision server about rays, spheres and boxes\n\n"
             "  collide ray 0 0 5  0 0 -1          first thing below (0 0 5)\n"
             "  collide watch                      collisions as they begin and end\n\n";
+  constexpr std::size_t kIndent = 9;
+  constexpr std::size_t kTerminalColumns = 80;
   for (const std::string_view group : kGroups) {
-    std::string names;
+    std::string line = fmt::format("{:<{}}", group, kIndent - 2);
+    const auto put = [&](std::string_view words) {
+      if (line.size() + 2 + words.size() > kTerminalColumns) {
+        io.out << line << '\n';
+        line = std::string(kIndent - 2, ' ');
+      }
+      line += "  " + std::string(words);
+    };
     for (const Verb& verb : verbs()) {
-      if (verb.group == group) names += (names.empty() ? "" : "  ") + std::string(verb.name);
+      if (verb.group == group) put(verb.name);
     }
-    const bool last = group == kGroups.back();
-    if (last) names = fmt::format("{:<42}collide help VERB|GUIDE", names);
-    if (!names.empty()) io.out << fmt::format("{:<9}{}\n", group, names);
+    if (group == kGroups.back()) put("collide help VERB|GUIDE");
+    io.out << line << '\n';
   }
   io.out << guide_lines();
 }

@@ -28,7 +28,7 @@ class GroupCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     declare_own(app);
-    app.add_option("--nearer", nearer_, nearer_help());
+    app.add_option("--nearer,--within", nearer_, nearer_help());
     app.add_option("--skip", skip_, "Not objects whose name matches this glob");
     app.add_flag("--with-filtered", with_filtered_, "Also pairs that masks and groups let pass through each other");
     app.add_flag("--certificate", certificate_, "Ask for a proof of each pair and check it here");

@@ -337,11 +337,18 @@ class LoadCommand : public Command {
     return box;
   }
 
-  /// Loads a file, with a progress bar.
-  static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
+  /// Loads a file, with a progress bar. A server that is another user, or has folders of its own such as a service's
+  /// /tmp, may not see what this side sees.
+  nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
     Progress progress(session.io, globals);
-    return server_command(session, globals, wire::kLoad, arguments, {},
-                          [&](double now) { progress.show(0, "loading", now); });
+    try {
+      return server_command(session, globals, wire::kLoad, arguments, {},
+                            [&](double now) { progress.show(0, "loading", now); });
+    } catch (const Failure& failure) {
+      const bool is_unseen = std::string_view(failure.what()).find("cannot be opened") != std::string_view::npos;
+      if (!is_unseen || !std::ifstream(path_).is_open()) throw;
+      throw Failure(failure.code, failure.what(), "it is there on this side; --upload sends its bytes");
+    }
   }
 
   /// Uploads a file and loads it. Characters of its name that a server does not accept are replaced.

@@ -130,7 +130,9 @@ bool allow_beneath(int rules, const std::string& path) {
 /// Leaves only these files to be opened. Returns why it could not be done, or nothing.
 std::string leave_only(const std::vector<std::string>& readable) {
   const int version = landlock_version();
-  if (version < 1) return {};
+  // A kernel may be without it; one that has it and may not be asked is a mistake of whoever set the limits around us.
+  if (version < 1 && (errno == ENOSYS || errno == EOPNOTSUPP)) return {};
+  if (version < 1) return std::string("the files that it may read cannot be limited: ") + std::strerror(errno);
   // Every kind of access of the first version, and what came with the second (refer) and third (truncate).
   std::uint64_t handled = (std::uint64_t{LANDLOCK_ACCESS_FS_MAKE_SYM} << 1) - 1;
   if (version >= 2) handled |= std::uint64_t{1} << 13;

@@ -162,6 +162,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
+  if (command == names::kExplain) return explain_later(std::move(ask), *arguments);
   if (command == names::kClearance) return clearance_later(std::move(ask), *arguments);
   if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
   if (command == names::kPoses) {
@@ -174,12 +175,12 @@ void Commands::run(CommandAsk ask) {
     return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{
-        names::kLoad,      names::kClear,     names::kAdd,    names::kMove,   names::kRemove,  names::kList,
-        names::kGet,       names::kPlan,      names::kAudit,  names::kMenu,   names::kPair,    names::kProbe,
-        names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface, names::kMore,
-        names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,   names::kAcceptLoss,
-        names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,   names::kDeny,
-        names::kAllowed,   names::kAttach,    names::kDetach};
+        names::kLoad,       names::kClear,     names::kAdd,       names::kMove,   names::kRemove, names::kList,
+        names::kGet,        names::kPlan,      names::kAudit,     names::kMenu,   names::kPair,   names::kExplain,
+        names::kProbe,      names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface,
+        names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,
+        names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,
+        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -166,6 +166,7 @@ class Commands {
     ObjectId b = 0;
     PairAsk options = {};
     bool is_fcl_asked = false;
+    std::int64_t since_ns = 0;  // world time; of an explanation
     double cost = 0;
 
     const Snapshot& state() const { return past ? *past : *newest; }
@@ -200,6 +201,9 @@ class Commands {
   void pair_later(CommandAsk ask, const Arguments& arguments);
   AskedPair asked_pair(const AwaitedJob& job) const;
   nlohmann::json examined(const AskedPair& asked) const;
+  void explain_later(CommandAsk ask, const Arguments& arguments);
+  AskedPair asked_explanation(const AwaitedJob& job) const;
+  nlohmann::json explained(const AskedPair& asked) const;
   std::shared_ptr<const Snapshot> past_state(const Arguments& arguments, const Snapshot& newest) const;
   void clearance_later(CommandAsk ask, const Arguments& arguments);
   AskedGroups asked_groups(const AwaitedJob& job) const;

@@ -124,14 +124,15 @@ std::shared_ptr<const Snapshot> Commands::past_state(const Arguments& arguments,
 
 /// Finds what the command names; throws BadCommand.
 Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("pair: the server is stopping");
+  if (stopping_.load()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   AskedPair asked{.newest = with_.loop.world().newest(), .past = nullptr};
   asked.past = past_state(arguments, *asked.newest);
   asked.a = find_shown(asked.state(), arguments.text("a"));
   asked.b = find_shown(asked.state(), arguments.text("b"));
   if (asked.a == asked.b)
-    throw BadCommand(fmt::format("pair: both are {}", printable(arguments.text("a"))), "two objects are needed");
+    throw BadCommand(fmt::format("{}: both are {}", arguments.command(), printable(arguments.text("a"))),
+                     "two objects are needed");
   asked.options = {
       .certificate = arguments.truth("certificate", false),
       .triangles = arguments.truth("triangles", false),
@@ -141,7 +142,8 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
   asked.is_fcl_asked = wants_opinion(arguments);
   for (const ObjectId id : {asked.a, asked.b}) {
     const ObjectInfo& info = *(*asked.state().objects)[slot_of(id)];
-    if (!has_parts(info)) throw BadCommand(fmt::format("pair: object {} has no part", printable(info.name)));
+    if (!has_parts(info))
+      throw BadCommand(fmt::format("{}: object {} has no part", arguments.command(), printable(info.name)));
     asked.cost += part_count(info);
   }
   if (asked.options.certificate || asked.options.triangles) asked.cost *= kDetailCost;

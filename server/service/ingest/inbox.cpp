@@ -9,6 +9,12 @@ namespace collided::engine::service {
 
 using wire_contract::kPoseNumbers;
 
+namespace {
+
+std::size_t bytes_of(const DefinitionSample& sample) { return sizeof sample + sample.shape_bytes.size(); }
+
+}  // namespace
+
 std::unique_ptr<PoseSample> Inbox::spare_locked() {
   if (spares_.empty()) return std::make_unique<PoseSample>();
   std::unique_ptr<PoseSample> sample = std::move(spares_.back());
@@ -31,41 +37,54 @@ bool Inbox::has_room_for_definitions() const {
   return definition_bytes_ < limits_.definition_bytes;
 }
 
+void Inbox::push_in_order(Arrival arrival) {
+  ordered_.emplace_back(next_place_++, std::move(arrival));
+  arrived_.notify_one();
+}
+
 void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
   const std::lock_guard lock(mutex_);
-  definition_bytes_ += sizeof *sample + sample->shape_bytes.size();
-  arrivals_.emplace_back(std::move(sample));
-  arrived_.notify_one();
+  definition_bytes_ += bytes_of(*sample);
+  push_in_order(std::move(sample));
+}
+
+/// Once some poses of a publisher are merged, its later ones must be merged too: what was merged comes last, so an
+/// unmerged newer pose would be applied before an older one.
+bool Inbox::must_merge(const PublisherLine& line, std::size_t poses) const {
+  if (line.is_merging) return true;
+  const auto is_above = [&](std::size_t times) {
+    return batch_count_ >= times * limits_.batches || pose_count_ + poses > times * limits_.poses;
+  };
+  return is_above(1) && (line.size() >= limits_.own_batches || is_above(2));
 }
 
 void Inbox::push(std::unique_ptr<PoseSample> sample) {
   const std::lock_guard lock(mutex_);
-  const bool full = batch_count_ >= limits_.batches || pose_count_ + sample->object_numbers.size() > limits_.poses;
-  // Once some poses are merged, later ones must be merged too: merged poses are drained last, so an unmerged newer pose
-  // would be applied before an older one.
-  if (full || merging_) {
+  if (lines_.size() > limits_.merged_publishers) forget_idle_lines();
+  PublisherLine& line = lines_[sample->publisher];
+  if (must_merge(line, sample->object_numbers.size())) {
+    merging_lines_ += std::exchange(line.is_merging, true) ? 0 : 1;
     merge(*sample);
     spares_.push_back(std::move(sample));
   } else {
     ++batch_count_;
     pose_count_ += sample->object_numbers.size();
-    arrivals_.emplace_back(std::move(sample));
+    if (line.empty()) busy_.push_back(&line);
+    line.queue.push_back({next_place_++, std::move(sample)});
   }
   arrived_.notify_one();
 }
 
 void Inbox::push(const WriterNews& news) {
   const std::lock_guard lock(mutex_);
-  arrivals_.emplace_back(news);
-  arrived_.notify_one();
+  push_in_order(news);
 }
 
 bool Inbox::push_job(Job job) {
   const std::lock_guard lock(mutex_);
   if (job_count_ >= limits_.jobs) return false;
   ++job_count_;
-  arrivals_.emplace_back(std::move(job));
-  arrived_.notify_one();
+  push_in_order(std::move(job));
   return true;
 }
 
@@ -84,7 +103,6 @@ void Inbox::Merged::clear() {
 }
 
 void Inbox::merge(const PoseSample& sample) {
-  merging_ = true;
   const std::size_t count = sample.object_numbers.size();
   const bool one_too_many = merged_.size() >= limits_.merged_publishers && !merged_.contains(sample.publisher);
   if (sample.poses.size() != count * kPoseNumbers || one_too_many) {
@@ -147,47 +165,97 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   return slice;
 }
 
-void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
-  constexpr std::size_t kMostKept = 64;  // publishers whose memory is kept; some of them may be gone
-  for (auto& [publisher, merged] : merged_) {
-    PoseSample* last = nullptr;
-    // All slices of a publisher but its last are marked as followed by more, so they land in one step.
-    const auto put = [&](std::unique_ptr<PoseSample> slice) {
-      if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
-      last = slice.get();
-      arrivals.emplace_back(std::move(slice));
-    };
-    // The teleported flag is one of the whole batch, so teleported objects travel in slices of their own.
-    for (const bool teleported : {false, true}) {
-      std::unique_ptr<PoseSample> slice;
-      for (std::size_t i = 0; i < merged.numbers.size(); ++i) {
-        if ((merged.teleported[i] != 0) != teleported) continue;
-        if (!slice) slice = start_slice(publisher, merged, teleported);
-        slice->object_numbers.push_back(merged.numbers[i]);
-        const double* pose = &merged.poses[i * kPoseNumbers];
-        slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
-        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::exchange(slice, nullptr));
-      }
-      if (slice) put(std::move(slice));
+/// All slices of a publisher but its last are marked as followed by more, so they land in one step.
+void Inbox::unpack(std::uint64_t publisher, Merged& merged, std::vector<Arrival>& arrivals) {
+  PoseSample* last = nullptr;
+  const auto put = [&](std::unique_ptr<PoseSample> slice) {
+    if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
+    last = slice.get();
+    arrivals.emplace_back(std::move(slice));
+  };
+  // The teleported flag is one of the whole batch, so teleported objects travel in slices of their own.
+  for (const bool teleported : {false, true}) {
+    std::unique_ptr<PoseSample> slice;
+    for (std::size_t i = 0; i < merged.numbers.size(); ++i) {
+      if ((merged.teleported[i] != 0) != teleported) continue;
+      if (!slice) slice = start_slice(publisher, merged, teleported);
+      slice->object_numbers.push_back(merged.numbers[i]);
+      const double* pose = &merged.poses[i * kPoseNumbers];
+      slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
+      if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::exchange(slice, nullptr));
     }
-    merged.clear();
+    if (slice) put(std::move(slice));
   }
-  if (merged_.size() > kMostKept) merged_.clear();
-  merging_ = false;
-  merged_count_ = 0;
+  merged_count_ -= merged.numbers.size();
+  merged.clear();
 }
 
-void Inbox::drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals) {
+void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
+  constexpr std::size_t kMostKept = 64;  // publishers whose memory is kept; some of them may be gone
+  if (merging_lines_ == 0 || !ordered_.empty()) return;
+  for (auto& [publisher, line] : lines_) {
+    if (!line.is_merging || !line.empty()) continue;
+    const auto merged = merged_.find(publisher);
+    if (merged != merged_.end()) unpack(publisher, merged->second, arrivals);
+    line.is_merging = false;
+    --merging_lines_;
+  }
+  if (merging_lines_ == 0 && merged_.size() > kMostKept) merged_.clear();
+}
+
+std::unique_ptr<PoseSample> Inbox::PublisherLine::pop() {
+  std::unique_ptr<PoseSample> sample = std::move(queue[head++].sample);
+  // The part that was taken is given up once it is the greater one, so that each batch is moved at most once.
+  if (2 * head >= queue.size()) {
+    queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(head));
+    head = 0;
+  }
+  return sample;
+}
+
+/// Of each publisher the batches of one instant, as far as they came before the next definition, news or job.
+void Inbox::take_instants(std::vector<Arrival>& arrivals) {
+  const std::uint64_t until = ordered_.empty() ? next_place_ : ordered_.front().first;
+  std::sort(busy_.begin(), busy_.end(),
+            [](const PublisherLine* a, const PublisherLine* b) { return a->first_place() < b->first_place(); });
+  for (PublisherLine* line : busy_) {
+    for (bool more = true; more && !line->empty() && line->first_place() < until;) {
+      std::unique_ptr<PoseSample> sample = line->pop();
+      more = (sample->flags & wire_contract::kMoreFollows) != 0;
+      --batch_count_;
+      pose_count_ -= sample->object_numbers.size();
+      arrivals.emplace_back(std::move(sample));
+    }
+  }
+  std::erase_if(busy_, [](const PublisherLine* line) { return line->empty(); });
+}
+
+/// Definitions, news and jobs, as far as no poses that came before them wait.
+void Inbox::take_ordered(std::vector<Arrival>& arrivals) {
+  std::uint64_t until = next_place_;
+  for (const PublisherLine* line : busy_) until = std::min(until, line->first_place());
+  while (!ordered_.empty() && ordered_.front().first < until) {
+    Arrival arrival = std::move(ordered_.front().second);
+    ordered_.pop_front();
+    if (const auto* definition = std::get_if<std::unique_ptr<DefinitionSample>>(&arrival))
+      definition_bytes_ -= bytes_of(**definition);
+    if (std::holds_alternative<Job>(arrival)) --job_count_;
+    arrivals.push_back(std::move(arrival));
+  }
+}
+
+void Inbox::forget_idle_lines() {
+  std::erase_if(lines_, [](const auto& line) { return line.second.empty() && !line.second.is_merging; });
+}
+
+void Inbox::take_round(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals) {
   arrivals.clear();
   std::unique_lock lock(mutex_);
-  arrived_.wait_until(lock, until, [&] { return woken_ || !arrivals_.empty() || merging_; });
+  arrived_.wait_until(lock, until, [&] { return woken_ || !busy_.empty() || !ordered_.empty() || merging_lines_ > 0; });
   woken_ = false;
-  arrivals_.swap(arrivals);
+  take_instants(arrivals);
+  take_ordered(arrivals);
   unpack_merged(arrivals);
-  batch_count_ = 0;
-  pose_count_ = 0;
-  job_count_ = 0;
-  definition_bytes_ = 0;
 }
 
 InboxCounts Inbox::counts() const {

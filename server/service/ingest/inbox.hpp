@@ -8,6 +8,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -33,6 +35,7 @@ using Arrival = std::variant<std::unique_ptr<DefinitionSample>, std::unique_ptr<
 struct InboxLimits {
   std::size_t batches = 512;             // of poses, unmerged
   std::size_t poses = 1 << 20;           // in those batches
+  std::size_t own_batches = 8;           // of one publisher, unmerged where others have reached the limits
   std::size_t merged_objects = 200'000;  // of all publishers together
   std::size_t merged_publishers = 1'000;
   std::size_t definition_bytes = std::size_t{256} << 20;  // samples with their encoded shapes
@@ -45,11 +48,17 @@ struct InboxCounts {
   std::uint64_t poses_dropped = 0;  // not even merging had room: an object or publisher too many; or a malformed batch
 };
 
-/// The queue from the listeners to the world's thread, in order of arrival. Definitions and news are never dropped:
-/// beyond the limit definitions stay with DDS, which keeps the newest of each object. Poses beyond the limits are
-/// merged to the newest of each object, so a slow world skips motion in between while its memory stays bounded.
+/// The queue from the listeners to the world's thread. It is taken in rounds: of each publisher one instant's poses, so
+/// that who has sent a hundred instants at once does not keep the others waiting while the world steps through them. What
+/// one publisher sent stays in order; definitions, news and jobs come after everything that arrived before them, and
+/// before everything after.
 ///
-/// threads  any may push; one drains
+/// Definitions and news are never dropped: beyond the limit definitions stay with DDS, which keeps the newest of each
+/// object. Poses beyond the limits are merged to the newest of each object, so a slow world skips motion in between while
+/// its memory stays bounded. Publishers that have sent little are not merged because others have sent much, until as much
+/// again waits.
+///
+/// threads  any may push; one takes
 class Inbox {
  public:
   explicit Inbox(const InboxLimits& limits = {}) : limits_(limits) {}
@@ -68,12 +77,12 @@ class Inbox {
   bool has_room_for_definitions() const;
   /// False: too many jobs wait already, and this one is not taken.
   [[nodiscard]] bool push_job(Job job);
-  /// Makes the drain() that waits, or else the next one, return at once.
+  /// Makes the take_round() that waits, or else the next one, return at once.
   void wake();
 
-  /// Moves all that waits into `arrivals`, which is cleared first; merged poses come last. Waits for something to
-  /// arrive, at most until the given time; returns with nothing then, or when woken.
-  void drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals);
+  /// Moves the next round into `arrivals`, which is cleared first; merged poses come once nothing else of their publisher
+  /// waits. Waits for something to arrive, at most until the given time; returns with nothing then, or when woken.
+  void take_round(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals);
   /// Any thread.
   InboxCounts counts() const;
 
@@ -92,21 +101,46 @@ class Inbox {
 
     void clear();
   };
+  /// What waits of one publisher, in order; the queue keeps its memory.
+  struct PublisherLine {
+    struct Waiting {
+      std::uint64_t place = 0;  // among all arrivals
+      std::unique_ptr<PoseSample> sample;
+    };
+    std::vector<Waiting> queue;
+    std::size_t head = 0;     // the first of the queue that was not taken
+    bool is_merging = false;  // poses were merged since the queue was last empty
+
+    bool empty() const { return head == queue.size(); }
+    std::size_t size() const { return queue.size() - head; }
+    std::uint64_t first_place() const { return queue[head].place; }
+    std::unique_ptr<PoseSample> pop();
+  };
+  bool must_merge(const PublisherLine& line, std::size_t poses) const;
   void merge(const PoseSample& sample);
   void merge_pose(Merged& merged, const PoseSample& sample, std::size_t index);
   std::unique_ptr<PoseSample> start_slice(std::uint64_t publisher, const Merged& merged, bool teleported);
+  void push_in_order(Arrival arrival);
+  void take_instants(std::vector<Arrival>& arrivals);
+  void take_ordered(std::vector<Arrival>& arrivals);
   void unpack_merged(std::vector<Arrival>& arrivals);
+  void unpack(std::uint64_t publisher, Merged& merged, std::vector<Arrival>& arrivals);
+  void forget_idle_lines();
   std::unique_ptr<PoseSample> spare_locked();
 
   InboxLimits limits_;
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
-  std::vector<Arrival> arrivals_;
+  std::unordered_map<std::uint64_t, PublisherLine> lines_;  // by publisher
+  std::vector<PublisherLine*> busy_;                        // those with something in the queue
+  /// Definitions, news and jobs, each with its place among all arrivals.
+  std::deque<std::pair<std::uint64_t, Arrival>> ordered_;
+  std::uint64_t next_place_ = 0;
   std::vector<std::unique_ptr<PoseSample>> spares_;
   std::map<std::uint64_t, Merged> merged_;  // by publisher
-  bool merging_ = false;                    // poses were merged since the last drain
-  std::size_t merged_count_ = 0;            // objects in merged_
-  std::size_t batch_count_ = 0;             // these four: what waits since the last drain
+  std::size_t merging_lines_ = 0;
+  std::size_t merged_count_ = 0;  // objects in merged_
+  std::size_t batch_count_ = 0;   // these four: what waits
   std::size_t pose_count_ = 0;
   std::size_t job_count_ = 0;
   std::size_t definition_bytes_ = 0;

@@ -5,61 +5,11 @@
 
 #include "server/exact_phase/distance/triangle_depth.hpp"
 #include "server/geometry/float_environment.hpp"
-#include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/object_placing.hpp"
-#include "server/world/query/stale_reach.hpp"
+#include "server/world/query/pair_object.hpp"
 
 namespace collided::engine {
 namespace {
-
-/// An object in the form that walks over pairs need: a part of a scene gets a mesh of its own, indexed here.
-struct PlacedObject {
-  ObjectInfo own;
-  Frame frame;
-  Placed placed;
-  Aabb reach;             // bounds of every pose it may have
-  bool is_stale = false;  // its publisher is lost, and its pose within reach is unknown
-
-  PlacedObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline) {
-    const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
-    frame = snapshot.frames[slot_of(id)];
-    placed = {.info = &info,
-              .frame = &frame,
-              .bounds = snapshot.bounds[slot_of(id)],
-              .pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(id)] : nullptr};
-    reach = placed.bounds;
-    if (const std::optional<Aabb> region = unknown_region(snapshot, id)) {
-      reach.extend(*region);
-      is_stale = true;
-    }
-    if (info.scene_part == kNoScenePart) return;
-    Shape shape;
-    shape.mesh = mesh_of_part(snapshot, info, deadline);
-    own = without_world(shape, [&deadline] { return deadline.is_over(); });
-    own.solid = info.solid;
-    frame = Frame();
-    placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
-    reach = placed.bounds;
-  }
-  PlacedObject(const PlacedObject&) = delete;
-  PlacedObject& operator=(const PlacedObject&) = delete;
-
-  static std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const ObjectInfo& info,
-                                                          Deadline& deadline) {
-    auto mesh = std::make_shared<TriangleMesh>();
-    for (const auto& scene : snapshot.scenes) {
-      if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != info.id) continue;
-      const Part& part = scene->parts[info.scene_part];
-      for (std::uint32_t i = 0; i < part.triangle_count && !deadline.is_over(); ++i) {
-        const Triangle t = scene->mesh.triangle(part.first_triangle + i);
-        const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
-        mesh->vertices.insert(mesh->vertices.end(), {t.a, t.b, t.c});
-        mesh->triangles.push_back({first, first + 1, first + 2});
-      }
-    }
-    return mesh;
-  }
-};
 
 Decision decision_of(const ContactSearch& touch) {
   if (touch.yes) return Decision::yes;
@@ -111,8 +61,7 @@ PairReport late() {
   return report;
 }
 
-PairReport report_in_order(const PlacedObject& first, const PlacedObject& second, const PairAsk& ask,
-                           Deadline& deadline) {
+PairReport report_in_order(const PairObject& first, const PairObject& second, const PairAsk& ask, Deadline& deadline) {
   const Placed& a = first.placed;
   const Placed& b = second.placed;
   PairReport report;
@@ -177,8 +126,8 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
   const bool turned = order(b) < order(a);
   Deadline deadline(ask.deadline_ns, ask.called_off);
-  const PlacedObject first(snapshot, turned ? b : a, deadline);
-  const PlacedObject second(snapshot, turned ? a : b, deadline);
+  const PairObject first(snapshot, turned ? b : a, deadline);
+  const PairObject second(snapshot, turned ? a : b, deadline);
   if (deadline.is_over()) return late();
   PairAsk without_proof = ask;
   without_proof.certificate = ask.certificate && !turned;

@@ -54,6 +54,7 @@ void PoseMemory::note(const Step& step) {
   move_floor();
   lives_.resize(step.rows.size());
   for (const std::uint32_t slot : step.rows.moved()) note_object(step, slot);
+  forget_in_turn();
   sources_.resize(step.sources.size());
   for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
     const Source& source = step.sources[i];
@@ -104,12 +105,19 @@ void PoseMemory::add_move(Life& life, const Move& move) {
 
 /// Forgets moves that ended before the reach: the last of them becomes the object's first pose.
 void PoseMemory::forget(Life& life) {
-  std::size_t& first = life.forgotten;
-  while (first < life.moves.size() && life.moves[first].to_ns <= from_ns_) life.first = life.moves[first++].pose;
-  if (first < 16 || 2 * first < life.moves.size()) return;
-  life.moves.erase(life.moves.begin(), life.moves.begin() + static_cast<std::ptrdiff_t>(first));
-  move_count_ -= first;
-  first = 0;
+  for (; !life.moves.empty() && life.moves.front().to_ns <= from_ns_; --move_count_) {
+    life.first = life.moves.front().pose;
+    life.moves.pop_front();
+  }
+}
+
+/// Objects that have come to rest have moves to forget too, a few objects a step.
+void PoseMemory::forget_in_turn() {
+  const std::size_t count = std::min<std::size_t>(64, lives_.size());
+  for (std::size_t i = 0; i < count; ++i, ++turn_) {
+    if (turn_ >= lives_.size()) turn_ = 0;
+    forget(lives_[turn_]);
+  }
 }
 
 /// The object existed up to the time that its publisher had reached.
@@ -169,6 +177,26 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
   return state;
 }
 
+std::optional<PoseMemory::RememberedPath> PoseMemory::path_of(ObjectId id) const {
+  const std::lock_guard lock(mutex_);
+  const std::uint32_t slot = slot_of(id);
+  if (!is_on() || slot >= lives_.size() || !lives_[slot].info || lives_[slot].info->id != id) return std::nullopt;
+  const Life& life = lives_[slot];
+  const bool is_resting = life.source == Sources::kResting;
+  RememberedPath path{.from_ns = std::max(from_ns_, life.born_ns),
+                      .to_ns = is_resting ? to_ns_ : std::min(to_ns_, known_of(life)),
+                      .first = frame_of(life.first),
+                      .pieces = {}};
+  const std::optional<Sphere> ball = lone_sphere(*life.info);
+  Frame before = path.first;
+  life.moves.for_each([&](const Move& move) {
+    const Frame now = frame_of(move.pose);
+    path.pieces.push_back({.from_ns = move.from_ns, .to_ns = move.to_ns, .motion = motion_between(ball, before, now)});
+    before = now;
+  });
+  return path;
+}
+
 void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const {
   state.frames[slot] = frame_at(life, time_ns);
   state.has_given_poses = false;
@@ -197,14 +225,11 @@ std::int64_t PoseMemory::known_of(const Life& life) const {
 }
 
 Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
-  const auto begin = life.moves.begin() + static_cast<std::ptrdiff_t>(life.forgotten);
-  // The first move that has not ended by then; of several that end at one time the last counts.
-  const auto next = std::upper_bound(begin, life.moves.end(), time_ns,
-                                     [](std::int64_t time, const Move& move) { return time < move.to_ns; });
-  const Frame before = frame_of(next == begin ? life.first : std::prev(next)->pose);
-  if (next == life.moves.end() || time_ns <= next->from_ns) return before;
+  const auto [before, next] = life.moves.around(time_ns);
+  const Frame rested = frame_of(before != nullptr ? before->pose : life.first);
+  if (next == nullptr || time_ns <= next->from_ns) return rested;
   const double part = static_cast<double>(time_ns - next->from_ns) / static_cast<double>(next->to_ns - next->from_ns);
-  return motion_between(lone_sphere(*life.info), before, frame_of(next->pose)).at(part);
+  return motion_between(lone_sphere(*life.info), rested, frame_of(next->pose)).at(part);
 }
 
 }  // namespace collided::engine

@@ -5,9 +5,12 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/objects/snapshot.hpp"
+#include "server/world/query/move_log.hpp"
 
 namespace collided::engine {
 
@@ -50,6 +53,22 @@ class PoseMemory {
   /// Bytes of remembered poses.
   std::size_t bytes() const;
 
+  /// Where one object went, within the reach.
+  struct RememberedPath {
+    /// From one pose to the next; a jump where both have one time. Between two it rests.
+    struct PathPiece {
+      std::int64_t from_ns = 0;
+      std::int64_t to_ns = 0;
+      BodyMotion motion;
+    };
+    std::int64_t from_ns = 0;  // it was there from then on, and its place is known
+    std::int64_t to_ns = 0;    // up to then
+    Frame first;               // before the first piece
+    std::vector<PathPiece> pieces;
+  };
+  /// Nothing where the object is not there now or the memory is off.
+  std::optional<RememberedPath> path_of(ObjectId id) const;
+
   /// The state of every object at that instant; null outside of reach(). Objects that existed then but whose poses are
   /// not known so far appear as stale: somewhere within the largest speed that they ever had. Poses within a motion are
   /// rounded to a few units in the last place of their coordinates.
@@ -57,12 +76,6 @@ class PoseMemory {
   std::shared_ptr<const Snapshot> at(std::int64_t time_ns) const;
 
  private:
-  /// The object rested up to from_ns and moved to the pose until to_ns; both equal: it jumped.
-  struct Move {
-    std::int64_t from_ns = 0;
-    std::int64_t to_ns = 0;
-    Pose pose;
-  };
   /// One object from its definition to its removal.
   struct Life {
     static constexpr std::int64_t kStillThere = std::numeric_limits<std::int64_t>::max();
@@ -71,9 +84,8 @@ class PoseMemory {
     std::int64_t born_ns = 0;
     std::int64_t gone_ns = kStillThere;
     std::uint32_t source = 0;  // whose time its poses have
-    Pose first;                // before the first of the moves that count
-    std::vector<Move> moves;   // ordered by to_ns; the first `forgotten` of them lie before the reach
-    std::size_t forgotten = 0;
+    Pose first;                // before the first of the moves
+    MoveLog moves;
     double largest_mps = 0;  // largest speed of any move
 
     const Pose& last() const { return moves.empty() ? first : moves.back().pose; }
@@ -90,6 +102,7 @@ class PoseMemory {
   void note_object(const Step& step, std::uint32_t slot);
   void add_move(Life& life, const Move& move);
   void forget(Life& life);
+  void forget_in_turn();
   void end(Life& life);
   void move_floor();
   Frame frame_at(const Life& life, std::int64_t time_ns) const;
@@ -111,6 +124,7 @@ class PoseMemory {
   std::int64_t from_ns_ = 0;
   std::int64_t to_ns_ = 0;
   std::size_t move_count_ = 0;
+  std::size_t turn_ = 0;  // the slot that forget_in_turn() looks at next
 };
 
 }  // namespace collided::engine

@@ -272,7 +272,7 @@ TEST_F(Allocation, NoneForABatchOfAThousandPosesUntilItIsApplied) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
     while (serving_.publishers.counts().poses_applied == applied && std::chrono::steady_clock::now() < give_up) {
       const test::CountHere here;
-      serving_.inbox.drain(give_up, arrivals);
+      serving_.inbox.take_round(give_up, arrivals);
       for (Arrival& arrival : arrivals) {
         auto* sample = std::get_if<std::unique_ptr<PoseSample>>(&arrival);
         if (!sample) continue;

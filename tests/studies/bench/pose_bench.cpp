@@ -94,7 +94,7 @@ struct Course {
       decode(*batch.wire, *sample);
       sample->received_ns = clock.now_ns();
       inbox.push(std::move(sample));
-      inbox.drain({}, arrivals);
+      inbox.take_round({}, arrivals);
       for (Arrival& arrival : arrivals) {
         auto& poses = std::get<std::unique_ptr<PoseSample>>(arrival);
         if (publishers.move(*poses, clock.now_ns()) != Applied::done) std::abort();

@@ -24,10 +24,33 @@ std::unique_ptr<PoseSample> batch(std::uint64_t sequence, const std::vector<std:
   return sample;
 }
 
-std::vector<Arrival> drain(Inbox& inbox) {
+std::vector<Arrival> take_round(Inbox& inbox) {
   std::vector<Arrival> arrivals;
-  inbox.drain(std::chrono::steady_clock::now(), arrivals);
+  inbox.take_round(std::chrono::steady_clock::now(), arrivals);
   return arrivals;
+}
+
+std::vector<Arrival> drain(Inbox& inbox) {
+  std::vector<Arrival> all;
+  for (std::vector<Arrival> round = take_round(inbox); !round.empty(); round = take_round(inbox))
+    std::move(round.begin(), round.end(), std::back_inserter(all));
+  return all;
+}
+
+std::unique_ptr<PoseSample> batch_of(std::uint64_t publisher, std::uint64_t sequence, std::uint8_t flags = 0) {
+  auto sample = batch(sequence, {{1, 1}}, flags);
+  sample->publisher = publisher;
+  return sample;
+}
+
+/// Publisher and sequence of the batches among them; of anything else (0, 0).
+std::vector<std::pair<std::uint64_t, std::uint64_t>> batches_of(const std::vector<Arrival>& arrivals) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> batches;
+  for (const Arrival& arrival : arrivals) {
+    const auto* sample = std::get_if<std::unique_ptr<PoseSample>>(&arrival);
+    batches.emplace_back(sample ? (*sample)->publisher : 0, sample ? (*sample)->sequence : 0);
+  }
+  return batches;
 }
 
 TEST(Inbox, KeepsTheOrder) {
@@ -40,6 +63,63 @@ TEST(Inbox, KeepsTheOrder) {
   EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->sequence, 1U);
   EXPECT_TRUE(std::holds_alternative<WriterNews>(arrivals[1]));
   EXPECT_TRUE(drain(inbox).empty());
+}
+
+// A hundred instants of one, sent at once, each of which needs a step of its own, do not keep the others waiting.
+TEST(Inbox, EachPublisherHasItsTurnInEachRound) {
+  using Batches = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  Inbox inbox;
+  for (std::uint64_t i = 1; i <= 3; ++i) inbox.push(batch_of(7, i));
+  inbox.push(batch_of(8, 1, wire_contract::kMoreFollows));
+  inbox.push(batch_of(8, 2));
+  inbox.push(batch_of(8, 3));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 1}, {8, 1}, {8, 2}})) << "an instant is not torn";
+  inbox.push(batch_of(9, 1));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 2}, {8, 3}, {9, 1}})) << "who comes now need not wait";
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 3}}));
+  EXPECT_TRUE(take_round(inbox).empty());
+}
+
+// A name that is free once its publisher is lost, a command that asks for what was just moved: nothing passes them.
+TEST(Inbox, NothingPassesADefinitionNewsOrAJob) {
+  using Batches = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  Inbox inbox;
+  for (std::uint64_t i = 1; i <= 2; ++i) inbox.push(batch_of(7, i));
+  inbox.push(WriterNews{.publisher = 7});
+  ASSERT_TRUE(inbox.push_job([] {}));
+  inbox.push(batch_of(8, 1));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 1}}));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 2}, {0, 0}, {0, 0}}));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{8, 1}}));
+}
+
+// Who floods is merged, not who shares the server with it; up to as much again as the limits say.
+TEST(Inbox, AFloodMergesItsOwnPosesOnly) {
+  using Batches = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+  Inbox inbox({.batches = 2, .poses = 100, .own_batches = 2, .merged_objects = 9, .definition_bytes = 1, .jobs = 1});
+  for (std::uint64_t i = 1; i <= 5; ++i) inbox.push(batch_of(7, i));
+  inbox.push(batch_of(8, 1));
+  inbox.push(batch_of(8, 2));
+  inbox.push(batch_of(9, 1));  // the fifth: merged
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 1}, {8, 1}, {9, 1}}));
+  EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 2}, {8, 2}, {7, 5}}));
+  EXPECT_TRUE(take_round(inbox).empty());
+  EXPECT_EQ(inbox.counts().poses_superseded, 2U);
+  EXPECT_EQ(inbox.counts().poses_dropped, 0U);
+}
+
+// Publishers come and go under ever new numbers: what is kept of each is given up, and nothing that waits with it.
+TEST(Inbox, ManyPublishersLoseNothing) {
+  Inbox inbox({.batches = 10'000, .merged_publishers = 10});
+  for (std::uint64_t publisher = 1; publisher <= 1'000; ++publisher) {
+    inbox.push(batch_of(publisher, 1));
+    inbox.push(batch_of(publisher, 2));
+    if (publisher % 7 == 0) { EXPECT_FALSE(take_round(inbox).empty()); }
+  }
+  std::size_t left = drain(inbox).size();
+  EXPECT_GT(left, 0U);
+  EXPECT_TRUE(drain(inbox).empty());
+  EXPECT_EQ(inbox.counts().poses_superseded + inbox.counts().poses_dropped, 0U);
 }
 
 // A batch whose columns differ in length is merged away, and its memory carries the next publisher's poses.
@@ -62,7 +142,8 @@ TEST(Inbox, AMalformedBatchSpoilsNoLaterOne) {
 
 // Beyond the limit the newest pose of each object stays, the ones before it are counted, and nothing is forgotten.
 TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
-  Inbox inbox({.batches = 2, .poses = 100, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
+  Inbox inbox(
+      {.batches = 2, .poses = 100, .own_batches = 1, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
   inbox.push(batch(1, {{1, 1}}));
   inbox.push(batch(2, {{1, 2}}));
   inbox.push(batch(3, {{1, 3}, {2, 3}}));
@@ -134,7 +215,7 @@ TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
 
 // Once some are merged, a batch that would fit again must not overtake them; after a drain nothing of that is left.
 TEST(Inbox, NothingOvertakesWhatWasMerged) {
-  Inbox inbox({.batches = 9, .poses = 2, .merged_objects = 9, .definition_bytes = 1'000, .jobs = 1});
+  Inbox inbox({.batches = 9, .poses = 2, .own_batches = 0, .merged_objects = 9, .definition_bytes = 1'000, .jobs = 1});
   inbox.push(batch(1, {{1, 1}, {2, 1}}));
   inbox.push(batch(2, {{1, 2}}));
   EXPECT_EQ(drain(inbox).size(), 2U);

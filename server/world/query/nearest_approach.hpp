@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/world/objects/snapshot.hpp"
+#include "server/world/query/pose_memory.hpp"
+
+namespace collided::engine {
+
+/// How near two objects came to each other within a stretch of time.
+struct NearestApproach {
+  enum class ApproachEnd : std::uint8_t {
+    found,      // at_least_m is within a thousandth of distance_m, or a micrometre
+    touched,    // at time_ns they share a point; when that began is for events to say
+    undecided,  // at time_ns whether they touch is not decided
+    cut_short,  // the deadline was over, or too many looks were needed: at_least_m holds, but may be far from distance_m
+  };
+  ApproachEnd end = ApproachEnd::found;
+  std::int64_t from_ns = 0;  // the stretch, world time: both were there, and where is known
+  std::int64_t to_ns = 0;
+  std::int64_t time_ns = 0;  // of the least distance found
+  double distance_m = 0;     // there
+  double error_m = 0;        // |truth - distance_m| <= error_m
+  double at_least_m = 0;     // at no time of the stretch were they nearer
+  std::uint32_t looks = 0;   // at the two at an instant
+};
+
+/// Searches the objects' paths, both of this snapshot, for the time at which they were nearest: branch and bound over
+/// time, with the lengths of their paths as bounds on how fast their distance may change.
+///
+/// since_ns  the stretch begins there or where the paths do, whichever is later
+/// cost      that of some tens to thousands of distances between the two
+/// threads   any
+NearestApproach nearest_approach(const Snapshot& snapshot, ObjectId a, const PoseMemory::RememberedPath& path_of_a,
+                                 ObjectId b, const PoseMemory::RememberedPath& path_of_b, std::int64_t since_ns,
+                                 Deadline& deadline);
+
+}  // namespace collided::engine
