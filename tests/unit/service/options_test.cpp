@@ -100,6 +100,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"world.up", "y", [](const Options& o) { return o.up == 'y'; }},
       {"world.mend", "2mm", [](const Options& o) { return o.mend_m == 2e-3; }},
       {"world.solid", "part*", [](const Options& o) { return o.solid == "part*"; }},
+      {"world.solid_by", "winding", [](const Options& o) { return o.solid_by_winding; }},
       {"world.covers", "0,0,0:1,2,3", [](const Options& o) { return o.covers.size() == 1; }},
       {"world.max_objects", "11", [](const Options& o) { return o.max_objects == 11; }},
       {"world.max_contacts", "12", [](const Options& o) { return o.max_contacts == 12; }},
