@@ -13,7 +13,10 @@ constexpr std::size_t kMostInBlock = 16;
 
 void MoveLog::push_back(const Move& move) {
   if (blocks_.empty() || blocks_.back().size() == blocks_.back().capacity()) {
-    const std::size_t room = blocks_.empty() ? 1 : std::min(kMostInBlock, 2 * blocks_.back().size());
+    std::size_t room = blocks_.empty() ? 1 : std::min(kMostInBlock, 2 * blocks_.back().size());
+    // Objects that began together would all need their next block in one step: one of them is shorter, by where this lies.
+    if (!blocks_.empty() && 2 * blocks_.back().size() == kMostInBlock)
+      room -= reinterpret_cast<std::uintptr_t>(this) / sizeof *this % (kMostInBlock / 2);
     blocks_.emplace_back().reserve(room);
   }
   blocks_.back().push_back(move);
