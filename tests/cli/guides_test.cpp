@@ -54,7 +54,7 @@ TEST(Guides, ManualPagesShowTextAsItIs) {
   EXPECT_NE(page.find("\\&.first \\fBbold\\fR\n"), std::string::npos) << page;
 }
 
-// The last verb of a full line once ran into what follows it.
+// Also the last verb of a full line, and no line is wider than a terminal.
 TEST(Guides, HelpNamesEveryVerbAsAWordOfItsOwn) {
   std::istringstream help(collide("help").out);
   std::set<std::string> words;

@@ -8,7 +8,7 @@ set -euo pipefail
 build=$(readlink -f "${1:?build folder}")
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 systemd=/lib/systemd/systemd
-[[ -x $systemd ]] || { echo "no systemd here"; exit 77; }
+[[ -x $systemd ]] || { echo "skipped: no systemd here"; exit 77; }
 
 if [[ -z ${COLLIDED_BOOT:-} ]]; then
   scratch=$(mktemp -d /var/tmp/collided-systemd.XXXXXX)  # not /tmp: the new root has its own there
@@ -17,7 +17,7 @@ if [[ -z ${COLLIDED_BOOT:-} ]]; then
   unshare --mount --pid --fork --cgroup --uts --ipc --net sh -c "mount --make-rprivate / && mount -t tmpfs none '$scratch' &&
     mkdir '$scratch/up' '$scratch/work' '$scratch/root' '$scratch/cgroup' && mount -t cgroup2 cgroup2 '$scratch/cgroup' &&
     mount -t overlay overlay -o 'lowerdir=/,upperdir=$scratch/up,workdir=$scratch/work' '$scratch/root'" 2>/dev/null ||
-    { echo "no namespaces of one's own here"; exit 77; }
+    { echo "skipped: no namespaces of one's own here"; exit 77; }
   mkdir "$scratch/said"
   status=0
   COLLIDED_BOOT=$scratch timeout 110 unshare --mount --pid --fork --cgroup --uts --ipc --net --kill-child \

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -45,7 +46,10 @@ class ExplainCommand : public Command {
       throw bad_use("what is to be explained? a pair, and two names", "collide explain pair drone tower");
     nlohmann::json arguments{{"a", words_[1]}, {"b", words_[2]}};
     if (!last_.empty()) arguments["last_ns"] = parse_duration(last_).count();
-    if (!deadline_.empty()) arguments["deadline_ns"] = parse_duration(deadline_).count();
+    // The search ends before this side stops waiting for it.
+    constexpr std::chrono::seconds kPatience{10};
+    arguments["deadline_ns"] =
+        (deadline_.empty() ? timeout_of(globals, kPatience) * 9 / 10 : parse_duration(deadline_)).count();
     const nlohmann::json answer = ask(session, globals, arguments);
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) print_text(printer, answer);
@@ -128,6 +132,8 @@ class ExplainCommand : public Command {
     if (end == "touched") return printer.line(fmt::format("  nearest  they touched {}", when));
     if (end == "undecided") return printer.line(fmt::format("  nearest  undecided whether they touched {}", when));
     const Digits digits = printer.digits();
+    if (std::isinf(number_or_inf(nearest, "distance")))
+      return printer.line("  nearest  not looked at: the deadline was over");
     printer.line(fmt::format(
         "  nearest  {} {}",
         readable_length(number_or_inf(nearest, "distance"), number_or_inf(nearest, "error"), digits), when));

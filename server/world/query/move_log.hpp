@@ -16,8 +16,7 @@ struct Move {
 };
 
 /// The moves of one object, ordered by to_ns: added at the end, forgotten at the beginning. In blocks, so that growing
-/// copies nothing: with one array for each, a thousand objects that began to move together would all be copied in one
-/// step, and that step took a third of a second.
+/// copies nothing: of objects that began to move together, arrays would all outgrow their memory in the same step.
 class MoveLog {
  public:
   bool empty() const { return blocks_.empty(); }

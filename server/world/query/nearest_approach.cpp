@@ -70,6 +70,8 @@ struct ApproachInterval {
   bool is_looked_at = false;
 
   double middle_ns() const { return 0.5 * (part_from_ns + part_to_ns); }
+  /// The middle as an instant; a double of today's nanoseconds is off by up to 128 of them.
+  std::int64_t instant_ns() const { return std::clamp<std::int64_t>(std::llround(middle_ns()), from_ns, to_ns); }
   bool operator<(const ApproachInterval& other) const {
     return at_least_m > other.at_least_m;
   }  // the least comes first
@@ -131,6 +133,7 @@ class ApproachSearch {
   }
   /// A lower bound at little cost, from the bounds of the two in the middle.
   double by_bounds(const ApproachInterval& part) {
+    if (deadline_.is_over()) return 0;
     place(part);
     const Aabb& a = a_.object().placed.bounds;
     const Aabb& b = b_.object().placed.bounds;
@@ -172,7 +175,7 @@ class ApproachSearch {
     search_objects(a, b, touch, cost);
     const auto ends = [&](ApproachEnd how) {
       best_.end = how;
-      best_.time_ns = std::llround(part.middle_ns());
+      best_.time_ns = part.instant_ns();
       best_.distance_m = best_.error_m = best_.at_least_m = 0;
       return false;
     };
@@ -190,7 +193,7 @@ class ApproachSearch {
     if (apart.distance_m < best_.distance_m) {
       best_.distance_m = apart.distance_m;
       best_.error_m = error_m;
-      best_.time_ns = std::llround(part.middle_ns());
+      best_.time_ns = part.instant_ns();
     }
     waiting_.push(part);
     return true;

@@ -15,7 +15,7 @@ Move move_until(std::int64_t to_ns) {
   return {.from_ns = to_ns - 1, .to_ns = to_ns, .pose = {.position = {1e-9 * static_cast<double>(to_ns), 0, 0}}};
 }
 
-// One array a log, copied as it grew, stood a step still for a third of a second where a thousand objects had one each.
+// A step must not stand still where a thousand objects' logs grow in it.
 TEST(MoveLog, GrowingMovesNothing) {
   MoveLog log;
   log.push_back(move_until(1));
