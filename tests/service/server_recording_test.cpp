@@ -408,6 +408,22 @@ TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
   EXPECT_TRUE(has(file, "collided/reply_v2", 2));
 }
 
+// The pages that carry a recording to whoever asked are traffic too; a recorder that kept them would double each time.
+TEST_F(ServerRecording, ARecordingHoldsNoneOfThoseFetchedBefore) {
+  start();
+  const std::string file = path("again.mcap");
+  const auto fetched = [&] {
+    const Result<std::uint64_t> bytes = fetch_recording(here(), 30s, file);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    return bytes ? *bytes : 0;
+  };
+  const std::uint64_t first = fetched();
+  EXPECT_GT(first, 0U);
+  std::uint64_t last = first;
+  for (int i = 0; i < 6; ++i) last = fetched();
+  EXPECT_LT(last, 2 * first) << "first " << first << " bytes";
+}
+
 // What was written is handed out in pages for as long as it is kept and can be read; each refusal says what is allowed.
 TEST_F(ServerRecording, PagesOfARecordingAreThoseOfItsFile) {
   start();

@@ -65,9 +65,10 @@ class Answering::Worker {
   void count_levels(QuestionKind kind);
   void count_answered(std::uint8_t kind, std::uint64_t undecided);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
-  void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
+  void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text,
+                  bool is_recorded = true);
   void command(const Ask& ask);
-  void send(Client& client);
+  void send(Client& client, bool is_recorded = true);
 
   Answering& owner_;
   dds::Sample<wire::Reply> reply_;
@@ -162,7 +163,7 @@ void Answering::Worker::command(const Ask& ask) {
 void Answering::Worker::work(TextReply text) {
   const std::shared_ptr<Client> client = owner_.clients_.find(text.client);
   if (client) {
-    write_text(*client, text.request, text.status, text.text);
+    write_text(*client, text.request, text.status, text.text, text.is_recorded);
   } else {
     ++owner_.with_.counts.unanswerable;
   }
@@ -303,7 +304,8 @@ void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecide
 }
 
 /// Writes a text in as many replies as it needs, at least one.
-void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {
+void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text,
+                                   bool is_recorded) {
   columns_.clear();
   columns_.lend(*reply_);
   const SnapshotRing::Lease lease = owner_.with_.world.newest();
@@ -323,12 +325,12 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
     text_.assign(part.begin(), part.end());
     dds::borrow(reply_->text, text_);
     reply_->chunk_index = static_cast<std::uint32_t>(chunk);
-    send(client);
+    send(client, is_recorded);
   }
 }
 
-void Answering::Worker::send(Client& client) {
-  if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
+void Answering::Worker::send(Client& client, bool is_recorded) {
+  if (owner_.options_.flight && is_recorded) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.with_.counts.unanswerable;
   } catch (const dds::DdsError&) { ++owner_.with_.counts.unanswerable; }
@@ -450,9 +452,10 @@ void Answering::take_more() {
   if (reader != 0) take(dds::Taker<wire::Query>(reader), nullptr);
 }
 
-void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text) {
+void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text,
+                          bool is_recorded) {
   if (status == ReplyStatus::refused) ++with_.counts.refused;
-  queue_.push_own(TextReply{client, request, status, std::move(text)});
+  queue_.push_own(TextReply{client, request, status, std::move(text), is_recorded});
 }
 
 void Answering::tick(std::vector<std::uint64_t> query_owners) {

@@ -86,7 +86,10 @@ class Answering {
   /// which waits for a state to be answered on; from then on none of them is refused for want of room. Any thread.
   void admit(AskPointer ask);
   /// Queues the text of a command's answer, which is written in as many replies as it needs. Any thread.
-  void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text);
+  ///
+  /// is_recorded  whether the flight recorder keeps the replies
+  void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text,
+                 bool is_recorded = true);
   /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
   /// forgets clients that are gone.
   ///
@@ -111,6 +114,7 @@ class Answering {
     std::uint64_t request = 0;
     wire_contract::ReplyStatus status = wire_contract::ReplyStatus::ok;
     std::string text;
+    bool is_recorded = true;
   };
   struct Resume {
     std::uint32_t place = 0;
