@@ -1,4 +1,6 @@
+#include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
@@ -9,7 +11,8 @@
 #include <cstdlib>
 
 // The time of day as somebody may set it: the system's, and as many nanoseconds more as stand in the file named by
-// COLLIDED_CLOCK_SHIFT. Steady clocks stay as they are.
+// COLLIDED_CLOCK_SHIFT. Steady clocks stay as they are. Who waits until a time of day (Cyclone DDS does) is woken when
+// that has come, although the kernel knows nothing of the shift.
 namespace {
 
 const volatile std::int64_t* shift() {
@@ -37,6 +40,15 @@ int clock_gettime(clockid_t clock, timespec* now) noexcept {
     now->tv_nsec = ns % kSecond;
   }
   return static_cast<int>(result);
+}
+
+int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, const timespec* until) {
+  using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, const timespec*);
+  static const auto wait = reinterpret_cast<Wait>(dlsym(RTLD_NEXT, "pthread_cond_timedwait"));
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t ns = until->tv_sec * kSecond + until->tv_nsec - *shift();
+  const timespec systems{ns / kSecond, ns % kSecond};
+  return wait(condition, mutex, &systems);
 }
 
 int gettimeofday(timeval* now, void*) noexcept {
