@@ -33,6 +33,13 @@ struct BoundedPlane {
   }
 };
 
+/// The double nearest the quotient, or one beside it.
+double quotient(const Dyadic& over, const Dyadic& under) {
+  const auto [fraction, power] = over.split();
+  const auto [divisor, divisor_power] = under.split();
+  return std::ldexp(fraction / divisor, static_cast<int>(std::clamp(power - divisor_power, -2000L, 2000L)));
+}
+
 }  // namespace
 
 Fragments::Fragments(const TriangleMesh& mesh, const Aabb& bounds)
@@ -64,6 +71,19 @@ Aabb Fragments::roughly(std::uint32_t fragment) const {
   return box;
 }
 
+Vec3 Fragments::ExactCorner::rounded() const {
+  return {quotient(x.x, weight), quotient(x.y, weight), quotient(x.z, weight)};
+}
+
+void Fragments::outline(std::uint32_t fragment, std::vector<Vec3>& corners) {
+  const FragmentRun piece = pieces_[fragment];
+  for (std::uint32_t i = 0; i < piece.count; ++i) {
+    const FragmentCorner& corner = corners_[piece.first + i];
+    const bool is_near = corner.vertex != kNone || corner.error_m <= 8 * kRoundoff * corner.at.cwiseAbs().maxCoeff();
+    corners.push_back(is_near ? corner.at : exact(piece, corner).rounded());
+  }
+}
+
 std::uint32_t Fragments::root_of(std::uint32_t triangle) {
   while (shared_[triangle] != triangle) triangle = shared_[triangle] = shared_[shared_[triangle]];
   return triangle;
@@ -75,13 +95,19 @@ std::uint32_t Fragments::plane_of(std::uint32_t triangle) {
   const std::uint32_t root = root_of(triangle);
   if (plane_number_[root] == kNone) {
     plane_number_[root] = static_cast<std::uint32_t>(planes_.size());
-    planes_.push_back(plane_of_triangle(mesh_, root, bounds_));
+    planes_.push_back({plane_of_triangle(mesh_, root, bounds_), &mesh_});
   }
   return plane_number_[root];
 }
 
 std::uint32_t Fragments::plane_across(int axis, double at) {
-  planes_.push_back(engine::plane_across(axis, at));
+  planes_.push_back({engine::plane_across(axis, at), &mesh_});
+  return static_cast<std::uint32_t>(planes_.size() - 1);
+}
+
+std::uint32_t Fragments::plane_of_other(const TriangleMesh& other, const SplitPlane& plane) {
+  // The filter's error is that for the pieces' own bounds.
+  planes_.push_back({plane.is_across() ? plane : plane_of_triangle(other, plane.triangle, bounds_), &other});
   return static_cast<std::uint32_t>(planes_.size() - 1);
 }
 
@@ -99,8 +125,9 @@ int Fragments::quick_side(const FragmentCorner& corner, const SplitPlane& plane)
 
 bool Fragments::is_in_plane(const FragmentCorner& corner, std::uint32_t plane) const {
   if (corner.cut == plane || (corner.vertex == kNone && corner.border.plane == plane)) return true;
-  const SplitPlane& given = planes_[plane];
+  const SplitPlane& given = planes_[plane].split;
   if (given.is_across()) return corner.vertex != kNone && mesh_.vertices[corner.vertex][given.axis()] == given.offset;
+  if (planes_[plane].of != &mesh_) return false;
   const TriangleCorners& own = mesh_.triangles[given.triangle];
   const auto has = [&](std::uint32_t vertex) { return own[0] == vertex || own[1] == vertex || own[2] == vertex; };
   if (corner.vertex != kNone) return has(corner.vertex);
@@ -109,7 +136,7 @@ bool Fragments::is_in_plane(const FragmentCorner& corner, std::uint32_t plane) c
 
 Fragments::ExactCorner Fragments::exact(const FragmentRun& piece, const FragmentCorner& corner) {
   if (corner.vertex != kNone) return {Vector<Dyadic>(mesh_.vertices[corner.vertex]), 1.0};
-  const ExactPlane cut(mesh_, planes_[corner.cut]);
+  const ExactPlane cut = planes_[corner.cut].exact();
   if (corner.border.u != kNone) {
     const Vec3& u = mesh_.vertices[corner.border.u];
     const Vec3& v = mesh_.vertices[corner.border.v];
@@ -117,8 +144,8 @@ Fragments::ExactCorner Fragments::exact(const FragmentRun& piece, const Fragment
     const Dyadic height_v = cut.height(v);
     return {height_u * Vector<Dyadic>(v) - height_v * Vector<Dyadic>(u), height_u - height_v};
   }
-  const ExactPlane own(mesh_, planes_[plane_of(piece.triangle)]);
-  const ExactPlane border(mesh_, planes_[corner.border.plane]);
+  const ExactPlane own = planes_[plane_of(piece.triangle)].exact();
+  const ExactPlane border = planes_[corner.border.plane].exact();
   // Cramer's rule for the point of three planes.
   const Vector<Dyadic> across = cross(border.normal, cut.normal);
   return {own.offset * across + border.offset * cross(cut.normal, own.normal) +
@@ -128,15 +155,15 @@ Fragments::ExactCorner Fragments::exact(const FragmentRun& piece, const Fragment
 
 int Fragments::side(const FragmentRun& piece, const FragmentCorner& corner, std::uint32_t plane) {
   if (is_in_plane(corner, plane)) return 0;
-  const SplitPlane& given = planes_[plane];
+  const SplitPlane& given = planes_[plane].split;
   const int quick = quick_side(corner, given);
   if (quick != 0) return quick;
   if (corner.vertex != kNone && !given.is_across()) {
-    const Triangle t = mesh_.triangle(given.triangle);
+    const Triangle t = planes_[plane].of->triangle(given.triangle);
     if (const auto known = orientation(t.a, t.b, t.c, mesh_.vertices[corner.vertex])) return *known;
   }
   const ExactCorner at = exact(piece, corner);
-  const ExactPlane against(mesh_, planes_[plane]);
+  const ExactPlane against = planes_[plane].exact();
   const int sign = (dot(against.normal, at.x) - against.offset * at.weight).sign();
   return at.weight.sign() < 0 ? -sign : sign;
 }
@@ -158,7 +185,7 @@ Fragments::FragmentSides Fragments::sides(std::uint32_t fragment, std::uint32_t 
 Fragments::FragmentSides Fragments::rough_sides(std::uint32_t fragment, std::uint32_t plane) const {
   FragmentSides found;
   for (const FragmentCorner& corner : corners_of(pieces_[fragment])) {
-    const int at = is_in_plane(corner, plane) ? 0 : quick_side(corner, planes_[plane]);
+    const int at = is_in_plane(corner, plane) ? 0 : quick_side(corner, planes_[plane].split);
     found.front = found.front || at > 0;
     found.back = found.back || at < 0;
   }
@@ -168,7 +195,8 @@ Fragments::FragmentSides Fragments::rough_sides(std::uint32_t fragment, std::uin
 /// Gives the corner its numbers in double, from its definition and not from other rounded corners, so that errors do
 /// not add up from cut to cut.
 void Fragments::locate(const FragmentRun& piece, FragmentCorner& corner) {
-  const BoundedPlane cut(mesh_, planes_[corner.cut]);
+  const auto bounded = [&](std::uint32_t plane) { return BoundedPlane(*planes_[plane].of, planes_[plane].split); };
+  const BoundedPlane cut = bounded(corner.cut);
   BoundedPoint x;
   Bounded weight;
   if (corner.border.u != kNone) {
@@ -179,8 +207,8 @@ void Fragments::locate(const FragmentRun& piece, FragmentCorner& corner) {
     x = height_u * v - height_v * u;
     weight = height_u - height_v;
   } else {
-    const BoundedPlane own(mesh_, planes_[plane_of(piece.triangle)]);
-    const BoundedPlane border(mesh_, planes_[corner.border.plane]);
+    const BoundedPlane own = bounded(plane_of(piece.triangle));
+    const BoundedPlane border = bounded(corner.border.plane);
     const BoundedPoint across = cross(border.normal, cut.normal);
     x = own.offset * across + border.offset * cross(cut.normal, own.normal) +
         cut.offset * cross(own.normal, border.normal);

@@ -26,12 +26,16 @@ class Fragments {
   std::size_t count() const { return pieces_.size(); }
   /// Bounds of the piece, not exact: for choosing planes.
   Aabb roughly(std::uint32_t fragment) const;
+  /// Adds the corners of the piece in their order, rounded.
+  void outline(std::uint32_t fragment, std::vector<Vec3>& corners);
 
   /// Numbers of planes, for the calls below. Triangles that are neighbours in one plane, facing the same way, share its
   /// number.
   std::uint32_t plane_of(std::uint32_t triangle);
   std::uint32_t plane_across(int axis, double at);
-  const SplitPlane& plane(std::uint32_t number) const { return planes_[number]; }
+  /// A plane of a triangle of another mesh, or across an axis, as such a mesh's tree has it.
+  std::uint32_t plane_of_other(const TriangleMesh& other, const SplitPlane& plane);
+  const SplitPlane& plane(std::uint32_t number) const { return planes_[number].split; }
   /// Says that two triangles have the same plane and face the same way; to be said before any plane_of().
   void share_plane(std::uint32_t triangle, std::uint32_t with);
 
@@ -74,6 +78,16 @@ class Fragments {
   struct ExactCorner {
     kernel::Vector<Dyadic> x;
     Dyadic weight;
+
+    Vec3 rounded() const;
+  };
+
+  /// A plane and the mesh whose triangle it names.
+  struct NumberedPlane {
+    SplitPlane split;
+    const TriangleMesh* of;
+
+    ExactPlane exact() const { return {*of, split}; }
   };
 
   std::span<const FragmentCorner> corners_of(const FragmentRun& piece) const {
@@ -93,7 +107,7 @@ class Fragments {
   Aabb bounds_;
   std::vector<FragmentCorner> corners_;
   std::vector<FragmentRun> pieces_;
-  std::vector<SplitPlane> planes_;
+  std::vector<NumberedPlane> planes_;
   std::vector<std::uint32_t> shared_;        // by triangle: another one of its plane, or itself
   std::vector<std::uint32_t> plane_number_;  // by triangle
   std::vector<std::int8_t> side_of_corner_;  // of the piece that sides() saw last

@@ -26,6 +26,7 @@ struct SolidTreeReport {
 struct SolidTreeOptions {
   std::function<bool()> cancelled{};       // called now and then; true ends the build with nothing
   double most_fragments_per_triangle = 8;  // more end the build with nothing: the tree would be large and slow
+  bool keeps_faces = false;                // for show_front_to_back(); some 100 bytes more a fragment
 };
 
 /// A binary space partition of a closed mesh whose leaves are wholly inside or wholly outside. Splits first across the
@@ -56,6 +57,8 @@ class SolidTree {
  private:
   friend class SolidTreeBuild;
   friend class SolidSegment;
+  friend class SolidPolytope;
+  friend class FaceOrder;
   static constexpr std::uint32_t kOut = 0xffffffff;
   static constexpr std::uint32_t kIn = 0xfffffffe;
 
@@ -65,11 +68,22 @@ class SolidTree {
     std::uint32_t back = kOut;
   };
 
+  /// A piece of a triangle in the plane of a node; its corners are outlines_[first, first + count).
+  struct KeptFace {
+    std::uint32_t triangle = 0;
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
+
   int side_of(const SplitNode& node, const Vec3& point) const;
 
   std::shared_ptr<const TriangleMesh> mesh_;
   Aabb bounds_;
   std::vector<SplitNode> nodes_;
+  // Where faces are kept: those in the plane of node i are faces_[first_face_[i], first_face_[i + 1]).
+  std::vector<std::uint32_t> first_face_;
+  std::vector<KeptFace> faces_;
+  std::vector<Vec3> outlines_;
   SolidTreeReport report_;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "server/exact_phase/solid/fragments.hpp"
 #include "server/exact_phase/solid/point_signs.hpp"
@@ -84,8 +85,9 @@ class SolidTreeBuild {
   Across best_across(const SolidCell& cell);
   void try_across(const SolidCell& cell, int axis, double at, Across& best) const;
   std::uint32_t best_along(const SolidCell& cell);
-  /// Deals the cell's pieces out to the halves of a plane; those in the plane go nowhere.
+  /// Deals the cell's pieces out to the halves of a node's plane; those in the plane are the node's.
   void deal(const SolidCell& cell, std::uint32_t plane, SolidCell& front, SolidCell& back);
+  void keep_faces();
   std::uint32_t put(const SolidCell& cell, std::uint32_t plane);
   void link(const SolidCell& cell, std::uint32_t child);
   bool is_over() const {
@@ -101,9 +103,14 @@ class SolidTreeBuild {
   SolidTree tree_;
   Fragments pieces_;
   std::vector<SolidCell> cells_;
-  std::uint64_t live_ = 0;           // pieces that were not cut into others
-  std::vector<Aabb> boxes_;          // of the pieces of the cell that is being divided
-  std::vector<double> coordinates_;  // the same along one axis
+  struct PieceInPlane {
+    std::uint32_t node;
+    std::uint32_t piece;
+  };
+  std::vector<PieceInPlane> in_planes_;  // where faces are kept
+  std::uint64_t live_ = 0;               // pieces that were not cut into others
+  std::vector<Aabb> boxes_;              // of the pieces of the cell that is being divided
+  std::vector<double> coordinates_;      // the same along one axis
 };
 
 /// Neighbours in one plane that face the same way share it, so that flat faces are split once.
@@ -153,7 +160,24 @@ void SolidTreeBuild::deal(const SolidCell& cell, std::uint32_t plane, SolidCell&
       front.pieces.push_back(piece);
     } else if (sides.back) {
       back.pieces.push_back(piece);
+    } else if (options_.keeps_faces) {
+      in_planes_.push_back({front.parent, piece});
     }
+  }
+}
+
+/// Sorts the pieces by the node in whose plane they lie.
+void SolidTreeBuild::keep_faces() {
+  tree_.first_face_.assign(tree_.nodes_.size() + 1, 0);
+  for (const PieceInPlane& piece : in_planes_) ++tree_.first_face_[piece.node + 1];
+  std::partial_sum(tree_.first_face_.begin(), tree_.first_face_.end(), tree_.first_face_.begin());
+  std::stable_sort(in_planes_.begin(), in_planes_.end(),
+                   [](const PieceInPlane& a, const PieceInPlane& b) { return a.node < b.node; });
+  for (const PieceInPlane& piece : in_planes_) {
+    const auto first = static_cast<std::uint32_t>(tree_.outlines_.size());
+    pieces_.outline(piece.piece, tree_.outlines_);
+    tree_.faces_.push_back(
+        {pieces_.triangle_of(piece.piece), first, static_cast<std::uint32_t>(tree_.outlines_.size()) - first});
   }
 }
 
@@ -284,9 +308,12 @@ bool SolidTreeBuild::run() {
     if (is_over() || !divide(std::move(cell))) return false;
   }
   tree_.nodes_.shrink_to_fit();
+  if (options_.keeps_faces) keep_faces();
   tree_.report_.nodes = static_cast<std::uint32_t>(tree_.nodes_.size());
   tree_.report_.fragments = live_;
-  tree_.report_.bytes = tree_.nodes_.size() * sizeof(SolidTree::SplitNode);
+  tree_.report_.bytes = tree_.nodes_.size() * sizeof(SolidTree::SplitNode) +
+                        tree_.first_face_.size() * sizeof(std::uint32_t) +
+                        tree_.faces_.size() * sizeof(SolidTree::KeptFace) + tree_.outlines_.size() * sizeof(Vec3);
   tree_.report_.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return true;
 }

@@ -1,14 +1,20 @@
 // Whether a closed mesh holds a point, as a whole answer to `inside` and by the test alone, one thread; beside CGAL.
-// Points anywhere in the mesh's bounds, and on its corners, edges and faces, where only exact tests agree.
+// Points anywhere in the mesh's bounds, and on its corners, edges and faces, where only exact tests agree. And what else a
+// solid's tree tells: segments, convex bodies, the order of its faces from an eye.
 
 #include <cstdlib>
+#include <functional>
 #include <random>
 
+#include "server/exact_phase/solid/face_order.hpp"
+#include "server/exact_phase/solid/solid_polytope.hpp"
+#include "server/exact_phase/solid/solid_segment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/solids/solid.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/scenes/meshes.hpp"
 #include "tests/scenes/planted.hpp"
 #include "tests/studies/bench/peers/solid_peers.hpp"
 #include "tests/studies/bench/rows.hpp"
@@ -39,6 +45,14 @@ class SolidWorld {
   std::size_t ask(const std::vector<double>& numbers, HitMode mode) {
     answer(*lease_, {.kind = QuestionKind::inside, .mode = mode, .numbers = numbers}, answers_, scratch_);
     return answers_.hits.size();
+  }
+  /// With its faces; the one that answers keeps none.
+  SolidTree tree_with_faces() const {
+    const auto is_inside = [&](const Vec3& point) {
+      WalkCost cost;
+      return side_by_ray(*solid_->surface, point, cost).side == SolidSide::in;
+    };
+    return *SolidTree::build(solid_->surface->mesh, is_inside, {.cancelled = {}, .keeps_faces = true});
   }
   std::string structure() const { return solid_->tree ? "by its BSP" : "by a ray"; }
 
@@ -102,6 +116,37 @@ void solid(const Options& options, int levels, bool on_surface, std::mt19937_64&
   measure(options, {scene, mesh.triangles.size(), work, count, ours.structure()}, methods);
 }
 
+/// What the tree tells of more than points, in exact numbers.
+void tree(const Options& options, int levels, std::mt19937_64& random) {
+  const std::string scene = "stone " + std::to_string(levels);
+  if (!options.wants(scene, "tree")) return;
+  const TriangleMesh mesh = scenes::rough_sphere(levels, random);
+  const SolidTree with_faces = SolidWorld(mesh).tree_with_faces();
+  const std::size_t count = options.quick ? 40 : 400;
+  const std::vector<Vec3> points = points_in_bounds(2 * count, random);
+  const auto whole = [&](const char* work, std::size_t items, const std::function<void()>& run) {
+    std::vector<Method> methods{{.name = "collided", .run = run}};
+    measure(options, {scene, mesh.triangles.size(), work, items, "by its BSP"}, methods);
+  };
+  whole("tree, segments", count, [&] {
+    for (std::size_t i = 0; i < count; ++i) segment_parts(with_faces, points[2 * i], points[2 * i + 1]);
+  });
+  for (const double half_m : {0.02, 0.2}) {
+    const std::string work = "tree, boxes of " + std::to_string(half_m).substr(0, 4) + " m";
+    whole(work.c_str(), count, [&] {
+      for (std::size_t i = 0; i < count; ++i) polytope_side(with_faces, scenes::box(Vec3::Constant(half_m), points[i]));
+    });
+  }
+  whole("tree, all faces from an eye", with_faces.report().fragments, [&] {
+    std::uint64_t corners = 0;
+    show_front_to_back(with_faces, points[0], [&](const SolidFace& face) {
+      corners += face.outline.size();
+      return true;
+    });
+    if (corners == 0) std::abort();
+  });
+}
+
 }  // namespace
 }  // namespace collided::bench
 
@@ -113,4 +158,5 @@ int main(int argc, char** argv) {
     bench::solid(options, levels, false, random);
     bench::solid(options, levels, true, random);
   }
+  for (const int levels : {3, 5}) bench::tree(options, levels, random);
 }

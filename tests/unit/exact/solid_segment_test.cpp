@@ -7,24 +7,12 @@
 #include <random>
 
 #include "tests/oracle/seed.hpp"
-#include "tests/oracle/solid_oracle.hpp"
+#include "tests/oracle/tree_and_truth.hpp"
 #include "tests/scenes/meshes.hpp"
 #include "tests/scenes/planted.hpp"
 
 namespace collided::engine {
 namespace {
-
-/// A mesh with its tree, whose empty cells rationals decide.
-struct TreeAndTruth {
-  explicit TreeAndTruth(const TriangleMesh& mesh) : shared(std::make_shared<const TriangleMesh>(mesh)), oracle(mesh) {
-    std::mt19937_64 random(1);
-    tree = SolidTree::build(
-        shared, [&](const Vec3& p) { return oracle.side(oracle::rational(p), random) == SolidSide::in; }, {});
-  }
-  std::shared_ptr<const TriangleMesh> shared;
-  oracle::SolidOracle oracle;
-  std::optional<SolidTree> tree;
-};
 
 std::string told(const std::vector<SegmentPart>& parts) {
   std::string text;
@@ -36,7 +24,7 @@ std::string told(const std::vector<SegmentPart>& parts) {
 }
 
 TEST(ExactSolidSegment, PassesABoxInThreeParts) {
-  const TreeAndTruth box(scenes::box({1, 1, 1}));
+  const oracle::TreeAndTruth box(scenes::box({1, 1, 1}));
   const auto parts = segment_parts(*box.tree, {-2, 0.25, 0.5}, {2, 0.25, 0.5});
   ASSERT_EQ(told(parts), "out in out");
   EXPECT_NEAR(parts[1].from.low, 0.25, 1e-15);
@@ -49,7 +37,7 @@ TEST(ExactSolidSegment, PassesABoxInThreeParts) {
 }
 
 TEST(ExactSolidSegment, TouchesAtCornersAlongEdgesAndInFaces) {
-  const TreeAndTruth box(scenes::box({1, 1, 1}));
+  const oracle::TreeAndTruth box(scenes::box({1, 1, 1}));
   const auto of = [&](const Vec3& a, const Vec3& b) { return told(segment_parts(*box.tree, a, b)); };
   EXPECT_EQ(of({-2, 1, 1}, {2, 1, 1}), "out on out") << "along an edge";
   EXPECT_EQ(of({-2, 0.3, 1}, {2, 0.3, 1}), "out on out") << "in a face";
@@ -64,17 +52,6 @@ TEST(ExactSolidSegment, TouchesAtCornersAlongEdgesAndInFaces) {
   EXPECT_EQ(of({0, 0, 1}, {0.5, 0.25, 1}), "on");
 }
 
-mpq_class height(const Triangle& t, const oracle::RationalPoint& p) {
-  const auto a = oracle::rational(t.a), b = oracle::rational(t.b), c = oracle::rational(t.c);
-  oracle::RationalPoint u, v, w;
-  for (int i = 0; i < 3; ++i) {
-    u[i] = b[i] - a[i];
-    v[i] = c[i] - a[i];
-    w[i] = p[i] - a[i];
-  }
-  return w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) + w[2] * (u[0] * v[1] - u[1] * v[0]);
-}
-
 struct TruePart {
   SolidSide side;
   mpq_class from;
@@ -82,7 +59,8 @@ struct TruePart {
 };
 
 /// The parts from the crossings with every triangle's plane, each point and each piece between two asked for in rationals.
-std::vector<TruePart> true_parts(const TreeAndTruth& solid, const Vec3& a, const Vec3& b, std::mt19937_64& random) {
+std::vector<TruePart> true_parts(const oracle::TreeAndTruth& solid, const Vec3& a, const Vec3& b,
+                                 std::mt19937_64& random) {
   const auto start = oracle::rational(a), stop = oracle::rational(b);
   const auto side_at = [&](const mpq_class& t) {
     oracle::RationalPoint p;
@@ -92,7 +70,7 @@ std::vector<TruePart> true_parts(const TreeAndTruth& solid, const Vec3& a, const
   std::vector<mpq_class> at{0, 1};
   for (std::uint32_t i = 0; i < solid.shared->triangles.size(); ++i) {
     const Triangle t = solid.shared->triangle(i);
-    const mpq_class high = height(t, start), low = height(t, stop);
+    const mpq_class high = oracle::height(t, start), low = oracle::height(t, stop);
     if (high == low) continue;
     const mpq_class crossing = high / (high - low);
     if (crossing > 0 && crossing < 1) at.push_back(crossing);
@@ -119,24 +97,15 @@ std::vector<TruePart> true_parts(const TreeAndTruth& solid, const Vec3& a, const
   return parts;
 }
 
-TriangleMesh with_cavity() {
-  TriangleMesh mesh = scenes::box({1, 1, 1});
-  TriangleMesh cavity = scenes::box({0.25, 0.5, 0.25});
-  for (TriangleCorners& corners : cavity.triangles) std::swap(corners[1], corners[2]);
-  scenes::append(mesh, cavity);
-  scenes::append(mesh, scenes::box({1, 1, 1}, {2, 2, 0}));  // meets the first along an edge
-  return mesh;
-}
-
 TEST(ExactSolidSegment, PartsAreThoseOfRationals) {
   std::mt19937_64 random = oracle::seeded(65);
   const char* asked = std::getenv("COLLIDED_SOLID_SEGMENTS");
-  const int count = asked != nullptr ? std::atoi(asked) : 150;
+  const int count = asked != nullptr ? std::atoi(asked) : 60;
   std::uniform_real_distribution<double> any(-2, 2);
   std::map<std::string, int> kinds;
-  for (const TriangleMesh& mesh : {scenes::box({1, 1, 1}), with_cavity(), scenes::icosphere(1, 1),
+  for (const TriangleMesh& mesh : {scenes::box({1, 1, 1}), oracle::with_cavity(), scenes::icosphere(1, 1),
                                    scenes::rough_sphere(1, random), scenes::icosphere(1, 1e-200)}) {
-    const TreeAndTruth solid(mesh);
+    const oracle::TreeAndTruth solid(mesh);
     ASSERT_TRUE(solid.tree);
     double reach = 0;
     for (const Vec3& vertex : mesh.vertices) reach = std::max(reach, vertex.cwiseAbs().maxCoeff());

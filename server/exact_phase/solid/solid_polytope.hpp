@@ -1,0 +1,19 @@
+#pragma once
+
+#include "server/exact_phase/solid/solid_tree.hpp"
+
+namespace collided::engine {
+
+/// How a convex body stands to a solid. in: no point of it is outside; out: no inner point of it is inside; touching the
+/// surface changes neither. crosses: it has inner points of both kinds.
+enum class PolytopeSide : std::uint8_t { in, out, crosses };
+
+/// Where a convex polytope is, exactly, however near to the solid's surface: its faces are cut by the tree's planes.
+///
+/// polytope  in the solid's frame: closed and convex, its triangles facing outward and each with an area
+/// cost      some microseconds for each piece of a face that a plane of the tree cuts; one look at each triangle of the solid
+///           where no face meets its surface; allocates
+/// source    Naylor, Amanatides, Thibault, "Merging BSP trees yields polyhedral set operations", SIGGRAPH 1990
+PolytopeSide polytope_side(const SolidTree& tree, const TriangleMesh& polytope);
+
+}  // namespace collided::engine
