@@ -16,23 +16,6 @@ using BoundedPoint = Vector<Bounded>;
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-/// The plane's coefficients with the bounds of their rounding.
-struct BoundedPlane {
-  BoundedPoint normal;
-  Bounded offset;
-
-  BoundedPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
-    if (plane.is_across()) {
-      normal = BoundedPoint(plane.normal);
-      offset = plane.offset;
-      return;
-    }
-    const Triangle t = mesh.triangle(plane.triangle);
-    normal = cross(BoundedPoint(t.b) - BoundedPoint(t.a), BoundedPoint(t.c) - BoundedPoint(t.a));
-    offset = dot(normal, BoundedPoint(t.a));
-  }
-};
-
 /// The double nearest the quotient, or one beside it.
 double quotient(const Dyadic& over, const Dyadic& under) {
   const auto [fraction, power] = over.split();
@@ -111,18 +94,6 @@ std::uint32_t Fragments::plane_of_other(const TriangleMesh& other, const SplitPl
   return static_cast<std::uint32_t>(planes_.size() - 1);
 }
 
-int Fragments::quick_side(const FragmentCorner& corner, const SplitPlane& plane) const {
-  if (plane.is_across()) {
-    const double height_m = corner.at[plane.axis()] - plane.offset;
-    return height_m > corner.error_m ? 1 : height_m < -corner.error_m ? -1 : 0;
-  }
-  const double height = plane.normal.dot(corner.at) - plane.offset;
-  // The plane's error is for points of the box, where the true corner is; `at` may lie beside it by its own error.
-  const double off = (plane.normal.lpNorm<1>() + 2 * plane.normal_error) * corner.error_m;
-  const double bound = (plane.error + off) * (1 + kBoundSlack);
-  return height > bound ? 1 : height < -bound ? -1 : 0;
-}
-
 bool Fragments::is_in_plane(const FragmentCorner& corner, std::uint32_t plane) const {
   if (corner.cut == plane || (corner.vertex == kNone && corner.border.plane == plane)) return true;
   const SplitPlane& given = planes_[plane].split;
@@ -156,7 +127,7 @@ Fragments::ExactCorner Fragments::exact(const FragmentRun& piece, const Fragment
 int Fragments::side(const FragmentRun& piece, const FragmentCorner& corner, std::uint32_t plane) {
   if (is_in_plane(corner, plane)) return 0;
   const SplitPlane& given = planes_[plane].split;
-  const int quick = quick_side(corner, given);
+  const int quick = given.quick_side(corner.at, corner.error_m);
   if (quick != 0) return quick;
   if (corner.vertex != kNone && !given.is_across()) {
     const Triangle t = planes_[plane].of->triangle(given.triangle);
@@ -185,7 +156,7 @@ Fragments::FragmentSides Fragments::sides(std::uint32_t fragment, std::uint32_t 
 Fragments::FragmentSides Fragments::rough_sides(std::uint32_t fragment, std::uint32_t plane) const {
   FragmentSides found;
   for (const FragmentCorner& corner : corners_of(pieces_[fragment])) {
-    const int at = is_in_plane(corner, plane) ? 0 : quick_side(corner, planes_[plane].split);
+    const int at = is_in_plane(corner, plane) ? 0 : planes_[plane].split.quick_side(corner.at, corner.error_m);
     found.front = found.front || at > 0;
     found.back = found.back || at < 0;
   }

@@ -94,7 +94,6 @@ class Fragments {
     return std::span(corners_).subspan(piece.first, piece.count);
   }
   std::uint32_t root_of(std::uint32_t triangle);
-  int quick_side(const FragmentCorner& corner, const SplitPlane& plane) const;
   /// 0 where the plane is known to hold the corner without arithmetic.
   bool is_in_plane(const FragmentCorner& corner, std::uint32_t plane) const;
   int side(const FragmentRun& piece, const FragmentCorner& corner, std::uint32_t plane);

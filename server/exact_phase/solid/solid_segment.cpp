@@ -1,7 +1,11 @@
 #include "server/exact_phase/solid/solid_segment.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+
+#include "server/exact_phase/solid/point_signs.hpp"
 
 namespace collided::engine {
 namespace {
@@ -30,53 +34,112 @@ ExactShare share_of(const Dyadic& over, const Dyadic& under) {
 
 int compare(const ExactShare& a, const ExactShare& b) { return (a.over * b.under - b.over * a.under).sign(); }
 
-struct Span {
-  SolidSide side;
-  ExactShare from;
-  ExactShare to;
-};
-
 }  // namespace
 
-/// One segment's way through a tree.
+/// One segment's way through a tree. Points of the way are known by the plane in which they lie: doubles with their bound
+/// decide nearly all there is to ask of them, and exact numbers are made for the rest alone.
 class SolidSegment {
  public:
-  SolidSegment(const SolidTree& tree, const Vec3& a, const Vec3& b) : tree_(tree), a_(a), b_(b) {}
+  SolidSegment(const SolidTree& tree, const Vec3& a, const Vec3& b);
 
   std::vector<SegmentPart> parts() const;
 
  private:
-  /// Heights of both ends over a plane, of which only the signs and the quotient matter.
-  struct Heights {
-    Dyadic a;
-    Dyadic b;
-    /// At a share of the way; its sign alone.
-    int sign_at(const ExactShare& t) const { return (a * t.under + t.over * (b - a)).sign(); }
+  /// Where the way meets a plane; where that is null, one of its ends.
+  struct WayPoint {
+    const SplitPlane* plane = nullptr;
+    Bounded share;  // of the way
+    Vec3 at = Vec3::Zero();
+    double error_m = 0;  // of each coordinate
   };
-  Heights heights(const SolidTree::SplitNode& node) const {
-    const ExactPlane plane(*tree_.mesh_, node.plane);
-    return {plane.height(a_), plane.height(b_)};
-  }
-  /// Where the way runs within the closed bounds of the mesh; false: nowhere.
-  bool clip(ExactShare& from, ExactShare& to) const;
-  SolidSide side_at(std::uint32_t at, const ExactShare& t) const;
-  void walk(std::uint32_t at, const ExactShare& from, const ExactShare& to, std::vector<Span>& spans) const;
+  struct Span {
+    SolidSide side;
+    WayPoint from;
+    WayPoint to;
+  };
+
+  /// A plane that parts the way, on whose two sides its ends lie.
+  WayPoint meeting(const SplitPlane& plane) const;
+  ExactShare exact(const WayPoint& point) const;
+  ParameterBracket bracket(const WayPoint& point) const;
+  int compare(const WayPoint& a, const WayPoint& b) const;
+  /// On which side of the plane the point is; it must lie in the mesh's bounds.
+  int side_of(const SplitPlane& plane, const WayPoint& point) const;
+  bool clip(WayPoint& from, WayPoint& to) const;
+  SolidSide side_at(std::uint32_t at, const WayPoint& point) const;
+  void walk(std::uint32_t at, const WayPoint& from, const WayPoint& to, std::vector<Span>& spans) const;
+  void put_together(const std::vector<Span>& front, const std::vector<Span>& back, std::vector<Span>& spans) const;
 
   const SolidTree& tree_;
   Vec3 a_;
   Vec3 b_;
+  std::array<SplitPlane, 6> borders_;  // of the mesh's bounds: the low and the high one of each axis
 };
 
-namespace {
+SolidSegment::SolidSegment(const SolidTree& tree, const Vec3& a, const Vec3& b) : tree_(tree), a_(a), b_(b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    borders_[static_cast<std::size_t>(2 * axis)] = plane_across(axis, tree.bounds_.low[axis]);
+    borders_[static_cast<std::size_t>(2 * axis + 1)] = plane_across(axis, tree.bounds_.high[axis]);
+  }
+}
+
+SolidSegment::WayPoint SolidSegment::meeting(const SplitPlane& plane) const {
+  const BoundedPlane rough(*tree_.mesh_, plane);
+  const Bounded height = rough.height(a_);
+  WayPoint point{.plane = &plane, .share = height / (height - rough.height(b_)), .at = a_, .error_m = 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Bounded along = Bounded(a_[axis]) + point.share * (Bounded(b_[axis]) - Bounded(a_[axis]));
+    point.at[axis] = along.value;
+    point.error_m = greater_error(point.error_m, along.bound());
+  }
+  if (point.at.allFinite() && std::isfinite(point.error_m)) return point;
+  point.at.setZero();
+  point.error_m = std::numeric_limits<double>::infinity();
+  return point;
+}
+
+ExactShare SolidSegment::exact(const WayPoint& point) const {
+  if (point.plane == nullptr) return {point.share.value, 1.0};
+  const ExactPlane plane(*tree_.mesh_, *point.plane);
+  const Dyadic height = plane.height(a_);
+  return share_of(height, height - plane.height(b_));
+}
+
+ParameterBracket SolidSegment::bracket(const WayPoint& point) const {
+  const Bounded& share = point.share;
+  if (point.plane == nullptr) return {share.value, share.value};
+  const bool is_sharp = share.bound() <= 8 * kRoundoff * std::abs(share.value);
+  if (!is_sharp) return exact(point).bracket();
+  return {std::max(0.0, share.low()), std::min(1.0, share.high())};
+}
+
+int SolidSegment::compare(const WayPoint& a, const WayPoint& b) const {
+  if (a.plane == b.plane && a.share.value == b.share.value) return 0;
+  if (a.share.high() < b.share.low()) return -1;
+  if (a.share.low() > b.share.high()) return 1;
+  return engine::compare(exact(a), exact(b));
+}
+
+int SolidSegment::side_of(const SplitPlane& plane, const WayPoint& point) const {
+  if (point.plane == &plane) return 0;
+  if (const int quick = plane.quick_side(point.at, point.error_m)) return quick;
+  if (point.plane == nullptr && !plane.is_across())
+    return PlainPoint(point.at).height(tree_.mesh_->triangle(plane.triangle));
+  const ExactPlane given(*tree_.mesh_, plane);
+  const ExactShare share = exact(point);
+  const Dyadic height = given.height(a_);
+  return (height * share.under + share.over * (given.height(b_) - height)).sign();
+}
 
 /// Of a way that runs within a plane: what both halves say, on where they differ.
-void put_together(const std::vector<Span>& front, const std::vector<Span>& back, std::vector<Span>& spans) {
+void SolidSegment::put_together(const std::vector<Span>& front, const std::vector<Span>& back,
+                                std::vector<Span>& spans) const {
   std::size_t i = 0;
   std::size_t k = 0;
-  ExactShare from = front.front().from;
+  WayPoint from = front.front().from;
   while (i < front.size() && k < back.size()) {
     const int order = compare(front[i].to, back[k].to);
-    const ExactShare& to = order <= 0 ? front[i].to : back[k].to;
+    const WayPoint& to = order <= 0 ? front[i].to : back[k].to;
     spans.push_back({front[i].side == back[k].side ? front[i].side : SolidSide::on, from, to});
     from = to;
     if (order <= 0) ++i;
@@ -84,46 +147,51 @@ void put_together(const std::vector<Span>& front, const std::vector<Span>& back,
   }
 }
 
-}  // namespace
-
-bool SolidSegment::clip(ExactShare& from, ExactShare& to) const {
+/// Where the way runs within the closed bounds of the mesh; false: nowhere.
+bool SolidSegment::clip(WayPoint& from, WayPoint& to) const {
   for (int axis = 0; axis < 3; ++axis) {
-    const Dyadic length = Dyadic(b_[axis]) - Dyadic(a_[axis]);
-    const double ends[2] = {tree_.bounds_.low[axis], tree_.bounds_.high[axis]};
-    if (length.sign() == 0 && (a_[axis] < ends[0] || a_[axis] > ends[1])) return false;
-    if (length.sign() == 0) continue;
-    const ExactShare first = share_of(Dyadic(ends[length.sign() > 0 ? 0 : 1]) - Dyadic(a_[axis]), length);
-    const ExactShare last = share_of(Dyadic(ends[length.sign() > 0 ? 1 : 0]) - Dyadic(a_[axis]), length);
-    if (compare(first, from) > 0) from = first;
-    if (compare(last, to) < 0) to = last;
+    const double begin = a_[axis];
+    const double end = b_[axis];
+    const double low = tree_.bounds_.low[axis];
+    const double high = tree_.bounds_.high[axis];
+    if (std::max(begin, end) < low || std::min(begin, end) > high) return false;
+    const auto border = [&](bool is_high) -> const SplitPlane& {
+      return borders_[static_cast<std::size_t>(2 * axis + (is_high ? 1 : 0))];
+    };
+    if (begin < low || begin > high) {
+      const WayPoint first = meeting(border(begin > high));
+      if (compare(first, from) > 0) from = first;
+    }
+    if (end < low || end > high) {
+      const WayPoint last = meeting(border(end > high));
+      if (compare(last, to) < 0) to = last;
+    }
   }
   return compare(from, to) <= 0;
 }
 
-SolidSide SolidSegment::side_at(std::uint32_t at, const ExactShare& t) const {
+SolidSide SolidSegment::side_at(std::uint32_t at, const WayPoint& point) const {
   while (at < SolidTree::kIn) {
     const SolidTree::SplitNode& node = tree_.nodes_[at];
-    const int side = heights(node).sign_at(t);
+    const int side = side_of(node.plane, point);
     if (side == 0) {
-      const SolidSide front = side_at(node.front, t);
+      const SolidSide front = side_at(node.front, point);
       if (front == SolidSide::on) return front;
-      return side_at(node.back, t) == front ? front : SolidSide::on;
+      return side_at(node.back, point) == front ? front : SolidSide::on;
     }
     at = side > 0 ? node.front : node.back;
   }
   return at == SolidTree::kIn ? SolidSide::in : SolidSide::out;
 }
 
-void SolidSegment::walk(std::uint32_t at, const ExactShare& from, const ExactShare& to,
-                        std::vector<Span>& spans) const {
+void SolidSegment::walk(std::uint32_t at, const WayPoint& from, const WayPoint& to, std::vector<Span>& spans) const {
   if (at >= SolidTree::kIn) {
     spans.push_back({at == SolidTree::kIn ? SolidSide::in : SolidSide::out, from, to});
     return;
   }
   const SolidTree::SplitNode& node = tree_.nodes_[at];
-  const Heights over = heights(node);
-  const int begins = over.sign_at(from);
-  const int ends = over.sign_at(to);
+  const int begins = side_of(node.plane, from);
+  const int ends = side_of(node.plane, to);
   if (begins == 0 && ends == 0) {
     std::vector<Span> front;
     std::vector<Span> back;
@@ -134,16 +202,16 @@ void SolidSegment::walk(std::uint32_t at, const ExactShare& from, const ExactSha
   const bool begins_in_front = begins != 0 ? begins > 0 : ends > 0;
   const std::uint32_t first = begins_in_front ? node.front : node.back;
   if (begins * ends >= 0) return walk(first, from, to, spans);
-  const ExactShare crossing = share_of(over.a, over.a - over.b);
+  const WayPoint crossing = meeting(node.plane);
   walk(first, from, crossing, spans);
   walk(begins_in_front ? node.back : node.front, crossing, to, spans);
 }
 
 std::vector<SegmentPart> SolidSegment::parts() const {
-  const ExactShare begin{0.0, 1.0};
-  const ExactShare end{1.0, 1.0};
-  ExactShare from = begin;
-  ExactShare to = end;
+  const WayPoint begin{.plane = nullptr, .share = 0.0, .at = a_, .error_m = 0};
+  const WayPoint end{.plane = nullptr, .share = 1.0, .at = b_, .error_m = 0};
+  WayPoint from = begin;
+  WayPoint to = end;
   if (!clip(from, to)) return {{SolidSide::out, {0, 0}, {1, 1}}};
   if (a_ == b_) return {{side_at(0, begin), {0, 0}, {1, 1}}};
   std::vector<Span> spans;
@@ -151,12 +219,12 @@ std::vector<SegmentPart> SolidSegment::parts() const {
   if (compare(from, to) < 0) walk(0, from, to, spans);
   if (compare(to, end) < 0) spans.push_back({SolidSide::out, to, end});
   std::vector<SegmentPart> parts;
-  const auto put = [&](SolidSide side, const ExactShare& first, const ExactShare& last) {
-    parts.push_back({side, first.bracket(), last.bracket()});
+  const auto put = [&](SolidSide side, const WayPoint& first, const WayPoint& last) {
+    parts.push_back({side, bracket(first), bracket(last)});
   };
   // What lies between two spans is a point of its own: two that are out may meet at an edge that the segment touches.
   const auto point_between = [&](const Span* before, const Span* after) {
-    const ExactShare& t = after != nullptr ? after->from : before->to;
+    const WayPoint& t = after != nullptr ? after->from : before->to;
     const bool is_outside = compare(t, from) < 0 || compare(t, to) > 0;
     const SolidSide side = is_outside ? SolidSide::out : side_at(0, t);
     const bool is_alone = (before == nullptr || before->side != side) && (after == nullptr || after->side != side);
@@ -168,7 +236,7 @@ std::vector<SegmentPart> SolidSegment::parts() const {
     const Span* before = i == 0 ? nullptr : &spans[i - 1];
     const SolidSide between = point_between(before, &spans[i]);
     const bool goes_on = before != nullptr && before->side == spans[i].side && between == spans[i].side;
-    if (goes_on) parts.back().to = spans[i].to.bracket();
+    if (goes_on) parts.back().to = bracket(spans[i].to);
     else put(spans[i].side, spans[i].from, spans[i].to);
   }
   point_between(&spans.back(), nullptr);

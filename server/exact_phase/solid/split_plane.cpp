@@ -42,6 +42,29 @@ SplitPlane plane_across(int axis, double at) {
   return plane;
 }
 
+int SplitPlane::quick_side(const Vec3& at, double error_m) const {
+  if (is_across()) {
+    const double height_m = at[axis()] - offset;
+    return height_m > error_m ? 1 : height_m < -error_m ? -1 : 0;
+  }
+  const double height = normal.dot(at) - offset;
+  // The plane's error is for the true point; `at` may lie beside it by its own.
+  const double off = (normal.lpNorm<1>() + 2 * normal_error) * error_m;
+  const double bound = (error + off) * (1 + kBoundSlack);
+  return height > bound ? 1 : height < -bound ? -1 : 0;
+}
+
+BoundedPlane::BoundedPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
+  if (plane.is_across()) {
+    normal = Vector<Bounded>(plane.normal);
+    offset = plane.offset;
+    return;
+  }
+  const Triangle corners = mesh.triangle(plane.triangle);
+  normal = normal_of<Bounded>(corners);
+  offset = dot(normal, Vector<Bounded>(corners.a));
+}
+
 ExactPlane::ExactPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
   if (plane.is_across()) {
     normal = Vector<Dyadic>(plane.normal);

@@ -20,6 +20,10 @@ struct SplitPlane {
   double normal_error = 0;     // of the normal's coordinates, summed
   std::uint32_t triangle = 0;
 
+  /// Where a point is that is known to `error_m` for each coordinate, and truly in the box that the plane was made for: 1 in
+  /// front, -1 behind, 0 where double is not sure.
+  int quick_side(const Vec3& at, double error_m) const;
+
   bool is_across() const { return triangle >= kAcross; }
   int axis() const { return static_cast<int>(triangle - kAcross); }
 };
@@ -30,6 +34,15 @@ struct SplitPlane {
 SplitPlane plane_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Aabb& within);
 /// The plane of all points with this coordinate; its front is where the coordinate is greater.
 SplitPlane plane_across(int axis, double at);
+
+/// The plane's coefficients with the bounds of their rounding.
+struct BoundedPlane {
+  kernel::Vector<Bounded> normal;
+  Bounded offset;
+
+  BoundedPlane(const TriangleMesh& mesh, const SplitPlane& plane);
+  Bounded height(const Vec3& point) const { return dot(normal, kernel::Vector<Bounded>(point)) - offset; }
+};
 
 /// The plane's exact coefficients: normal . p - offset is 0 on it and greater on its front.
 struct ExactPlane {
