@@ -200,15 +200,21 @@ TEST_F(World, GetShowsTheObject) {
                     {"layers", 2},
                     {"pose", {1, 2, 0.2, 1, 0, 0, 0}},
                     {"bounds", {{0.8, 1.8, 0}, {1.2, 2.2, 0.4}}},
+                    {"solid", true},
                     {"contacts", {"shelf_3"}}};
   EXPECT_EQ(at_terminal("get crate").out,
             "crate  box  moving\n"
             "  pose      1 2 0.2 1 0 0 0\n"
             "  bounds    0.8 1.8 0  to  1.2 2.2 0.4\n"
+            "  solid     yes\n"
             "  layers    0x2\n"
             "  contacts  shelf_3\n");
   EXPECT_EQ(collide("get crate --json --fields name,bounds").out,
             "{\"name\":\"crate\",\"bounds\":[[0.8,1.8,0],[1.2,2.2,0.4]]}\n");
+  replies["get"]["solid"] = false;
+  replies["get"]["solid_by"] = "winding";
+  EXPECT_NE(at_terminal("get crate").out.find("  solid     by winding number\n"), std::string::npos);
+  EXPECT_EQ(collide("get crate --fields solid,solid_by").out, "false\twinding\n");
 }
 
 TEST_F(World, StatusNamesServerSceneAndPublishers) {

@@ -169,6 +169,14 @@ class Questions(WithServer):
             self.assertEqual(answers[0].hits[0].distance, 0.25)
             with self.assertRaises(collided.Refused):
                 self.client.add("py_open", collided.Mesh(corners, faces[1:]), (610, 0, 0), solid=True)
+            self.client.add("py_scan", collided.Mesh(corners, faces[1:]), (620, 0, 0), solid="winding")
+            scanned, beside = self.client.inside([[620.5, 0, 0], [622, 0, 0]])
+            self.assertEqual((scanned.verdict, beside.verdict), (Verdict.HIT, Verdict.MISS))
+            self.assertTrue(scanned.hits[0].inside and scanned.hits[0].by_winding)
+            self.assertFalse(answers[0].hits[0].by_winding)
+            with self.assertRaisesRegex(collided.BadInput, "solid is 'guess'; known are True, False and \"winding\""):
+                self.client.add("py_guess", collided.Mesh(corners, faces), solid="guess")
+            self.client.remove("py_scan")
         finally:
             self.client.remove("py_solid")
 

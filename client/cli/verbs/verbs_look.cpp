@@ -267,6 +267,9 @@ class GetCommand : public Command {
     }
     for (const nlohmann::json& part : object.value("shape", nlohmann::json::array())) line("shape", json_text(part));
     if (count_of(object, "triangles") > 0) line("triangles", format_count(count_of(object, "triangles")));
+    const bool is_by_winding = !text_of(object, "solid_by").empty();
+    if (object.contains("solid"))
+      line("solid", is_by_winding ? "by winding number" : flag_of(object, "solid") ? "yes" : "no");
     line("layers", fmt::format("{:#x}", count_of(object, "layers")));
     line("scene", printable(text_of(object, "scene")));
     line("publisher", printable(text_of(object, "publisher")));
@@ -278,9 +281,9 @@ class GetCommand : public Command {
   }
 
   static void print_record(Printer& printer, const nlohmann::json& object) {
-    static constexpr std::array<const char*, 16> kKeys{
-        "name",     "id",     "kind",  "moving",    "scene",  "publisher", "position", "pose",
-        "velocity", "bounds", "shape", "triangles", "layers", "age_ns",    "contacts", "attached_to"};
+    static constexpr std::array<const char*, 18> kKeys{
+        "name",   "id",    "kind",      "moving", "scene",  "publisher", "position",    "pose",  "velocity",
+        "bounds", "shape", "triangles", "layers", "age_ns", "contacts",  "attached_to", "solid", "solid_by"};
     Record record;
     for (const char* key : kKeys) {
       const bool given = object.contains(key) && !object[key].is_null();

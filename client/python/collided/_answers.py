@@ -46,6 +46,7 @@ class Hit:
     normal: tuple[float, float, float]
     inside: bool
     stale: bool
+    by_winding: bool = False  #: inside by the winding number of a mesh that does not close; see Client.add
 
 
 @dataclass(frozen=True)
@@ -276,6 +277,7 @@ class Answers(Owned):
             triple("normal"),
             bool(value("inside")),
             bool(value("stale")),
+            int(value("inside")) == 2,
         )
 
     def __bool__(self) -> bool:

@@ -26,7 +26,7 @@ from ._library import (
 )
 from ._numbers import Row, Rows
 from ._publisher import Publisher
-from ._shapes import Shape, encode_object
+from ._shapes import Shape, Solid, encode_object
 from ._watch import Watch
 
 _MODES = {"closest": 0, "any": 1, "all": 2}
@@ -349,13 +349,13 @@ class Client(Owned):
         mask: int = 0xFFFFFFFF,
         group: int = 0,
         moving: bool = True,
-        solid: bool = False,
+        solid: Solid = False,
     ) -> int:
         """Adds an object that stays until it is removed, even when this client has gone. Returns its number.
 
-        solid: its mesh is closed and holds what lies in it; refused with the reason where it does not close."""
-        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, "remove")
-        made.value.solid = 1 if solid else 0
+        solid: its mesh is closed and holds what lies in it; refused with the reason where it does not close. "winding": a
+        mesh that does not close is solid by its winding number."""
+        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, "remove", solid)
         number = ctypes.c_uint64()
         call("add", self._handle, ctypes.byref(made.value), ctypes.byref(number))
         return number.value

@@ -8,7 +8,7 @@ from typing import Sequence
 from . import _numbers
 from ._library import BadInput, Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._shapes import LOST_POLICIES, Shape, encode_object
+from ._shapes import LOST_POLICIES, Shape, Solid, encode_object
 
 
 class Publisher(Owned):
@@ -36,12 +36,12 @@ class Publisher(Owned):
         group: int = 0,
         moving: bool = True,
         lost: str = "remove",
-        solid: bool = False,
+        solid: Solid = False,
     ) -> int:
         """Defines an object and returns its handle. lost: "remove", "freeze" or "hold". solid: its mesh is closed and
-        holds what lies in it; wait_applied() tells where it is refused."""
-        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, lost)
-        made.value.solid = 1 if solid else 0
+        holds what lies in it; wait_applied() tells where it is refused. "winding": a mesh that does not close is solid by
+        its winding number."""
+        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, lost, solid)
         handle = ctypes.c_uint32()
         call("publisher_add", self._handle, ctypes.byref(made.value), ctypes.byref(handle))
         return handle.value

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, field
-from typing import Any, Sequence, Union
+from typing import Any, Literal, Sequence, Union
 
 from . import _numbers
 from ._library import BadInput, CObject, CPart, encoded, library
 from ._numbers import Row, Rows
+
+#: Whether a mesh holds what lies in it. True: refused where it does not close; "winding": then it is solid by its winding
+#: number.
+Solid = Union[bool, Literal["winding"]]
 
 _ORIGIN = (0.0, 0.0, 0.0)
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -189,11 +193,14 @@ def encode_object(
     group: int,
     moving: bool,
     lost: str,
+    solid: Solid,
 ) -> EncodedObject:
     """An object for the functions that add one."""
     parts: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
     if lost not in LOST_POLICIES:
         raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
+    if solid not in (True, False, "winding"):
+        raise BadInput(f'solid is {solid!r}; known are True, False and "winding"', "nothing was sent")
     for value, what in ((layers, "layers"), (mask, "mask"), (group, "group")):
         if not 0 <= value <= 0xFFFFFFFF:
             raise BadInput(f"{what} is {value}; allowed are 0 to 4294967295", "nothing was sent")
@@ -210,4 +217,5 @@ def encode_object(
     made.value.layers, made.value.mask, made.value.group = layers, mask, group
     made.value.moving = 1 if moving else 0
     made.value.lost_policy = LOST_POLICIES[lost]
+    made.value.solid = 2 if solid == "winding" else int(solid)
     return made

