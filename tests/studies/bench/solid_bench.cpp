@@ -9,6 +9,7 @@
 #include "server/exact_phase/solid/face_order.hpp"
 #include "server/exact_phase/solid/solid_polytope.hpp"
 #include "server/exact_phase/solid/solid_segment.hpp"
+#include "server/exact_phase/solid/winding_tree.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/solids/solid.hpp"
@@ -116,6 +117,31 @@ void solid(const Options& options, int levels, bool on_surface, std::mt19937_64&
   measure(options, {scene, mesh.triangles.size(), work, count, ours.structure()}, methods);
 }
 
+/// The same stone with a hole, so that only its winding number says what lies in it: the test alone, and making the tree.
+void winding(const Options& options, int levels, std::mt19937_64& random) {
+  const std::string scene = "stone " + std::to_string(levels) + " with a hole";
+  if (!options.wants(scene, "winding")) return;
+  TriangleMesh mesh = scenes::rough_sphere(levels, random);
+  mesh.triangles.pop_back();
+  const WindingTree tree(mesh);
+  const std::size_t count = options.quick ? 200 : 2'000;
+  const auto whole = [&](const char* work, std::size_t items, const std::function<void()>& run) {
+    std::vector<Method> methods{{.name = "collided", .run = run}};
+    measure(options, {scene, mesh.triangles.size(), work, items, "by winding number"}, methods);
+  };
+  const auto sides = [&](const std::vector<Vec3>& points) {
+    std::uint32_t nodes = 0;
+    for (const Vec3& p : points) tree.side(p, 0, nodes);
+    if (nodes == 0) std::abort();
+  };
+  const std::vector<Vec3> anywhere = points_in_bounds(count, random);
+  whole("winding, anywhere", count, [&] { sides(anywhere); });
+  std::vector<Vec3> beside = points_on_surface(mesh, count, random);
+  for (Vec3& p : beside) p *= 1 + 1e-6;
+  whole("winding, 1e-6 beside it", count, [&] { sides(beside); });
+  whole("winding, making the tree", mesh.triangles.size(), [&] { WindingTree{mesh}; });
+}
+
 /// What the tree tells of more than points, in exact numbers.
 void tree(const Options& options, int levels, std::mt19937_64& random) {
   const std::string scene = "stone " + std::to_string(levels);
@@ -159,4 +185,5 @@ int main(int argc, char** argv) {
     bench::solid(options, levels, true, random);
   }
   for (const int levels : {3, 5}) bench::tree(options, levels, random);
+  for (const int levels : {3, 5, 6}) bench::winding(options, levels, random);
 }
