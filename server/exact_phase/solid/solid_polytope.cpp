@@ -16,8 +16,8 @@ class SolidPolytope {
   PolytopeSide side();
 
  private:
-  /// Pieces of the polytope's faces that came to a node or leaf.
-  struct Pieces {
+  /// PiecesAt of the polytope's faces that came to a node or leaf.
+  struct PiecesAt {
     std::uint32_t at;
     std::vector<std::uint32_t> pieces;
   };
@@ -27,7 +27,7 @@ class SolidPolytope {
     for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
     return box;
   }
-  void divide(const Pieces& pieces);
+  void divide(const PiecesAt& pieces);
   std::uint32_t inner_child(const SolidTree::SplitNode& node) const;
   void reach(std::uint32_t leaf) { (leaf == SolidTree::kIn ? is_in_ : is_out_) = true; }
   bool holds_surface() const;
@@ -37,7 +37,7 @@ class SolidPolytope {
   const TriangleMesh& polytope_;
   Aabb bounds_;
   Fragments faces_;
-  std::vector<Pieces> waiting_;
+  std::vector<PiecesAt> waiting_;
   // What lies right under the faces.
   bool is_in_ = false;
   bool is_out_ = false;
@@ -52,12 +52,12 @@ std::uint32_t SolidPolytope::inner_child(const SolidTree::SplitNode& node) const
   return node.front;  // not where the polytope has a volume
 }
 
-void SolidPolytope::divide(const Pieces& pieces) {
+void SolidPolytope::divide(const PiecesAt& pieces) {
   if (pieces.at >= SolidTree::kIn) return reach(pieces.at);
   const SolidTree::SplitNode& node = tree_.nodes_[pieces.at];
   const std::uint32_t plane = faces_.plane_of_other(*tree_.mesh_, node.plane);
-  Pieces front{node.front, {}};
-  Pieces back{node.back, {}};
+  PiecesAt front{node.front, {}};
+  PiecesAt back{node.back, {}};
   for (const std::uint32_t piece : pieces.pieces) {
     const Fragments::FragmentSides sides = faces_.sides(piece, plane);
     if (sides.front && sides.back) {
@@ -70,7 +70,7 @@ void SolidPolytope::divide(const Pieces& pieces) {
       (inner_child(node) == node.front ? front : back).pieces.push_back(piece);
     }
   }
-  for (Pieces* half : {&front, &back}) {
+  for (PiecesAt* half : {&front, &back}) {
     if (!half->pieces.empty()) waiting_.push_back(std::move(*half));
   }
 }
@@ -105,11 +105,11 @@ bool SolidPolytope::holds_surface() const {
 
 PolytopeSide SolidPolytope::side() {
   if (!overlaps(bounds_, tree_.bounds_)) return PolytopeSide::out;
-  Pieces all{0, {}};
+  PiecesAt all{0, {}};
   for (std::uint32_t i = 0; i < polytope_.triangles.size(); ++i) all.pieces.push_back(faces_.add(i));
   waiting_.push_back(std::move(all));
   while (!waiting_.empty() && !(is_in_ && is_out_)) {
-    const Pieces pieces = std::move(waiting_.back());
+    const PiecesAt pieces = std::move(waiting_.back());
     waiting_.pop_back();
     divide(pieces);
   }
