@@ -295,8 +295,10 @@ bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool telep
   const OwnFloatEnvironment own_floats;
   const bool moved = state_->move(id, pose, time_ns, teleport, false);
   // The pose comes from elsewhere than the lost publisher: the object is there now, with no known speed.
-  for (StaleObject& stale : state_->stale_objects) {
-    if (stale.id == id) stale.position = pose.position, stale.speed_mps = 0;
+  if (const auto found = state_->stale_places.find(id); found != state_->stale_places.end()) {
+    StaleObject& stale = state_->stale_objects[found->second];
+    stale.position = pose.position;
+    stale.speed_mps = 0;
   }
   return moved;
 }
@@ -324,7 +326,15 @@ bool World::has_moved(ObjectId id) const {
 }
 
 void World::State::forget_stale(ObjectId id) {
-  std::erase_if(stale_objects, [&](const StaleObject& object) { return object.id == id; });
+  const auto found = stale_places.find(id);
+  if (found == stale_places.end()) return;
+  const std::size_t place = found->second;
+  stale_places.erase(found);
+  if (place + 1 < stale_objects.size()) {
+    stale_objects[place] = stale_objects.back();
+    stale_places[stale_objects[place].id] = place;
+  }
+  stale_objects.pop_back();
 }
 
 void World::set_stale(ObjectId id, bool is_stale) { state_->set_stale(id, is_stale); }
@@ -340,6 +350,7 @@ void World::State::set_stale(ObjectId id, bool is_stale) {
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
   const double travel_m = (row.frame.position - row.frame_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
+  stale_places[id] = stale_objects.size();
   stale_objects.push_back({.id = id,
                            .position = row.frame.position,
                            .reach_m = row.reach_m,

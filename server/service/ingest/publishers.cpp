@@ -68,6 +68,7 @@ void Publishers::retire(Publisher& publisher) {
   for (Record& record : publisher.objects.records()) leave(record, EndReason::publisher_lost);
   record_count_ -= publisher.objects.records().size();
   publisher.objects.clear();
+  publisher.numbers_while_lost.clear();
   parked_count_ -= publisher.parked.size();
   publisher.parked.clear();
   publisher.parts.clear();
@@ -230,12 +231,17 @@ void Publishers::make_lost_give_way(std::string_view name) {
   const ObjectInfo* info = owner ? world_.info(*owner) : nullptr;
   Publisher* publisher = info && info->publisher != 0 ? find(info->publisher) : nullptr;
   if (!publisher || !publisher->lost) return;
-  for (Record& record : publisher->objects.records()) {
-    if (record.place != Place::in_world || record.id != *owner) continue;
-    leave(record, EndReason::publisher_lost);
-    record.place = Place::taken_away;
-    return;
+  std::unordered_map<ObjectId, std::uint32_t>& numbers = publisher->numbers_while_lost;
+  if (numbers.empty()) {
+    for (const Record& record : publisher->objects.records()) {
+      if (record.place == Place::in_world) numbers.emplace(record.id, record.number);
+    }
   }
+  const auto found = numbers.find(*owner);
+  if (found == numbers.end()) return;
+  Record& record = *publisher->objects.find(found->second);
+  leave(record, EndReason::publisher_lost);
+  record.place = Place::taken_away;
 }
 
 /// Defines an object that the world has again, as one of the publisher: shape, filter and scene stay.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -165,6 +166,8 @@ class Publishers {
     SequenceWatermark watermark;
     SourceClock clock;
     ObjectNumbers<Record> objects;
+    // While it is lost and others take its names: its objects that were in the world when the first one did.
+    std::unordered_map<ObjectId, std::uint32_t> numbers_while_lost;
     std::deque<PoseSample> parked;  // wait for definitions, oldest first
     std::vector<PoseSample> parts;  // batches of an instant whose last batch has not come
     std::int64_t heard_ns = 0;      // its last sample, server's clock

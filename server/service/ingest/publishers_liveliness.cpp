@@ -44,6 +44,7 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
 
 void Publishers::back_alive(Publisher& publisher) {
   publisher.lost = false;
+  publisher.numbers_while_lost.clear();
   if (!publisher.took_leave) notice(fmt::format("publisher {} is back", printable(publisher.name)));
   for (Record& record : publisher.objects.records()) {
     if (record.place == Place::taken_away) enter(publisher, record);

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
+
 #include "tests/unit/service/publishers_fixture.hpp"
 
 namespace collided::engine::service {
@@ -21,6 +23,36 @@ TEST_F(PublishersTest, ALostPublishersObjectGivesWay) {
   define(again);
   step();
   EXPECT_EQ(height("arm"), 5);
+}
+
+// A program with many objects that starts again: each of its names is looked up once, in whatever order.
+TEST_F(PublishersTest, TakingOverTheNamesOfALostPublisherTakesAsLongForEach) {
+  constexpr std::uint32_t kMost = 20'000;
+  Publishers many(world, {.publishers = 9, .object_numbers = 4 * kMost, .parked_batches = 2});
+  std::uint64_t publisher = 20;
+  const auto take_over = [&](std::uint32_t count) {
+    for (const WriterKind kind : {WriterKind::object, WriterKind::pose}) many.writer_lost(publisher, kind, now_ns);
+    ++publisher;
+    const auto started = std::chrono::steady_clock::now();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      DefinitionSample sample = definition(i, i + 1, "ball" + std::to_string(i), 2 + 3 * i);
+      sample.publisher = publisher;
+      sample.object_number = publisher % 2 == 0 ? i : count - i;
+      sample.lost_policy = static_cast<std::uint8_t>(LostPolicy::freeze);
+      EXPECT_EQ(many.define(sample, now_ns), Applied::done);
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - started;
+    EXPECT_TRUE(world.step(++now_ns, 1, {}));
+    many.stepped();
+    return took.count() / count;
+  };
+  double few_s = take_over(kMost / 32);
+  for (int round = 0; round < 3; ++round) few_s = std::min(few_s, take_over(kMost / 32));
+  take_over(kMost);
+  const double many_s = std::min(take_over(kMost), take_over(kMost));
+  EXPECT_EQ(many.counts().name_conflicts, 0U);
+  EXPECT_EQ(many.counts().definitions_applied, 4 * kMost / 32 + 3 * kMost);
+  EXPECT_LT(many_s, 8 * few_s) << "of each; with a walk over all it would be 32 times as long";
 }
 
 TEST_F(PublishersTest, EachPolicyForTheLost) {
