@@ -7,6 +7,9 @@ namespace {
 
 // A mesh that went may leave its address to the next one; viewers must not take the two for one.
 TEST(ServiceSurfaceNumbers, AnAddressThatIsUsedAgainHasAnotherNumber) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer hands out no address again so soon";
+#endif
   SurfaceNumbers numbers;
   std::uint64_t before = 0;
   std::size_t used_again = 0;
