@@ -190,6 +190,7 @@ class Publishers {
   void back_alive(Publisher& publisher);
 
   std::optional<std::string> why_bad(const DefinitionSample& sample) const;
+  bool is_there_already(const Record& record, const DefinitionSample& sample) const;
   void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
   void enter(Publisher& publisher, Record& record);
   void make_lost_give_way(std::string_view name);

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <limits>
 
+#include "server/service/ingest/same_shape.hpp"
 #include "tests/unit/service/publishers_fixture.hpp"
 
 namespace collided::engine::service {
@@ -23,6 +25,126 @@ TEST_F(PublishersTest, ALostPublishersObjectGivesWay) {
   define(again);
   step();
   EXPECT_EQ(height("arm"), 5);
+}
+
+// What is defined again just as it is in the world stays there, with what it touches; anything else is another object.
+TEST_F(PublishersTest, DefinedAgainAsItIsItStays) {
+  define(definition(1, 1, "ball", 0.25));
+  step();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].kind, EventKind::began);
+  const ObjectId id = *world.find("ball");
+  define(definition(1, 2, "ball", 0.25));
+  step();
+  EXPECT_EQ(world.find("ball"), id);
+  EXPECT_EQ(events.size(), 1U);
+  EXPECT_EQ(publishers.counts().definitions_applied, 2U);
+  move(pose(3, {{1, 0.375}}));
+  step();
+  define(definition(1, 4, "ball", 0.375));  // with the newest pose, as libraries do
+  step();
+  EXPECT_EQ(events.size(), 1U);
+
+  std::uint64_t sequence = 5;
+  const auto changes = [&](const std::function<void(DefinitionSample&)>& change) {
+    const ObjectId before = *world.find("ball");
+    DefinitionSample other = definition(1, sequence++, "ball", 0.375);
+    change(other);
+    define(other);
+    step();
+    const bool is_another = world.find("ball") != before;
+    define(definition(1, sequence++, "ball", 0.375));
+    step();
+    return is_another;
+  };
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.pose[2] = 0.376; }));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.pose[3] = 0.6, s.pose[6] = 0.8; }));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.filter.layers = 2; }));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.filter.group = 2; }));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.moving = false; }));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { s.lost_policy = 1; }));
+  const auto with = [&](const Primitive& primitive) {
+    return changes([&](DefinitionSample& s) { s.shape = Shape{{primitive}, nullptr}; });
+  };
+  EXPECT_TRUE(with(Sphere{.center = Vec3::Zero(), .radius_m = 0.5000000000000001}));
+  EXPECT_TRUE(with(Sphere{.center = {0, 0x1p-1000, 0}, .radius_m = 0.5}));
+  EXPECT_TRUE(with(Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(0.5)}));
+  EXPECT_FALSE(with(Sphere{.center = Vec3::Zero(), .radius_m = 0.5}));
+  EXPECT_TRUE(changes([](DefinitionSample& s) { std::get<Shape>(s.shape).primitives.emplace_back(Sphere{}); }));
+}
+
+TEST_F(PublishersTest, AnObjectThatACommandRemovedComesBackWhenItIsDefinedAgain) {
+  define(definition(1, 1, "ball"));
+  step();
+  ASSERT_TRUE(world.remove(*world.find("ball"), EndReason::removed));
+  step();
+  define(definition(1, 2, "ball"));
+  step();
+  EXPECT_TRUE(world.find("ball"));
+}
+
+// Its contact ends and begins once each, although the publisher defines everything again when it hears of its loss.
+TEST_F(PublishersTest, WhoIsBackAndDefinesEverythingAgainIsBackOnce) {
+  define(definition(1, 1, "ball", 0.25));
+  step();
+  lose();
+  step();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[1].reason, EndReason::publisher_lost);
+  PoseSample alive = pose(2, {});
+  alive.sequence = 0;
+  move(alive);
+  step();
+  ASSERT_EQ(events.size(), 3U);
+  EXPECT_EQ(events[2].kind, EventKind::began);
+  define(definition(1, 3, "ball", 0.25));
+  step();
+  EXPECT_EQ(events.size(), 3U);
+}
+
+TEST(SameShape, EveryKindIsItselfAndNothingElse) {
+  const auto mesh = [](double x) {
+    TriangleMesh made;
+    made.vertices = {{x, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    made.triangles = {{0, 1, 2}};
+    return std::make_shared<const TriangleMesh>(made);
+  };
+  std::vector<Shape> shapes;
+  const auto primitive = [&](const Primitive& one) { shapes.push_back({{one}, nullptr}); };
+  for (const double r : {1.0, 2.0}) {
+    const Vec3 p(r, 2, 3), q(4, 5, 6);
+    const Mat3 turned = Quat(1, 0, 0, r).normalized().toRotationMatrix();
+    primitive(Sphere{.center = p, .radius_m = 1});
+    primitive(Sphere{.center = q, .radius_m = r});
+    primitive(Box{.center = p, .half_m = q});
+    primitive(Box{.center = q, .axes = turned, .half_m = q});
+    primitive(Box{.center = q, .half_m = p});
+    primitive(Capsule{.a = p, .b = q, .radius_m = 1});
+    primitive(Capsule{.a = q, .b = p, .radius_m = 1});
+    primitive(Capsule{.a = q, .b = q, .radius_m = r});
+    primitive(Cylinder{.a = p, .b = q, .radius_m = 1});
+    primitive(Cylinder{.a = q, .b = p, .radius_m = 1});
+    primitive(Cylinder{.a = q, .b = q, .radius_m = r});
+    primitive(Cone{.apex = p, .base = q, .radius_m = 1});
+    primitive(Cone{.apex = q, .base = p, .radius_m = 1});
+    primitive(Cone{.apex = q, .base = q, .radius_m = r});
+    primitive(Ellipsoid{.center = p, .half_m = q});
+    primitive(Ellipsoid{.center = q, .axes = turned, .half_m = q});
+    primitive(Ellipsoid{.center = q, .half_m = p});
+    primitive(Hull{.mesh = mesh(r), .position = q});
+    primitive(Hull{.mesh = mesh(7), .rotation = turned, .position = q});
+    primitive(Hull{.mesh = mesh(7), .position = p});
+    primitive(HalfSpace{.point = p, .normal = q});
+    primitive(HalfSpace{.point = q, .normal = p});
+    shapes.push_back({{}, mesh(r + 10)});
+    shapes.push_back({{Sphere{.center = p, .radius_m = 1}, Sphere{.center = q, .radius_m = 1}}, mesh(20)});
+  }
+  shapes.push_back({{}, nullptr});
+  const std::vector<Shape> copies = shapes;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t k = 0; k < copies.size(); ++k)
+      EXPECT_EQ(is_same_shape(shapes[i], copies[k]), i == k) << i << " " << k;
+  }
 }
 
 // A program with many objects that starts again: each of its names is looked up once, in whatever order.

@@ -253,6 +253,9 @@ TEST_F(PublishersTest, AVelocityIsThatOfTheNewestPose) {
   EXPECT_EQ(velocity_of("other"), (std::array<double, 6>{36, 37, 38, 39, 40, 41})) << "the pose was not its";
   define(definition(2, 6, "other", 5));
   step();
+  EXPECT_TRUE(velocity_of("other")) << "it is what it was";
+  define(definition(2, 7, "other", 6));
+  step();
   EXPECT_FALSE(velocity_of("other")) << "it is another object now";
 }
 
