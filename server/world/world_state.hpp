@@ -29,7 +29,7 @@ struct World::State {
   Sources sources;
   std::vector<std::shared_ptr<const StaticScene>> scenes;  // in order of loading
   std::vector<StaleObject> stale_objects;
-  std::unordered_map<ObjectId, std::size_t> stale_places;  // in stale_objects
+  std::unordered_map<ObjectId, std::size_t> stale_places;           // in stale_objects
   std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": stated for the whole world
   // all boxes together; null while none was ever stated
   std::shared_ptr<const std::vector<Aabb>> covers;
