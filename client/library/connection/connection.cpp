@@ -26,9 +26,7 @@ constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
 // For a server of this machine, since that was last seen to have more to do than it can.
 constexpr milliseconds kAfterCrowd{2'000};
-// Times what is waited for a server at all. Who gives up has found half of what it needs, and does that again from nothing:
-// of fifty clients on two cores more gave up than were answered, for minutes after the machine was short of time once.
-constexpr int kCrowdPatience = 30;
+constexpr int kCrowdPatience = 10;  // times what is waited for a server at all
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
