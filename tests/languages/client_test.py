@@ -11,6 +11,7 @@ import os
 import random
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -177,6 +178,14 @@ class Questions(WithServer):
             with self.assertRaisesRegex(collided.BadInput, "solid is 'guess'; known are True, False and \"winding\""):
                 self.client.add("py_guess", collided.Mesh(corners, faces), solid="guess")
             self.client.remove("py_scan")
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "tub.obj")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write("o tub\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in corners))
+                    file.write("".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces[1:]))
+                self.client.load(path, solid="*", solid_by="winding")
+            self.assertEqual(self.client.command("get", name="tub/tub")["solid_by"], "winding")
+            self.client.command("clear", scene="tub")
         finally:
             self.client.remove("py_solid")
 

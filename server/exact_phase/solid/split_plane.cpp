@@ -54,26 +54,19 @@ int SplitPlane::quick_side(const Vec3& at, double error_m) const {
   return height > bound ? 1 : height < -bound ? -1 : 0;
 }
 
-BoundedPlane::BoundedPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
+template <class N>
+PlaneIn<N>::PlaneIn(const TriangleMesh& mesh, const SplitPlane& plane) {
   if (plane.is_across()) {
-    normal = Vector<Bounded>(plane.normal);
+    normal = Vector<N>(plane.normal);
     offset = plane.offset;
     return;
   }
   const Triangle corners = mesh.triangle(plane.triangle);
-  normal = normal_of<Bounded>(corners);
-  offset = dot(normal, Vector<Bounded>(corners.a));
+  normal = normal_of<N>(corners);
+  offset = dot(normal, Vector<N>(corners.a));
 }
 
-ExactPlane::ExactPlane(const TriangleMesh& mesh, const SplitPlane& plane) {
-  if (plane.is_across()) {
-    normal = Vector<Dyadic>(plane.normal);
-    offset = plane.offset;
-    return;
-  }
-  const Triangle corners = mesh.triangle(plane.triangle);
-  normal = normal_of<Dyadic>(corners);
-  offset = dot(normal, Vector<Dyadic>(corners.a));
-}
+template struct PlaneIn<Dyadic>;
+template struct PlaneIn<Bounded>;
 
 }  // namespace collided::engine

@@ -35,22 +35,16 @@ SplitPlane plane_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle, c
 /// The plane of all points with this coordinate; its front is where the coordinate is greater.
 SplitPlane plane_across(int axis, double at);
 
-/// The plane's coefficients with the bounds of their rounding.
-struct BoundedPlane {
-  kernel::Vector<Bounded> normal;
-  Bounded offset;
+/// The plane's coefficients in numbers N: normal . p - offset is 0 on it and greater on its front.
+template <class N>
+struct PlaneIn {
+  kernel::Vector<N> normal;
+  N offset;
 
-  BoundedPlane(const TriangleMesh& mesh, const SplitPlane& plane);
-  Bounded height(const Vec3& point) const { return dot(normal, kernel::Vector<Bounded>(point)) - offset; }
+  PlaneIn(const TriangleMesh& mesh, const SplitPlane& plane);
+  N height(const Vec3& point) const { return dot(normal, kernel::Vector<N>(point)) - offset; }
 };
-
-/// The plane's exact coefficients: normal . p - offset is 0 on it and greater on its front.
-struct ExactPlane {
-  kernel::Vector<Dyadic> normal;
-  Dyadic offset;
-
-  ExactPlane(const TriangleMesh& mesh, const SplitPlane& plane);
-  Dyadic height(const Vec3& point) const { return dot(normal, kernel::Vector<Dyadic>(point)) - offset; }
-};
+using ExactPlane = PlaneIn<Dyadic>;
+using BoundedPlane = PlaneIn<Bounded>;
 
 }  // namespace collided::engine

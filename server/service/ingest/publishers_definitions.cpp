@@ -14,6 +14,10 @@ bool is_same(const Filter& a, const Filter& b) {
   return a.layers == b.layers && a.mask == b.mask && a.group == b.group;
 }
 
+bool is_same(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
 }  // namespace
 
 /// A sample counts as seen even where its definition is refused: batches that wait for it must not wait for ever.
@@ -70,9 +74,10 @@ bool Publishers::is_there_already(const Record& record, const DefinitionSample& 
   if (record.place != Place::in_world || record.is_claim || sample.claims) return false;
   if (world_.info(record.id) == nullptr) return false;  // a command has removed it
   const ObjectDefinition& there = record.described->definition;
+  // Not only as the publisher posed it last: a command may have moved it while the publisher was away.
   const Pose pose = std::get<Pose>(checked_pose(sample.pose));
-  const bool is_posed_so =
-      pose.position == record.pose.position && pose.rotation.coeffs() == record.pose.rotation.coeffs();
+  const bool is_posed_so = is_same(pose, record.pose) && !world_.has_moved(record.id) &&
+                           is_same(pose, world_.newest()->poses[slot_of(record.id)]);
   const bool is_kind_same = there.moving == sample.moving &&
                             there.lost_policy == static_cast<LostPolicy>(sample.lost_policy) &&
                             (there.solid != nullptr) == (sample.solid != nullptr) &&
@@ -101,6 +106,7 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   }
   // A publisher that was away for a moment defines everything again; nobody else is to notice.
   if (is_there_already(record, sample)) {
+    record.described->why_left_out.clear();
     ++counts_.definitions_applied;
     return;
   }

@@ -15,7 +15,7 @@ struct WindingMesh {
   WindingTree tree;
 };
 
-/// cost  about 2 us a triangle; a copy of the triangles
+/// cost  2 to 3 us a triangle; a copy of the triangles
 std::shared_ptr<const WindingMesh> winding_within(std::shared_ptr<const IndexedMesh> surface);
 
 /// Where a point of the world is, for the pose given; undecided where its rounding leaves that open.

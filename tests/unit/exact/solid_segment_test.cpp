@@ -100,7 +100,7 @@ std::vector<TruePart> true_parts(const oracle::TreeAndTruth& solid, const Vec3& 
 TEST(ExactSolidSegment, PartsAreThoseOfRationals) {
   std::mt19937_64 random = oracle::seeded(65);
   const char* asked = std::getenv("COLLIDED_SOLID_SEGMENTS");
-  const int count = asked != nullptr ? std::atoi(asked) : 60;
+  const int count = asked != nullptr ? std::atoi(asked) : 150;
   std::uniform_real_distribution<double> any(-2, 2);
   std::map<std::string, int> kinds;
   for (const TriangleMesh& mesh : {scenes::box({1, 1, 1}), oracle::with_cavity(), scenes::icosphere(1, 1),
