@@ -1,5 +1,7 @@
 #include "client/cli/verbs/batch.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <deque>
@@ -17,10 +19,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The first request is small, so that answers come soon; the next ones grow.
+// The first request is small, so that answers come soon; the next ones grow. No more than keeps a server's processors
+// busy: a larger one costs the program more in memory that it touches for the first time than the server in answering.
 constexpr std::size_t kFirstRequest = 1'000;
-constexpr std::size_t kLargestRequest = 100'000;
-constexpr std::size_t kMostInFlight = 4;
+constexpr std::size_t kLargestRequest = 8'000;
+constexpr std::size_t kMostInFlight = 2;
+
+/// Has the memory of answered questions used for the next ones, rather than given to the system and taken anew page by
+/// page, which was a quarter of a batch's processor time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kMiB = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, 32 * kMiB);
+  mallopt(M_TRIM_THRESHOLD, 256 * kMiB);
+  mallopt(M_ARENA_MAX, 1);  // questions are made on one thread and let go of on another
+#endif
+}
 
 struct BatchRequest {
   Questions questions;
@@ -172,6 +186,7 @@ class Batch {
 }  // namespace
 
 Exit run_batch(Session& session, const Globals& globals, const BatchOptions& options) {
+  keep_freed_memory();
   return Batch(session, globals, options).run();
 }
 

@@ -11,7 +11,7 @@ namespace collided::client {
 
 /// How many chunks of a request may be under way. All that a server is to answer next lies in one buffer of its
 /// machine: fifty clients with four chunks each overflow it, and what it drops is sent again and again. So a request begins
-/// with few, sends more while its chunks are taken up soon, and fewer while they wait for those of many others; a server
+/// with one, sends more while its chunks are taken up soon, and fewer while they wait for those of many others; a server
 /// with many clients is busy with one of each.
 /// Not: less for chunks that are slow to compute, since a server computes several at a time.
 /// source  additive increase and decrease by what was waited for: after Jain 1989, "A delay-based approach for congestion
@@ -36,7 +36,7 @@ class SendWindow {
 
  private:
   static constexpr std::size_t kMost = wire_contract::kChunksInFlight;
-  static constexpr std::size_t kFirst = 2;
+  static constexpr std::size_t kFirst = 1;
   static constexpr std::chrono::nanoseconds kPrompt = std::chrono::milliseconds{10};
   static constexpr std::chrono::nanoseconds kLate = std::chrono::milliseconds{20};
   static constexpr int kOwnChunks = kMost;       // a request's own chunks wait for each other

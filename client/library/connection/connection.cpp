@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/library/connection/errors.hpp"
+#include "client/library/connection/greeting_turn.hpp"
 #include "client/library/connection/local_process.hpp"
 #include "client/library/connection/machine_findings.hpp"
 
@@ -26,7 +27,9 @@ constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
 // For a server of this machine, since that was last seen to have more to do than it can.
 constexpr milliseconds kAfterCrowd{2'000};
-constexpr int kCrowdPatience = 10;  // times what is waited for a server at all
+// Times what is waited for a server at all: where one may be there, and where one of that namespace is known to be.
+constexpr int kCrowdPatience = 10;
+constexpr int kCrowdPatienceIfFound = 30;
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -67,14 +70,16 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       query_writers_(*participant_, options.name_space, options.keys) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
+  const GreetingTurn turn(options);
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
   try {
     const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
     // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
     // wait for one that is not.
     constexpr milliseconds kFoundPatience{10'000};
-    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience), QueryRight::greet)) {
-      return connection->no_server();
+    const Clock::time_point began = Clock::now();
+    if (!connection->greet(deadline, std::max(deadline, began + kFoundPatience), QueryRight::greet)) {
+      return connection->no_server(Clock::now() - began);
     }
     return connection;
   } catch (const std::invalid_argument& wrong) { return bad_input(wrong.what()); } catch (const dds::KeysError& wrong) {
@@ -92,14 +97,16 @@ class CrowdPatience {
  public:
   CrowdPatience(const ConnectOptions& options, nanoseconds wait) : options_(options), wait_(wait) {}
 
-  Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found) {
+  /// is_found  whether a server of this namespace was seen, and its answer alone is waited for
+  Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found, bool is_found) {
     if (!is_machine_crowded()) return began;
     // Where a server of the domain runs beside us it is there, and its answer a matter of time; with keys it may never be.
     if (!runs_beside_us_)
       runs_beside_us_ = options_.interface == "lo" && options_.keys.empty() && places_taken(options_.domain) > 0;
     if (!*runs_beside_us_) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
     // A crowd that is over leaves behind what DDS has yet to say again.
-    return std::min(began + kCrowdPatience * wait_, std::max(deadline_if_found, Clock::now() + kAfterCrowd));
+    return std::min(began + (is_found ? kCrowdPatienceIfFound : kCrowdPatience) * wait_,
+                    std::max(deadline_if_found, Clock::now() + kAfterCrowd));
   }
 
  private:
@@ -135,7 +142,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     }
     if (Clock::now() >= next_look) {
       next_look = Clock::now() + kFirstHelloPeriod;
-      deadline = std::max(deadline, crowd.deadline(began, deadline_if_found));
+      deadline = std::max(deadline, crowd.deadline(began, deadline_if_found, matched > 0));
     }
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + match_period));
     if (!replies.empty()) {
@@ -152,13 +159,20 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   return false;
 }
 
-Error Connection::no_server() const {
+Error Connection::no_server(nanoseconds waited) {
   const std::size_t seen = participant_->others_seen();
   std::string hint = "seen on this domain: " + std::to_string(seen) + (seen == 1 ? " participant" : " participants") +
                      (seen > 0 ? ", none of ours" : "") + "; start a server with 'collided'";
   if (!options_.keys.empty()) { hint += "; with keys only a server of the same authority is seen"; }
   if (participant_->configured_by_environment()) { hint += "; CYCLONEDDS_URI is set and was used as it is"; }
-  return {ErrorCode::no_server, "no collided answered in " + words(options_.wait) + " on " + server_words(options_),
+  if (query_writers_.matched_readers() > 0)
+    hint = "a server is seen there and has not answered: it has just died, or this machine has more to do than it can";
+  // More than was asked for is waited only for a server that may be there: then it is said how long.
+  const nanoseconds most = std::max(options_.wait, nanoseconds(0));
+  const bool is_longer = waited > most + kSoon;
+  return {ErrorCode::no_server,
+          "no collided answered in " + words(is_longer ? floor<milliseconds>(waited) : options_.wait) + " on " +
+              server_words(options_),
           hint};
 }
 
@@ -173,10 +187,10 @@ Error Connection::disconnected() const {
 /// hearing of it need come in time. A server on another machine is gone when it is silent.
 bool Connection::is_gone() const {
   if (!pulse_.silent()) return false;
-  const bool may_run = options_.interface == "lo" &&
-                       Clock::now() - pulse_.last_heard() < nanoseconds(wire_contract::kForgottenNs) &&
-                       runs_here(pulse_.pid(), "collided");
-  return !may_run;
+  if (options_.interface != "lo" || Clock::now() - pulse_.last_heard() >= nanoseconds(wire_contract::kForgottenNs))
+    return true;
+  // Until its first status the server has only said hello: who it is here is not known yet.
+  return pulse_.pid() == 0 ? !is_machine_crowded() : !runs_here(pulse_.pid(), "collided");
 }
 
 /// A server that speaks while the known one is silent has taken its place.

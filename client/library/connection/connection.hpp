@@ -74,7 +74,7 @@ class Connection {
   /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
   bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
   bool is_from_server_or_its_heir(const dds_sample_info_t& info);
-  Error no_server() const;
+  Error no_server(std::chrono::nanoseconds waited);
   bool is_gone() const;
 
   ConnectOptions options_;

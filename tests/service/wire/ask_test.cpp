@@ -72,6 +72,22 @@ TEST(ClientConnect, ABusyServerIsWaitedFor) {
   EXPECT_GE(std::chrono::steady_clock::now() - start, 1500ms);
 }
 
+// That it is there is said, and how long it was waited for, which is more than was asked for.
+TEST(ClientConnect, AServerThatIsThereAndDoesNotAnswerIsSaidToBeThere) {
+  FakeServer server(test::own_namespace());
+  server.answering = false;
+  ConnectOptions options = test::here();
+  options.wait = 200ms;
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Client> client = Client::connect(options);
+  const auto took = std::chrono::steady_clock::now() - start;
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::no_server);
+  EXPECT_TRUE(client.error().hint.starts_with("a server is seen there")) << client.error().hint;
+  EXPECT_EQ(client.error().message.find("200 ms"), std::string::npos) << client.error().message;
+  EXPECT_GE(took, 9s);
+}
+
 // Variables are the process's: put back as they were.
 class Variables {
  public:
