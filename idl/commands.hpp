@@ -102,10 +102,15 @@ inline constexpr const char* kProbes = "probes";
 /// the world or in the frame of `to`
 /// With many (true): the blob has fences one after the other, each as the length of its arguments (4 bytes, the lowest
 /// first), these as JSON, the length of its shape, and that.
-/// With remove true: only the name, a glob. -> fences [names] (not of many), count, version
+/// With bands [m, widest first; at most 8 with 0, contact, which is added] it is a margin: distance bands about the objects
+/// that `around` (name glob) matches, for those that `only` matches; name, skip, mask, keep as above, hysteresis (m, 0),
+/// dwell_ns (0).
+/// With remove true: only the name, a glob, and margins (true: of these, not of fences). -> fences [names] (not of many),
+/// count, version
 inline constexpr const char* kFence = "fence";
 
-/// name (glob, "" = all), limit -> fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
+/// name (glob, "" = all), limit, margins (true: these, in place of fences) -> margins [{margin, around, only, skip, mask,
+/// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
 /// in_doubt [names]}], count, bytes (of memory for all), version
 inline constexpr const char* kFences = "fences";
 

@@ -9,6 +9,7 @@
 #include "client/library/connection/workers.hpp"
 #include "client/library/publishing/publisher.hpp"
 #include "client/library/watching/fences.hpp"
+#include "client/library/watching/margins.hpp"
 #include "client/library/watching/probes.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/client.hpp"
@@ -121,6 +122,22 @@ Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
   Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(state_->connection, watched, {}, WatchOf::fences);
   if (!watch) { return watch.error(); }
   return FenceWatch(std::make_unique<client::FenceWatcher>(Watch(std::move(*watch))));
+}
+
+Result<void> Client::add_margin(const Margin& margin) { return client::add_margin(*state_->connection, margin); }
+Result<std::size_t> Client::remove_margins(const std::string& name) {
+  return client::remove_margins(*state_->connection, name);
+}
+Result<std::vector<ListedMargin>> Client::margins(const std::string& name_glob) {
+  return client::list_margins(*state_->connection, name_glob);
+}
+
+Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
+  // Names are matched with the parts of a band's name, so not by the watch.
+  Result<std::unique_ptr<Watch::State>> watch =
+      Watch::State::start(state_->connection, {.capacity = options.capacity}, {}, WatchOf::fences);
+  if (!watch) return watch.error();
+  return MarginWatch(Watch(std::move(*watch)), options);
 }
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {

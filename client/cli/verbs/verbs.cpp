@@ -82,6 +82,11 @@ constexpr Verb kVerbs[] = {
      "--to "
      "person --keep\nfence add yard prism 0 4  0 0  9 0  9 6  4 3  0 6\nfence watch dock -n 10",
      make_fence},
+    {"margin", "Follow", "distance bands between objects: who comes near, and how soon they would touch",
+     "margin add NAME GLOB GLOB DISTANCE,...\nmargin ls [GLOB]\nmargin rm GLOB\nmargin watch [GLOB]",
+     "margin add close 'drone*' 'person*' 5m,2m,50cm --hysteresis 10cm --dwell 200ms\nmargin watch close -n 10 --json\n"
+     "margin rm close",
+     make_margin},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"explain", "Follow", "why two objects touch or not, how near they came, and why no event says so",

@@ -17,6 +17,7 @@
 #include <collided/commands.hpp>
 #include <collided/events.hpp>
 #include <collided/fences.hpp>
+#include <collided/margins.hpp>
 #include <collided/pair.hpp>
 #include <collided/probes.hpp>
 #include <collided/publisher.hpp>
@@ -182,6 +183,17 @@ class Client {
   Result<std::vector<ListedFence>> fences(const std::string& name_glob = {});
   /// Subscribes to who comes into fences and goes out.
   Result<FenceWatch> watch_fences(const FenceWatchOptions& options = {});
+
+  // Margins.
+
+  /// Adds a margin. One that is not kept goes when this client does.
+  Result<void> add_margin(const Margin& margin);
+  /// Removes margins by name or glob, and returns how many there were.
+  Result<std::size_t> remove_margins(const std::string& name);
+  /// The margins whose names match the glob, and which pairs are within their bands; empty: all.
+  Result<std::vector<ListedMargin>> margins(const std::string& name_glob = {});
+  /// Subscribes to who comes within bands and leaves them.
+  Result<MarginWatch> watch_margins(const MarginWatchOptions& options = {});
 
   // What to draw.
 

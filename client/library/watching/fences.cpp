@@ -6,6 +6,7 @@
 #include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
+#include "client/library/watching/margins.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -155,6 +156,7 @@ Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::
 }
 
 std::vector<FenceEvent> FenceNews::take(const Event& event) {
+  if (is_band_name(event.b)) return {};
   const std::optional<Event> passing = std::exchange(passing_, std::nullopt);
   const bool is_passage = event.kind == EventKind::ended && event.reason == EndReason::crossed && passing &&
                           passing->episode == event.episode;

@@ -22,6 +22,8 @@ namespace names = wire_contract::command;
 
 namespace {
 
+constexpr std::uint64_t kMostDwellAsked = std::uint64_t{1} << 62;  // nanoseconds; the world allows less
+
 constexpr std::array<std::pair<const char*, FenceTells>, 3> kTold{
     {{"enter", kEnter}, {"exit", kExit}, {"cross", kCross}}};
 
@@ -69,8 +71,32 @@ Shape prism_of(const Arguments& arguments) {
   return {.primitives = {}, .mesh = std::get<std::shared_ptr<const TriangleMesh>>(made)};
 }
 
+FenceDefinition margin_of(const Arguments& arguments) {
+  constexpr std::uint64_t kBits = 0xffffffff;
+  arguments.allow_only(
+      {"name", "around", "only", "skip", "mask", "bands", "hysteresis", "dwell_ns", "keep", "durable"});
+  FenceDefinition margin{.name = arguments.text("name"),
+                         .only = arguments.text("only"),
+                         .skip = arguments.text("skip"),
+                         .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                         .margin = MarginBands{.around = arguments.text("around"),
+                                               .bands_m = arguments.numbers("bands"),
+                                               .hysteresis_m = arguments.number("hysteresis", 0)}};
+  margin.margin->dwell_ns = static_cast<std::int64_t>(arguments.whole("dwell_ns", 0, kMostDwellAsked));
+  if (!is_good_name(margin.name))
+    throw BadCommand(
+        fmt::format("margin: the name {} is empty, longer than 255 bytes or not text", printable(margin.name)));
+  if (margin.margin->around.empty() || margin.only.empty())
+    throw BadCommand(fmt::format("margin {}: two names or globs are needed, 'around' and 'only'. Nothing was added",
+                                 printable(margin.name)));
+  // Within all bands is who touches.
+  if (margin.margin->bands_m.empty() || margin.margin->bands_m.back() != 0) margin.margin->bands_m.push_back(0);
+  return margin;
+}
+
 FenceDefinition fence_of(const Arguments& arguments, std::span<const std::byte> shape_bytes) {
   constexpr std::uint64_t kBits = 0xffffffff;
+  if (arguments.has("bands")) return margin_of(arguments);
   arguments.allow_only({"name", "only", "skip", "mask", "tells", "to", "prism", "keep", "durable"});
   FenceDefinition fence{.name = arguments.text("name"),
                         .carrier = arguments.text("to"),
@@ -169,10 +195,14 @@ void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "remove", "durable"});
+  arguments.allow_only({"name", "remove", "margins", "durable"});
   const std::string glob = arguments.text("name");
   std::vector<std::string> chosen;
-  for_each_fence(glob, [&](const FenceTable& table, std::uint32_t slot) { chosen.push_back(table.name(slot)); });
+  if (arguments.truth("margins", false)) {
+    for_each_margin(glob, [&](const FenceDefinition& margin) { chosen.push_back(margin.name); });
+  } else {
+    for_each_fence(glob, [&](const FenceTable& table, std::uint32_t slot) { chosen.push_back(table.name(slot)); });
+  }
   for (const std::string& name : chosen) refuse_if_foreign(ask, name, "removed");
   remove_fences(chosen);
   return {{"fences", chosen}, {"version", with_.loop.world().newest()->version}};
@@ -183,6 +213,9 @@ void Commands::remove_fences(const std::vector<std::string>& chosen) {
   for (const std::string& name : chosen) {
     for_each_fence(name, [&](const FenceTable& table, std::uint32_t slot) {
       if (table.rule(slot).owner == 0) kept.push_back(name);
+    });
+    for_each_margin(name, [&](const FenceDefinition& margin) {
+      if (margin.owner == 0) kept.push_back(name);
     });
     with_.loop.world().remove_fence(name);
   }
@@ -201,11 +234,15 @@ void Commands::drop_fences_of_gone() {
   for_each_fence("", [&](const FenceTable& table, std::uint32_t slot) {
     if (gone.contains(table.rule(slot).owner)) chosen.push_back(table.name(slot));
   });
+  for_each_margin("", [&](const FenceDefinition& margin) {
+    if (gone.contains(margin.owner)) chosen.push_back(margin.name);
+  });
   remove_fences(chosen);
   for (const std::uint64_t client : gone) fence_owners_.erase(client);
 }
 
-/// Calls visit(table, slot) for the fences whose names match the glob; a name without * ? [ is looked up.
+/// Calls visit(table, slot) for the fences whose names match the glob, but not for bands; a name without * ? [ is looked
+/// up.
 void Commands::for_each_fence(const std::string& glob,
                               FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
   const Fences* fences = with_.loop.world().fences();
@@ -216,12 +253,69 @@ void Commands::for_each_fence(const std::string& glob,
     return;
   }
   for (std::uint32_t slot = 0; slot < table.size(); ++slot) {
-    if (table.holds(slot) && (glob.empty() || wire_contract::glob_matches(glob, table.name(slot)))) visit(table, slot);
+    if (table.holds(slot) && !table.is_band(slot) &&
+        (glob.empty() || wire_contract::glob_matches(glob, table.name(slot))))
+      visit(table, slot);
   }
 }
 
+void Commands::for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const {
+  const Fences* fences = with_.loop.world().fences();
+  if (fences == nullptr) return;
+  for (const auto& [name, margin] : fences->margins()) {
+    if (glob.empty() || glob == name || wire_contract::glob_matches(glob, name)) visit(margin);
+  }
+}
+
+json Commands::margins(const Arguments& arguments) {
+  struct NarrowestBand {
+    std::string object;
+    std::string around;
+    double within_m = 0;
+    bool is_in_doubt = false;
+  };
+  const World& world = with_.loop.world();
+  // The narrowest band that each pair is in, by margin.
+  std::map<std::string, std::map<std::pair<std::string, std::string>, NarrowestBand>> near;
+  if (world.fences() != nullptr) {
+    const FenceTable& table = world.fences()->table();
+    for (const OpenContact& open : world.fences()->inside()) {
+      const std::uint32_t slot = slot_of(open.b);
+      const ObjectInfo* object = world.info(open.a);
+      if (object == nullptr || !table.holds(slot) || table.id(slot) != open.b || !table.is_band(slot)) continue;
+      const ObjectInfo* around = world.objects()[table.carrier(slot)].get();
+      if (around == nullptr) continue;
+      const NarrowestBand here{object->name, around->name, table.rule(slot).band->within_m, open.doubt != Doubt::none};
+      const auto [known, is_new] = near[table.rule(slot).band->margin].try_emplace({here.around, here.object}, here);
+      if (!is_new && here.within_m < known->second.within_m) known->second = here;
+    }
+  }
+  json rows = json::array();
+  for_each_margin(arguments.text("name"), [&](const FenceDefinition& margin) {
+    json pairs = json::array();
+    for (const auto& [names, here] : near[margin.name]) {
+      pairs.push_back({{"object", here.object},
+                       {"around", here.around},
+                       {"within", here.within_m},
+                       {"in_doubt", here.is_in_doubt}});
+    }
+    rows.push_back({{"margin", margin.name},
+                    {"around", margin.margin->around},
+                    {"only", margin.only},
+                    {"skip", margin.skip},
+                    {"mask", margin.mask},
+                    {"bands", margin.margin->bands_m},
+                    {"hysteresis", margin.margin->hysteresis_m},
+                    {"dwell_ns", margin.margin->dwell_ns},
+                    {"keep", margin.owner == 0},
+                    {"pairs", std::move(pairs)}});
+  });
+  return {{"margins", rows}, {"count", rows.size()}, {"version", world.newest()->version}};
+}
+
 json Commands::fences(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"name", "limit"});
+  arguments.allow_only({"name", "limit", "margins"});
+  if (arguments.truth("margins", false)) return margins(arguments);
   const World& world = with_.loop.world();
   const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
   std::map<ObjectId, json> inside;

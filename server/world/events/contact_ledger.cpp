@@ -17,7 +17,7 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .b_triangle = found.b_triangle,
           .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact,
-          .surface = found.contact,
+          .surface = found.surface.value_or(found.contact),
           .contained = found.contained};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -21,6 +22,7 @@ struct FoundContact {
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
+  std::optional<Contact> surface = {};  // where it is not the same
   double bracket_low_s = 0;  // begin of the contact, seconds before the step's world time: between high and low
   double bracket_high_s = 0;
   Contained contained = Contained::none;

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "server/world/fences/margin.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
@@ -25,6 +27,8 @@ struct FenceDefinition {
   std::uint32_t mask = 0xffffffff;              // an object's layers must have a bit of it
   std::uint8_t tells = kTellsAll;               // FenceTells
   std::uint64_t owner = 0;                      // for whoever defines it; the world does not read it
+  // A margin: instead of a shape that stands in the world, bands about objects; `only` is whom they look at.
+  std::optional<MarginBands> margin = {};
 };
 
 /// What many fences have in common; equal rules are shared.
@@ -35,6 +39,7 @@ struct FenceRule {
   std::uint32_t mask = 0;
   std::uint8_t tells = 0;
   std::uint64_t owner = 0;
+  std::optional<BandRule> band = {};  // it is a band of a margin, about its carrier
 
   bool operator==(const FenceRule&) const = default;
 };

@@ -21,8 +21,6 @@ constexpr std::uint32_t kLeastFenceLooks = 200;
 const Pose kWorldPose;
 const Frame kWorldFrame;
 
-bool is_same(const Frame& a, const Frame& b) { return a.position == b.position && a.rotation == b.rotation; }
-
 /// The box is upright and surely holds the point: a difference and a comparison round too little to matter.
 bool surely_holds(const Box& box, const Vec3& point) {
   if (box.axes != Mat3::Identity()) return false;
@@ -36,7 +34,7 @@ bool is_about_origin(const ObjectInfo& info, const std::optional<Sphere>& ball) 
   return box != nullptr && box->center.isZero(0);
 }
 
-bool is_resting(const BodyMotion& motion) { return motion.turn_rad == 0 && motion.from.position == motion.to.position; }
+bool is_of(const std::string& glob, const ObjectInfo& info) { return wire_contract::glob_matches(glob, info.name); }
 
 }  // namespace
 
@@ -46,7 +44,21 @@ bool FenceDecisions::looks_at(std::uint32_t fence, std::uint32_t mover) const {
   const FenceRule& rule = table_.rule(fence);
   if ((info->filter.layers & rule.mask) == 0) return false;
   if (!rule.skip.empty() && wire_contract::glob_matches(rule.skip, info->name)) return false;
+  if (rule.band) return band_looks_at(fence, *info);
   return rule.only.empty() || wire_contract::glob_matches(rule.only, info->name);
+}
+
+/// A pair is told once, though both may have bands and both look: by the one with the name that comes first. About what
+/// stands still there are bands of either group.
+bool FenceDecisions::band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const {
+  const FenceRule& rule = table_.rule(fence);
+  const ObjectInfo* about = rows_.info(table_.carrier(fence));
+  if (about == nullptr) return false;
+  const std::string& around = rule.band->around;
+  const bool is_told_so = is_of(around, *about) && is_of(rule.only, mover);
+  const bool is_told_otherwise = is_of(rule.only, *about) && is_of(around, mover);
+  if (!about->moving) return is_told_so || is_told_otherwise;
+  return is_told_so && !(is_told_otherwise && mover.name < about->name);
 }
 
 bool FenceDecisions::surely_stays(std::uint32_t fence, std::uint32_t mover) {
@@ -139,8 +151,8 @@ void FenceDecisions::decide_new(std::uint32_t fence, std::uint32_t mover) {
   decide_instant(instant_now(fence, mover, step_.world_time_ns), {EndReason::separated, 0, 0});
 }
 
-FenceDecisions::FencePiece FenceDecisions::instant_on(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier,
-                                                      std::int64_t time_ns) const {
+FencePiece FenceDecisions::instant_on(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier,
+                                      std::int64_t time_ns) const {
   const MotionHistory& history = step_.motion.history();
   return {.mover = mover,
           .fence = fence,
@@ -150,8 +162,7 @@ FenceDecisions::FencePiece FenceDecisions::instant_on(std::uint32_t fence, std::
           .fence_motion = BodyMotion::resting(history.at(carrier, time_ns, rows_[carrier].frame))};
 }
 
-FenceDecisions::FencePiece FenceDecisions::instant_now(std::uint32_t fence, std::uint32_t mover,
-                                                       std::int64_t time_ns) const {
+FencePiece FenceDecisions::instant_now(std::uint32_t fence, std::uint32_t mover, std::int64_t time_ns) const {
   const std::uint32_t carrier = table_.carrier(fence);
   return {.mover = mover,
           .fence = fence,
@@ -163,6 +174,7 @@ FenceDecisions::FencePiece FenceDecisions::instant_now(std::uint32_t fence, std:
 
 /// Who is in goes out, stays, or is in doubt, which does not end it; who is not comes in within the piece or does not.
 void FenceDecisions::decide_piece(const FencePiece& piece) {
+  if (table_.is_band(piece.fence)) return bands_.decide_piece(piece);
   if (is_resting(piece.mover_motion) && is_resting(piece.fence_motion) && piece.from_ns < piece.to_ns) return;
   FoundContact found = found_in(piece);
   const bool is_held = ledger_.holds(found.a, found.b);
@@ -208,6 +220,7 @@ void FenceDecisions::begin_in_motion(const FencePiece& piece, const ContactSearc
 
 /// left: how it ends if the object was in and is not any more.
 void FenceDecisions::decide_instant(const FencePiece& instant, const ContactEnd& left) {
+  if (table_.is_band(instant.fence)) return bands_.decide_instant(instant, left);
   const ContactSearch touch = touch_at_end(instant);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const FoundContact found = found_in(instant);
@@ -221,16 +234,6 @@ void FenceDecisions::decide_instant(const FencePiece& instant, const ContactEnd&
   } else if (!touch.yes) {
     ledger_.decided_apart(found.a, found.b, left.bracket_low_s, left.bracket_high_s);
   }
-}
-
-Placed FenceDecisions::placed(std::uint32_t slot, const Frame& frame) const {
-  const ObjectRow& row = rows_[slot];
-  // A frame between two poses is interpolated: no pose was given for it.
-  const bool is_given = is_same(frame, row.frame);
-  return {.info = rows_.info(slot),
-          .frame = &frame,
-          .bounds = is_given ? row.bounds : bounds_of(*rows_.info(slot), frame),
-          .pose = is_given ? &row.pose : nullptr};
 }
 
 Placed FenceDecisions::placed_fence(std::uint32_t fence, const Frame& frame) {
@@ -253,7 +256,7 @@ bool FenceDecisions::holds_a_piece(const Placed& outer, const Placed& inner, Pie
 ContactSearch FenceDecisions::touch_at_end(const FencePiece& piece) {
   ContactSearch touch;
   touch.wanted = false;
-  const Placed mover = placed(piece.mover, piece.mover_motion.to);
+  const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.to);
   const Placed fence = placed_fence(piece.fence, piece.fence_motion.to);
   if (!overlaps(mover.bounds, fence.bounds)) return touch;
   search_objects(mover, fence, touch, walk_);
@@ -298,7 +301,8 @@ std::optional<SweptContact> FenceDecisions::sweep_sphere(const FencePiece& piece
                               .end = place(motion.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
-  sweep_object(sweep, is_mover ? placed_fence(piece.fence, others.to) : placed(piece.mover, others.to), walk_);
+  sweep_object(sweep, is_mover ? placed_fence(piece.fence, others.to) : placed_at(rows_, piece.mover, others.to),
+               walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
 }

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "server/world/events/contact_ledger.hpp"
+#include "server/world/fences/band_decisions.hpp"
+#include "server/world/fences/fence_piece.hpp"
 #include "server/world/fences/fence_table.hpp"
 #include "server/world/step/pair_windows.hpp"
 #include "server/world/step/piece_points.hpp"
@@ -23,8 +25,15 @@ struct FenceLists {
 /// ever. A carried fence has the time of its carrier.
 class FenceDecisions {
  public:
-  FenceDecisions(const StepView& step, FenceTable& table, ContactLedger& ledger, FenceLists& lists, StepCost& cost)
-      : step_(step), rows_(step.rows), table_(table), ledger_(ledger), lists_(lists), cost_(cost) {}
+  FenceDecisions(const StepView& step, FenceTable& table, ContactLedger& ledger, FenceLists& lists,
+                 PendingTurns& pending, StepCost& cost)
+      : step_(step),
+        rows_(step.rows),
+        table_(table),
+        ledger_(ledger),
+        lists_(lists),
+        cost_(cost),
+        bands_(step, table, ledger, pending, cost) {}
 
   /// The fence looks at this object: by its rule, and it is not its carrier.
   bool looks_at(std::uint32_t fence, std::uint32_t mover) const;
@@ -34,18 +43,9 @@ class FenceDecisions {
   ///
   /// is_new  the fence came, or found its carrier, since the last step: only where the object is now counts
   void decide(std::uint32_t fence, std::uint32_t mover, bool is_new);
+  BandDecisions& bands() { return bands_; }
 
  private:
-  /// The two in a piece of time in which both move straight and rotate evenly; a is the object, b the fence.
-  struct FencePiece {
-    std::uint32_t mover = 0;
-    std::uint32_t fence = 0;
-    std::int64_t from_ns = 0;
-    std::int64_t to_ns = 0;
-    BodyMotion mover_motion;
-    BodyMotion fence_motion;
-  };
-
   void decide_at_rest_in_the_world(std::uint32_t fence, std::uint32_t mover);
   void decide_carried(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
   void decide_on_common_time(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
@@ -63,7 +63,7 @@ class FenceDecisions {
   ContactEnd in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
   std::int64_t clock_error_ns(const FencePiece& piece) const;
   FoundContact found_in(const FencePiece& piece) const;
-  Placed placed(std::uint32_t slot, const Frame& frame) const;
+  bool band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const;
   Placed placed_fence(std::uint32_t fence, const Frame& frame);
   bool may_begin();
 
@@ -74,6 +74,7 @@ class FenceDecisions {
   FenceLists& lists_;
   StepCost& cost_;
   WalkCost walk_;
+  BandDecisions bands_;  // of the fences that are bands
 };
 
 }  // namespace collided::engine

@@ -14,7 +14,8 @@ namespace {
 std::size_t hash_of(const FenceRule& rule) {
   const std::hash<std::string> hash;
   return hash(rule.carrier) ^ (3 * hash(rule.only)) ^ (5 * hash(rule.skip)) ^
-         (7 * ((std::size_t{rule.mask} << 8) | rule.tells)) ^ rule.owner;
+         (7 * ((std::size_t{rule.mask} << 8) | rule.tells)) ^ rule.owner ^
+         (rule.band ? 11 * hash(rule.band->margin) + std::hash<double>{}(rule.band->within_m) : 0);
 }
 
 /// A fence that one primitive describes needs no body of its own.
@@ -45,7 +46,7 @@ std::shared_ptr<const FenceRule> FenceTable::shared(const FenceRule& rule) {
   return added;
 }
 
-ObjectId FenceTable::add(const FenceDefinition& definition) {
+std::uint32_t FenceTable::take_slot() {
   auto slot = static_cast<std::uint32_t>(fences_.size());
   if (!free_.empty()) {
     slot = free_.back();
@@ -55,6 +56,24 @@ ObjectId FenceTable::add(const FenceDefinition& definition) {
     fences_.emplace_back();
     bounds_.emplace_back();
   }
+  return slot;
+}
+
+ObjectId FenceTable::add_band(const std::string& name, const FenceRule& rule, std::shared_ptr<const ObjectInfo> about,
+                              std::uint32_t object) {
+  const std::uint32_t slot = take_slot();
+  FenceRow& fence = fences_[slot];
+  fence.name = name;
+  fence.rule = shared(rule);
+  fence.body = std::move(about);
+  by_name_.insert(slot);
+  carried_.insert(slot);
+  bind(slot, object);
+  return id(slot);
+}
+
+ObjectId FenceTable::add(const FenceDefinition& definition) {
+  const std::uint32_t slot = take_slot();
   FenceRow& fence = fences_[slot];
   fence.name = definition.name;
   fence.rule = shared({.carrier = definition.carrier,

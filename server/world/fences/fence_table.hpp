@@ -31,6 +31,9 @@ class FenceTable {
 
   /// The name is free and there is room: both were checked.
   ObjectId add(const FenceDefinition& definition);
+  /// A band about the object in that slot, to which it is bound. Its name is in use by no other.
+  ObjectId add_band(const std::string& name, const FenceRule& rule, std::shared_ptr<const ObjectInfo> about,
+                    std::uint32_t object);
   void remove(std::uint32_t slot);
 
   std::size_t size() const { return fences_.size(); }  // of slots, some of them free
@@ -43,6 +46,9 @@ class FenceTable {
   }
   const std::string& name(std::uint32_t slot) const { return fences_[slot].name; }
   const FenceRule& rule(std::uint32_t slot) const { return *fences_[slot].rule; }
+  bool is_band(std::uint32_t slot) const { return rule(slot).band.has_value(); }
+  /// How far the fence reaches beyond its body, metres: of a band.
+  double beyond_m(std::uint32_t slot) const { return is_band(slot) ? rule(slot).band->reach_m() : 0; }
   /// The fence as an object, whose frame is the world's or its carrier's. Valid until the next call for another fence.
   const ObjectInfo& body(std::uint32_t slot);
   /// The same as a copy, for descriptions.
@@ -53,7 +59,7 @@ class FenceTable {
 
   /// Slot of the object that carries it; kNone: it stands in the world, or its carrier is not there.
   std::uint32_t carrier(std::uint32_t slot) const;
-  bool is_carried(std::uint32_t slot) const { return !rule(slot).carrier.empty(); }
+  bool is_carried(std::uint32_t slot) const { return !rule(slot).carrier.empty() || is_band(slot); }
   /// Fences on the object in that slot.
   std::span<const std::uint32_t> carried_by(std::uint32_t object) const;
   /// Slots of all fences that an object carries, or is to carry.
@@ -97,6 +103,7 @@ class FenceTable {
   };
 
   std::shared_ptr<const FenceRule> shared(const FenceRule& rule);
+  std::uint32_t take_slot();
 
   std::deque<FenceRow> fences_;  // in blocks, so that none is empty for growth
   std::vector<Aabb> bounds_;     // empty: the slot is free, or the carrier is not there

@@ -23,24 +23,49 @@ std::string refusal_of(const FenceDefinition& definition) {
 
 }  // namespace
 
+std::string Fences::reason_against(const FenceDefinition& definition) const {
+  if (table_.find(definition.name) || margins_.contains(definition.name))
+    return "the name is taken; names are unique among fences and margins";
+  if (table_.count() + margins_.size() >= FenceTable::kMost)
+    return "it is one more than the limit of " + std::to_string(FenceTable::kMost) + " fences";
+  return definition.margin ? refusal_of(*definition.margin) : refusal_of(definition);
+}
+
 std::variant<ObjectId, Refusal> Fences::add(const FenceDefinition& definition) {
-  std::string reason = refusal_of(definition);
-  if (table_.find(definition.name)) reason = "the name is taken; names are unique among fences";
-  if (table_.count() >= FenceTable::kMost)
-    reason = "it is one more than the limit of " + std::to_string(FenceTable::kMost) + " fences";
-  if (!reason.empty()) return Refusal{"fence '" + definition.name + "': " + reason + ". Nothing was added"};
+  const std::string reason = reason_against(definition);
+  const char* kind = definition.margin ? "margin" : "fence";
+  if (!reason.empty())
+    return Refusal{std::string(kind) + " '" + definition.name + "': " + reason + ". Nothing was added"};
+  if (definition.margin) {
+    margins_.emplace(definition.name, definition);
+    new_margins_.push_back(definition.name);
+    return kFenceBit;
+  }
   const ObjectId id = table_.add(definition);
   new_.push_back(slot_of(id));
   return id;
 }
 
 bool Fences::remove(std::string_view name) {
+  if (const auto margin = margins_.find(name); margin != margins_.end()) {
+    for (std::uint32_t slot = 0; slot < table_.size(); ++slot) {
+      if (table_.holds(slot) && table_.is_band(slot) && table_.rule(slot).band->margin == name) remove_row(slot);
+    }
+    std::erase(new_margins_, name);
+    margins_.erase(margin);
+    return true;
+  }
   const std::optional<std::uint32_t> slot = table_.find(name);
-  if (!slot) return false;
-  removed_.push_back({table_.id(*slot), std::string(name)});
-  std::erase(new_, *slot);
-  table_.remove(*slot);
+  if (!slot || table_.is_band(*slot)) return false;
+  remove_row(*slot);
   return true;
+}
+
+void Fences::remove_row(std::uint32_t fence) {
+  removed_.push_back({table_.id(fence), table_.name(fence)});
+  std::erase(new_, fence);
+  drop_pending(table_.id(fence));
+  table_.remove(fence);
 }
 
 std::optional<ObjectId> Fences::find(std::string_view name) const {
@@ -59,17 +84,26 @@ std::string_view Fences::name(ObjectId fence) const {
 void Fences::begin_step(std::int64_t world_time_ns, const Changes& changes) {
   ledger_.begin_step(world_time_ns, false);
   cost_ = {};
+  ++step_;
   gone_ = std::exchange(removed_, {});
   for (const GoneFence& fence : gone_) ledger_.end_object(fence.id, EndReason::fence_removed);
   for (const auto& [id, reason] : changes.removed) {
     ledger_.end_object(id, reason);
+    drop_pending(id);
     const std::span<const std::uint32_t> carried = table_.carried_by(slot_of(id));
     for (const std::uint32_t fence : std::vector<std::uint32_t>(carried.begin(), carried.end())) {
       ledger_.end_object(table_.id(fence), reason);
-      table_.unbind(fence);
+      if (!table_.is_band(fence)) {
+        table_.unbind(fence);
+        continue;
+      }
+      remove_row(fence);
+      gone_.push_back(std::move(removed_.back()));
+      removed_.pop_back();
     }
   }
   for (const auto& [id, is_lost] : changes.lost) {
+    drop_pending(id);
     is_lost ? ledger_.lose(id) : ledger_.find_again(id);
     for (const std::uint32_t fence : table_.carried_by(slot_of(id))) {
       is_lost ? ledger_.lose(table_.id(fence)) : ledger_.find_again(table_.id(fence));
@@ -78,13 +112,14 @@ void Fences::begin_step(std::int64_t world_time_ns, const Changes& changes) {
 }
 
 void Fences::decide(const StepView& step, const Grid& movers) {
+  make_bands(step);
   if (table_.count() == 0 && ledger_.open().empty()) return new_.clear();
   bind_waiting(step);
   std::sort(new_.begin(), new_.end());
   gather_movers(step);
   follow_carriers(step);
   table_.update_index();
-  FenceDecisions decisions(step, table_, ledger_, lists_, cost_);
+  FenceDecisions decisions(step, table_, ledger_, lists_, pending_, cost_);
   for (const std::uint32_t mover : movers_) {
     find_fences_of(step, mover);
     for (const std::uint32_t fence : found_) consider(step, decisions, fence, mover);
@@ -95,6 +130,10 @@ void Fences::decide(const StepView& step, const Grid& movers) {
     find_movers_of(step, movers, fence);
     for (const std::uint32_t mover : found_) consider(step, decisions, fence, mover);
   }
+  if (is_any_pending()) {
+    decide_left_pending(step, decisions);
+    decisions.bands().settle();
+  }
   new_.clear();
 }
 
@@ -103,11 +142,21 @@ void Fences::consider(const StepView& step, FenceDecisions& decisions, std::uint
   const ObjectInfo* info = step.rows.info(mover);
   if (info == nullptr) return;
   const OpenContact* open = ledger_.find(info->id, table_.id(fence));
+  const auto pending = pending_.empty() ? pending_.end() : pending_.find({info->id, table_.id(fence)});
+  if (pending != pending_.end()) {
+    if (pending->second.considered_in_step != step_) decide_pair(decisions, fence, mover, false);
+    return;
+  }
   if (open == nullptr && !overlaps(step.motion.bounds()[mover], table_.bounds(fence))) return;
   if (open == nullptr && !decisions.looks_at(fence, mover)) return;
   // Most of what is in a fence is deep in it, and stays.
   if (open != nullptr && open->doubt == Doubt::none && decisions.surely_stays(fence, mover)) return;
-  decisions.decide(fence, mover, std::binary_search(new_.begin(), new_.end(), fence));
+  decide_pair(decisions, fence, mover, std::binary_search(new_.begin(), new_.end(), fence));
+}
+
+void Fences::decide_pair(FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new) {
+  decisions.decide(fence, mover, is_new);
+  decisions.bands().note_considered(fence, mover, step_);
 }
 
 /// New fences look for their carriers, and fences that wait for one among the new objects.
@@ -130,7 +179,7 @@ void Fences::bind_waiting(const StepView& step) {
 
 void Fences::bind(const StepView& step, std::uint32_t fence, std::uint32_t object) {
   table_.bind(fence, object);
-  table_.set_bounds(fence, bounds_of(table_.body(fence), step.rows[object].frame));
+  table_.set_bounds(fence, bounds_at(step, fence));
   if (step.rows[object].is_stale) ledger_.lose(table_.id(fence));
 }
 
@@ -176,8 +225,13 @@ void Fences::follow_carriers(const StepView& step) {
   for (const std::uint32_t fence : before) {
     if (!table_.holds(fence) || std::binary_search(followed_.begin(), followed_.end(), fence)) continue;
     const std::uint32_t carrier = table_.carrier(fence);
-    if (carrier != FenceTable::kNone) table_.set_bounds(fence, bounds_of(table_.body(fence), step.rows[carrier].frame));
+    if (carrier != FenceTable::kNone) table_.set_bounds(fence, bounds_at(step, fence));
   }
+}
+
+/// Where its carrier is.
+Aabb Fences::bounds_at(const StepView& step, std::uint32_t fence) {
+  return grown(bounds_of(table_.body(fence), step.rows[table_.carrier(fence)].frame), table_.beyond_m(fence));
 }
 
 Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
@@ -195,7 +249,7 @@ Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
       all.extend(bounds(body, BodyMotion(segment.from, segment.to), table_.reach_m(fence)));
     }
   });
-  return all;
+  return grown(all, table_.beyond_m(fence));
 }
 
 /// Something new may be known of it, so that it looks for its fences itself.

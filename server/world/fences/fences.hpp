@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,13 @@
 
 namespace collided::engine {
 
+/// By name.
+using Margins = std::map<std::string, FenceDefinition, std::less<>>;
+
+/// The name of a band's fence: the margin's, that of the object that has it, the number of the band and its distance in
+/// metres, each on a line of its own. No name has a line feed.
+std::string band_name(std::string_view margin, std::string_view about, std::size_t index, double within_m);
+
 /// The fences of a world, who is in them, and the events that change that. Who is in a fence is kept like a contact: an
 /// event's a is the object, its b the fence, `began` says that the object came in, `ended` that it went out and why.
 /// threads  the writer's only
@@ -21,6 +29,9 @@ class Fences {
   std::variant<ObjectId, Refusal> add(const FenceDefinition& definition);
   /// Whoever is in it goes out with fence_removed at the next step. False: there is no such fence.
   bool remove(std::string_view name);
+  /// The margins, which are fences without a place of their own: their bands, one fence each about each object, are in
+  /// the table.
+  const Margins& margins() const { return margins_; }
   const FenceTable& table() const { return table_; }
   FenceTable& table() { return table_; }
   std::optional<ObjectId> find(std::string_view name) const;
@@ -40,7 +51,9 @@ class Fences {
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
   /// There is a fence to be decided, though nothing moved.
-  bool has_news() const { return !new_.empty(); }
+  bool has_news() const { return !new_.empty() || !new_margins_.empty() || is_any_pending(); }
+  /// Something came into a band, or left it, that is told once it has lasted, though nothing moves.
+  bool is_any_pending() const { return !pending_.empty(); }
 
   const std::vector<Event>& events() const { return ledger_.events(); }
   /// Who is in which fence, with the pairs in doubt, in no order.
@@ -50,6 +63,14 @@ class Fences {
   const StepCost& cost() const { return cost_; }
 
  private:
+  std::string reason_against(const FenceDefinition& definition) const;
+  void remove_row(std::uint32_t fence);
+  void drop_pending(ObjectId id);
+  void make_bands(const StepView& step);
+  void add_bands(const StepView& step, const FenceDefinition& margin, std::uint32_t object, bool is_new);
+  void decide_pair(FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new);
+  void decide_left_pending(const StepView& step, FenceDecisions& decisions);
+  Aabb bounds_at(const StepView& step, std::uint32_t fence);
   void bind_waiting(const StepView& step);
   void bind(const StepView& step, std::uint32_t fence, std::uint32_t object);
   void follow_carriers(const StepView& step);
@@ -62,6 +83,10 @@ class Fences {
   void consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover);
 
   FenceTable table_;
+  Margins margins_;
+  std::vector<std::string> new_margins_;  // since the last step
+  PendingTurns pending_;
+  std::uint64_t step_ = 0;
   ContactLedger ledger_{true};
   FenceLists lists_;
   StepCost cost_;

@@ -235,6 +235,35 @@ std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) {
 }
 std::uint64_t FenceWatch::lost() const { return 0; }
 
+Result<void> Client::add_margin(const Margin& margin) {
+  fake::server().margins.push_back(margin);
+  return {};
+}
+Result<std::size_t> Client::remove_margins(const std::string& name) {
+  return std::erase_if(fake::server().margins, [&](const Margin& margin) { return margin.name == name; });
+}
+Result<std::vector<ListedMargin>> Client::margins(const std::string&) { return fake::server().listed_margins; }
+Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
+  fake::server().margins_watched_with = options;
+  return MarginWatch(Watch(std::make_unique<Watch::State>()), options);
+}
+MarginWatch::MarginWatch(Watch watch, MarginWatchOptions options)
+    : watch_(std::move(watch)), options_(std::move(options)) {}
+MarginWatch::~MarginWatch() = default;
+MarginWatch::MarginWatch(MarginWatch&&) noexcept = default;
+MarginWatch& MarginWatch::operator=(MarginWatch&&) noexcept = default;
+std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
+  std::deque<MarginEvent>& events = fake::server().margin_events;
+  if (!events.empty()) {
+    MarginEvent event = events.front();
+    events.pop_front();
+    return event;
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+std::uint64_t MarginWatch::lost() const { return 0; }
+
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
   return fake::server().status;

@@ -50,6 +50,10 @@ struct Server {
   std::vector<ListedFence> listed_fences;
   std::deque<FenceEvent> fence_events;
   FenceWatchOptions fences_watched_with;
+  std::vector<Margin> margins;
+  std::vector<ListedMargin> listed_margins;
+  std::deque<MarginEvent> margin_events;
+  MarginWatchOptions margins_watched_with;
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way

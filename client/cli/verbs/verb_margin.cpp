@@ -1,0 +1,144 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/margin_output.hpp"
+#include "client/cli/output/readable.hpp"
+#include "client/cli/pace.hpp"
+
+namespace collided::cli {
+namespace {
+
+/// The distances of "5m,2m,50cm", in metres.
+std::vector<double> bands_of(const std::vector<std::string>& words) {
+  std::vector<double> bands_m = parse_numbers(words, Measure::length);
+  for (std::size_t i = 0; i < bands_m.size(); ++i) {
+    if (!std::isfinite(bands_m[i]) || bands_m[i] < 0)
+      throw bad_use(fmt::format("band {} is {} m; a finite distance, 0 or more, is needed", i + 1, bands_m[i]));
+    if (i > 0 && !(bands_m[i] < bands_m[i - 1]))
+      throw bad_use(
+          fmt::format("band {}, {} m, is not less than the one before it, {} m", i + 1, bands_m[i], bands_m[i - 1]),
+          "the widest comes first: 5m,2m,50cm");
+  }
+  if (bands_m.empty()) throw bad_use("a margin needs a distance", "collide margin add NAME GLOB GLOB 5m,2m,50cm");
+  return bands_m;
+}
+
+/// What the first word after the verb says is done: add, ls, rm or watch.
+class MarginCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "add NAME GLOB GLOB DISTANCE,..., ls [GLOB], rm GLOB, or watch [GLOB]");
+    app.add_option("--hysteresis", hysteresis_, "add: who is within a band leaves it so much farther out (0)");
+    app.add_option("--dwell", dwell_, "add: a change is told once it has lasted so long; contact at once (0)");
+    app.add_option("--only", only_, "watch: margins or objects (glob)");
+    app.add_option("--skip", skip_, "add: objects that have no part in it; watch: margins or objects (glob)");
+    app.add_option("--mask", mask_, "add: layers of the moving objects of the second group: bits (all)");
+    app.add_flag("--keep", margin_.keep, "add: it stays, after a crash too, until it is removed");
+    app.add_option("-n", most_events_, "End after so many events");
+    app.add_option("--for", most_time_, "End after this time");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const std::string action = words_.empty() ? "ls" : words_.front();
+    if (action == "add") return add(session, globals);
+    if (action == "ls") return list(session, globals);
+    if (action == "rm") return remove(session, globals);
+    if (action == "watch") return follow(session, globals, word(1));
+    throw bad_use(fmt::format("'{}' is nothing to do with margins", action), "add, ls, rm or watch");
+  }
+
+ private:
+  std::string word(std::size_t index) const { return index < words_.size() ? words_[index] : std::string(); }
+
+  /// A margin that is not kept goes with the process, so the process stays and tells of it.
+  Exit add(Session& session, const Globals& globals) {
+    if (words_.size() < 5)
+      throw bad_use("a name, two groups and distances are needed",
+                    "collide margin add close 'drone*' 'person*' 5m,2m,50cm");
+    margin_.name = words_[1];
+    margin_.around = words_[2];
+    margin_.only = words_[3];
+    margin_.skip = skip_;
+    margin_.mask = parse_bits(mask_);
+    margin_.bands_m = bands_of({words_.begin() + 4, words_.end()});
+    margin_.hysteresis_m = parse_finite(hysteresis_, Measure::length);
+    if (margin_.hysteresis_m < 0) throw bad_use("--hysteresis " + hysteresis_ + ": a distance of 0 or more is needed");
+    margin_.dwell = parse_duration(dwell_);
+    take(session.client(globals).add_margin(margin_));
+    if (!margin_.keep && !session.has_many_verbs) {
+      skip_ = {};
+      print_hint(session.io, globals,
+                 fmt::format("margin {} stands until this ends; --keep lets it stand", printable(margin_.name)));
+      return follow(session, globals, margin_.name);
+    }
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) printer.line(fmt::format("margin {}", printable(margin_.name)));
+    else printer.record({{"margin", std::string(margin_.name)}});
+    printer.finish();
+    return Exit::yes;
+  }
+
+  Exit list(Session& session, const Globals& globals) {
+    const std::vector<ListedMargin> margins = take(session.client(globals).margins(word(1)));
+    Printer printer = make_printer(session.io, globals);
+    for (const ListedMargin& listed : margins) {
+      if (!printer.human()) {
+        printer.record(margin_record(listed));
+        continue;
+      }
+      printer.row({"MARGIN", "AROUND", "FOR", "BANDS", "HYSTERESIS", "DWELL", "KEPT", "WITHIN"}, margin_row(listed));
+    }
+    printer.finish();
+    return margins.empty() ? Exit::no : Exit::yes;
+  }
+
+  Exit remove(Session& session, const Globals& globals) {
+    if (words_.size() < 2) throw bad_use("which margin?", "collide margin rm GLOB");
+    const std::size_t count = take(session.client(globals).remove_margins(words_[1]));
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) printer.line(fmt::format("removed {} margin{}", count, count == 1 ? "" : "s"));
+    else printer.record({{"removed", std::uint64_t{count}}});
+    printer.finish();
+    return count > 0 ? Exit::yes : Exit::no;
+  }
+
+  Exit follow(Session& session, const Globals& globals, const std::string& glob) {
+    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
+    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
+    MarginWatch watch =
+        take(session.client(globals).watch_margins({.only = glob.empty() ? only_ : glob, .skip = skip_}));
+    Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_margin_fields());
+    const Until until(most, most_time);
+    std::uint64_t count = 0;
+    while (!until.reached(count) && session.io.out.good()) {
+      const std::optional<MarginEvent> event = next_of(watch, session.io, until);
+      if (!event) continue;
+      if (printer.human()) printer.line(margin_line(printer, *event));
+      else printer.record(margin_record(*event));
+      ++count;
+    }
+    session.io.out.flush();
+    print_hint(session.io, globals, fmt::format("{}, {} lost", counted(count, "event"), format_count(watch.lost())));
+    if (stop_requested) return Exit::interrupted;
+    return count > 0 ? Exit::yes : Exit::no;
+  }
+
+  std::vector<std::string> words_;
+  Margin margin_;
+  std::string hysteresis_ = "0";
+  std::string dwell_ = "0";
+  std::string only_;
+  std::string skip_;
+  std::string mask_ = "0xffffffff";
+  std::string most_events_;
+  std::string most_time_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_margin() { return std::make_unique<MarginCommand>(); }
+
+}  // namespace collided::cli

@@ -1,0 +1,178 @@
+#include "client/library/watching/margins.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "client/library/commands/command.hpp"
+#include "client/library/commands/json_reading.hpp"
+#include "client/library/connection/errors.hpp"
+#include "idl/commands.hpp"
+#include "idl/glob.hpp"
+
+namespace collided {
+namespace client {
+namespace {
+
+constexpr std::chrono::seconds kMarginTimeout{10};
+
+nlohmann::json margin_arguments(const Margin& margin) {
+  nlohmann::json arguments{
+      {"name", margin.name},     {"around", margin.around},           {"only", margin.only},
+      {"bands", margin.bands_m}, {"hysteresis", margin.hysteresis_m}, {"dwell_ns", margin.dwell.count()},
+      {"keep", margin.keep}};
+  if (!margin.skip.empty()) arguments["skip"] = margin.skip;
+  if (margin.mask != 0xffffffff) arguments["mask"] = margin.mask;
+  return arguments;
+}
+
+/// What JSON cannot carry, or the server would read as something else.
+std::string refusal_of_margin(const Margin& margin) {
+  if (!std::all_of(margin.bands_m.begin(), margin.bands_m.end(), [](double m) { return std::isfinite(m); }))
+    return "a band is not finite";
+  if (!std::isfinite(margin.hysteresis_m)) return "its hysteresis is not finite";
+  if (margin.dwell.count() < 0) return "its dwell is negative";
+  return {};
+}
+
+ListedMargin listed_margin(const nlohmann::json& row) {
+  ListedMargin listed{.margin = {.name = row.at("margin"),
+                                 .around = row.at("around"),
+                                 .only = row.at("only"),
+                                 .skip = row.at("skip"),
+                                 .mask = row.at("mask"),
+                                 .bands_m = row.at("bands"),
+                                 .hysteresis_m = row.at("hysteresis"),
+                                 .dwell = std::chrono::nanoseconds(row.at("dwell_ns").get<std::int64_t>()),
+                                 .keep = row.at("keep")},
+                      .pairs = {}};
+  for (const nlohmann::json& pair : row.at("pairs")) {
+    listed.pairs.push_back({.object = pair.at("object"),
+                            .around = pair.at("around"),
+                            .within_m = pair.at("within"),
+                            .is_in_doubt = pair.at("in_doubt")});
+  }
+  return listed;
+}
+
+/// The parts of a band's name; false: it is none.
+bool read_band(std::string_view name, MarginEvent& event, std::uint32_t& index) {
+  std::string_view parts[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t end = name.find('\n');
+    if ((end == std::string_view::npos) != (i == 3)) return false;
+    parts[i] = name.substr(0, end);
+    name.remove_prefix(std::min(name.size(), end + (i < 3 ? 1 : 0)));
+  }
+  event.margin = parts[0];
+  event.around = parts[1];
+  const auto read = [](std::string_view text, auto& number) {
+    return std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc();
+  };
+  return read(parts[2], index) && read(parts[3], event.band_m);
+}
+
+MarginEventKind kind_of(const Event& event, double band_m, std::uint32_t index) {
+  if (event.kind == EventKind::open) return MarginEventKind::within;
+  if (event.kind == EventKind::ended) return MarginEventKind::leave;
+  if (band_m == 0) return MarginEventKind::contact;
+  return index == 0 ? MarginEventKind::approach : MarginEventKind::near;
+}
+
+bool is_wanted(const MarginEvent& event, const MarginWatchOptions& wanted) {
+  const auto any_is = [&](const std::string& glob) {
+    return wire_contract::glob_matches(glob, event.margin) || wire_contract::glob_matches(glob, event.object) ||
+           wire_contract::glob_matches(glob, event.around);
+  };
+  return (wanted.only.empty() || any_is(wanted.only)) && (wanted.skip.empty() || !any_is(wanted.skip));
+}
+
+void take_approach(const Event& event, MarginEvent& told) {
+  told.distance_m = 0.0 - event.depth_m;
+  told.distance_error_m = event.depth_error_m;
+  told.point = event.point;
+  told.normal = event.normal;
+  // The normal is a unit vector up to a rounding, and so is the product's error beside the velocity's.
+  told.closing_mps = 0.0 - event.normal.dot(event.relative_velocity);
+  told.closing_error_mps = event.velocity_error + 8e-16 * event.relative_velocity.norm();
+  if (std::isfinite(event.surface_depth_error_m)) {
+    told.contact_in = {std::max(0.0, event.surface_depth_m - event.surface_depth_error_m),
+                       event.surface_depth_m + event.surface_depth_error_m};
+  }
+}
+
+}  // namespace
+
+Result<void> add_margin(Connection& connection, const Margin& margin) {
+  if (const std::string reason = refusal_of_margin(margin); !reason.empty())
+    return bad_input("margin '" + margin.name + "': " + reason);
+  nlohmann::json arguments = margin_arguments(margin);
+  try {
+    static_cast<void>(arguments.dump());
+  } catch (const nlohmann::json::exception&) { return bad_input("margin: a name or glob is not UTF-8 text"); }
+  return read_answer(command(connection, wire_contract::command::kFence, arguments, kMarginTimeout), "fence",
+                     [](const nlohmann::json&) {});
+}
+
+Result<std::size_t> remove_margins(Connection& connection, const std::string& name) {
+  const nlohmann::json arguments{{"name", name}, {"remove", true}, {"margins", true}};
+  return read_answer(command(connection, wire_contract::command::kFence, arguments, kMarginTimeout), "fence",
+                     [](const nlohmann::json& answer) { return answer.at("fences").size(); });
+}
+
+Result<std::vector<ListedMargin>> list_margins(Connection& connection, const std::string& name_glob) {
+  const nlohmann::json arguments{{"name", name_glob}, {"margins", true}};
+  return read_answer(command(connection, wire_contract::command::kFences, arguments, kMarginTimeout), "fences",
+                     [](const nlohmann::json& answer) {
+                       std::vector<ListedMargin> margins;
+                       for (const nlohmann::json& row : answer.at("margins")) margins.push_back(listed_margin(row));
+                       return margins;
+                     });
+}
+
+std::optional<MarginEvent> margin_news(const Event& event, const MarginWatchOptions& wanted) {
+  MarginEvent told{.reason = event.kind == EventKind::ended ? event.reason : EndReason::none,
+                   .doubt = event.doubt,
+                   .resync = event.resync,
+                   .margin = {},
+                   .object = event.a,
+                   .around = {},
+                   .object_id = event.a_id,
+                   .epoch = event.epoch,
+                   .sequence = event.sequence,
+                   .episode = event.episode,
+                   .world_time = event.world_time,
+                   .entered = event.began,
+                   .bracket_low_s = event.bracket_low_s,
+                   .bracket_high_s = event.bracket_high_s};
+  std::uint32_t index = 0;
+  if (!read_band(event.b, told, index) || !is_wanted(told, wanted)) return std::nullopt;
+  told.kind = kind_of(event, told.band_m, index);
+  if (event.kind == EventKind::began && event.doubt == Doubt::none) take_approach(event, told);
+  return told;
+}
+
+}  // namespace client
+
+MarginWatch::MarginWatch(Watch watch, MarginWatchOptions options)
+    : watch_(std::move(watch)), options_(std::move(options)) {}
+MarginWatch::~MarginWatch() = default;
+MarginWatch::MarginWatch(MarginWatch&&) noexcept = default;
+MarginWatch& MarginWatch::operator=(MarginWatch&&) noexcept = default;
+
+std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
+  const client::Clock::time_point until =
+      client::Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+  while (true) {
+    const auto left = std::max<std::chrono::nanoseconds>(until - client::Clock::now(), std::chrono::nanoseconds(0));
+    const std::optional<Event> event = watch_.next(left);
+    if (!event) return std::nullopt;
+    if (std::optional<MarginEvent> told = client::margin_news(*event, options_)) return told;
+  }
+}
+std::uint64_t MarginWatch::lost() const { return watch_.lost(); }
+std::uint64_t MarginWatch::resyncs() const { return watch_.resyncs(); }
+bool MarginWatch::connected() const { return watch_.connected(); }
+bool MarginWatch::in_step() const { return watch_.in_step(); }
+
+}  // namespace collided
