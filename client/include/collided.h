@@ -401,6 +401,60 @@ COLLIDED_API int collided_publisher_keep_alive(collided_publisher* publisher, co
 /* From now on each object moves between its own poses; see collided::Publisher::stream. */
 COLLIDED_API void collided_publisher_stream(collided_publisher* publisher);
 
+/* ---- Live clouds ---- */
+
+/* A grid of cells in the world that scans make occupied, free or unknown; see collided::PublishedVoxels. */
+typedef struct collided_voxels collided_voxels;
+
+typedef struct collided_voxel_options {
+  uint32_t size;
+  int32_t unknown;     /* what unknown cells are: 0 free, 1 undecided (reason not_covered), 2 occupied */
+  double cell_m;       /* side of a cell, rounded to 24 significant bits */
+  double reach_m;      /* points farther from their scan's origin do not count; HUGE_VAL: all do */
+  int64_t decay_ns;    /* a cell that no scan has met for so long is unknown again; 0: never */
+  uint32_t layers;     /* of its objects */
+  int32_t lost_policy; /* of its objects: 0 remove, 1 freeze, 2 hold */
+  size_t most_blocks;  /* of 16 x 16 x 16 cells that may be in use */
+} collided_voxel_options;
+COLLIDED_API void collided_voxel_defaults(collided_voxel_options* options, uint32_t size);
+
+/* What became of a scan. */
+typedef struct collided_voxel_scan {
+  uint32_t size;
+  int32_t reserved;
+  size_t points;   /* taken */
+  size_t refused;  /* not finite, or too far from the grid's origin */
+  size_t far_off;  /* beyond reach_m */
+  size_t dropped;  /* in a block beyond most_blocks */
+  size_t occupied; /* cells that have points */
+  size_t crossed;  /* cells that rays crossed and no point is in */
+  size_t changed;  /* blocks whose cells are other than before */
+} collided_voxel_scan;
+
+/* The publisher must outlive it, and is to be kept alive as for other objects.
+ * options  may be null
+ * returns  in *voxels, to be given to collided_voxels_close */
+COLLIDED_API int collided_voxels_start(collided_publisher* publisher, const char* name,
+                                       const collided_voxel_options* options, collided_voxels** voxels,
+                                       collided_error* error);
+/* Its objects stay until the publisher is closed; collided_voxels_clear makes all cells unknown. */
+COLLIDED_API void collided_voxels_close(collided_voxels* voxels);
+/* Takes a scan and sends what it changes.
+ * points   three numbers each, m, in the world
+ * origin   of the sensor; with it the space up to each point becomes free. May be null
+ * time_ns  of the scan, for decay; 0: now
+ * scan     may be null */
+COLLIDED_API int collided_voxels_insert(collided_voxels* voxels, size_t count, const double* points,
+                                        const double* origin, int64_t time_ns, collided_voxel_scan* scan,
+                                        collided_error* error);
+COLLIDED_API int collided_voxels_insert_floats(collided_voxels* voxels, size_t count, const float* points,
+                                               const double* origin, int64_t time_ns, collided_voxel_scan* scan,
+                                               collided_error* error);
+/* Lets what was not met for long become unknown; insert does so too. *changed, blocks, may be null. */
+COLLIDED_API int collided_voxels_decay(collided_voxels* voxels, int64_t time_ns, size_t* changed,
+                                       collided_error* error);
+COLLIDED_API int collided_voxels_clear(collided_voxels* voxels, collided_error* error);
+
 #ifdef __cplusplus
 }
 #endif

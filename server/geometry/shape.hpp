@@ -14,6 +14,7 @@ namespace collided::engine {
 struct Shape {
   std::vector<Primitive> primitives;
   std::shared_ptr<const TriangleMesh> mesh;  // may be null
+  bool is_unknown = false;                   // what is in it is not known
 
   bool empty() const { return primitives.empty() && !mesh; }
 };

@@ -229,6 +229,8 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->scene = definition.scene;
   info->filter = definition.filter;
   info->moving = definition.moving;
+  info->is_unknown = definition.shape.is_unknown;
+  if (info->is_unknown) info->filter.mask = 0;
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
@@ -249,7 +251,9 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
 ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
   return {.name = info.name,
           .scene = info.scene,
-          .shape = {.primitives = info.primitives, .mesh = info.mesh ? info.mesh->mesh : nullptr},
+          .shape = {.primitives = info.primitives,
+                    .mesh = info.mesh ? info.mesh->mesh : nullptr,
+                    .is_unknown = info.is_unknown},
           .pose = pose,
           .filter = info.filter,
           .moving = info.moving,

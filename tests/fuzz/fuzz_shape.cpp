@@ -61,6 +61,20 @@ static std::string with_buffers() {
   return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
 }
 
+/// Cells beside cells of unknown space.
+static std::string with_voxels(bool is_unknown) {
+  using namespace collided;
+  flatbuffers::FlatBufferBuilder builder;
+  const std::vector<std::uint8_t> bits{0xa5, 0x0f, 0x03};
+  const auto cells =
+      builder.CreateVector(std::vector{format::CreateVoxelsDirect(builder, 0.25, -1, 2, 3, 3, 3, 2, &bits)});
+  format::ShapeBuilder shape(builder);
+  shape.add_voxels(cells);
+  shape.add_is_unknown(is_unknown);
+  builder.Finish(shape.Finish());
+  return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
+}
+
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
   using namespace collided::engine;
@@ -77,5 +91,7 @@ std::vector<std::string> fuzz_seeds() {
   }
   seeds.push_back(with_forms());
   seeds.push_back(with_buffers());
+  seeds.push_back(with_voxels(false));
+  seeds.push_back(with_voxels(true));
   return seeds;
 }

@@ -12,12 +12,13 @@
 #include "client/cli/publish/loop.hpp"
 #include "client/cli/publish/path.hpp"
 #include "client/cli/publish/robot_source.hpp"
+#include "client/cli/publish/voxel_source.hpp"
 #include "client/cli/publish/walker.hpp"
 
 namespace collided::cli {
 namespace {
 
-enum class Kind { poses, recording, robot, spheres, path };
+enum class Kind { poses, recording, robot, spheres, path, voxels };
 
 /// An option that only some kinds of publisher have: its text as written, and those kinds.
 struct Setting {
@@ -32,7 +33,9 @@ struct Setting {
 class PublishCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", file_, "Poses (.csv, -), a motion capture (.bvh) or, with --joints, a robot (.urdf)");
+    app.add_option(
+        "file", file_,
+        "Poses (.csv, -), a motion capture (.bvh), with --joints a robot (.urdf), with --voxels a scan (.pcd, .xyz)");
     declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--solid", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
@@ -40,6 +43,7 @@ class PublishCommand : public Command {
     declare_group(app, "Spheres in a cube",
                   {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce",
                    "--as-asked", "--response", "--restitution", "--stiffness"});
+    declare_group(app, "Scan", {"--voxels", "--from", "--unknown", "--decay", "--reach"});
     declare_group(app, "Path", {"--path", "--waypoints", "--face"});
   }
 
@@ -79,8 +83,10 @@ class PublishCommand : public Command {
 
   Kind kind_of_run() {
     const int motions = !file_.empty() + given("--spheres") + given("--path") + given("--waypoints");
+    if (given("--voxels") && file_.empty()) throw bad_use("--voxels needs the file of a scan");
     if (motions == 0) throw bad_use("what? a file of poses, --spheres N, --path FILE or --waypoints \"X,Y,Z X,Y,Z\"");
     if (motions > 1) throw bad_use("a file, --spheres, --path and --waypoints exclude each other");
+    if (given("--voxels")) return Kind::voxels;
     if (given("--spheres")) return Kind::spheres;
     if (file_.empty()) return Kind::path;
     if (given("--joints") || file_.ends_with(".urdf")) return Kind::robot;
@@ -131,6 +137,7 @@ class PublishCommand : public Command {
       case Kind::recording: return recording(loop);
       case Kind::robot: return robot(io, loop);
       case Kind::spheres: return spheres();
+      case Kind::voxels: return voxels(io, loop);
       case Kind::path: break;
     }
     return path(io);
@@ -174,6 +181,33 @@ class PublishCommand : public Command {
     if (given("--package")) options.package = absolute_package(text("--package"));
     options.paced = loop.rate_hz > 0;
     return make_robot_source(io, options);
+  }
+
+  /// Without an end of its own the scan stays: a scan that goes at once is of no use.
+  std::unique_ptr<MotionSource> voxels(const Io& io, PublishLoopOptions& loop) {
+    loop.stay = loop.stay || !given("--steps");
+    VoxelSourceOptions options{.path = file_, .name = given("--name") ? text("--name") : stem_of(file_)};
+    options.objects = object_texts();
+    if (!given("--when-lost")) options.objects.lost_policy = LostPolicy::freeze;
+    options.voxels.cell_m = positive("--voxels", Measure::length, 0);
+    options.voxels.reach_m = positive("--reach", Measure::length, options.voxels.reach_m);
+    if (given("--decay")) options.voxels.decay = parse_duration(text("--decay"));
+    if (given("--from")) options.origin = parse_vector(text("--from"), Measure::length);
+    const std::string& unknown = text("--unknown");
+    if (unknown == "undecided") options.voxels.unknown = UnknownCells::undecided;
+    else if (unknown == "occupied") options.voxels.unknown = UnknownCells::occupied;
+    else if (!unknown.empty() && unknown != "free")
+      throw bad_use(fmt::format("--unknown '{}'; allowed: free, undecided, occupied", unknown));
+    if (given("--unknown") && unknown != "free" && !options.origin)
+      throw bad_use("without --from no space is known to be free", "--from X,Y,Z: where the sensor stood");
+    options.rate_hz = loop.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
+    return make_voxel_source(io, options);
+  }
+
+  static std::string stem_of(const std::string& path) {
+    const std::string file = path.substr(path.rfind('/') + 1);
+    const std::string stem = file.substr(0, file.rfind('.'));
+    return stem.empty() ? "scan" : stem;
   }
 
   std::unique_ptr<MotionSource> spheres() {
@@ -244,21 +278,23 @@ class PublishCommand : public Command {
   std::vector<Setting> settings_{
       {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
       {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
-      {"--loop", {Kind::poses, Kind::recording, Kind::robot, Kind::path}, "Again from the start"},
+      {"--loop", {Kind::poses, Kind::recording, Kind::robot, Kind::path, Kind::voxels}, "Again from the start"},
       {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
       {"--steps", {}, "End after so many frames"},
       {"--for", {}, "End after this time"},
       {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, mesh:part.stl"},
       {"--name",
-       {Kind::recording, Kind::robot, Kind::spheres, Kind::path},
+       {Kind::recording, Kind::robot, Kind::spheres, Kind::path, Kind::voxels},
        "Of the object or the robot's scene, or what its parts' names begin with"},
       {"--solid",
        {Kind::poses, Kind::path},
        "The mesh of --shape is the border of a solid; refused where it does not close; =winding: solid by winding "
        "number then"},
-      {"--layers", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers the objects are in: bits (1)"},
+      {"--layers",
+       {Kind::poses, Kind::recording, Kind::spheres, Kind::path, Kind::voxels},
+       "Layers the objects are in: bits (1)"},
       {"--mask", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers that they meet: bits (all)"},
-      {"--when-lost", {}, "If this publisher is lost: remove (default; robots: freeze), freeze or hold"},
+      {"--when-lost", {}, "If this publisher is lost: remove (default; robots, scans: freeze), freeze or hold"},
       {"--as", {}, "Name of the publisher"},
       {"--unit", {Kind::recording}, "Metres a unit of the file (1): 0.056444, 1cm"},
       {"--radius", {Kind::recording}, "Of the spheres at feet and toes (0.12)"},
@@ -282,6 +318,11 @@ class PublishCommand : public Command {
       {"--response", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
       {"--restitution", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
       {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6); pressed by v sqrt(m/k)"},
+      {"--voxels", {Kind::voxels}, "Cells of this side that hold points are occupied: 0.05"},
+      {"--from", {Kind::voxels}, "Where the sensor stood: what lies before the points is free: 0,0,1.2"},
+      {"--unknown", {Kind::voxels}, "What no scan has met: free (default), undecided (not_covered) or occupied"},
+      {"--decay", {Kind::voxels}, "What was not met for so long is unknown again (never): 5s"},
+      {"--reach", {Kind::voxels}, "Points farther from the sensor do not count (no limit)"},
       {"--path", {Kind::path}, "One object along the points of this file: x,y,z"},
       {"--waypoints", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
       {"--face", {Kind::path}, "Its x axis points along the way"},

@@ -39,6 +39,9 @@ struct ObjectOptions {
   /// With `solid`: a mesh that does not close is not refused but solid by its winding number, for Client::inside and signed
   /// near; to all other questions, and for events, it is a surface.
   bool solid_by_winding = false;
+  /// What is in the shape is not known: it meets nothing, and a question that reaches into it is undecided with
+  /// not_covered. It is left out by name or by mask as others are.
+  bool unknown = false;
 };
 
 /// A source of objects and their poses, made by Client::publish. Its objects live as long as it does unless removed
@@ -71,6 +74,9 @@ class Publisher {
   /// pose  where it is placed
   Result<Object> claim(const std::string& name, const Pose& pose, LostPolicy lost_policy = LostPolicy::remove);
   Result<void> remove(Object object);
+  /// Gives an object of add() another shape, where it is; its scale stays. Its contacts end with geometry_changed and begin
+  /// anew.
+  Result<void> reshape(Object object, const Shape& shape);
   /// Collects the newest pose of an object; flush() sends it. The object moves there from its last pose, and contacts
   /// on the path count, unless it is teleported. A pose that is not finite, or whose rotation's norm is not 1 within
   /// 1e-6, is refused.

@@ -79,9 +79,18 @@ struct PolylineShape {
   double radius_m = 0;
 };
 
+/// Cells of a regular grid that stands along the axes of the object's frame; each occupied cell is a box of its own. Cell
+/// (i, j, k) reaches from (low + (i, j, k)) * cell_m to one cell more.
+struct VoxelShape {
+  double cell_m = 0;                     // above 0, of at most 24 significant bits: then all corners are exact
+  std::array<std::int32_t, 3> low{};     // within 2^26
+  std::array<std::uint32_t, 3> size{};   // cells along each axis, 1 to 256
+  std::vector<std::uint8_t> occupied{};  // bit i + size[0] * (j + size[1] * k), low bits of a byte first
+};
+
 /// One part of a shape.
 using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape,
-                               HullShape, HalfSpaceShape, HeightFieldShape, CloudShape, PolylineShape>;
+                               HullShape, HalfSpaceShape, HeightFieldShape, CloudShape, PolylineShape, VoxelShape>;
 /// One or more parts that move as one. At most one of them is a mesh or a height field.
 using Shape = std::vector<ShapePart>;
 

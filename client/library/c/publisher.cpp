@@ -1,11 +1,7 @@
-#include "client/library/c/values.hpp"
+#include "client/library/c/publisher.hpp"
 
 using namespace collided;
 using namespace collided::c;
-
-struct collided_publisher {
-  Publisher publisher;
-};
 
 extern "C" {
 

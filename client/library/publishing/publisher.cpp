@@ -56,6 +56,7 @@ Result<Publisher::Object> Publisher::claim(const std::string& name, const Pose& 
   return state_->claim({.name = name, .pose = pose, .lost_policy = lost_policy});
 }
 Result<void> Publisher::remove(Object object) { return state_->remove(object); }
+Result<void> Publisher::reshape(Object object, const Shape& shape) { return state_->reshape(object, shape); }
 Result<void> Publisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
 }
@@ -143,11 +144,15 @@ client::SaidSolid said_solid(const ObjectOptions& options) {
   return options.solid_by_winding ? client::SaidSolid::by_winding : client::SaidSolid::border;
 }
 
+Result<std::vector<std::uint8_t>> encoded(const Shape& shape, const ObjectOptions& options) {
+  return client::encode_shape(shape, options.scale, "object '" + options.name + '\'', said_solid(options),
+                              options.unknown);
+}
+
 }  // namespace
 
 Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
-  Result<std::vector<std::uint8_t>> shape =
-      client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'', said_solid(options));
+  Result<std::vector<std::uint8_t>> shape = encoded(options.shape, options);
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
   if (!shape) { return shape.error(); }
@@ -182,6 +187,22 @@ Result<void> Publisher::State::remove(Object object) {
   const std::uint32_t number = PublishedObjects::number(object);
   if (auto error = write_definition(number, objects_.at(number), true)) { return *error; }
   objects_.remove(object);
+  return {};
+}
+
+Result<void> Publisher::State::reshape(Object object, const Shape& shape) {
+  const std::lock_guard lock(mutex_);
+  PublishedObject* const known = objects_.find(object);
+  if (known == nullptr) { return unknown(object); }
+  if (known->shape.empty()) {
+    return bad_input("object '" + known->options.name + "' is claimed; its shape is not this publisher's");
+  }
+  Result<std::vector<std::uint8_t>> bytes = encoded(shape, known->options);
+  if (!bytes) { return bytes.error(); }
+  known->shape = std::move(*bytes);
+  if (auto error = say_alive()) { return *error; }
+  const std::uint32_t number = PublishedObjects::number(object);
+  if (auto error = write_definition(number, objects_.at(number), false)) { return *error; }
   return {};
 }
 

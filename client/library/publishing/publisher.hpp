@@ -22,6 +22,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   Result<Object> add(const ObjectOptions& options);
   Result<Object> claim(const ObjectOptions& options);
   Result<void> remove(Object object);
+  Result<void> reshape(Object object, const Shape& shape);
   Result<void> move(Object object, const Pose& pose, bool teleport);
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
   void stream();

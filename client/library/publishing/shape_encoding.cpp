@@ -117,6 +117,20 @@ std::optional<std::string> points_fault(const std::vector<Vec3>& points, double 
 std::optional<std::string> part_fault(const CloudShape& cloud) { return points_fault(cloud.points, cloud.radius_m, 1); }
 std::optional<std::string> part_fault(const PolylineShape& line) { return points_fault(line.points, line.radius_m, 2); }
 
+std::optional<std::string> part_fault(const VoxelShape& voxels) {
+  std::uint64_t cells = 1;
+  for (const std::uint32_t size : voxels.size) {
+    if (size < 1 || size > 256) { return std::to_string(size) + " cells along an axis; allowed 1 to 256"; }
+    cells *= size;
+  }
+  if (!(voxels.cell_m > 0 && std::isfinite(voxels.cell_m))) { return "cells of " + words(voxels.cell_m) + " m"; }
+  if (voxels.occupied.size() != (cells + 7) / 8) {
+    return std::to_string(voxels.occupied.size()) + " bytes for " + std::to_string(cells) + " cells; needed are " +
+           std::to_string((cells + 7) / 8);
+  }
+  return std::nullopt;
+}
+
 struct EncodedParts {
   std::vector<format::Sphere> spheres;
   std::vector<format::Box> boxes;
@@ -128,6 +142,7 @@ struct EncodedParts {
   std::vector<format::HalfSpace> half_spaces;
   std::vector<const CloudShape*> clouds;
   std::vector<const PolylineShape*> polylines;
+  std::vector<const VoxelShape*> voxels;
   const HeightFieldShape* height_field = nullptr;
   const MeshShape* mesh = nullptr;
 
@@ -147,6 +162,7 @@ struct EncodedParts {
   void add(const HeightFieldShape& one) { height_field = &one; }
   void add(const CloudShape& cloud) { clouds.push_back(&cloud); }
   void add(const PolylineShape& line) { polylines.push_back(&line); }
+  void add(const VoxelShape& one) { voxels.push_back(&one); }
   bool has_surface() const { return mesh != nullptr || height_field != nullptr; }
 };
 
@@ -177,6 +193,16 @@ flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Points>>> bu
   return tables.empty() ? 0 : builder.CreateVector(tables);
 }
 
+flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Voxels>>> build_voxels(
+    flatbuffers::FlatBufferBuilder& builder, const std::vector<const VoxelShape*>& shapes) {
+  std::vector<flatbuffers::Offset<format::Voxels>> tables;
+  for (const VoxelShape* one : shapes) {
+    tables.push_back(format::CreateVoxelsDirect(builder, one->cell_m, one->low[0], one->low[1], one->low[2],
+                                                one->size[0], one->size[1], one->size[2], &one->occupied));
+  }
+  return tables.empty() ? 0 : builder.CreateVector(tables);
+}
+
 flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuilder& builder,
                                                      const HeightFieldShape* field) {
   if (field == nullptr) { return 0; }
@@ -184,7 +210,7 @@ flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuil
                                          &field->heights_m);
 }
 
-std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, SaidSolid solid) {
+std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, SaidSolid solid, bool is_unknown) {
   flatbuffers::FlatBufferBuilder builder;
   const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
@@ -204,17 +230,19 @@ std::vector<std::uint8_t> build(const EncodedParts& parts, const Vec3& scale, Sa
   const auto field = build_field(builder, parts.height_field);
   const auto clouds = build_points(builder, parts.clouds);
   const auto polylines = build_points(builder, parts.polylines);
+  const auto voxels = build_voxels(builder, parts.voxels);
   const format::Vec3 factors = packed(scale);
   builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls,
                                      half_spaces, field, clouds, polylines, scale == Vec3::Ones() ? nullptr : &factors,
-                                     0, solid != SaidSolid::surface, solid == SaidSolid::by_winding));
+                                     0, solid != SaidSolid::surface, solid == SaidSolid::by_winding, voxels,
+                                     is_unknown));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
 }  // namespace
 
 Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where,
-                                               SaidSolid solid) {
+                                               SaidSolid solid, bool is_unknown) {
   if (shape.empty()) { return bad_input(where + ": its shape has no part"); }
   if (!((scale.array() > 0).all() && scale.allFinite())) {
     return bad_input(where + ": its scale must be finite and above 0");
@@ -230,7 +258,7 @@ Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& s
     }
     std::visit([&](const auto& part) { parts.add(part); }, shape[i]);
   }
-  std::vector<std::uint8_t> bytes = build(parts, scale, solid);
+  std::vector<std::uint8_t> bytes = build(parts, scale, solid, is_unknown);
   if (bytes.size() > kMaxShapeBytes) {
     return bad_input(where + ": its shape takes " + std::to_string(bytes.size()) + " bytes; allowed " +
                          std::to_string(kMaxShapeBytes),

@@ -42,6 +42,7 @@ from ._shapes import (
     Shape,
     Sphere,
 )
+from ._voxels import Voxels, VoxelScan
 from ._watch import Event, Watch
 
 __version__ = version()
@@ -79,6 +80,8 @@ __all__ = [
     "Timeout",
     "Undecided",
     "Verdict",
+    "VoxelScan",
+    "Voxels",
     "Watch",
     "connect",
     "version",

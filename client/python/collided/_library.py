@@ -247,6 +247,33 @@ class CEvent(Structure):
     ]
 
 
+class VoxelOptions(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("unknown", c_int32),
+        ("cell_m", c_double),
+        ("reach_m", c_double),
+        ("decay_ns", c_int64),
+        ("layers", c_uint32),
+        ("lost_policy", c_int32),
+        ("most_blocks", c_size_t),
+    ]
+
+
+class CVoxelScan(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_int32),
+        ("points", c_size_t),
+        ("refused", c_size_t),
+        ("far_off", c_size_t),
+        ("dropped", c_size_t),
+        ("occupied", c_size_t),
+        ("crossed", c_size_t),
+        ("changed", c_size_t),
+    ]
+
+
 class WatchOptions(Structure):
     _fields_ = [
         ("size", c_uint32),
@@ -311,6 +338,13 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "publisher_wait_applied": (c_int32, [c_void_p, c_int64, _ERROR]),
     "publisher_keep_alive": (c_int32, [c_void_p, _ERROR]),
     "publisher_stream": (None, [c_void_p]),
+    "voxel_defaults": (None, [POINTER(VoxelOptions), c_uint32]),
+    "voxels_start": (c_int32, [c_void_p, c_char_p, POINTER(VoxelOptions), _OUT, _ERROR]),
+    "voxels_close": (None, [c_void_p]),
+    "voxels_insert": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_int64, POINTER(CVoxelScan), _ERROR]),
+    "voxels_insert_floats": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_int64, POINTER(CVoxelScan), _ERROR]),
+    "voxels_decay": (c_int32, [c_void_p, c_int64, POINTER(c_size_t), _ERROR]),
+    "voxels_clear": (c_int32, [c_void_p, _ERROR]),
 }
 
 

@@ -34,12 +34,12 @@ class Numbers:
 
 
 def _from_numpy(values: Any, width: int, what: str, kind: str) -> Numbers:
-    wanted = {"d": "float64", "I": "uint32"}[kind]
+    wanted = {"d": "float64", "f": "float32", "I": "uint32"}[kind]
     given = numpy.asarray(values)
     shape = f"(n, {width})" if width > 1 else "(n,)"
     if given.ndim != (2 if width > 1 else 1) or (width > 1 and given.shape[1] != width):
         raise BadInput(f"{what} has the shape {given.shape}; wanted is {shape}", _NOTHING_SENT)
-    if given.dtype.kind not in ("fiu" if kind == "d" else "iu"):
+    if given.dtype.kind not in ("iu" if kind == "I" else "fiu"):
         raise BadInput(f"{what} holds {given.dtype}; wanted are numbers of {wanted}", _NOTHING_SENT)
     if kind == "I" and given.size > 0 and (given.min() < 0 or given.max() > 0xFFFFFFFF):
         raise BadInput(f"{what} has values beyond 0 to 4294967295", _NOTHING_SENT)
@@ -49,7 +49,7 @@ def _from_numpy(values: Any, width: int, what: str, kind: str) -> Numbers:
 
 def _from_sequence(values: Any, width: int, what: str, kind: str) -> Numbers:
     flat = array.array(kind)
-    if flat.itemsize != {"d": 8, "I": 4}[kind]:
+    if flat.itemsize != {"d": 8, "f": 4, "I": 4}[kind]:
         raise BadInput(f"{what}: this Python has no 32-bit integers in arrays; install numpy", _NOTHING_SENT)
     count = 0
     try:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import ctypes
 from typing import Sequence
 
-from . import _numbers
+from . import _numbers, _voxels
 from ._library import BadInput, Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
 from ._shapes import LOST_POLICIES, Shape, Solid, encode_object
+from ._voxels import Voxels
 
 
 class Publisher(Owned):
@@ -101,6 +102,23 @@ class Publisher(Owned):
     def stream(self) -> None:
         """From now on a flush says nothing about objects that were not moved: each moves between its own poses."""
         library.collided_publisher_stream(self._handle)
+
+    def voxels(
+        self,
+        name: str,
+        cell: float = 0.05,
+        *,
+        unknown: str = "free",
+        decay: float = 0.0,
+        reach: float = float("inf"),
+        layers: int = 1,
+        lost: str = "freeze",
+    ) -> Voxels:
+        """A grid of cells of this side that scans make occupied or free. unknown: what the other cells are, "free",
+        "undecided" (a question that reaches into them is undecided, with the reason not_covered) or "occupied". decay:
+        seconds after which a cell that no scan has met is unknown again (0: never). reach: points farther from their
+        scan's origin do not count."""
+        return _voxels.start(self, name, cell, unknown, decay, reach, layers, lost)
 
     def __enter__(self) -> Publisher:
         return self

@@ -17,6 +17,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/mesh/shape_scale.hpp"
 #include "server/intake/readers/vertex_buffer.hpp"
+#include "server/intake/voxel_cells.hpp"
 #include "server/intake/scene.hpp"
 
 // Decodes tables of idl/scene.fbs, from anyone, to values.
@@ -96,6 +97,8 @@ class SceneDecoder {
     add_half_spaces(from, shape);
     add_surface(from, shape);
     add_buffers(from, shape);
+    add_voxels(from, shape);
+    shape.is_unknown = from.is_unknown();
     if (shape.empty()) { throw Flaw{"shape of nothing"}; }
     if (from.scale() != nullptr) { apply_scale(point(*from.scale(), "scale"), shape); }
     return shape;
@@ -387,6 +390,21 @@ class SceneDecoder {
       if (part.mesh && shape.mesh) throw Flaw{name + "a second surface; a shape holds one"};
       if (part.mesh) shape.mesh = part.mesh;
       shape.primitives.insert(shape.primitives.end(), part.primitives.begin(), part.primitives.end());
+    }
+  }
+
+  void add_voxels(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.voxels() != nullptr && i < from.voxels()->size(); ++i) {
+      const format::Voxels& one = *from.voxels()->Get(i);
+      const VoxelCells cells{.cell_m = one.cell(),
+                             .low = {one.low_x(), one.low_y(), one.low_z()},
+                             .size = {one.columns(), one.rows(), one.layers()},
+                             .occupied = std::span(one.occupied()->data(), one.occupied()->size())};
+      const std::string name = fmt::format("voxels {}: ", i);
+      if (const std::string flaw = flaw_of(cells); !flaw.empty()) throw Flaw{name + flaw};
+      // Each box takes far more memory than its bit, so that bits do not count as the bytes that pay for it.
+      spend_primitives(occupied_count(cells));
+      from.is_unknown() ? add_joined_boxes(cells, shape.primitives) : add_boxes_of(cells, shape.primitives);
     }
   }
 

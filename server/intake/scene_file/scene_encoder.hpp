@@ -65,7 +65,8 @@ class SceneEncoder {
                            : builder_.CreateVector(parts.hulls);
     return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
                                mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
-                               optional(parts.ellipsoids), hulls, optional(parts.half_spaces));
+                               optional(parts.ellipsoids), hulls, optional(parts.half_spaces), {}, {}, {}, nullptr, {},
+                               false, false, {}, from.is_unknown);
   }
 
   /// Writes a whole scene as the root.

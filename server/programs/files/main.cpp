@@ -9,12 +9,13 @@
 #include "server/programs/files/convert.hpp"
 #include "server/programs/files/implicit.hpp"
 #include "server/programs/files/interrupt.hpp"
+#include "server/programs/files/points.hpp"
 #include "server/programs/files/triangles.hpp"
 
-// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ... | triangles FILE
+// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ... | triangles FILE | points FILE
 //
-// The program behind `collide check`, `collide convert`, `collide implicit` and the shapes mesh FILE and hull FILE: the
-// readers and the exact tests belong to the server, and the client does not contain the server's code.
+// The program behind `collide check`, `collide convert`, `collide implicit` the shapes mesh FILE and hull FILE, and scans
+// that become voxels: the readers and the exact tests belong to the server, and the client does not contain the server's code.
 
 namespace {
 
@@ -169,6 +170,8 @@ int main(int argument_count, char** arguments) {
   collided::engine::files::FileOptions printed;
   CLI::App* triangles = app.add_subcommand("triangles", "Print a file's triangles, for programs");
   declare_reading(*triangles, printed);
+  CLI::App* points = app.add_subcommand("points", "Print the points of a cloud, for programs");
+  declare_reading(*points, printed);
   collided::engine::files::ImplicitOptions asked;
   CLI::App* implicit =
       app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
@@ -183,6 +186,7 @@ int main(int argument_count, char** arguments) {
   collided::engine::files::listen_for_interrupt();
   try {
     if (triangles->parsed()) return collided::engine::files::triangles(printed);
+    if (points->parsed()) return collided::engine::files::points(printed);
     if (implicit->parsed()) return collided::engine::files::implicit(asked);
     return check->parsed() ? collided::engine::files::check(checked, check_options)
                            : collided::engine::files::convert(converted);

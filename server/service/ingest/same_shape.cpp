@@ -33,8 +33,9 @@ bool is_same_primitive(const Primitive& a, const Primitive& b) {
 }  // namespace
 
 bool is_same_shape(const Shape& a, const Shape& b) {
-  return is_same(a.mesh, b.mesh) && std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(),
-                                               b.primitives.end(), is_same_primitive);
+  return a.is_unknown == b.is_unknown && is_same(a.mesh, b.mesh) &&
+         std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(), b.primitives.end(),
+                    is_same_primitive);
 }
 
 }  // namespace collided::engine::service

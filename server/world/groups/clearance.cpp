@@ -10,6 +10,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "server/world/groups/bounds_tree.hpp"
 #include "server/world/groups/uncovered.hpp"
+#include "server/world/query/unknown_space.hpp"
 
 namespace collided::engine {
 namespace {
@@ -85,7 +86,7 @@ class GroupSearch {
     nearest_.take_into(found_);
     found_.is_cut = found_.pairs.size() > ask_.most;
     if (found_.is_cut) found_.pairs.pop_back();
-    if (ask_.is_all_else && snapshot_.covers) look_at_covers();
+    if (ask_.is_all_else) look_at_covers();
     if (ask_.certificates) prove_all();
     found_.is_late = deadline_.was_over();
     if (found_.is_late && found_.touches == Decision::no) found_.touches = Decision::undecided;
@@ -157,10 +158,11 @@ class GroupSearch {
     ask_.progress(std::min(1.0, seen_count_ / std::max(1.0, pair_count_)));
   }
 
-  /// That nothing else is nearer is known where the loaded geometry is complete.
+  /// That nothing else is nearer is known where the loaded geometry is complete and no space is unknown.
   void look_at_covers() {
     const double claimed_m = found_.is_cut ? std::max(0.0, found_.pairs.back().clearance.high_m()) : ask_.within_m;
-    found_.uncovered = uncovered_near(from_.reaches, claimed_m, *snapshot_.covers);
+    if (snapshot_.covers) found_.uncovered = uncovered_near(from_.reaches, claimed_m, *snapshot_.covers);
+    if (!found_.uncovered) found_.uncovered = unknown_near(snapshot_, from_.reaches, claimed_m);
     if (found_.uncovered && found_.touches == Decision::no) found_.touches = Decision::undecided;
   }
 

@@ -5,6 +5,7 @@
 
 #include "server/geometry/float_environment.hpp"
 #include "server/world/groups/uncovered.hpp"
+#include "server/world/query/unknown_space.hpp"
 
 namespace collided::engine {
 
@@ -77,10 +78,12 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
   return depth_ || !is_contact;
 }
 
-/// That nothing is met, and nothing nearer than what is told, is known where the loaded geometry is complete.
+/// That nothing is met, and nothing nearer than what is told, is known where the loaded geometry is complete and no space
+/// is unknown.
 void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
   const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
-  answer.uncovered = uncovered_near(moved_reaches_, claimed_m, *snapshot_->covers);
+  if (snapshot_->covers) answer.uncovered = uncovered_near(moved_reaches_, claimed_m, *snapshot_->covers);
+  if (!answer.uncovered) answer.uncovered = unknown_near(*snapshot_, moved_reaches_, claimed_m);
   if (answer.uncovered) answer.touches = Decision::undecided;
 }
 
@@ -105,7 +108,7 @@ WhatIfAnswer WhatIf::at(std::span<const Pose> poses, Deadline& deadline) {
   }
   yet.answer.is_late = deadline.was_over();
   if (yet.answer.is_late && yet.answer.touches == Decision::no) yet.answer.touches = Decision::undecided;
-  if (yet.answer.touches == Decision::no && snapshot_->covers) look_at_covers(yet.answer);
+  if (yet.answer.touches == Decision::no) look_at_covers(yet.answer);
   if (yet.answer.nearest) nearest_before_ = {yet.a, yet.b};
   return yet.answer;
 }

@@ -50,6 +50,8 @@ struct ObjectInfo {
   std::string scene;  // that it was loaded with; empty: added at run time
   Filter filter;
   bool moving = false;
+  // What is in it is not known: it meets nothing, and an answer that claims something about its space is undecided.
+  bool is_unknown = false;
   LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;                // 0: the server's own
   std::vector<Primitive> primitives;          // in the object's frame

@@ -1,6 +1,7 @@
 #include "server/world/query/probes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -98,6 +99,10 @@ void Probes::bind(const Snapshot& snapshot, const Find& find) {
                        (*snapshot.objects)[slot_of(*id)]->id == *id;
     probe.object = shown ? *id : 0;
   }
+  unknown_.objects.clear();
+  for (const auto& info : *snapshot.objects) unknown_.objects.push_back(info && info->is_unknown ? 1 : 0);
+  unknown_.scenes.assign(snapshot.scenes.size(), 0);
+  unknown_.is_any = std::any_of(unknown_.objects.begin(), unknown_.objects.end(), [](auto is) { return is != 0; });
   bound_version_ = snapshot.table_version;
   is_bound_ = true;
 }
@@ -118,6 +123,18 @@ Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const Filter& fi
     audience.open_scenes.push_back(is_open ? 1 : 0);
   }
   return audience;
+}
+
+bool Probes::reaches_unknown_space(const Snapshot& snapshot, const Vec3& start, const Vec3& direction,
+                                   double length_m) {
+  if (!unknown_.is_any) return false;
+  const Questions asked;
+  std::vector<AnswerHit> none;
+  Question question{
+      .snapshot = snapshot, .asked = asked, .allowed = unknown_.objects, .open_scenes = unknown_.scenes, .found = none};
+  const std::array<double, kRayNumbers> ray{start.x(),     start.y(),     start.z(), direction.x(),
+                                            direction.y(), direction.z(), length_m};
+  return reaches_unknown(question, ray.data(), unknown_).has_value();
 }
 
 ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
@@ -159,9 +176,10 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   }
   // The space up to the hit, or as far as the ray looks, must be covered by loaded geometry.
   const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
+  const bool is_known = !reaches_unknown_space(snapshot, start, direction, std::max(0.0, known_m));
   const bool is_covered =
       !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
-  if (ray.undecided || !is_covered) reading.state = ProbeState::undecided;
+  if (ray.undecided || !is_covered || !is_known) reading.state = ProbeState::undecided;
   itself = met_by_others;
   return reading;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/world/query/query.hpp"
+#include "server/world/query/unknown_space.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine {
@@ -86,12 +87,14 @@ class Probes {
   void bind(const Snapshot& snapshot, const Find& find);
   Audience& audience_of(const Snapshot& snapshot, const Filter& filter);
   ProbeReading read(const Snapshot& snapshot, const Probe& probe);
+  bool reaches_unknown_space(const Snapshot& snapshot, const Vec3& start, const Vec3& direction, double length_m);
 
   std::vector<Probe> probes_;
   std::vector<Audience> audiences_;
   std::uint64_t bound_version_ = 0;  // version of the object table that objects and audiences belong to
   bool is_bound_ = false;
   std::vector<AnswerHit> found_;
+  UnknownSpace unknown_;
 };
 
 }  // namespace collided::engine

@@ -14,6 +14,7 @@
 #include "server/world/query/plain_rays.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/stale_reach.hpp"
+#include "server/world/query/unknown_space.hpp"
 
 namespace collided::engine {
 
@@ -55,6 +56,30 @@ void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   scratch.all_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
 }
 
+/// Layers and name patterns let the object count.
+bool is_asked_about(const ObjectInfo& info, const Questions& asked) {
+  if ((info.filter.layers & asked.mask) == 0) return false;
+  if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
+  return asked.skip.empty() || !glob_matches(asked.skip, info.name);
+}
+
+/// Marks the unknown objects that count. A pattern of what may answer does not make the rest known; what is left out by
+/// name is.
+void fill_unknown(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
+  const ObjectTable& table = *snapshot.objects;
+  Questions counting = asked;
+  counting.only = {};
+  const auto counts = [&](const auto& info) { return info && info->is_unknown && is_asked_about(*info, counting); };
+  const bool is_any = std::any_of(table.begin(), table.end(), counts);
+  if (!scratch.unknown && !is_any) return;
+  if (!scratch.unknown) scratch.unknown = std::make_shared<UnknownSpace>();
+  UnknownSpace& unknown = *scratch.unknown;
+  unknown.is_any = is_any;
+  unknown.objects.assign(table.size(), 0);
+  for (std::size_t slot = 0; slot < table.size(); ++slot) unknown.objects[slot] = counts(table[slot]) ? 1 : 0;
+  unknown.scenes.assign(snapshot.scenes.size(), 0);
+}
+
 /// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
 void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
   const ObjectTable* table = snapshot.objects.get();
@@ -68,6 +93,7 @@ void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch
     scratch.allowed[slot] = info != nullptr && may_answer(*info, asked) ? 1 : 0;
   }
   fill_open_scenes(snapshot, scratch);
+  fill_unknown(snapshot, asked, scratch);
   scratch.allowed_table = table;
   scratch.allowed_version = snapshot.table_version;
   scratch.allowed_mask = asked.mask;
@@ -148,6 +174,20 @@ void doubt_where_not_covered(Answers& answers, std::size_t place, const Question
   answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 
+/// The same where it claims something about unknown space.
+void doubt_where_unknown(Answers& answers, std::size_t place, Question& question, const double* numbers,
+                         UnknownSpace& unknown) {
+  const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
+  if (!is_claim) return;
+  const std::optional<Leaving> leaving = reaches_unknown(question, numbers, unknown);
+  answers.nodes[place] = question.walk.nodes;
+  answers.exact_tests[place] = question.exact_tests;
+  if (!leaving) return;
+  answers.answers[place] = Verdict::undecided;
+  answers.reasons[place] = UndecidedReason::not_covered;
+  answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
+}
+
 /// Keeps the oldest pose among the hits.
 void note_age(Answers& answers, const Question& question) {
   for (const AnswerHit& hit : question.found) {
@@ -184,6 +224,8 @@ struct QuestionBatch {
     write_answer(answers, place, question);
     note_age(answers, question);
     if (snapshot.covers) doubt_where_not_covered(answers, place, question, numbers_of(place));
+    if (scratch.unknown && scratch.unknown->is_any)
+      doubt_where_unknown(answers, place, question, numbers_of(place), *scratch.unknown);
   }
   /// A question alone finds its hits where they are wanted.
   void answer_one(std::size_t place) const {
@@ -319,9 +361,7 @@ bool is_question(QuestionKind kind, const double* numbers) {
 }
 
 bool may_answer(const ObjectInfo& info, const Questions& asked) {
-  if ((info.filter.layers & asked.mask) == 0) return false;
-  if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
-  return asked.skip.empty() || !glob_matches(asked.skip, info.name);
+  return !info.is_unknown && is_asked_about(info, asked);
 }
 
 void Answers::reset(std::size_t count) {

@@ -124,6 +124,8 @@ struct Answers {
   void reset(std::size_t count);
 };
 
+struct UnknownSpace;  // unknown_space.hpp
+
 /// Memory that answering needs; one per thread.
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;      // by slot, for the filter below
@@ -132,6 +134,7 @@ struct QueryScratch {
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
   std::vector<PlainRay> plain_rays;                  // all that are under way at once
+  std::shared_ptr<UnknownSpace> unknown;             // for the filter below; null: none was ever there
   const ObjectTable* allowed_table = nullptr;        // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;

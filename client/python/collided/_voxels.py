@@ -1,0 +1,96 @@
+"""Live obstacles from scans: cells that are occupied, free or unknown."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _numbers
+from ._library import BadInput, CVoxelScan, Owned, VoxelOptions, call, encoded, library, nanoseconds
+from ._numbers import Row, Rows
+from ._shapes import LOST_POLICIES
+
+if TYPE_CHECKING:
+    from ._publisher import Publisher
+
+_UNKNOWN = {"free": 0, "undecided": 1, "occupied": 2}
+
+
+class VoxelScan(NamedTuple):
+    """What became of a scan."""
+
+    points: int  #: taken
+    refused: int  #: not finite, or too far from the grid's origin
+    far: int  #: beyond `reach`: they only clear what lies before
+    dropped: int  #: in a block beyond the limit
+    occupied: int  #: cells that have points
+    crossed: int  #: cells that rays crossed and no point is in
+    changed: int  #: blocks whose cells are other than before
+
+
+class Voxels(Owned):
+    """A grid of cells in the world, made by Publisher.voxels(). Its objects live as long as the publisher."""
+
+    _what = "the grid of voxels"
+
+    def __init__(self, handle: ctypes.c_void_p, publisher: Publisher) -> None:
+        super().__init__(handle, "voxels_close")
+        self._publisher = publisher
+
+    def insert(self, points: Rows, origin: Row | None = None, *, time_ns: int = 0) -> VoxelScan:
+        """Takes a scan and sends what it changes. points: (n, 3), metres, in the world; float32 and float64 are not
+        copied. origin: of the sensor; with it the space up to each point becomes free. time_ns: for decay (0: now)."""
+        _ = self._publisher._handle  # of a closed publisher the library must not hear
+        given = _numbers.numpy.asarray(points) if _numbers.numpy is not None else points
+        is_single = getattr(given, "dtype", None) == "float32"
+        taken = _numbers.rows(given, 3, "points", "f" if is_single else "d")
+        start: Any = None if origin is None else _numbers.vector(origin, 3, "origin")
+        scan = CVoxelScan(size=ctypes.sizeof(CVoxelScan))
+        name = "voxels_insert_floats" if is_single else "voxels_insert"
+        call(name, self._handle, taken.count, taken.pointer, start, time_ns, ctypes.byref(scan))
+        return VoxelScan(
+            scan.points, scan.refused, scan.far_off, scan.dropped, scan.occupied, scan.crossed, scan.changed
+        )
+
+    def decay(self, *, time_ns: int = 0) -> int:
+        """Lets what no scan has met for long become unknown; insert() does so too. Returns the number of changed
+        blocks."""
+        _ = self._publisher._handle
+        changed = ctypes.c_size_t()
+        call("voxels_decay", self._handle, time_ns, ctypes.byref(changed))
+        return changed.value
+
+    def clear(self) -> None:
+        """Makes all cells unknown."""
+        _ = self._publisher._handle
+        call("voxels_clear", self._handle)
+
+    def __enter__(self) -> Voxels:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def start(
+    publisher: Publisher,
+    name: str,
+    cell: float,
+    unknown: str,
+    decay: float,
+    reach: float,
+    layers: int,
+    lost: str,
+) -> Voxels:
+    """A grid of this publisher; see Publisher.voxels()."""
+    if unknown not in _UNKNOWN:
+        raise BadInput(f"unknown is {unknown!r}; known are {', '.join(_UNKNOWN)}", "nothing was sent")
+    if lost not in LOST_POLICIES:
+        raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
+    options = VoxelOptions()
+    library.collided_voxel_defaults(ctypes.byref(options), ctypes.sizeof(options))
+    options.cell_m, options.reach_m, options.unknown = cell, reach, _UNKNOWN[unknown]
+    options.decay_ns, options.layers, options.lost_policy = nanoseconds(decay, "decay"), layers, LOST_POLICIES[lost]
+    handle = ctypes.c_void_p()
+    call("voxels_start", publisher._handle, encoded(name, "the name"), ctypes.byref(options), ctypes.byref(handle))
+    return Voxels(handle, publisher)

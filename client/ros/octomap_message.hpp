@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <collided/voxels.hpp>
+
+namespace collided::ros {
+
+/// octomap_msgs/Octomap, from anyone.
+struct OctomapMessage {
+  std::string frame;
+  std::int64_t stamp_ns = 0;
+  bool is_binary = false;
+  std::string kind;  // of the tree: OcTree
+  double resolution_m = 0;
+  std::span<const std::uint8_t> data;
+};
+
+/// The leaves that the map knows, in cells of its resolution, or what is wrong with the message.
+///
+/// source   Hornung et al., "OctoMap: an efficient probabilistic 3D mapping framework", 2013; the streams as OctoMap 1.9
+///          writes them. Binary: of each inner node two bytes, two bits a child, and after them its inner children. Full:
+///          of each node its log odds as a float and a byte that says which children follow, depth first
+std::variant<std::vector<VoxelBlock>, std::string> blocks_of(const OctomapMessage& map);
+
+}  // namespace collided::ros

@@ -1,0 +1,147 @@
+#include "server/intake/voxel_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace collided::engine {
+namespace {
+
+constexpr std::uint32_t kMostCells = 256;      // along an axis
+constexpr std::int32_t kMostNumber = 1 << 26;  // of a cell: with 24 bits of the size a corner has 51
+constexpr double kLeastCell_m = 0x1p-500;      // far from underflow, and no corner overflows
+constexpr double kLargestCell_m = 0x1p500;
+
+std::uint64_t cell_count(const VoxelCells& cells) {
+  return std::uint64_t{cells.size[0]} * cells.size[1] * cells.size[2];
+}
+
+bool has_24_bits(double value) {
+  int exponent = 0;
+  const double bits = std::ldexp(std::frexp(value, &exponent), 24);
+  return bits == std::trunc(bits);
+}
+
+/// A block of cells: its lowest, and how many along each axis.
+struct CellBlock {
+  std::array<std::uint32_t, 3> low;
+  std::array<std::uint32_t, 3> size;
+};
+
+Box box_of(const VoxelCells& cells, const CellBlock& block) {
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double twice_middle = 2 * (static_cast<double>(cells.low[axis]) + block.low[axis]) + block.size[axis];
+    box.center[static_cast<int>(axis)] = twice_middle * (cells.cell_m / 2);
+    box.half_m[static_cast<int>(axis)] = block.size[axis] * (cells.cell_m / 2);
+  }
+  return box;
+}
+
+/// Grows blocks of cells that no other block has: along x, then y, then z.
+class BlockGrowth {
+ public:
+  explicit BlockGrowth(const VoxelCells& cells)
+      : size_(cells.size), left_(cells.occupied.begin(), cells.occupied.end()) {}
+
+  template <class Take>
+  void run(Take&& take) {
+    for (std::uint32_t z = 0; z < size_[2]; ++z) {
+      for (std::uint32_t y = 0; y < size_[1]; ++y) {
+        for (std::uint32_t x = 0; x < size_[0]; ++x) {
+          if (is_left(x, y, z)) take(grown_from({x, y, z}));
+        }
+      }
+    }
+  }
+
+ private:
+  std::size_t bit(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return x + std::size_t{size_[0]} * (y + std::size_t{size_[1]} * z);
+  }
+  bool is_left(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    const std::size_t at = bit(x, y, z);
+    return (left_[at / 8] >> (at % 8) & 1) != 0;
+  }
+  template <class Visit>
+  static bool all_of(const CellBlock& block, Visit&& visit) {
+    for (std::uint32_t z = 0; z < block.size[2]; ++z) {
+      for (std::uint32_t y = 0; y < block.size[1]; ++y) {
+        for (std::uint32_t x = 0; x < block.size[0]; ++x) {
+          if (!visit(block.low[0] + x, block.low[1] + y, block.low[2] + z)) return false;
+        }
+      }
+    }
+    return true;
+  }
+  CellBlock grown_from(const std::array<std::uint32_t, 3>& low) {
+    CellBlock block{low, {1, 1, 1}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      while (low[axis] + block.size[axis] < size_[axis]) {
+        CellBlock next = block;
+        next.low[axis] += block.size[axis];
+        next.size[axis] = 1;
+        if (!all_of(next, [&](auto x, auto y, auto z) { return is_left(x, y, z); })) break;
+        ++block.size[axis];
+      }
+    }
+    all_of(block, [&](auto x, auto y, auto z) {
+      const std::size_t at = bit(x, y, z);
+      left_[at / 8] = static_cast<std::uint8_t>(left_[at / 8] & ~(1U << (at % 8)));
+      return true;
+    });
+    return block;
+  }
+
+  std::array<std::uint32_t, 3> size_;
+  std::vector<std::uint8_t> left_;
+};
+
+}  // namespace
+
+std::string flaw_of(const VoxelCells& cells) {
+  if (!(cells.cell_m >= kLeastCell_m && cells.cell_m <= kLargestCell_m))
+    return fmt::format("cells of {} m, allowed are finite sizes above 0", cells.cell_m);
+  if (!has_24_bits(cells.cell_m))
+    return fmt::format("cells of {} m: a size of more than 24 significant bits has corners that are no doubles",
+                       cells.cell_m);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (cells.size[axis] < 1 || cells.size[axis] > kMostCells)
+      return fmt::format("{} cells along an axis, allowed are 1 to {}", cells.size[axis], kMostCells);
+    const std::int64_t end = std::int64_t{cells.low[axis]} + cells.size[axis];
+    if (cells.low[axis] < -kMostNumber || end > kMostNumber)
+      return fmt::format("cells {} to {} along an axis, allowed are numbers within {}", cells.low[axis], end,
+                         kMostNumber);
+  }
+  const std::uint64_t bytes = (cell_count(cells) + 7) / 8;
+  if (cells.occupied.size() != bytes)
+    return fmt::format("{} bytes for {} cells, {} are needed", cells.occupied.size(), cell_count(cells), bytes);
+  const std::uint64_t last_bits = cell_count(cells) % 8;
+  if (last_bits != 0 && cells.occupied.back() >> last_bits != 0) return "bits after the last cell";
+  return {};
+}
+
+std::uint64_t occupied_count(const VoxelCells& cells) {
+  std::uint64_t count = 0;
+  for (const std::uint8_t byte : cells.occupied) count += static_cast<std::uint64_t>(std::popcount(byte));
+  return count;
+}
+
+void add_boxes_of(const VoxelCells& cells, std::vector<Primitive>& boxes) {
+  boxes.reserve(boxes.size() + occupied_count(cells));
+  for (std::uint32_t z = 0, at = 0; z < cells.size[2]; ++z) {
+    for (std::uint32_t y = 0; y < cells.size[1]; ++y) {
+      for (std::uint32_t x = 0; x < cells.size[0]; ++x, ++at) {
+        if ((cells.occupied[at / 8] >> (at % 8) & 1) != 0) boxes.emplace_back(box_of(cells, {{x, y, z}, {1, 1, 1}}));
+      }
+    }
+  }
+}
+
+void add_joined_boxes(const VoxelCells& cells, std::vector<Primitive>& boxes) {
+  BlockGrowth(cells).run([&](const CellBlock& block) { boxes.emplace_back(box_of(cells, block)); });
+}
+
+}  // namespace collided::engine
