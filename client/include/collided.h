@@ -29,6 +29,8 @@ typedef struct collided_client collided_client;
 typedef struct collided_answers collided_answers;
 typedef struct collided_watch collided_watch;
 typedef struct collided_publisher collided_publisher;
+typedef struct collided_fence_watch collided_fence_watch;
+typedef struct collided_margin_watch collided_margin_watch;
 
 /* COLLIDED_NOTHING is no error: there was no event in that time. The others are those of collided/result.hpp. */
 typedef enum collided_code {
@@ -370,6 +372,113 @@ COLLIDED_API uint64_t collided_watch_lost(const collided_watch* watch);
 COLLIDED_API int32_t collided_watch_in_step(const collided_watch* watch);
 /* Waits for a callback under way. */
 COLLIDED_API void collided_watch_close(collided_watch* watch);
+
+/* ---- Fences and margins ---- */
+
+/* A region; see collided::Fence. Zero, null or an empty text: the default there. */
+typedef struct collided_fence {
+  uint32_t size;
+  uint32_t left_out_layers; /* bits: objects with no other layers are not looked at */
+  const char* name;
+  const collided_part* parts;
+  size_t part_count;
+  const char* to;
+  const char* only;
+  const char* skip;
+  int32_t keep;
+  int32_t tells; /* bits 1 enter, 2 exit, 4 cross; 0: all */
+} collided_fence;
+COLLIDED_API int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error);
+/* Removes by name or glob. *removed may be null. */
+COLLIDED_API int collided_fence_remove(collided_client* client, const char* name, uint64_t* removed,
+                                       collided_error* error);
+
+/* Distance bands; see collided::Margin. */
+typedef struct collided_margin {
+  uint32_t size;
+  uint32_t left_out_layers; /* as of a fence */
+  const char* name;
+  const char* around;
+  const char* only;
+  const char* skip;
+  const double* bands_m; /* band_count numbers, the widest first */
+  size_t band_count;
+  double hysteresis_m;
+  int64_t dwell_ns;
+  int32_t keep;
+} collided_margin;
+COLLIDED_API int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error);
+COLLIDED_API int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed,
+                                        collided_error* error);
+
+/* News of an object and a fence; see collided::FenceEvent. Texts are valid until the next call for this watch. */
+typedef struct collided_fence_event {
+  uint32_t size;
+  int32_t kind;   /* 0 inside, 1 enter, 2 exit, 3 cross */
+  int32_t reason; /* as collided::EndReason */
+  int32_t doubt;  /* as collided::Doubt */
+  int32_t resync;
+  const char* object;
+  const char* fence;
+  uint64_t epoch;
+  uint64_t sequence;
+  uint64_t episode;
+  int64_t world_time_ns;
+  int64_t entered_ns;
+  double bracket_low_s;
+  double bracket_high_s;
+  double left_low_s;
+  double left_high_s;
+  double point[3];
+} collided_fence_event;
+
+/* News of two objects and a band; see collided::MarginEvent. */
+typedef struct collided_margin_event {
+  uint32_t size;
+  int32_t kind;   /* 0 within, 1 approach, 2 near, 3 contact, 4 leave */
+  int32_t reason; /* as collided::EndReason */
+  int32_t doubt;  /* as collided::Doubt */
+  int32_t resync;
+  int32_t has_contact_in; /* 0: the two would not touch within a minute, and the last two members mean nothing */
+  const char* margin;
+  const char* object;
+  const char* around;
+  double band_m;
+  uint64_t epoch;
+  uint64_t sequence;
+  uint64_t episode;
+  int64_t world_time_ns;
+  int64_t entered_ns;
+  double bracket_low_s;
+  double bracket_high_s;
+  double distance_m;
+  double distance_error_m;
+  double point[3];
+  double normal[3];
+  double closing_mps;
+  double closing_error_mps;
+  double contact_in_low_s;
+  double contact_in_high_s;
+} collided_margin_event;
+
+/* only, skip  globs, may be null
+ * returns     in *watch, to be given to the function named close */
+COLLIDED_API int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
+                                            collided_fence_watch** watch, collided_error* error);
+/* COLLIDED_NOTHING where no event comes within wait_ns. */
+COLLIDED_API int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
+                                           collided_error* error);
+COLLIDED_API uint64_t collided_fence_watch_lost(const collided_fence_watch* watch);
+COLLIDED_API int32_t collided_fence_watch_in_step(const collided_fence_watch* watch);
+COLLIDED_API void collided_fence_watch_close(collided_fence_watch* watch);
+
+COLLIDED_API int collided_margin_watch_start(collided_client* client, const char* only, const char* skip,
+                                             collided_margin_watch** watch, collided_error* error);
+COLLIDED_API int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
+                                            collided_error* error);
+COLLIDED_API uint64_t collided_margin_watch_lost(const collided_margin_watch* watch);
+COLLIDED_API int32_t collided_margin_watch_in_step(const collided_margin_watch* watch);
+COLLIDED_API void collided_margin_watch_close(collided_margin_watch* watch);
 
 /* ---- Publishing ---- */
 

@@ -401,6 +401,46 @@ class World(WithServer):
         finally:
             self.assertEqual(self.client.remove("py_shape*"), len(self.SHAPES))
 
+    def test_fences_and_margins_say_who_comes(self):
+        def events_of(watch, count):
+            events = []
+            until = time.monotonic() + 20
+            while len(events) < count and time.monotonic() < until:
+                event = watch.next(0.5)
+                if event:
+                    events.append(event)
+            return events
+
+        self.client.add("py_post", collided.Sphere(0.5), (500, 0, 0))
+        self.client.add_fence("py_zone", collided.Box((1, 1, 1), (503, 0, 0)), only="py_guest*", tells=("enter", "exit"))
+        self.client.add_margin("py_close", "py_post", "py_guest*", [2, 1], hysteresis=0.25)
+        with self.client.watch_fences("py_zone") as fences, self.client.watch_margins("py_close") as margins:
+            self.client.add("py_guest", collided.Sphere(0.5), (510, 0, 0))
+            self.client.move("py_guest", (502.5, 0, 0))
+            self.assertEqual([fence["inside"] for fence in self.client.fences("py_zone")], [["py_guest"]])
+            self.assertEqual(self.client.margins("py_close")[0]["pairs"][0]["within"], 2)
+            self.client.move("py_guest", (510, 0, 0))
+            told = events_of(fences, 2)
+            self.assertEqual([(event.kind, event.object, event.fence) for event in told],
+                             [("enter", "py_guest", "py_zone"), ("exit", "py_guest", "py_zone")])
+            self.assertEqual(told[1].reason, "separated")
+            came, left = events_of(margins, 2)
+            self.assertEqual((came.kind, came.object, came.around, came.band), ("approach", "py_guest", "py_post", 2))
+            self.assertAlmostEqual(came.distance, 2, delta=1e-3)
+            self.assertGreater(came.closing, 0)
+            self.assertIsNotNone(came.contact_in)
+            self.assertEqual((left.kind, left.reason), ("leave", "separated"))
+            self.assertEqual(margins.lost, 0)
+        for wrong in ([1, 2], [-1], [float("nan")]):
+            with self.assertRaises(collided.Error):
+                self.client.add_margin("py_wrong", "a", "b", wrong)
+        with self.assertRaises(collided.BadInput):
+            self.client.add_fence("py_wrong", collided.Sphere(1), tells=("enter", "leave"))
+        self.assertEqual(self.client.remove_fences("py_*"), 1)
+        self.assertEqual(self.client.remove_margins("py_*"), 1)
+        self.client.remove("py_post")
+        self.client.remove("py_guest")
+
     def test_a_publisher_s_ball_meets_a_box_and_leaves(self):
         self.client.add("py_wall", collided.Box((0.1, 1, 1)), (300, 0, 0))
         events = []

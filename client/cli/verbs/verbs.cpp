@@ -84,8 +84,8 @@ constexpr Verb kVerbs[] = {
      make_fence},
     {"margin", "Follow", "distance bands between objects: who comes near, and how soon they would touch",
      "margin add NAME GLOB GLOB DISTANCE,...\nmargin ls [GLOB]\nmargin rm GLOB\nmargin watch [GLOB]",
-     "margin add close 'drone*' 'person*' 5m,2m,50cm --hysteresis 10cm --dwell 200ms\nmargin watch close -n 10 --json\n"
-     "margin rm close",
+     "margin add close 'drone*' 'person*' 5m,2m --hysteresis 10cm\nmargin add close 'drone*' 'person*' 5m,2m "
+     "--dwell 200ms --keep\nmargin watch close -n 10 --json\nmargin rm close",
      make_margin},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},

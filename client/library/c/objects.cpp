@@ -64,6 +64,19 @@ Result<ShapePart> part_of(const collided_part& part) {
 
 }  // namespace
 
+Result<Shape> shape_of(const collided_part* parts, std::size_t part_count) {
+  if (part_count > 0 && !parts) return missing("parts");
+  // The parts lie as far from each other as the caller's header says.
+  const auto* bytes = reinterpret_cast<const unsigned char*>(parts);
+  Shape made;
+  for (std::size_t i = 0; i < part_count; ++i, bytes += parts->size) {
+    Result<ShapePart> part = part_of(taken(reinterpret_cast<const collided_part*>(bytes)));
+    if (!part) return part.error();
+    made.push_back(std::move(*part));
+  }
+  return made;
+}
+
 Result<ObjectOptions> object_options(const collided_object* object) {
   if (!object) return missing("object");
   collided_object defaults;
@@ -80,14 +93,9 @@ Result<ObjectOptions> object_options(const collided_object* object) {
   made.solid = given.solid != 0;
   made.solid_by_winding = given.solid == 2;
   made.lost_policy = static_cast<LostPolicy>(given.lost_policy);
-  if (given.part_count > 0 && !given.parts) return missing("parts");
-  // The parts lie as far from each other as the caller's header says.
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given.parts);
-  for (std::size_t i = 0; i < given.part_count; ++i, bytes += given.parts->size) {
-    Result<ShapePart> part = part_of(taken(reinterpret_cast<const collided_part*>(bytes)));
-    if (!part) return part.error();
-    made.shape.push_back(std::move(*part));
-  }
+  Result<Shape> shape = shape_of(given.parts, given.part_count);
+  if (!shape) return shape.error();
+  made.shape = std::move(*shape);
   return made;
 }
 

@@ -64,6 +64,7 @@ int guarded(collided_error* error, const Call& call) noexcept {
 
 AskOptions ask_options(const collided_ask_options* options);
 /// Error bad_input for parts that cannot be meant.
+Result<Shape> shape_of(const collided_part* parts, std::size_t part_count);
 Result<ObjectOptions> object_options(const collided_object* object);
 
 }  // namespace collided::c

@@ -15,6 +15,7 @@ libcollided_client.so.1 where the system looks, or where the environment variabl
 
 from ._answers import Answer, Answers, Hit, Undecided, Verdict
 from ._client import Client, PairAnswer, Status, connect
+from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch
 from ._groups import Clearance, ClearancePair
 from ._library import (
     BadInput,
@@ -63,11 +64,15 @@ __all__ = [
     "Ellipsoid",
     "Error",
     "Event",
+    "FenceEvent",
+    "FenceWatch",
     "HalfSpace",
     "HeightField",
     "Hit",
     "Hull",
     "InternalError",
+    "MarginEvent",
+    "MarginWatch",
     "Mesh",
     "NoServer",
     "PairAnswer",

@@ -10,6 +10,8 @@ from typing import Any, Sequence
 
 from . import _numbers
 from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
+from . import _fences
+from ._fences import FenceWatch, MarginWatch
 from ._groups import Clearance, read_clearance
 from ._library import (
     AskOptions,
@@ -424,6 +426,70 @@ class Client(Owned):
         started = ctypes.c_void_p()
         call("watch_start", self._handle, ctypes.byref(options), None, None, ctypes.byref(started))
         return Watch(started)
+
+    def add_fence(
+        self,
+        name: str,
+        shape: Shape | Sequence[Shape],
+        *,
+        to: str = "",
+        only: str = "",
+        skip: str = "",
+        mask: int = 0xFFFFFFFF,
+        tells: Sequence[str] = ("enter", "exit", "cross"),
+        keep: bool = False,
+    ) -> None:
+        """Adds a fence, which goes with this client unless it is kept.
+
+        shape  solid, in the world, or in the frame of the object `to`, with which it then moves
+        only   name glob of the objects that it looks at; empty: all that move
+        """
+        _fences.add_fence(self._handle, name, shape, to, only, skip, mask, tells, keep)
+
+    def remove_fences(self, name: str) -> int:
+        """Removes fences by name or glob and returns how many."""
+        return _fences.remove(self._handle, "fence", name)
+
+    def fences(self, name: str = "") -> list[dict[str, Any]]:
+        """The fences and who is in them, as the command `fences` lists them."""
+        return list(self.command("fences", name=name)["fences"])
+
+    def watch_fences(self, only: str = "", skip: str = "") -> FenceWatch:
+        """Subscribes to who comes into fences and goes out. Who is in already comes first, as "inside"."""
+        return FenceWatch(self._handle, only, skip)
+
+    def add_margin(
+        self,
+        name: str,
+        around: str,
+        only: str,
+        bands: Sequence[float],
+        *,
+        hysteresis: float = 0.0,
+        dwell: float = 0.0,
+        skip: str = "",
+        mask: int = 0xFFFFFFFF,
+        keep: bool = False,
+    ) -> None:
+        """Adds distance bands between the objects of two globs; they go with this client unless they are kept.
+
+        bands       metres, the widest first; contact is always one
+        hysteresis  metres: who is within a band leaves it so much farther out
+        dwell       seconds: a change is told once it has lasted so long; contact at once
+        """
+        _fences.add_margin(self._handle, name, around, only, bands, hysteresis, dwell, skip, mask, keep)
+
+    def remove_margins(self, name: str) -> int:
+        """Removes margins by name or glob and returns how many."""
+        return _fences.remove(self._handle, "margin", name)
+
+    def margins(self, name: str = "") -> list[dict[str, Any]]:
+        """The margins and which pairs are within their bands, as the command `fences` lists them."""
+        return list(self.command("fences", name=name, margins=True)["margins"])
+
+    def watch_margins(self, only: str = "", skip: str = "") -> MarginWatch:
+        """Subscribes to who comes within bands and leaves them. Who is near already comes first, as "within"."""
+        return MarginWatch(self._handle, only, skip)
 
     def publish(self, name: str) -> Publisher:
         """Becomes a publisher of objects and their poses."""

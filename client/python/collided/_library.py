@@ -274,6 +274,89 @@ class CVoxelScan(Structure):
     ]
 
 
+class CFence(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("left_out_layers", c_uint32),
+        ("name", c_char_p),
+        ("parts", POINTER(CPart)),
+        ("part_count", c_size_t),
+        ("to", c_char_p),
+        ("only", c_char_p),
+        ("skip", c_char_p),
+        ("keep", c_int32),
+        ("tells", c_int32),
+    ]
+
+
+class CMargin(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("left_out_layers", c_uint32),
+        ("name", c_char_p),
+        ("around", c_char_p),
+        ("only", c_char_p),
+        ("skip", c_char_p),
+        ("bands_m", POINTER(c_double)),
+        ("band_count", c_size_t),
+        ("hysteresis_m", c_double),
+        ("dwell_ns", c_int64),
+        ("keep", c_int32),
+    ]
+
+
+class CFenceEvent(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("kind", c_int32),
+        ("reason", c_int32),
+        ("doubt", c_int32),
+        ("resync", c_int32),
+        ("object", c_char_p),
+        ("fence", c_char_p),
+        ("epoch", c_uint64),
+        ("sequence", c_uint64),
+        ("episode", c_uint64),
+        ("world_time_ns", c_int64),
+        ("entered_ns", c_int64),
+        ("bracket_low_s", c_double),
+        ("bracket_high_s", c_double),
+        ("left_low_s", c_double),
+        ("left_high_s", c_double),
+        ("point", c_double * 3),
+    ]
+
+
+class CMarginEvent(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("kind", c_int32),
+        ("reason", c_int32),
+        ("doubt", c_int32),
+        ("resync", c_int32),
+        ("has_contact_in", c_int32),
+        ("margin", c_char_p),
+        ("object", c_char_p),
+        ("around", c_char_p),
+        ("band_m", c_double),
+        ("epoch", c_uint64),
+        ("sequence", c_uint64),
+        ("episode", c_uint64),
+        ("world_time_ns", c_int64),
+        ("entered_ns", c_int64),
+        ("bracket_low_s", c_double),
+        ("bracket_high_s", c_double),
+        ("distance_m", c_double),
+        ("distance_error_m", c_double),
+        ("point", c_double * 3),
+        ("normal", c_double * 3),
+        ("closing_mps", c_double),
+        ("closing_error_mps", c_double),
+        ("contact_in_low_s", c_double),
+        ("contact_in_high_s", c_double),
+    ]
+
+
 class WatchOptions(Structure):
     _fields_ = [
         ("size", c_uint32),
@@ -325,6 +408,20 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "watch_lost": (c_uint64, [c_void_p]),
     "watch_in_step": (c_int32, [c_void_p]),
     "watch_close": (None, [c_void_p]),
+    "fence_add": (c_int32, [c_void_p, POINTER(CFence), _ERROR]),
+    "fence_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "margin_add": (c_int32, [c_void_p, POINTER(CMargin), _ERROR]),
+    "margin_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "fence_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
+    "fence_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CFenceEvent), _ERROR]),
+    "fence_watch_lost": (c_uint64, [c_void_p]),
+    "fence_watch_in_step": (c_int32, [c_void_p]),
+    "fence_watch_close": (None, [c_void_p]),
+    "margin_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
+    "margin_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CMarginEvent), _ERROR]),
+    "margin_watch_lost": (c_uint64, [c_void_p]),
+    "margin_watch_in_step": (c_int32, [c_void_p]),
+    "margin_watch_close": (None, [c_void_p]),
     "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
     "publisher_close": (None, [c_void_p]),
     "publisher_add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint32), _ERROR]),

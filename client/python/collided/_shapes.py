@@ -182,6 +182,14 @@ def _encode_part(part: Shape, kept: list[Any]) -> CPart:
     return encoded_part
 
 
+def encode_parts(shape: Shape | Sequence[Shape], kept: list[Any]) -> Any:
+    """The parts of a shape as an array for C; `kept` receives what must live as long."""
+    parts: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
+    made = (CPart * len(parts))(*[_encode_part(part, kept) for part in parts])
+    kept.append(made)
+    return made
+
+
 def encode_object(
     name: str,
     shape: Shape | Sequence[Shape],
@@ -196,7 +204,6 @@ def encode_object(
     solid: Solid,
 ) -> EncodedObject:
     """An object for the functions that add one."""
-    parts: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
     if lost not in LOST_POLICIES:
         raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
     if solid not in (True, False, "winding"):
@@ -206,11 +213,10 @@ def encode_object(
             raise BadInput(f"{what} is {value}; allowed are 0 to 4294967295", "nothing was sent")
     made = EncodedObject(CObject())
     library.collided_object_defaults(ctypes.byref(made.value), ctypes.sizeof(CObject))
-    encoded_parts = (CPart * len(parts))(*[_encode_part(part, made.kept) for part in parts])
-    made.kept.append(encoded_parts)
+    encoded_parts = encode_parts(shape, made.kept)
     made.value.name = encoded(name, "the name")
     made.value.parts = ctypes.cast(encoded_parts, ctypes.POINTER(CPart))
-    made.value.part_count = len(parts)
+    made.value.part_count = len(encoded_parts)
     made.value.position = _numbers.vector(position, 3, "position")
     made.value.orientation = _numbers.vector(orientation, 4, "orientation")
     made.value.scale = _numbers.vector(scale, 3, "scale")

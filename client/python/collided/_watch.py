@@ -28,10 +28,11 @@ REASONS = (
 )
 DOUBTS = ("", "numeric", "cost_limit", "publisher_lost")
 # How long a wait in C lasts, so that Ctrl-C is seen and another thread may close the watch.
-_SLICE_S = 0.1
+SLICE_S = 0.1
 
 
-def _word(words: tuple[str, ...], number: int) -> str:
+def word(words: tuple[str, ...], number: int) -> str:
+    """The word of that number, or the number where a newer library has more."""
     return words[number] if 0 <= number < len(words) else str(number)
 
 
@@ -65,9 +66,9 @@ def _event(told: CEvent) -> Event:
         return values[0], values[1], values[2]
 
     return Event(
-        _word(KINDS, told.kind),
-        _word(REASONS, told.reason),
-        _word(DOUBTS, told.doubt),
+        word(KINDS, told.kind),
+        word(REASONS, told.reason),
+        word(DOUBTS, told.doubt),
         bool(told.resync),
         told.a.decode("utf-8", "surrogateescape"),
         told.b.decode("utf-8", "surrogateescape"),
@@ -83,7 +84,7 @@ def _event(told: CEvent) -> Event:
         told.depth_error_m,
         triple(told.relative_velocity),
         told.velocity_error,
-        _word(CONTAINED, told.contained),
+        word(CONTAINED, told.contained),
     )
 
 
@@ -100,7 +101,7 @@ class Watch(Owned):
         until = None if wait is None else time.monotonic() + wait
         event = CEvent(size=ctypes.sizeof(CEvent))
         while True:
-            left = _SLICE_S if until is None else min(_SLICE_S, max(0.0, until - time.monotonic()))
+            left = SLICE_S if until is None else min(SLICE_S, max(0.0, until - time.monotonic()))
             if call("watch_next", self._handle, nanoseconds(left, "wait"), ctypes.byref(event)) != NOTHING:
                 return _event(event)
             if until is not None and time.monotonic() >= until:
@@ -125,7 +126,7 @@ class Watch(Owned):
     async def __aiter__(self) -> AsyncIterator[Event]:
         loop = asyncio.get_running_loop()
         while not self.closed:
-            event = await loop.run_in_executor(None, self.next, _SLICE_S)
+            event = await loop.run_in_executor(None, self.next, SLICE_S)
             if event is not None:
                 yield event
 

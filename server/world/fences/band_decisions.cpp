@@ -279,8 +279,13 @@ FoundContact BandDecisions::found_at(const FencePiece& piece, const GapTime& fir
 void BandDecisions::predict(const FencePiece& piece, double t, FoundContact& found) {
   const double piece_s = seconds_of(piece);
   const double turn_rad = std::max(piece.mover_motion.turn_rad, piece.fence_motion.turn_rad);
-  const double ahead_s = turn_rad > 0 ? std::min(kPredicted_s, kPredictedTurn_rad / turn_rad * piece_s) : kPredicted_s;
   const std::uint32_t carrier = table_.carrier(piece.fence);
+  double ahead_s = turn_rad > 0 ? std::min(kPredicted_s, kPredictedTurn_rad / turn_rad * piece_s) : kPredicted_s;
+  // Who has come past all of the other does not meet it any more; so short a motion rounds less.
+  const double speed_mps = (piece.fence_motion.travel - piece.mover_motion.travel).norm() / piece_s;
+  const double across_m = 2 * (rows_[piece.mover].reach_m + rows_[carrier].reach_m) - found.contact.depth_m;
+  const bool is_endless = !rows_[carrier].bounds.low.allFinite() || !rows_[carrier].bounds.high.allFinite();
+  if (!is_endless && turn_rad == 0 && across_m < 0.5 * kPredicted_s * speed_mps) ahead_s = 2 * across_m / speed_mps;
   const GapOptions options{.width = kPredictedWidth, .most_looks = kLeastBandLooks, .looks = &cost_.sweep_looks};
   const GapTime touch = engine::first_within(
       body_of(rows_, piece.mover, goes_on(piece.mover_motion, t, piece_s, ahead_s)),

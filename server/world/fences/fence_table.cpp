@@ -59,17 +59,23 @@ std::uint32_t FenceTable::take_slot() {
   return slot;
 }
 
-ObjectId FenceTable::add_band(const std::string& name, const FenceRule& rule, std::shared_ptr<const ObjectInfo> about,
-                              std::uint32_t object) {
-  const std::uint32_t slot = take_slot();
+std::vector<std::uint32_t> FenceTable::take_slots(std::size_t count) {
+  std::vector<std::uint32_t> slots;
+  while (slots.size() < count) slots.push_back(take_slot());
+  std::sort(slots.begin(), slots.end(), [&](std::uint32_t a, std::uint32_t b) { return id(a) < id(b); });
+  return slots;
+}
+
+void FenceTable::add_band(std::uint32_t slot, std::uint32_t widest, const std::string& name, const FenceRule& rule,
+                          std::shared_ptr<const ObjectInfo> about, std::uint32_t object) {
   FenceRow& fence = fences_[slot];
+  fence.widest = widest;
   fence.name = name;
   fence.rule = shared(rule);
   fence.body = std::move(about);
   by_name_.insert(slot);
   carried_.insert(slot);
   bind(slot, object);
-  return id(slot);
 }
 
 ObjectId FenceTable::add(const FenceDefinition& definition) {

@@ -31,9 +31,13 @@ class FenceTable {
 
   /// The name is free and there is room: both were checked.
   ObjectId add(const FenceDefinition& definition);
-  /// A band about the object in that slot, to which it is bound. Its name is in use by no other.
-  ObjectId add_band(const std::string& name, const FenceRule& rule, std::shared_ptr<const ObjectInfo> about,
-                    std::uint32_t object);
+  /// Slots for so many bands of one object, in the order of the ids that they give, in which events are told.
+  std::vector<std::uint32_t> take_slots(std::size_t count);
+  /// Puts a band about the object into such a slot. Its name is in use by no other.
+  ///
+  /// widest  slot of the widest band of the same margin and object, this one where it is that
+  void add_band(std::uint32_t slot, std::uint32_t widest, const std::string& name, const FenceRule& rule,
+                std::shared_ptr<const ObjectInfo> about, std::uint32_t object);
   void remove(std::uint32_t slot);
 
   std::size_t size() const { return fences_.size(); }  // of slots, some of them free
@@ -47,6 +51,9 @@ class FenceTable {
   const std::string& name(std::uint32_t slot) const { return fences_[slot].name; }
   const FenceRule& rule(std::uint32_t slot) const { return *fences_[slot].rule; }
   bool is_band(std::uint32_t slot) const { return rule(slot).band.has_value(); }
+  std::uint32_t widest(std::uint32_t slot) const { return fences_[slot].widest; }
+  /// It lies within another band, has no bounds of its own, and is found by that one's.
+  bool is_inner_band(std::uint32_t slot) const { return is_band(slot) && widest(slot) != slot; }
   /// How far the fence reaches beyond its body, metres: of a band.
   double beyond_m(std::uint32_t slot) const { return is_band(slot) ? rule(slot).band->reach_m() : 0; }
   /// The fence as an object, whose frame is the world's or its carrier's. Valid until the next call for another fence.
@@ -82,6 +89,7 @@ class FenceTable {
     Primitive primitive;                    // the whole fence, where there is no body
     std::shared_ptr<const ObjectInfo> body;
     std::uint32_t generation = 1;
+    std::uint32_t widest = kNone;  // of a band
   };
 
   /// Finds slots by the names in fences_, which so are kept once.

@@ -127,8 +127,13 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   look_around_.clear();
   std::set_union(new_.begin(), new_.end(), followed_.begin(), followed_.end(), std::back_inserter(look_around_));
   for (const std::uint32_t fence : look_around_) {
+    if (table_.is_inner_band(fence)) continue;
+    with_inner_.clear();
+    add_with_inner(fence, with_inner_);
     find_movers_of(step, movers, fence);
-    for (const std::uint32_t mover : found_) consider(step, decisions, fence, mover);
+    for (const std::uint32_t mover : found_) {
+      for (const std::uint32_t band : with_inner_) consider(step, decisions, band, mover);
+    }
   }
   if (is_any_pending()) {
     decide_left_pending(step, decisions);
@@ -147,7 +152,7 @@ void Fences::consider(const StepView& step, FenceDecisions& decisions, std::uint
     if (pending->second.considered_in_step != step_) decide_pair(decisions, fence, mover, false);
     return;
   }
-  if (open == nullptr && !overlaps(step.motion.bounds()[mover], table_.bounds(fence))) return;
+  if (open == nullptr && !overlaps(step.motion.bounds()[mover], bounds_around(fence))) return;
   if (open == nullptr && !decisions.looks_at(fence, mover)) return;
   // Most of what is in a fence is deep in it, and stays.
   if (open != nullptr && open->doubt == Doubt::none && decisions.surely_stays(fence, mover)) return;
@@ -211,13 +216,16 @@ void Fences::follow_carriers(const StepView& step) {
   const std::vector<std::uint32_t> before = std::exchange(followed_, {});
   for (const std::uint32_t mover : movers_) {
     const std::span<const std::uint32_t> carried = table_.carried_by(mover);
-    followed_.insert(followed_.end(), carried.begin(), carried.end());
+    const auto has_bounds = [&](std::uint32_t fence) { return !table_.is_inner_band(fence); };
+    std::copy_if(carried.begin(), carried.end(), std::back_inserter(followed_), has_bounds);
   }
   // The floor passed a source that is silent: its pairs may begin anew though nothing moved.
   if (step.sources.is_any_behind_floor()) {
     followed_.clear();
     std::copy_if(table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
-                 [&](std::uint32_t fence) { return table_.carrier(fence) != FenceTable::kNone; });
+                 [&](std::uint32_t fence) {
+                   return table_.carrier(fence) != FenceTable::kNone && !table_.is_inner_band(fence);
+                 });
   }
   std::sort(followed_.begin(), followed_.end());
   for (const std::uint32_t fence : followed_) table_.set_bounds(fence, bounds_on_the_way(step, fence));
@@ -261,7 +269,7 @@ bool Fences::is_pending(const StepView& step, std::uint32_t slot) const {
 void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   found_.clear();
   const auto meets = [&](std::uint32_t fence) {
-    found_.push_back(fence);
+    add_with_inner(fence, found_);
     return true;
   };
   table_.index().walk_box(step.motion.bounds()[mover], meets, walk_);
@@ -274,7 +282,7 @@ void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   keep_found_once();
 }
 
-/// Those that do not look for their fences themselves.
+/// Those that do not look for their fences themselves; the fence and what is within it are in with_inner_.
 void Fences::find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence) {
   found_.clear();
   const auto add = [&](std::uint32_t mover) {
@@ -282,7 +290,10 @@ void Fences::find_movers_of(const StepView& step, const Grid& movers, std::uint3
     return true;
   };
   movers.walk_box(table_.bounds(fence), add, walk_);
-  ledger_.for_each_with(table_.id(fence), [&](std::uint32_t number) { return add(slot_of(ledger_.open()[number].a)); });
+  for (const std::uint32_t band : with_inner_) {
+    ledger_.for_each_with(table_.id(band),
+                          [&](std::uint32_t number) { return add(slot_of(ledger_.open()[number].a)); });
+  }
   keep_found_once();
 }
 

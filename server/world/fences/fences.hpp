@@ -68,6 +68,8 @@ class Fences {
   void drop_pending(ObjectId id);
   void make_bands(const StepView& step);
   void add_bands(const StepView& step, const FenceDefinition& margin, std::uint32_t object, bool is_new);
+  void add_with_inner(std::uint32_t fence, std::vector<std::uint32_t>& to) const;
+  Aabb bounds_around(std::uint32_t fence) const;
   void decide_pair(FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new);
   void decide_left_pending(const StepView& step, FenceDecisions& decisions);
   Aabb bounds_at(const StepView& step, std::uint32_t fence);
@@ -100,6 +102,7 @@ class Fences {
   std::vector<std::uint32_t> movers_;
   std::vector<std::uint32_t> followed_;     // carried fences whose carrier moved or is not decided to its end
   std::vector<std::uint32_t> look_around_;  // fences that look for what does not look for them
+  std::vector<std::uint32_t> with_inner_;   // a fence and the bands within it
   std::vector<std::uint32_t> found_;        // fences of an object, or objects of a fence
   WalkCost walk_;
 };

@@ -6,6 +6,7 @@
 
 #include "idl/clocks.hpp"
 #include "idl/glob.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/fences/fences.hpp"
 
 namespace collided::engine {
@@ -84,11 +85,12 @@ void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std:
   if (!is_of(margin.margin->around) && (info->moving || !is_of(margin.only))) return;
   if (!margin.skip.empty() && is_of(margin.skip)) return;
   const std::vector<double>& bands = margin.margin->bands_m;
+  if (table_.count() + bands.size() > FenceTable::kMost) {
+    cost_.truncated = true;
+    return;
+  }
+  const std::vector<std::uint32_t> slots = table_.take_slots(bands.size());
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    if (table_.count() >= FenceTable::kMost) {
-      cost_.truncated = true;
-      return;
-    }
     FenceRule rule{.carrier = {},
                    .only = margin.only,
                    .skip = margin.skip,
@@ -101,11 +103,34 @@ void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std:
                          .hysteresis_m = margin.margin->hysteresis_m,
                          .dwell_in_ns = bands[i] > 0 ? margin.margin->dwell_ns : 0,
                          .dwell_out_ns = margin.margin->dwell_ns};
-    const ObjectId band = table_.add_band(band_name(margin.name, info->name, i, bands[i]), rule, info, object);
-    table_.set_bounds(slot_of(band), bounds_at(step, slot_of(band)));
-    if (step.rows[object].is_stale) ledger_.lose(band);
-    if (is_new) new_.push_back(slot_of(band));
+    table_.add_band(slots[i], slots[0], band_name(margin.name, info->name, i, bands[i]), rule, info, object);
+    if (i == 0) table_.set_bounds(slots[0], bounds_at(step, slots[0]));
+    if (step.rows[object].is_stale) ledger_.lose(table_.id(slots[i]));
+    if (is_new) new_.push_back(slots[i]);
   }
+}
+
+/// The fence, and the bands within it.
+void Fences::add_with_inner(std::uint32_t fence, std::vector<std::uint32_t>& to) const {
+  to.push_back(fence);
+  if (!table_.is_band(fence)) return;
+  for (const std::uint32_t other : table_.carried_by(table_.carrier(fence))) {
+    if (other != fence && table_.is_band(other) && table_.widest(other) == fence) to.push_back(other);
+  }
+}
+
+/// Of an inner band those of the widest, less what that one reaches farther. A filter: too large by some roundings.
+Aabb Fences::bounds_around(std::uint32_t fence) const {
+  if (!table_.is_inner_band(fence)) return table_.bounds(fence);
+  const std::uint32_t widest = table_.widest(fence);
+  Aabb bounds = table_.bounds(widest);
+  if (bounds.empty()) return bounds;
+  const double farther_m = table_.beyond_m(widest) - table_.beyond_m(fence);
+  const Vec3 size_m = bounds.low.cwiseAbs().cwiseMax(bounds.high.cwiseAbs());
+  const Vec3 less_m = (Vec3::Constant(farther_m) - kBoundSlack * (size_m + Vec3::Constant(farther_m))).cwiseMax(0);
+  bounds.low += less_m;
+  bounds.high -= less_m;
+  return bounds;
 }
 
 /// What was pending and met nobody in this step, though one of the two moved: it was put elsewhere.

@@ -1,0 +1,205 @@
+#include <optional>
+
+#include "client/library/c/values.hpp"
+
+using namespace collided;
+using namespace collided::c;
+
+struct collided_fence_watch {
+  FenceWatch watch;
+  std::optional<FenceEvent> newest = {};  // its texts are lent to the caller until the next call
+};
+struct collided_margin_watch {
+  MarginWatch watch;
+  std::optional<MarginEvent> newest = {};
+};
+
+namespace {
+
+constexpr std::int32_t kEnterBit = 1;
+constexpr std::int32_t kExitBit = 2;
+constexpr std::int32_t kCrossBit = 4;
+
+Result<Fence> fence_of(const collided_fence& given) {
+  Fence fence{.name = text(given.name),
+              .to = text(given.to),
+              .only = text(given.only),
+              .skip = text(given.skip),
+              .mask = ~given.left_out_layers,
+              .keep = given.keep != 0};
+  if (given.tells != 0) {
+    fence.enter = (given.tells & kEnterBit) != 0;
+    fence.exit = (given.tells & kExitBit) != 0;
+    fence.cross = (given.tells & kCrossBit) != 0;
+  }
+  Result<Shape> shape = shape_of(given.parts, given.part_count);
+  if (!shape) return shape.error();
+  fence.shape = std::move(*shape);
+  return fence;
+}
+
+collided_fence_event lent_fence(const FenceEvent& event) {
+  collided_fence_event told{};
+  told.kind = static_cast<std::int32_t>(event.kind);
+  told.reason = static_cast<std::int32_t>(event.reason);
+  told.doubt = static_cast<std::int32_t>(event.doubt);
+  told.resync = event.resync ? 1 : 0;
+  told.object = event.object.c_str();
+  told.fence = event.fence.c_str();
+  told.epoch = event.epoch;
+  told.sequence = event.sequence;
+  told.episode = event.episode;
+  told.world_time_ns = event.world_time.count();
+  told.entered_ns = event.entered.count();
+  told.bracket_low_s = event.bracket_low_s;
+  told.bracket_high_s = event.bracket_high_s;
+  told.left_low_s = event.left_low_s;
+  told.left_high_s = event.left_high_s;
+  put(event.point, told.point);
+  return told;
+}
+
+collided_margin_event lent_margin(const MarginEvent& event) {
+  collided_margin_event told{};
+  told.kind = static_cast<std::int32_t>(event.kind);
+  told.reason = static_cast<std::int32_t>(event.reason);
+  told.doubt = static_cast<std::int32_t>(event.doubt);
+  told.resync = event.resync ? 1 : 0;
+  told.margin = event.margin.c_str();
+  told.object = event.object.c_str();
+  told.around = event.around.c_str();
+  told.band_m = event.band_m;
+  told.epoch = event.epoch;
+  told.sequence = event.sequence;
+  told.episode = event.episode;
+  told.world_time_ns = event.world_time.count();
+  told.entered_ns = event.entered.count();
+  told.bracket_low_s = event.bracket_low_s;
+  told.bracket_high_s = event.bracket_high_s;
+  told.distance_m = event.distance_m;
+  told.distance_error_m = event.distance_error_m;
+  put(event.point, told.point);
+  put(event.normal, told.normal);
+  told.closing_mps = event.closing_mps;
+  told.closing_error_mps = event.closing_error_mps;
+  if (event.contact_in) {
+    told.has_contact_in = 1;
+    told.contact_in_low_s = event.contact_in->low_s;
+    told.contact_in_high_s = event.contact_in->high_s;
+  }
+  return told;
+}
+
+/// The next event of a watch of either kind.
+template <class FollowedWatch, class Told, class Lend>
+int next_event(FollowedWatch* watch, std::int64_t wait_ns, Told* event, collided_error* error, const Lend& lend) {
+  bool nothing = false;
+  const int code = guarded(error, [&]() -> Result<void> {
+    if (!watch) return missing("watch");
+    watch->newest = watch->watch.next(std::chrono::nanoseconds(wait_ns));
+    nothing = !watch->newest;
+    if (!nothing) give(lend(*watch->newest), event);
+    return {};
+  });
+  return code == COLLIDED_OK && nothing ? static_cast<int>(COLLIDED_NOTHING) : code;
+}
+
+}  // namespace
+
+extern "C" {
+
+int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!fence) return missing("fence");
+    const Result<Fence> made = fence_of(taken(fence));
+    if (!made) return made.error();
+    return client->client.add_fence(*made);
+  });
+}
+
+int collided_fence_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<std::size_t> count = client->client.remove_fences(text(name));
+    if (!count) return count.error();
+    if (removed) *removed = *count;
+    return {};
+  });
+}
+
+int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!margin) return missing("margin");
+    const collided_margin given = taken(margin);
+    if (given.band_count > 0 && !given.bands_m) return missing("bands_m");
+    return client->client.add_margin({.name = text(given.name),
+                                      .around = text(given.around),
+                                      .only = text(given.only),
+                                      .skip = text(given.skip),
+                                      .mask = ~given.left_out_layers,
+                                      .bands_m = {given.bands_m, given.bands_m + given.band_count},
+                                      .hysteresis_m = given.hysteresis_m,
+                                      .dwell = std::chrono::nanoseconds(given.dwell_ns),
+                                      .keep = given.keep != 0});
+  });
+}
+
+int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<std::size_t> count = client->client.remove_margins(text(name));
+    if (!count) return count.error();
+    if (removed) *removed = *count;
+    return {};
+  });
+}
+
+int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
+                               collided_fence_watch** watch, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!watch) return missing("watch");
+    *watch = nullptr;
+    Result<FenceWatch> started = client->client.watch_fences({.only = text(only), .skip = text(skip)});
+    if (!started) return started.error();
+    *watch = new collided_fence_watch{std::move(*started)};
+    return {};
+  });
+}
+
+int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
+                              collided_error* error) {
+  return next_event(watch, wait_ns, event, error, lent_fence);
+}
+uint64_t collided_fence_watch_lost(const collided_fence_watch* watch) { return watch ? watch->watch.lost() : 0; }
+int32_t collided_fence_watch_in_step(const collided_fence_watch* watch) {
+  return watch && watch->watch.in_step() ? 1 : 0;
+}
+void collided_fence_watch_close(collided_fence_watch* watch) { delete watch; }
+
+int collided_margin_watch_start(collided_client* client, const char* only, const char* skip,
+                                collided_margin_watch** watch, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!watch) return missing("watch");
+    *watch = nullptr;
+    Result<MarginWatch> started = client->client.watch_margins({.only = text(only), .skip = text(skip)});
+    if (!started) return started.error();
+    *watch = new collided_margin_watch{std::move(*started)};
+    return {};
+  });
+}
+
+int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
+                               collided_error* error) {
+  return next_event(watch, wait_ns, event, error, lent_margin);
+}
+uint64_t collided_margin_watch_lost(const collided_margin_watch* watch) { return watch ? watch->watch.lost() : 0; }
+int32_t collided_margin_watch_in_step(const collided_margin_watch* watch) {
+  return watch && watch->watch.in_step() ? 1 : 0;
+}
+void collided_margin_watch_close(collided_margin_watch* watch) { delete watch; }
+
+}  // extern "C"
