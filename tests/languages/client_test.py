@@ -415,6 +415,9 @@ class World(WithServer):
         self.client.add_fence("py_zone", collided.Box((1, 1, 1), (503, 0, 0)), only="py_guest*", tells=("enter", "exit"))
         self.client.add_margin("py_close", "py_post", "py_guest*", [2, 1], hysteresis=0.25)
         with self.client.watch_fences("py_zone") as fences, self.client.watch_margins("py_close") as margins:
+            until = time.monotonic() + 20
+            while not (fences.in_step and margins.in_step) and time.monotonic() < until:
+                time.sleep(0.01)
             self.client.add("py_guest", collided.Sphere(0.5), (510, 0, 0))
             self.client.move("py_guest", (502.5, 0, 0))
             self.assertEqual([fence["inside"] for fence in self.client.fences("py_zone")], [["py_guest"]])
