@@ -116,8 +116,8 @@ TEST_F(Batch, ALongFileBecomesRequestsOfGrowingSizeInOrder) {
   }
   EXPECT_EQ(at, ran.out.size());
   EXPECT_EQ(fake::server().request_sizes.front(), 1000U);
-  for (const std::size_t size : fake::server().request_sizes) EXPECT_LE(size, 100'000U);
-  EXPECT_LT(fake::server().request_sizes.size(), 12U);
+  for (const std::size_t size : fake::server().request_sizes) EXPECT_LE(size, 8'000U);
+  EXPECT_LT(fake::server().request_sizes.size(), 36U);
 }
 
 TEST_F(Batch, TheSummaryGoesToStderr) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "server/world/objects/deadline.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/pose_memory.hpp"
 

@@ -323,6 +323,10 @@ Result<void> Publisher::remove(Object object) {
   fake::server().publishers[state_->index].objects.erase(object);
   return {};
 }
+Result<void> Publisher::reshape(Object object, const Shape& shape) {
+  fake::server().publishers[state_->index].objects[object].shape = shape;
+  return {};
+}
 Result<void> Publisher::move(Object object, const Pose& pose, bool) {
   fake::server().publishers[state_->index].pending[object] = pose;
   if (fake::server().on_move) {
