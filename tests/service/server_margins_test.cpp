@@ -124,10 +124,15 @@ TEST_F(ServerMargins, ADwellEndsWithThePublishersTime) {
   const Publisher::Object drone = add_ball(publisher, "drone", at(20, 0, 2));
   move(publisher, drone, at(4, 0, 2));
   EXPECT_FALSE(watch.next(500ms)) << "nobody knows whether it is there still";
-  EXPECT_TRUE(publisher.flush());
-  const MarginEvent came = next(watch);
-  expect(came, MarginEventKind::approach, 5);
-  EXPECT_GE(came.bracket_high_s, 0.3) << "told that long after it happened";
+  // It goes on saying that time passes, as publishers do.
+  std::optional<MarginEvent> came;
+  for (int flush = 0; flush < 50 && !came; ++flush) {
+    EXPECT_TRUE(publisher.flush());
+    came = watch.next(100ms);
+  }
+  ASSERT_TRUE(came);
+  expect(*came, MarginEventKind::approach, 5);
+  EXPECT_GE(came->bracket_high_s, 0.3) << "told that long after it happened";
 }
 
 // What commands move is known up to now.
