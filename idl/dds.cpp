@@ -137,6 +137,9 @@ std::string domain_config(const ParticipantOptions& options) {
       options.role == Role::server
           ? R"(<HeartbeatInterval min="5ms" minsched="10ms" max="1s">40ms</HeartbeatInterval>)"
           : R"(<HeartbeatInterval min="500us" minsched="500us" max="500ms">1ms</HeartbeatInterval>)";
+  // Who has a number of his own for the domain reads messages of other programs, such as clouds of points.
+  constexpr std::uint32_t kMaxForeignBytes = 64 << 20;
+  const std::uint32_t most_bytes = options.process_domain ? kMaxForeignBytes : wire_contract::kMaxMessageBytes;
   return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" + "<ExternalDomainId>" +
          std::to_string(options.domain) + "</ExternalDomainId>" + "<ParticipantIndex>" + index +
          "</ParticipantIndex><MaxAutoParticipantIndex>" + std::to_string(wire_contract::kMaxParticipantIndex) +
@@ -144,7 +147,7 @@ std::string domain_config(const ParticipantOptions& options) {
          "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
          // A sample is assembled in memory before anything can refuse it, so its size is limited here.
          "<MaxSampleSize>" +
-         std::to_string(wire_contract::kMaxMessageBytes) +
+         std::to_string(most_bytes) +
          "B</MaxSampleSize>"
          // `max` only requests; `min` would stop the start on a machine with small limits.
          R"(<SocketReceiveBufferSize max="8MB"/>)"

@@ -3,31 +3,14 @@
 #include <cstdlib>
 #include <optional>
 
-#include "client/ros/contact_markers.hpp"
-#include "idl/ros_types.hpp"
+#include "client/ros/ros_messages.hpp"
+#include "client/ros/written_messages.hpp"
 
 namespace collided::ros {
 namespace {
 
-constexpr std::int64_t kSecondNs = 1'000'000'000;
 // This process may be on the same domain as a client of a server; to Cyclone the two are apart.
 constexpr int kOwnDomains = 1'000;
-
-std::int64_t stamp_of(const builtin_interfaces_msg_dds__Time_& time) {
-  return static_cast<std::int64_t>(time.sec) * kSecondNs + time.nanosec;
-}
-
-std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
-
-RosTransform transform_of(const geometry_msgs_msg_dds__TransformStamped_& from, bool is_static) {
-  const auto& t = from.transform.translation;
-  const auto& r = from.transform.rotation;
-  return {.parent = text_of(from.header.frame_id),
-          .child = text_of(from.child_frame_id),
-          .stamp_ns = stamp_of(from.header.stamp),
-          .pose = {{t.x, t.y, t.z}, Quat(r.w, r.x, r.y, r.z)},
-          .is_static = is_static};
-}
 
 dds::ParticipantOptions participant_of(const RosLinkOptions& options) {
   dds::ParticipantOptions made{
@@ -37,128 +20,137 @@ dds::ParticipantOptions participant_of(const RosLinkOptions& options) {
   return made;
 }
 
-enum Token : std::intptr_t { kTf, kTfStatic, kJointStates, kRobotDescription, kFirstPose };
-
-/// A topic of poses, whose name it keeps.
-struct PoseReading {
-  PoseReading(const dds::Participant& participant, const RosPoseTopic& of)
-      : name(of.topic.substr(of.topic.starts_with('/') ? 1 : 0)),
-        frame(of.frame),
-        row(row_of(name)),
+/// A topic whose name is the user's, with its reader.
+template <class T>
+struct NamedReader {
+  NamedReader(const dds::Participant& participant, const std::string& topic_name, const wire_contract::TopicQos& like)
+      : name(topic_name.substr(topic_name.starts_with('/') ? 1 : 0)),
+        row(row_of(name, like)),
         topic(participant, kTopicPrefix, row),
         reader(topic) {}
-  PoseReading(const PoseReading&) = delete;
-  PoseReading& operator=(const PoseReading&) = delete;
-  static wire_contract::TopicQos row_of(const std::string& name) {
-    wire_contract::TopicQos row = kPoseStampedTopic;
+  NamedReader(const NamedReader&) = delete;
+  NamedReader& operator=(const NamedReader&) = delete;
+  static wire_contract::TopicQos row_of(const std::string& name, wire_contract::TopicQos row) {
     row.suffix = name.c_str();
     return row;
   }
 
   std::string name;
-  std::string frame;
   wire_contract::TopicQos row;
-  dds::Topic<PoseStamped> topic;
-  dds::Reader<PoseStamped> reader;
-  dds::Sample<PoseStamped> sample;
+  dds::Topic<T> topic;
+  dds::Reader<T> reader;
+  dds::Sample<T> sample;
 };
 
-RosTransform transform_of(const PoseStamped& from, const std::string& frame) {
-  const auto& p = from.pose.position;
-  const auto& r = from.pose.orientation;
-  return {.parent = text_of(from.header.frame_id),
-          .child = frame,
-          .stamp_ns = stamp_of(from.header.stamp),
-          .pose = {{p.x, p.y, p.z}, Quat(r.w, r.x, r.y, r.z)},
-          .is_static = false};
+/// Calls visit(sample) for each that waits; returns how many.
+template <class T, class Visit>
+std::size_t take_all(dds::Reader<T>& reader, dds::Sample<T>& sample, Visit&& visit) {
+  std::size_t count = 0;
+  while (reader.take(sample)) {
+    if (!sample.info().valid_data) continue;
+    ++count;
+    visit(*sample);
+  }
+  return count;
+}
+
+RosJoints joints_of(const JointState& from) {
+  RosJoints made{.stamp_ns = stamp_of(from.header.stamp), .names = {}, .positions = {}};
+  for (const char* name : dds::view(from.name)) made.names.push_back(text_of(name));
+  const auto positions = dds::view(from.position);
+  made.positions.assign(positions.begin(), positions.end());
+  return made;
 }
 
 }  // namespace
 
 struct RosEntities {
+  /// What takes the samples of one reader.
+  using Take = std::function<std::size_t(const RosTaker&)>;
+
   explicit RosEntities(const RosLinkOptions& options)
       : participant(participant_of(options)),
-        tf_topic(participant, kTopicPrefix, kTfTopic),
-        tf_static_topic(participant, kTopicPrefix, kTfStaticTopic),
         contacts_topic(participant, kTopicPrefix, kContactMarkersTopic),
-        tf(tf_topic),
-        tf_static(tf_static_topic),
+        objects_topic(participant, kTopicPrefix, kObjectMarkersTopic),
+        states_topic(participant, kTopicPrefix, kGzContactsTopic),
+        clearance_topic(participant, kTopicPrefix, kClearanceTopic),
+        diagnostics_topic(participant, kTopicPrefix, kDiagnosticsTopic),
+        tf_topic(participant, kTopicPrefix, kTfTopic),
         contacts(contacts_topic),
+        objects(objects_topic),
+        states(states_topic),
+        clearance(clearance_topic),
+        diagnostics(diagnostics_topic),
         came(participant) {
-    came.attach(tf, kTf);
-    came.attach(tf_static, kTfStatic);
+    // One topic may have a reader and a writer; who writes must not hear itself, so it knows what it has said.
+    if (options.sends_tf) tf_out.emplace(tf_topic);
+    read<TfMessage>("tf", kTfTopic, [](const TfMessage& message, const RosTaker& taker) {
+      for (const auto& transform : dds::view(message.transforms)) taker.transform(transform_of(transform, false));
+    });
+    read<TfMessage>("tf_static", kTfStaticTopic, [](const TfMessage& message, const RosTaker& taker) {
+      for (const auto& transform : dds::view(message.transforms)) taker.transform(transform_of(transform, true));
+    });
     for (const RosPoseTopic& pose : options.poses) {
-      poses.push_back(std::make_unique<PoseReading>(participant, pose));
-      came.attach(poses.back()->reader, kFirstPose + static_cast<std::intptr_t>(poses.size()) - 1);
+      read<PoseStamped>(pose.topic, kPoseStampedTopic,
+                        [frame = pose.frame](const PoseStamped& message, const RosTaker& taker) {
+                          taker.transform(transform_of(message, frame));
+                        });
+    }
+    read_things(options);
+    if (options.has_clock) {
+      read<ClockMessage>("clock", kClockTopic, [](const ClockMessage& message, const RosTaker& taker) {
+        taker.clock(stamp_of(message.clock));
+      });
     }
     if (!options.has_joint_states) return;
-    joints_topic.emplace(participant, kTopicPrefix, kJointStateTopic);
-    robot_topic.emplace(participant, kTopicPrefix, kRobotDescriptionTopic);
-    joints.emplace(*joints_topic);
-    robot.emplace(*robot_topic);
-    came.attach(*joints, kJointStates);
-    came.attach(*robot, kRobotDescription);
+    read<JointState>("joint_states", kJointStateTopic,
+                     [](const JointState& message, const RosTaker& taker) { taker.joints(joints_of(message)); });
+    read<StringMessage>(
+        "robot_description", kRobotDescriptionTopic,
+        [](const StringMessage& message, const RosTaker& taker) { taker.robot(text_of(message.data)); });
   }
 
-  std::size_t take_transforms(dds::Reader<TfMessage>& reader, bool is_static, const RosTaker& taker) {
-    std::size_t count = 0;
-    while (reader.take(tf_sample)) {
-      if (!tf_sample.info().valid_data) continue;
-      ++count;
-      for (const auto& transform : dds::view(tf_sample->transforms))
-        taker.transform(transform_of(transform, is_static));
+  void read_things(const RosLinkOptions& options) {
+    for (std::size_t i = 0; i < options.clouds.size(); ++i) {
+      read<PointCloud>(options.clouds[i], kPointCloudTopic,
+                       [i](const PointCloud& message, const RosTaker& taker) { taker.cloud(i, cloud_of(message)); });
     }
-    return count;
+    for (std::size_t i = 0; i < options.octomaps.size(); ++i) {
+      read<Octomap>(options.octomaps[i], kOctomapTopic,
+                    [i](const Octomap& message, const RosTaker& taker) { taker.octomap(i, octomap_of(message)); });
+    }
+    for (std::size_t i = 0; i < options.markers.size(); ++i) {
+      read<MarkerArray>(options.markers[i], kMarkersTopic, [i](const MarkerArray& message, const RosTaker& taker) {
+        for (const auto& marker : dds::view(message.markers)) taker.marker(i, marker_of(marker));
+      });
+    }
   }
 
-  static std::size_t take_poses(PoseReading& pose, const RosTaker& taker) {
-    std::size_t count = 0;
-    while (pose.reader.take(pose.sample)) {
-      if (!pose.sample.info().valid_data) continue;
-      ++count;
-      taker.transform(transform_of(*pose.sample, pose.frame));
-    }
-    return count;
-  }
-
-  std::size_t take_joints(const RosTaker& taker) {
-    std::size_t count = 0;
-    while (joints->take(joints_sample)) {
-      if (!joints_sample.info().valid_data) continue;
-      ++count;
-      RosJoints made{.stamp_ns = stamp_of(joints_sample->header.stamp), .names = {}, .positions = {}};
-      for (const char* name : dds::view(joints_sample->name)) made.names.push_back(text_of(name));
-      const auto positions = dds::view(joints_sample->position);
-      made.positions.assign(positions.begin(), positions.end());
-      taker.joints(made);
-    }
-    return count;
-  }
-
-  std::size_t take_robots(const RosTaker& taker) {
-    std::size_t count = 0;
-    while (robot->take(robot_sample)) {
-      if (!robot_sample.info().valid_data) continue;
-      ++count;
-      taker.robot(text_of(robot_sample->data));
-    }
-    return count;
+  /// Reads a topic; what has come is handed over message by message.
+  template <class T, class HandOver>
+  void read(const std::string& name, const wire_contract::TopicQos& like, HandOver hand_over) {
+    auto reading = std::make_shared<NamedReader<T>>(participant, name, like);
+    came.attach(reading->reader, static_cast<std::intptr_t>(takes.size()));
+    takes.push_back([reading, hand_over](const RosTaker& taker) {
+      return take_all(reading->reader, reading->sample, [&](const T& message) { hand_over(message, taker); });
+    });
+    writers.push_back([reading] { return std::size_t{reading->reader.matched_writers()}; });
   }
 
   dds::Participant participant;
-  dds::Topic<TfMessage> tf_topic, tf_static_topic;
-  dds::Topic<MarkerArray> contacts_topic;
-  std::optional<dds::Topic<JointState>> joints_topic;
-  std::optional<dds::Topic<StringMessage>> robot_topic;
-  dds::Reader<TfMessage> tf, tf_static;
-  std::optional<dds::Reader<JointState>> joints;
-  std::optional<dds::Reader<StringMessage>> robot;
-  std::vector<std::unique_ptr<PoseReading>> poses;
-  dds::Writer<MarkerArray> contacts;
+  dds::Topic<MarkerArray> contacts_topic, objects_topic;
+  dds::Topic<GzContacts> states_topic;
+  dds::Topic<Float64Message> clearance_topic;
+  dds::Topic<Diagnostics> diagnostics_topic;
+  dds::Topic<TfMessage> tf_topic;
+  std::vector<Take> takes;  // by token of the waitset
+  std::vector<std::function<std::size_t()>> writers;
+  dds::Writer<MarkerArray> contacts, objects;
+  dds::Writer<GzContacts> states;
+  dds::Writer<Float64Message> clearance;
+  dds::Writer<Diagnostics> diagnostics;
+  std::optional<dds::Writer<TfMessage>> tf_out;
   dds::WaitSet came;
-  dds::Sample<TfMessage> tf_sample;
-  dds::Sample<JointState> joints_sample;
-  dds::Sample<StringMessage> robot_sample;
 };
 
 RosLink::RosLink(const RosLinkOptions& options) : entities_(std::make_unique<RosEntities>(options)) {}
@@ -167,14 +159,8 @@ RosLink::RosLink(RosLink&&) noexcept = default;
 
 std::size_t RosLink::take(std::chrono::nanoseconds wait, const RosTaker& taker) {
   std::size_t count = 0;
-  for (const std::intptr_t token : entities_->came.wait(wait.count())) {
-    if (token == kTf) count += entities_->take_transforms(entities_->tf, false, taker);
-    if (token == kTfStatic) count += entities_->take_transforms(entities_->tf_static, true, taker);
-    if (token == kJointStates) count += entities_->take_joints(taker);
-    if (token == kRobotDescription) count += entities_->take_robots(taker);
-    if (token >= kFirstPose)
-      count += entities_->take_poses(*entities_->poses[static_cast<std::size_t>(token - kFirstPose)], taker);
-  }
+  for (const std::intptr_t token : entities_->came.wait(wait.count()))
+    count += entities_->takes[static_cast<std::size_t>(token)](taker);
   return count;
 }
 
@@ -182,9 +168,31 @@ bool RosLink::show(const std::vector<ShownContact>& contacts, const std::string&
   return write_contacts(entities_->contacts, contacts, frame, stamp_ns);
 }
 
+bool RosLink::tell(const std::vector<ShownContact>& contacts, const std::string& frame, std::int64_t stamp_ns) {
+  return write_contacts(entities_->states, contacts, frame, stamp_ns);
+}
+
+bool RosLink::show(const std::vector<ShownMarker>& objects, const std::string& frame, std::int64_t stamp_ns) {
+  return write_objects(entities_->objects, objects, frame, stamp_ns);
+}
+
+bool RosLink::send(const std::vector<RosTransform>& transforms) {
+  return entities_->tf_out && write_transforms(*entities_->tf_out, transforms);
+}
+
+bool RosLink::tell_clearance(double clearance_m) {
+  Float64Message message{};
+  message.data = clearance_m;
+  return entities_->clearance.write(message);
+}
+
+bool RosLink::tell(const std::vector<RosDiagnostic>& diagnostics, std::int64_t stamp_ns) {
+  return write_diagnostics(entities_->diagnostics, diagnostics, stamp_ns);
+}
+
 std::size_t RosLink::broadcasters() const {
-  std::size_t count = std::size_t{entities_->tf.matched_writers()} + entities_->tf_static.matched_writers();
-  for (const auto& pose : entities_->poses) count += pose->reader.matched_writers();
+  std::size_t count = 0;
+  for (const auto& writers : entities_->writers) count += writers();
   return count;
 }
 

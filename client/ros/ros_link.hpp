@@ -9,6 +9,10 @@
 
 #include <collided/geometry.hpp>
 
+#include "client/ros/marker_shape.hpp"
+#include "client/ros/octomap_message.hpp"
+#include "client/ros/point_cloud.hpp"
+
 namespace collided::ros {
 
 /// A topic of geometry_msgs/PoseStamped, whose poses are those of a frame.
@@ -24,6 +28,11 @@ struct RosLinkOptions {
   std::vector<std::string> peers = {};  // addresses to look at where multicast does not reach
   bool has_joint_states = false;        // read /joint_states and /robot_description
   std::vector<RosPoseTopic> poses = {};
+  std::vector<std::string> clouds = {};    // topics of PointCloud2
+  std::vector<std::string> octomaps = {};  // topics of Octomap
+  std::vector<std::string> markers = {};   // topics of MarkerArray
+  bool has_clock = false;                  // read /clock
+  bool sends_tf = false;                   // write /tf
 };
 
 /// A frame's pose in its parent, as a message said it.
@@ -47,6 +56,20 @@ struct ShownContact {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
   double depth_m = 0;
+  std::string a, b;  // names of the two objects
+};
+
+/// A component's line for /diagnostics.
+struct RosDiagnostic {
+  std::string name;
+  std::string message;
+  std::uint8_t level = 0;  // 0 ok, 1 warn, 2 error
+  std::vector<std::pair<std::string, std::string>> values;
+};
+
+struct ShownMarker {
+  MarkerMessage marker;
+  float red = 0.6F, green = 0.6F, blue = 0.65F;
 };
 
 /// What comes from ROS; called by RosLink::take.
@@ -54,13 +77,18 @@ struct RosTaker {
   std::function<void(const RosTransform&)> transform;
   std::function<void(const RosJoints&)> joints;
   std::function<void(const std::string& urdf)> robot;
+  /// With the number of the topic among those asked for. What the messages point to is gone after the call.
+  std::function<void(std::size_t topic, const CloudMessage&)> cloud;
+  std::function<void(std::size_t topic, const OctomapMessage&)> octomap;
+  std::function<void(std::size_t topic, const MarkerMessage&)> marker;
+  std::function<void(std::int64_t now_ns)> clock;
 };
 
 /// Its DDS entities, which ros_link.cpp has.
 struct RosEntities;
 
-/// A participant of ROS's domain without ROS: reads /tf, /tf_static and, where wanted, topics of poses, /joint_states and
-/// /robot_description, and writes /collided/contacts. Errors of DDS throw std::runtime_error with what was tried.
+/// A participant of ROS's domain without ROS: reads /tf, /tf_static and, where wanted, topics of poses, clouds, maps and
+/// markers, /joint_states, /robot_description and /clock, and writes /collided/contacts and what the functions below say. Errors of DDS throw std::runtime_error with what was tried.
 ///
 /// threads  one at a time
 class RosLink {
@@ -75,7 +103,16 @@ class RosLink {
   /// Shows the contacts as markers, in place of those before: a ball at each point, and a line along each normal as long
   /// as the depth. False where a reader takes no more.
   bool show(const std::vector<ShownContact>& contacts, const std::string& frame, std::int64_t stamp_ns);
-  /// Number of writers of /tf, /tf_static and the topics of poses that are matched.
+  /// The same as ros_gz_interfaces/Contacts on /collided/contact_states.
+  bool tell(const std::vector<ShownContact>& contacts, const std::string& frame, std::int64_t stamp_ns);
+  /// /collided/objects, in place of those before.
+  bool show(const std::vector<ShownMarker>& objects, const std::string& frame, std::int64_t stamp_ns);
+  /// /tf; only where RosLinkOptions::sends_tf.
+  bool send(const std::vector<RosTransform>& transforms);
+  /// /collided/clearance, metres.
+  bool tell_clearance(double clearance_m);
+  bool tell(const std::vector<RosDiagnostic>& diagnostics, std::int64_t stamp_ns);
+  /// Number of writers of all that is read that are matched.
   std::size_t broadcasters() const;
 
  private:

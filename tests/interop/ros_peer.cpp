@@ -4,15 +4,23 @@
 //   ros_peer DOMAIN odd                        transforms that cannot be meant, then a good one
 //   ros_peer DOMAIN joints                     a robot's description and one state of its joints
 //   ros_peer DOMAIN pose                       a PoseStamped in a frame that stands still, best effort
+//   ros_peer DOMAIN clouds                     clouds of points of several layouts, and some that cannot be meant
+//   ros_peer DOMAIN octomap                    a map of an occupied, a free and an unknown cell
+//   ros_peer DOMAIN markers                    markers that are things, and some that are not
+//   ros_peer DOMAIN clock                      /clock, and a frame stamped by it
+//   ros_peer DOMAIN outputs                    prints what comes of clearance, diagnostics, contacts, objects and /tf
 //   ros_peer DOMAIN contacts                   waits for contacts as markers and prints their points
 // Each says "ready" once it has a reader, sends at SIGUSR1, since what comes before the reader has met the writer is lost, says
 // what it has sent, and stays until SIGTERM.
 
 #include <signal.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <thread>
@@ -216,6 +224,208 @@ void contacts(int domain) {
   stay();
 }
 
+using sensor_msgs::msg::dds_::PointCloud2_;
+using sensor_msgs::msg::dds_::PointCloud2_PubSubType;
+using visualization_msgs::msg::dds_::Marker_;
+
+/// A cloud of numbers of one type, x y z at offset 4 of each point.
+template <class Number>
+PointCloud2_ cloud(const std::string& frame, std::int64_t time_ns, std::uint8_t datatype,
+                   const std::vector<std::array<Number, 3>>& points, bool is_bigendian) {
+  PointCloud2_ message;
+  message.header().frame_id(frame);
+  message.header().stamp(stamp_of(time_ns));
+  message.height(1);
+  message.width(static_cast<std::uint32_t>(points.size()));
+  message.is_bigendian(is_bigendian);
+  constexpr std::uint32_t kStep = 4 + 3 * sizeof(Number) + 2;
+  message.point_step(kStep);
+  message.row_step(kStep * message.width());
+  const char* names[] = {"intensity", "x", "y", "z"};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    sensor_msgs::msg::dds_::PointField_ field;
+    field.name(names[i]);
+    field.offset(i == 0 ? 0 : 4 + (i - 1) * static_cast<std::uint32_t>(sizeof(Number)));
+    field.datatype(i == 0 ? 7 : datatype);
+    field.count(1);
+    message.fields().push_back(field);
+  }
+  for (const auto& point : points) {
+    std::vector<std::uint8_t> bytes(kStep, 0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::array<std::uint8_t, sizeof(Number)> own;
+      std::memcpy(own.data(), &point[axis], sizeof(Number));
+      if (is_bigendian) std::reverse(own.begin(), own.end());
+      std::copy(own.begin(), own.end(), bytes.begin() + 4 + static_cast<std::ptrdiff_t>(axis * sizeof(Number)));
+    }
+    message.data().insert(message.data().end(), bytes.begin(), bytes.end());
+  }
+  return message;
+}
+
+void clouds(int domain) {
+  Link link(domain);
+  fast::DataWriter* fixed = link.writer<TFMessage_PubSubType>(kTfStatic);
+  send(fixed, {transform("world", "lidar", 0, 10)});
+  fast::DataWriter* writer = link.writer<PointCloud2_PubSubType>({.suffix = "points", .prefix = "rt/"});
+  wait_for_go(writer, "/points");
+  const std::int64_t time_ns = now_ns();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<PointCloud2_> messages;
+  messages.push_back(cloud<float>("lidar", time_ns, 7, {{2.25F, 0.25F, 0.25F}, {nan, 0, 0}}, false));
+  messages.push_back(cloud<std::int16_t>("lidar", time_ns, 3, {{0, 4, 0}}, true));
+  messages.push_back(cloud<double>("world", 0, 8, {{10.25, -3.75, 0.25}}, false));
+  messages.push_back(cloud<float>("lidar", time_ns + 3'600'000'000'000, 7, {{0.25F, 0.25F, 5.25F}}, false));
+  messages.push_back(cloud<float>("", time_ns, 7, {{0, 0, 0}}, false));
+  messages.push_back(cloud<float>("nowhere", time_ns, 7, {{0, 0, 0}}, false));
+  messages.push_back(cloud<float>("lidar", time_ns, 9, {{0, 0, 0}}, false));  // a datatype that there is not
+  messages.push_back(cloud<float>("lidar", time_ns, 7, {{0, 0, 0}}, false));
+  messages.back().data().resize(3);  // less than the points take
+  messages.push_back(cloud<float>("lidar", time_ns, 7, {{0, 0, 0}}, false));
+  messages.back().fields().pop_back();  // no z
+  for (PointCloud2_& message : messages) {
+    writer->write(&message);
+    // The reader is that of sensors, at best effort with a short queue.
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  std::printf("sent %zu messages\n", messages.size());
+  stay();
+}
+
+void octomap(int domain) {
+  using octomap_msgs::msg::dds_::Octomap_;
+  using octomap_msgs::msg::dds_::Octomap_PubSubType;
+  Link link(domain);
+  fast::DataWriter* writer = link.writer<Octomap_PubSubType>({.suffix = "map", .prefix = "rt/"});
+  wait_for_go(writer, "/map");
+  Octomap_ message;
+  message.header().frame_id("world");
+  message.header().stamp(stamp_of(now_ns()));
+  message.binary(true);
+  message.kind("OcTree");
+  message.resolution(0.5);
+  // Child 7 is that above the origin along each axis. Down to the last level it is child 0; there 0 is occupied, 1 free.
+  message.data({0x00, 0xc0});
+  for (int level = 2; level <= 15; ++level) message.data().insert(message.data().end(), {0x03, 0x00});
+  message.data().insert(message.data().end(), {0x06, 0x00});
+  writer->write(&message);
+  message.kind("ColorOcTree");
+  writer->write(&message);
+  message.kind("OcTree");
+  message.data().pop_back();
+  writer->write(&message);
+  std::printf("sent 3 messages\n");
+  stay();
+}
+
+Marker_ marker(const std::string& frame, std::int64_t time_ns, std::int32_t number, std::int32_t type, double x) {
+  Marker_ made;
+  made.header().frame_id(frame);
+  made.header().stamp(stamp_of(time_ns));
+  made.ns("things");
+  made.marker_id(number);
+  made.type(type);
+  made.pose().position().x(x);
+  made.pose().orientation().w(1);
+  made.scale().x(0.5);
+  made.scale().y(0.5);
+  made.scale().z(0.5);
+  return made;
+}
+
+void markers(int domain) {
+  Link link(domain);
+  fast::DataWriter* fixed = link.writer<TFMessage_PubSubType>(kTfStatic);
+  send(fixed, {transform("world", "table", 0, 10)});
+  fast::DataWriter* writer = link.writer<MarkerArray_PubSubType>({.suffix = "things", .prefix = "rt/"});
+  wait_for_go(writer, "/things");
+  const std::int64_t time_ns = now_ns();
+  MarkerArray_ array;
+  array.markers({marker("table", time_ns, 1, 1, 0), marker("table", 0, 2, 2, 2), marker("world", time_ns, 3, 3, 20),
+                 marker("table", time_ns + 3'600'000'000'000, 4, 1, 30), marker("table", time_ns, 5, 99, 0),
+                 marker("table", time_ns, 6, 9, 0), marker("", time_ns, 7, 1, 0), marker("nowhere", time_ns, 8, 1, 0),
+                 marker("table", time_ns, 9, 1, std::numeric_limits<double>::infinity()),
+                 marker("table", time_ns, 10, 1, 40)});
+  writer->write(&array);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  Marker_ gone = marker("table", time_ns, 10, 1, 40);
+  gone.action(2);
+  array.markers({gone, marker("table", now_ns(), 1, 1, 1)});
+  writer->write(&array);
+  std::printf("sent 2 messages\n");
+  stay();
+}
+
+void simulated(int domain) {
+  using rosgraph_msgs::msg::dds_::Clock_;
+  using rosgraph_msgs::msg::dds_::Clock_PubSubType;
+  Link link(domain);
+  fast::DataWriter* clock = link.writer<Clock_PubSubType>({.suffix = "clock", .prefix = "rt/"});
+  fast::DataWriter* tf = link.writer<TFMessage_PubSubType>(kTf);
+  wait_for_match(clock, "/clock");
+  wait_for_go(tf, "/tf");
+  for (int i = 1; i <= 100; ++i) {
+    const std::int64_t time_ns = 5'000'000'000 + i * 10'000'000LL;
+    Clock_ message;
+    message.clock(stamp_of(time_ns));
+    clock->write(&message);
+    send(tf, {transform("world", "cart", time_ns, 0.01 * i)});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::printf("sent 100 messages\n");
+  stay();
+}
+
+/// Takes one message, where there is one, and hands it to `print`.
+template <class Message, class Print>
+void print_next(fast::DataReader* reader, const Print& print) {
+  Message message;
+  fast::SampleInfo info;
+  if (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK && info.valid_data) print(message);
+  std::fflush(stdout);
+}
+
+void outputs(int domain) {
+  using diagnostic_msgs::msg::dds_::DiagnosticArray_;
+  using diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType;
+  using ros_gz_interfaces::msg::dds_::Contacts_;
+  using ros_gz_interfaces::msg::dds_::Contacts_PubSubType;
+  using std_msgs::msg::dds_::Float64_;
+  using std_msgs::msg::dds_::Float64_PubSubType;
+  Link link(domain);
+  fast::DataReader* clearance = link.reader<Float64_PubSubType>({.suffix = "collided/clearance", .prefix = "rt/"});
+  fast::DataReader* diagnostics = link.reader<DiagnosticArray_PubSubType>({.suffix = "diagnostics", .prefix = "rt/"});
+  fast::DataReader* states = link.reader<Contacts_PubSubType>({.suffix = "collided/contact_states", .prefix = "rt/"});
+  fast::DataReader* objects = link.reader<MarkerArray_PubSubType>({.suffix = "collided/objects", .prefix = "rt/"});
+  fast::DataReader* tf = link.reader<TFMessage_PubSubType>({.suffix = "tf", .prefix = "rt/"});
+  wait_for_match(clearance, "/collided/clearance");
+  std::printf("ready\n");
+  std::fflush(stdout);
+  for (int i = 0; i < 1'000; ++i) {
+    print_next<Float64_>(clearance, [](const Float64_& m) { std::printf("clearance %.9g\n", m.data()); });
+    print_next<DiagnosticArray_>(diagnostics, [](const DiagnosticArray_& m) {
+      for (const auto& one : m.status())
+        std::printf("diagnostic %d %s: %s\n", one.level(), one.name().c_str(), one.message().c_str());
+    });
+    print_next<Contacts_>(states, [](const Contacts_& m) {
+      for (const auto& one : m.contacts())
+        std::printf("contact %s %s depth %.9g\n", one.collision1().name().c_str(), one.collision2().name().c_str(),
+                    one.depths().at(0));
+    });
+    print_next<MarkerArray_>(objects, [](const MarkerArray_& m) {
+      for (const auto& one : m.markers())
+        std::printf("object %s type %d at %.9g\n", one.ns().c_str(), one.type(), one.pose().position().x());
+    });
+    print_next<TFMessage_>(tf, [](const TFMessage_& m) {
+      for (const auto& one : m.transforms())
+        std::printf("transform %s to %s at %.9g\n", one.header().frame_id().c_str(), one.child_frame_id().c_str(),
+                    one.transform().translation().x());
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  stay();
+}
+
 int run(const std::vector<std::string>& words) {
   const sigset_t both = both_signals();
   pthread_sigmask(SIG_BLOCK, &both, nullptr);  // before there are threads that would take it
@@ -227,6 +437,11 @@ int run(const std::vector<std::string>& words) {
   else if (what == "joints") joints(domain);
   else if (what == "pose") pose(domain);
   else if (what == "contacts") contacts(domain);
+  else if (what == "clouds") clouds(domain);
+  else if (what == "octomap") octomap(domain);
+  else if (what == "markers") markers(domain);
+  else if (what == "clock") simulated(domain);
+  else if (what == "outputs") outputs(domain);
   else throw std::runtime_error("unknown: " + what);
   return 0;
 }

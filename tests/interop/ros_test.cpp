@@ -143,7 +143,7 @@ TEST_F(Ros, JointsOfADescribedRobotMoveItsLinks) {
   add(client, "arm/hand", at(0, 0, 50));
   ChildProcess ros = bridge({"--joint-states"});
   ChildProcess states = peer({"joints"});
-  send(states, ros);
+  send(states, ros, 3);
   EXPECT_TRUE(test::eventually(
       [&] {
         return is_at(client, "arm/hand", {2, 0, 0.5}, 1e-15);
@@ -162,6 +162,142 @@ TEST_F(Ros, ATopicOfPosesMovesTheFrameThatItIsGiven) {
   send(poses, ros, 2);
   EXPECT_TRUE(test::eventually([&] { return is_at(client, "crate", {1, 0, 1}, 1e-15); }, seconds(10))) << ros.errors();
   EXPECT_EQ(end(ros)["objects"], 1);
+}
+
+TEST_F(Ros, CloudsOfAnyLayoutBecomeCellsAndOthersAreCounted) {
+  start({nothing()});
+  Client client = connect();
+  ChildProcess ros = bridge({"--cloud", "/points=scan", "--voxels", "0.5", "--unknown", "undecided", "--decay", "60s"});
+  ChildProcess points = peer({"clouds"});
+  send(points, ros, 2);
+  const auto is_hit = [&](const Vec3& from, const Vec3& along, double distance_m) {
+    const Result<Answer> answer = client.ask(RayQuestion{.origin = from, .direction = along});
+    return answer && answer->verdict == Verdict::hit && std::abs(answer->hits.at(0).distance_m - distance_m) <= 1e-9;
+  };
+  // The sensor stands at 10 0 0; its ways to the points are free, and all else is unknown.
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return is_hit({10.25, 0.25, 0.25}, {1, 0, 0}, 1.75);
+      },
+      seconds(10)))
+      << ros.errors();
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return is_hit({10.25, 0.25, 0.25}, {0, 1, 0}, 3.75);
+      },
+      seconds(10)))
+      << "numbers of 16 bits, the high byte first";
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return is_hit({10.25, 0.25, 0.25}, {0, 0, 1}, 4.75);
+      },
+      seconds(10)))
+      << "stamped an hour ahead";
+  const Result<Answer> behind = client.ask(RayQuestion{.origin = {10.25, 0.25, 0.25}, .direction = {-1, 0, 0}});
+  ASSERT_TRUE(behind) << behind.error().message;
+  EXPECT_EQ(behind->verdict, Verdict::undecided);
+  EXPECT_EQ(behind->reason, UndecidedReason::not_covered);
+  const auto is_told = [&](const char* text) { return ros.errors().find(text) != std::string::npos; };
+  EXPECT_TRUE(test::eventually([&] { return is_told("no field z"); }, seconds(5))) << ros.errors();
+  EXPECT_TRUE(is_told("field x has datatype 9, known are 1 to 8")) << ros.errors();
+  EXPECT_TRUE(is_told("3 bytes of data, 18 are needed")) << ros.errors();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1'200));  // until what waits for its frame is given up
+  const nlohmann::json counts = end(ros);
+  EXPECT_EQ(counts["clouds"], 4);
+  EXPECT_EQ(counts["points"], 4);
+  EXPECT_EQ(counts["occupied"], 4);
+  EXPECT_EQ(counts["bad"], 3);
+  EXPECT_EQ(counts["unnamed"], 1);
+  EXPECT_EQ(counts["frameless"], 1);
+  EXPECT_EQ(counts["unstamped"], 1);
+  EXPECT_EQ(counts["ahead"], 1);
+  EXPECT_EQ(counts["not_finite"], 1);
+}
+
+TEST_F(Ros, AMapsCellsAreObstaclesAndADamagedMapChangesNothing) {
+  start({nothing()});
+  Client client = connect();
+  ChildProcess ros = bridge({"--octomap", "/map=map", "--unknown", "undecided"});
+  ChildProcess maps = peer({"octomap"});
+  send(maps, ros);
+  const auto state = [&](const Vec3& at) {
+    const Result<Answer> answer = client.ask(SphereQuestion{.center = at, .radius_m = 0.1});
+    return answer ? answer->verdict : Verdict::invalid;
+  };
+  EXPECT_TRUE(test::eventually([&] { return state({0.25, 0.25, 0.25}) == Verdict::hit; }, seconds(10))) << ros.errors();
+  EXPECT_TRUE(test::eventually([&] { return state({0.75, 0.25, 0.25}) == Verdict::miss; }, seconds(5)));
+  EXPECT_EQ(state({1.25, 0.25, 0.25}), Verdict::undecided);
+  EXPECT_TRUE(test::eventually(
+      [&] { return ros.errors().find("a tree of kind 'ColorOcTree', known is OcTree") != std::string::npos; },
+      seconds(5)));
+  const nlohmann::json counts = end(ros);
+  EXPECT_EQ(counts["maps"], 1);
+  EXPECT_EQ(counts["bad"], 2);
+}
+
+TEST_F(Ros, MarkersAreObjectsWhereTheirFrameIs) {
+  start({nothing()});
+  Client client = connect();
+  ChildProcess ros = bridge({"--markers", "/things"});
+  ChildProcess things = peer({"markers"});
+  send(things, ros, 2);
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return is_at(client, "things/things/1", {11, 0, 0}, 0);
+      },
+      seconds(10)))
+      << ros.errors();
+  EXPECT_TRUE(is_at(client, "things/things/2", {12, 0, 0}, 0));
+  EXPECT_TRUE(is_at(client, "things/things/3", {20, 0, 0}, 0));
+  EXPECT_TRUE(is_at(client, "things/things/4", {40, 0, 0}, 0));
+  EXPECT_TRUE(test::eventually([&] { return !client.get("things/things/10"); }, seconds(5))) << "it was deleted";
+  const Result<Answer> ray = client.ask(RayQuestion{.origin = {11, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(ray && !ray->hits.empty());
+  EXPECT_EQ(ray->hits.at(0).distance_m, 4.75) << "a cube of half a metre";
+  std::this_thread::sleep_for(std::chrono::milliseconds(1'200));  // until what waits for its frame is given up
+  const nlohmann::json counts = end(ros);
+  EXPECT_EQ(counts["marker_objects"], 4);
+  EXPECT_EQ(counts["shapeless"], 2);
+  EXPECT_EQ(counts["unnamed"], 1);
+  EXPECT_EQ(counts["bad"], 1);
+  EXPECT_EQ(counts["frameless"], 1);
+  EXPECT_EQ(counts["unstamped"], 1);
+  EXPECT_EQ(counts["ahead"], 1);
+  EXPECT_NE(ros.errors().find("unknown type 99"), std::string::npos) << ros.errors();
+}
+
+TEST_F(Ros, TheWorldGoesOutAsObjectsTransformsContactsClearanceAndDiagnostics) {
+  start({nothing()});
+  Client client = connect();
+  ASSERT_TRUE(client.add({.name = "ball", .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(3, 0, 0)}));
+  ASSERT_TRUE(
+      client.add({.name = "wall", .shape = {BoxShape{.half_m = {0.5, 1, 1}}}, .pose = at(5, 0, 0), .moving = false}));
+  ChildProcess ros = bridge({"--clearance", "ball", "--objects", "--tf"});
+  ChildProcess reader = peer({"outputs"});
+  ASSERT_TRUE(reader.says("ready", seconds(30))) << reader.errors() << ros.errors();
+  EXPECT_TRUE(reader.says("clearance 1\n", seconds(10))) << reader.output() << ros.errors();
+  EXPECT_TRUE(reader.says("object ball type 2 at 3", seconds(10))) << reader.output();
+  EXPECT_TRUE(reader.says("object wall type 1 at 5", seconds(10))) << reader.output();
+  EXPECT_TRUE(reader.says("transform world to ball at 3", seconds(10))) << reader.output();
+  EXPECT_TRUE(reader.says("diagnostic 0 collided: server: ready", seconds(10))) << reader.output();
+  ASSERT_TRUE(client.move("ball", at(4.25, 0, 0)));
+  EXPECT_TRUE(reader.says("contact ball wall depth 0.25", seconds(10))) << reader.output();
+  EXPECT_TRUE(reader.says("clearance -0.25", seconds(10))) << reader.output();
+  EXPECT_TRUE(reader.says("diagnostic 0 collided: clearance of ball: touching", seconds(10))) << reader.output();
+  EXPECT_EQ(end(ros)["objects"], 0) << "what was sent here does not come back as a frame to follow";
+}
+
+TEST_F(Ros, SimulatedTimeIsThatOfTheClock) {
+  start({nothing()});
+  Client client = connect();
+  add(client, "cart", at(0, 0, 50));
+  ChildProcess ros = bridge({"--sim-time"});
+  ChildProcess clock = peer({"clock"});
+  send(clock, ros, 2);
+  EXPECT_TRUE(test::eventually([&] { return is_at(client, "cart", {1, 0, 0}, 1e-12); }, seconds(10))) << ros.errors();
+  const nlohmann::json counts = end(ros);
+  EXPECT_EQ(counts["ahead"], 0) << "six seconds after the start of the simulation";
+  EXPECT_EQ(counts["unstamped"], 0);
 }
 
 TEST_F(Ros, WhatStandsStillIsToldAndADomainThatIsNoneRefused) {

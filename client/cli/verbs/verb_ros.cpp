@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -8,6 +9,9 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/ros/bridge.hpp"
+#include "client/ros/live_clouds.hpp"
+#include "client/ros/marker_objects.hpp"
+#include "client/ros/shown_world.hpp"
 #include "idl/clocks.hpp"
 
 namespace collided::cli {
@@ -19,6 +23,7 @@ constexpr std::chrono::milliseconds kRosWait{20};         // a publisher must sp
 constexpr std::chrono::milliseconds kRosFind{500};        // from one look for new objects to the next
 constexpr std::chrono::milliseconds kRosShowAgain{1000};  // the same, where nothing changes: for readers that come late
 constexpr std::chrono::milliseconds kRosShow{100};        // from one message of contacts to the next
+constexpr std::chrono::milliseconds kRosTell{1000};       // from one message of diagnostics to the next
 constexpr std::size_t kRosMostContacts = 10'000;          // shown at a time
 
 std::int64_t ros_now_ns() { return wire_contract::since_1970_ns(); }
@@ -38,7 +43,8 @@ class RosContacts {
       if (!event) break;
       has_changed = true;
       if (event->kind == EventKind::ended) open_.erase({event->a, event->b});
-      else if (can_show(*event)) open_[{event->a, event->b}] = {event->point, event->normal, event->depth_m};
+      else if (can_show(*event))
+        open_[{event->a, event->b}] = {event->point, event->normal, event->depth_m, event->a, event->b};
     }
     return has_changed;
   }
@@ -68,6 +74,21 @@ class RosCommand : public Command {
     app.add_option("--frame", follow_.fixed, "Frame that is the server's world (world)");
     app.add_option("--only", follow_.only, "Objects that may follow a frame: name glob (all)");
     app.add_option("--pose", poses_, "TOPIC=FRAME: a topic of PoseStamped that moves a frame")->allow_extra_args(false);
+    app.add_option("--markers", markers_, "A topic of MarkerArray whose markers are objects")->allow_extra_args(false);
+    app.add_option("--cloud", clouds_, "TOPIC=NAME: a topic of PointCloud2 that becomes occupied cells")
+        ->allow_extra_args(false);
+    app.add_option("--octomap", maps_, "TOPIC=NAME: a topic of Octomap that becomes occupied cells")
+        ->allow_extra_args(false);
+    app.add_option("--voxels", cell_, "Side of a cloud's cells (0.1)");
+    app.add_option("--reach", reach_, "Points farther from the sensor do not count (no limit)");
+    app.add_option("--decay", decay_, "What was not met for so long is unknown again (10s)");
+    app.add_option("--unknown", unknown_, "Cells that nothing has met: free (default), undecided or occupied")
+        ->check(CLI::IsMember({"free", "undecided", "occupied"}));
+    app.add_option("--clearance", clearance_,
+                   "Objects whose least clearance goes out on /collided/clearance: name glob");
+    app.add_flag("--objects", shows_objects_, "Show the world's objects on /collided/objects");
+    app.add_flag("--tf", sends_tf_, "Send the poses of objects that follow no frame on /tf");
+    app.add_flag("--sim-time", has_clock_, "Time is that of /clock (use_sim_time)");
     app.add_flag("--joint-states", has_joint_states_, "Read /joint_states with /robot_description too");
     app.add_option("--as", name_, "Name of the publisher (collide ros)");
     app.add_option("--for", for_, "End after this time");
@@ -79,14 +100,30 @@ class RosCommand : public Command {
     RosContacts contacts(take(client.watch({.persisted = true})));
     ros::RosLink link = join(session.io);
     ros::Bridge bridge(client, publisher, follow_);
+    clouds_in_.emplace(client, cloud_options());
+    markers_in_.emplace(client, follow_.fixed, object_names(markers_));
+    take(clouds_in_->start());
+    take(markers_in_->start());
+    ros::ShownWorld world(
+        client,
+        {.fixed = follow_.fixed, .clearance_of = clearance_, .shows_objects = shows_objects_, .sends_tf = sends_tf_});
     print_hint(session.io, globals, "follows frames; Ctrl-C ends");
     const Clock::time_point end = for_.empty() ? Clock::time_point::max() : Clock::now() + duration();
-    Clock::time_point find_at = Clock::now(), shown = Clock::now();
+    Clock::time_point find_at = Clock::now(), shown = Clock::now(), told = Clock::now() - kRosTell;
     bool is_shown = true;
     while (!stop_requested && Clock::now() < end) {
-      bridge.counts().messages += link.take(kRosWait, taker(session.io, bridge));
-      bridge.send(ros_now_ns());
+      bridge.counts().messages += link.take(kRosWait, taker(session.io, bridge, world));
       tell_broadcasters(session.io, globals, link.broadcasters());
+      if (has_clock_ && clock_ns_ == 0) {
+        static_cast<void>(publisher.keep_alive());
+        continue;
+      }
+      bridge.send(now_ns());
+      clouds_in_->go_on(bridge.frames(), now_ns());
+      markers_in_->go_on(bridge.frames(), now_ns());
+      world.go_on(link, bridge.frames(), now_ns());
+      tell_flaws(session.io, clouds_in_->take_flaws());
+      tell_flaws(session.io, markers_in_->take_flaws());
       if (Clock::now() >= find_at) {
         find(session.io, globals, bridge);
         find_at = Clock::now() + kRosFind;
@@ -94,8 +131,13 @@ class RosCommand : public Command {
       static_cast<void>(publisher.keep_alive());
       is_shown = !contacts.take() && is_shown;
       if (Clock::now() >= (is_shown ? shown + kRosShowAgain : shown + kRosShow)) {
-        is_shown = link.show(contacts.shown(), follow_.fixed, ros_now_ns());
+        is_shown = link.show(contacts.shown(), follow_.fixed, now_ns());
+        is_shown = link.tell(contacts.shown(), follow_.fixed, now_ns()) && is_shown;
         shown = Clock::now();
+      }
+      if (Clock::now() >= told + kRosTell) {
+        static_cast<void>(link.tell(diagnostics(client, bridge, world), now_ns()));
+        told = Clock::now();
       }
     }
     return report(session.io, globals, bridge);
@@ -114,35 +156,137 @@ class RosCommand : public Command {
                            .interface = follow_interface_,
                            .peers = peers_,
                            .has_joint_states = has_joint_states_,
-                           .poses = poses});
+                           .poses = poses,
+                           .clouds = names_of(clouds_, "--cloud", true),
+                           .octomaps = names_of(maps_, "--octomap", true),
+                           .markers = markers_,
+                           .has_clock = has_clock_,
+                           .sends_tf = sends_tf_});
     } catch (const std::runtime_error& failed) { throw Failure(Exit::no_server, std::string("ROS: ") + failed.what()); }
   }
 
-  std::vector<ros::RosPoseTopic> pose_topics() const {
-    std::vector<ros::RosPoseTopic> topics;
-    for (const std::string& text : poses_) {
+  std::int64_t now_ns() const { return has_clock_ ? clock_ns_ : ros_now_ns(); }
+
+  /// The one half of each TOPIC=NAME.
+  static std::vector<std::string> names_of(const std::vector<std::string>& texts, std::string_view option,
+                                           bool is_topic) {
+    std::vector<std::string> names;
+    for (const std::string& text : texts) {
       const std::size_t sign = text.find('=');
       if (sign == 0 || sign == std::string::npos || sign + 1 == text.size())
-        throw bad_use(fmt::format("--pose '{}'; it is to be TOPIC=FRAME", printable(text)));
-      topics.push_back({text.substr(0, sign), text.substr(sign + 1)});
+        throw bad_use(fmt::format("{} '{}'; it is to be TOPIC={}", option, printable(text),
+                                  option == "--pose" ? "FRAME" : "NAME"));
+      names.push_back(is_topic ? text.substr(0, sign) : text.substr(sign + 1));
+    }
+    return names;
+  }
+
+  std::vector<ros::RosPoseTopic> pose_topics() const {
+    const std::vector<std::string> topics = names_of(poses_, "--pose", true);
+    const std::vector<std::string> frames = names_of(poses_, "--pose", false);
+    std::vector<ros::RosPoseTopic> made;
+    for (std::size_t i = 0; i < topics.size(); ++i) made.push_back({topics[i], frames[i]});
+    return made;
+  }
+
+  /// A topic's name without its leading slash.
+  static std::vector<std::string> object_names(std::vector<std::string> topics) {
+    for (std::string& topic : topics) {
+      if (topic.starts_with('/')) topic.erase(0, 1);
     }
     return topics;
   }
 
-  ros::RosTaker taker(Io& io, ros::Bridge& bridge) const {
-    return {.transform = [&](const ros::RosTransform& transform) { bridge.take(transform, ros_now_ns()); },
-            .joints = [&](const ros::RosJoints& joints) { bridge.take(joints, ros_now_ns()); },
-            .robot =
-                [&](const std::string& urdf) {
-                  if (const Result<void> taken = bridge.take_robot(urdf); !taken)
-                    print_warning(io, taken.error().message);
-                }};
+  ros::LiveCloudOptions cloud_options() const {
+    ros::LiveCloudOptions options{.fixed = follow_.fixed,
+                                  .clouds = names_of(clouds_, "--cloud", false),
+                                  .maps = names_of(maps_, "--octomap", false)};
+    options.voxels.cell_m = parse_finite(cell_, Measure::length);
+    options.voxels.decay = parse_duration(decay_);
+    if (!reach_.empty()) options.voxels.reach_m = parse_finite(reach_, Measure::length);
+    options.voxels.unknown = unknown_ == "undecided"  ? UnknownCells::undecided
+                             : unknown_ == "occupied" ? UnknownCells::occupied
+                                                      : UnknownCells::free;
+    return options;
+  }
+
+  ros::RosTaker taker(Io& io, ros::Bridge& bridge, const ros::ShownWorld& world) {
+    return {
+        .transform =
+            [&](const ros::RosTransform& transform) {
+              if (!world.has_sent(transform)) bridge.take(transform, now_ns());
+            },
+        .joints = [&](const ros::RosJoints& joints) { bridge.take(joints, now_ns()); },
+        .robot =
+            [&](const std::string& urdf) {
+              if (const Result<void> taken = bridge.take_robot(urdf); !taken) print_warning(io, taken.error().message);
+            },
+        .cloud = [&](std::size_t topic, const ros::CloudMessage& cloud) { clouds_in_->take(topic, cloud, now_ns()); },
+        .octomap = [&](std::size_t topic, const ros::OctomapMessage& map) { clouds_in_->take(topic, map, now_ns()); },
+        .marker = [&](std::size_t topic,
+                      const ros::MarkerMessage& marker) { markers_in_->take(topic, marker, now_ns()); },
+        .clock = [&](std::int64_t clock_ns) { clock_ns_ = clock_ns; }};
+  }
+
+  /// Each sentence once.
+  void tell_flaws(Io& io, const std::vector<std::string>& flaws) {
+    constexpr std::size_t kMostTold = 100;
+    for (const std::string& flaw : flaws) {
+      if (told_.size() < kMostTold && told_.insert(flaw).second) print_warning(io, flaw);
+    }
+  }
+
+  std::vector<ros::RosDiagnostic> diagnostics(Client& client, ros::Bridge& bridge, const ros::ShownWorld& world) {
+    const Result<ServerStatus> status = client.status();
+    ros::RosDiagnostic server{.name = "collided: server", .message = "ready", .level = 0, .values = {}};
+    if (!status) {
+      server.message = status.error().message;
+      server.level = 2;
+    } else {
+      server.values = {{"objects", std::to_string(status->objects)},
+                       {"contacts", std::to_string(status->contacts)},
+                       {"version", std::to_string(status->version)}};
+    }
+    ros::RosDiagnostic input{.name = "collided: input", .message = "all messages were taken", .level = 0, .values = {}};
+    std::uint64_t left_out = 0;
+    for (const auto& [name, count] : troubles(bridge)) {
+      input.values.emplace_back(name, std::to_string(count));
+      left_out += count;
+    }
+    if (left_out > 0) {
+      input.level = 1;
+      input.message = fmt::format("{} could not be taken as they came", format_count(left_out));
+    }
+    std::vector<ros::RosDiagnostic> told{server, input};
+    if (!clearance_.empty()) told.push_back(world.clearance_diagnostic());
+    return told;
+  }
+
+  /// What could not be taken as it came, by the names of the report.
+  std::vector<std::pair<std::string, std::uint64_t>> troubles(ros::Bridge& bridge) const {
+    const ros::BridgeCounts& counts = bridge.counts();
+    const ros::CloudCounts& clouds = clouds_in_->counts();
+    const ros::MarkerCounts& markers = markers_in_->counts();
+    return {{"missing", bridge.followed().missing_count()},
+            {"unnamed", counts.unnamed + clouds.unnamed + markers.unnamed},
+            {"bad", counts.bad + clouds.bad + markers.bad},
+            {"loops", counts.loops},
+            {"late", counts.late},
+            {"full", counts.full},
+            {"unstamped", counts.unstamped + clouds.unstamped + markers.unstamped},
+            {"ahead", counts.ahead + clouds.ahead + markers.ahead},
+            {"robotless", counts.robotless},
+            {"joints", counts.joints},
+            {"frameless", clouds.frameless + markers.frameless},
+            {"shapeless", markers.shapeless},
+            {"not_finite", clouds.not_finite},
+            {"dropped", clouds.dropped}};
   }
 
   void tell_broadcasters(Io& io, const Globals& globals, std::size_t count) {
     if (count == broadcasters_) return;
     broadcasters_ = count;
-    print_hint(io, globals, fmt::format("hears {} of frames", counted(count, "writer")));
+    print_hint(io, globals, fmt::format("hears {}", counted(count, "writer")));
   }
 
   /// Says each kind of trouble once.
@@ -163,58 +307,85 @@ class RosCommand : public Command {
 
   Exit report(Io& io, const Globals& globals, ros::Bridge& bridge) const {
     const ros::BridgeCounts& counts = bridge.counts();
-    const std::size_t missing = bridge.followed().missing_count();
+    const ros::CloudCounts& clouds = clouds_in_->counts();
+    const ros::MarkerCounts& markers = markers_in_->counts();
     Record record{{"messages", counts.messages},
                   {"transforms", counts.transforms},
                   {"frames", std::uint64_t{bridge.frames().names().size()}},
                   {"objects", std::uint64_t{bridge.followed().size()}},
                   {"poses", counts.poses},
-                  {"unsent", bridge.followed().unsent_count()},
-                  {"missing", std::uint64_t{missing}},
-                  {"unnamed", counts.unnamed},
-                  {"bad", counts.bad},
-                  {"loops", counts.loops},
-                  {"late", counts.late},
-                  {"full", counts.full},
-                  {"unstamped", counts.unstamped},
-                  {"ahead", counts.ahead},
-                  {"robotless", counts.robotless},
-                  {"joints", counts.joints}};
+                  {"unsent", bridge.followed().unsent_count() + clouds.unsent + markers.unsent},
+                  {"clouds", clouds.clouds},
+                  {"maps", clouds.maps},
+                  {"points", clouds.points},
+                  {"occupied", std::uint64_t{clouds_in_->occupied_count()}},
+                  {"markers", markers.markers},
+                  {"marker_objects", std::uint64_t{markers_in_->size()}}};
+    for (const auto& [name, count] : troubles(bridge)) record.emplace_back(name, count);
     Printer printer = make_printer(io, globals);
     printer.set_usual_fields({"messages", "transforms", "frames", "objects", "poses", "unsent"});
-    if (!printer.human()) {
-      printer.record(record);
-      return stop_requested ? Exit::interrupted : Exit::yes;
-    }
+    if (printer.human()) print_report(printer, bridge);
+    else printer.record(record);
+    return stop_requested ? Exit::interrupted : Exit::yes;
+  }
+
+  void print_report(Printer& printer, ros::Bridge& bridge) const {
+    const ros::BridgeCounts& counts = bridge.counts();
+    const ros::CloudCounts& clouds = clouds_in_->counts();
     printer.line(fmt::format("{} of {}; {} sent of {}", counted(counts.transforms, "transform"),
                              counted(bridge.frames().names().size(), "frame"), counted(counts.poses, "pose"),
                              counted(bridge.followed().size(), "object")));
-    const auto warn = [&](std::uint64_t count, std::string_view what) {
-      if (count > 0) printer.line(fmt::format("  warning  {} {}", format_count(count), what));
-    };
-    warn(missing, "followed frames are not connected to '" + follow_.fixed + "'");
-    warn(counts.unnamed, "transforms without a frame, or of a frame in itself: left out");
-    warn(counts.bad, "transforms that are not finite, or whose quaternion is none: left out");
-    warn(counts.loops, "transforms that would make a frame its own ancestor: left out");
-    warn(counts.late, "transforms older than the ten seconds that are kept: left out");
-    warn(counts.full, "transforms of more frames than there may be: left out");
-    warn(counts.unstamped, "transforms stamped 0: taken as of their reception");
-    warn(counts.ahead, "transforms stamped more than 0.5 s ahead: taken as of their reception");
-    warn(counts.robotless, "messages of joints came without a /robot_description before them: left out");
-    warn(counts.joints, "messages of joints with a joint or position that the robot cannot have");
-    return stop_requested ? Exit::interrupted : Exit::yes;
+    if (!clouds_.empty() || !maps_.empty())
+      printer.line(fmt::format("{} and {}; {}", counted(clouds.clouds, "cloud"), counted(clouds.maps, "map"),
+                               counted(clouds_in_->occupied_count(), "occupied cell")));
+    if (!markers_.empty())
+      printer.line(fmt::format("{}; {}", counted(markers_in_->counts().markers, "marker"),
+                               counted(markers_in_->size(), "object")));
+    const std::map<std::string, std::string> meanings{
+        {"missing", "followed frames are not connected to '" + follow_.fixed + "'"},
+        {"unnamed", "messages without a frame, or transforms of a frame in itself: left out"},
+        {"bad", "messages that cannot be meant, as with numbers that are not finite: left out"},
+        {"loops", "transforms that would make a frame its own ancestor: left out"},
+        {"late", "transforms older than the ten seconds that are kept: left out"},
+        {"full", "transforms of more frames than there may be: left out"},
+        {"unstamped", "messages stamped 0: taken as of their reception"},
+        {"ahead", "messages stamped more than 0.5 s ahead: taken as of their reception"},
+        {"robotless", "messages of joints came without a /robot_description before them: left out"},
+        {"joints", "messages of joints with a joint or position that the robot cannot have"},
+        {"frameless", "messages whose frame was not known at their stamp, nor a second later: left out"},
+        {"shapeless", "markers that fill no space that is known here: left out"},
+        {"not_finite", "points of clouds that are not finite: left out"},
+        {"dropped", "points in blocks of cells beyond the limit: left out"}};
+    for (const auto& [name, count] : troubles(bridge)) {
+      if (count > 0) printer.line(fmt::format("  warning  {} {}", format_count(count), meanings.at(name)));
+    }
   }
 
   std::string domain_;
   std::string follow_interface_ = "lo";
   std::vector<std::string> peers_;
   std::vector<std::string> poses_;
+  std::vector<std::string> markers_;
+  std::vector<std::string> clouds_;
+  std::vector<std::string> maps_;
+  std::string cell_ = "0.1";
+  std::string reach_;
+  std::string decay_ = "10s";
+  std::string unknown_ = "free";
+  std::string clearance_;
+  std::set<std::string> told_;
+  std::optional<ros::LiveClouds> clouds_in_;
+  std::optional<ros::MarkerObjects> markers_in_;
+  std::int64_t clock_ns_ = 0;  // of /clock; 0: it has not come yet
   std::string name_ = "collide ros";
   std::string for_;
   std::string last_error_;
   ros::FollowedFramesOptions follow_;
   std::size_t broadcasters_ = 0;
   bool has_joint_states_ = false;
+  bool shows_objects_ = false;
+  bool sends_tf_ = false;
+  bool has_clock_ = false;
   bool has_told_static_ = false;
 };
 

@@ -38,7 +38,10 @@ struct VoxelOptions {
   /// Points farther than this from the origin of their scan do not count, and what lies before them is clear up to there. No
   /// ray is longer than 16,000 cells.
   double reach_m = std::numeric_limits<double>::infinity();
-  /// Blocks of 16 x 16 x 16 cells that may be in use, of some 15 kB each.
+  /// A block in which cells have only become free is told of this much after it was told of last, or later: cells at the
+  /// rim of what a sensor sees come and go. What becomes occupied or unknown is told of at once.
+  std::chrono::nanoseconds clearing_delay{500'000'000};
+  /// Blocks of 16 x 16 x 16 cells that may be in use, of some 16 kB each.
   std::size_t most_blocks = 32'768;
 };
 
@@ -134,6 +137,7 @@ class PublishedVoxels {
   Result<VoxelScan> insert(Publisher& publisher, std::span<const float> points, const std::optional<Vec3>& origin,
                            std::chrono::nanoseconds time);
   Result<VoxelScan> assign(Publisher& publisher, std::span<const VoxelBlock> blocks, std::chrono::nanoseconds time);
+  /// Also tells of blocks whose clearing_delay is over; to be called now and then where no scan comes.
   Result<std::size_t> decay(Publisher& publisher, std::chrono::nanoseconds time);
   Result<void> clear(Publisher& publisher);
 

@@ -56,7 +56,9 @@ bool is_same(const Shape& a, const Shape& b) {
 
 }  // namespace
 
-struct [[gnu::visibility("hidden")]] client::ShownVoxels {
+namespace client {
+
+struct [[gnu::visibility("hidden")]] ShownVoxels {
   struct TileObjects {
     VoxelNumber place{};
     std::optional<Publisher::Object> occupied;
@@ -77,7 +79,10 @@ struct [[gnu::visibility("hidden")]] client::ShownVoxels {
       if (tile != nullptr && !tile->is_empty()) visit(shown.place);
     }
   }
-  Result<void> send(Publisher & publisher, bool is_known_less);
+  Result<void> send(Publisher & publisher, bool is_known_less, std::int64_t time_ns);
+  bool may_wait(const VoxelTile& tile, std::int64_t time_ns) const;
+  TileBits occupied_of(const VoxelTile& tile) const;
+  TileBits unknown_of(const VoxelTile& tile) const;
   Result<void> show_tile(Publisher & publisher, const VoxelTile& tile, bool is_unknown_first);
   Result<void> show(Publisher & publisher, std::optional<Publisher::Object> & object, const std::string& suffix,
                     const Shape& shape, bool is_unknown);
@@ -96,6 +101,8 @@ struct [[gnu::visibility("hidden")]] client::ShownVoxels {
   std::optional<TileRange> outside_of;                      // the range that those are about
   std::size_t object_count = 0;
 };
+
+}  // namespace client
 
 /// Defines, reshapes or removes one object.
 Result<void> client::ShownVoxels::show(Publisher& publisher, std::optional<Publisher::Object>& object,
@@ -120,16 +127,38 @@ Result<void> client::ShownVoxels::show(Publisher& publisher, std::optional<Publi
   return {};
 }
 
+/// An empty tile counts among those between.
+TileBits client::ShownVoxels::occupied_of(const VoxelTile& tile) const {
+  TileBits bits = tile.occupied;
+  if (unknown() != UnknownCells::occupied || tile.is_empty()) return bits;
+  for (std::size_t word = 0; word < client::kTileWords; ++word) bits[word] |= ~tile.known[word];
+  return bits;
+}
+
+TileBits client::ShownVoxels::unknown_of(const VoxelTile& tile) const {
+  TileBits bits{};
+  if (unknown() != UnknownCells::undecided || tile.is_empty()) return bits;
+  for (std::size_t word = 0; word < client::kTileWords; ++word) bits[word] = ~tile.known[word];
+  return bits;
+}
+
+/// Cells have only become free, and not for long.
+bool client::ShownVoxels::may_wait(const VoxelTile& tile, std::int64_t time_ns) const {
+  if (!tile.is_told || tile.is_empty() || time_ns - tile.told_ns >= grid.tiles_->options.clearing_delay.count())
+    return false;
+  const TileBits occupied = occupied_of(tile), unknown_bits = unknown_of(tile);
+  for (std::size_t word = 0; word < client::kTileWords; ++word) {
+    const std::uint64_t appears = (occupied[word] & ~tile.told_occupied[word]) |
+                                  (unknown_bits[word] & ~tile.told_unknown[word] & ~tile.told_occupied[word]);
+    if (appears != 0) return false;
+  }
+  return true;
+}
+
 Result<void> client::ShownVoxels::show_tile(Publisher& publisher, const VoxelTile& tile, bool is_unknown_first) {
   TileObjects& shown = objects[key_of(tile.place)];
   shown.place = tile.place;
-  TileBits occupied = tile.occupied, unknown_bits{};
-  for (std::size_t word = 0; word < client::kTileWords; ++word) {
-    // An empty tile counts among those between.
-    const std::uint64_t not_known = tile.is_empty() ? 0 : ~tile.known[word];
-    if (unknown() == UnknownCells::occupied) occupied[word] |= not_known;
-    if (unknown() == UnknownCells::undecided) unknown_bits[word] = not_known;
-  }
+  const TileBits occupied = occupied_of(tile), unknown_bits = unknown_of(tile);
   const auto shape = [&](const TileBits& bits) {
     return bits == TileBits{} ? Shape{} : Shape{shape_of(tile, bits, grid.cell_m())};
   };
@@ -216,17 +245,24 @@ Result<void> client::ShownVoxels::show_rest(Publisher& publisher, bool is_outsid
 /// before it is no longer unknown, and what becomes unknown before it is no longer occupied.
 ///
 /// is_known_less  cells have become unknown; else none has
-Result<void> client::ShownVoxels::send(Publisher& publisher, bool is_known_less) {
+Result<void> client::ShownVoxels::send(Publisher& publisher, bool is_known_less, std::int64_t time_ns) {
   std::vector<VoxelTile*>& changed = grid.tiles_->changed;
-  if (changed.empty()) return {};
+  const auto due =
+      std::partition(changed.begin(), changed.end(), [&](const VoxelTile* tile) { return may_wait(*tile, time_ns); });
+  const auto waiting = static_cast<std::size_t>(due - changed.begin());
+  if (waiting == changed.size()) return {};
   if (is_known_less) {
     if (Result<void> done = show_rest(publisher, true); !done) return done;
   }
-  while (!changed.empty()) {
+  while (changed.size() > waiting) {
     VoxelTile& tile = *changed.back();
     if (Result<void> done = show_tile(publisher, tile, is_known_less); !done) return done;
     changed.pop_back();
     tile.is_changed = false;
+    tile.told_occupied = occupied_of(tile);
+    tile.told_unknown = unknown_of(tile);
+    tile.told_ns = time_ns;
+    tile.is_told = true;
     if (tile.is_empty()) grid.tiles_->tiles.remove(tile.place);
   }
   return show_rest(publisher, false);
@@ -266,32 +302,32 @@ Result<VoxelScan> sent(const Insert& insert, const auto& decay, const auto& send
 Result<VoxelScan> PublishedVoxels::insert(Publisher& publisher, std::span<const double> points,
                                           const std::optional<Vec3>& origin, std::chrono::nanoseconds time) {
   return sent([&] { return shown_->grid.insert(points, origin, time); }, [&] { return shown_->grid.decay(time); },
-              [&](bool is_known_less) { return shown_->send(publisher, is_known_less); });
+              [&](bool is_known_less) { return shown_->send(publisher, is_known_less, time.count()); });
 }
 
 Result<VoxelScan> PublishedVoxels::insert(Publisher& publisher, std::span<const float> points,
                                           const std::optional<Vec3>& origin, std::chrono::nanoseconds time) {
   return sent([&] { return shown_->grid.insert(points, origin, time); }, [&] { return shown_->grid.decay(time); },
-              [&](bool is_known_less) { return shown_->send(publisher, is_known_less); });
+              [&](bool is_known_less) { return shown_->send(publisher, is_known_less, time.count()); });
 }
 
 /// A map may both name cells that were unknown and no longer name some: what it forgets is sent first, as a decay.
 Result<VoxelScan> PublishedVoxels::assign(Publisher& publisher, std::span<const VoxelBlock> blocks,
                                           std::chrono::nanoseconds time) {
   const VoxelScan scan = shown_->grid.assign(blocks, time);
-  if (Result<void> done = shown_->send(publisher, true); !done) return done.error();
+  if (Result<void> done = shown_->send(publisher, true, time.count()); !done) return done.error();
   return scan;
 }
 
 Result<std::size_t> PublishedVoxels::decay(Publisher& publisher, std::chrono::nanoseconds time) {
   const std::size_t changed = shown_->grid.decay(time);
-  if (Result<void> done = shown_->send(publisher, true); !done) return done.error();
+  if (Result<void> done = shown_->send(publisher, true, time.count()); !done) return done.error();
   return changed;
 }
 
 Result<void> PublishedVoxels::clear(Publisher& publisher) {
   shown_->grid.clear();
-  return shown_->send(publisher, true);
+  return shown_->send(publisher, true, 0);
 }
 
 const VoxelGrid& PublishedVoxels::grid() const { return shown_->grid; }

@@ -34,6 +34,7 @@ Result<VoxelGrid> VoxelGrid::make(const VoxelOptions& options) {
     return bad_input("voxels of " + words(options.cell_m) + " m; allowed 1e-6 to 1e6");
   if (options.decay.count() < 0)
     return bad_input("voxels: a decay of " + words(options.decay) + "; allowed 0 and more");
+  if (options.clearing_delay.count() < 0) return bad_input("voxels: a clearing delay below 0");
   if (!(options.reach_m > 0)) return bad_input("voxels: a reach of " + words(options.reach_m) + " m; allowed above 0");
   if (options.most_blocks == 0) return bad_input("voxels: no block may be in use");
   return VoxelGrid(std::make_unique<client::VoxelTiles>(options, rounded_to_24_bits(options.cell_m)));

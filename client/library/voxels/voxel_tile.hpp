@@ -32,6 +32,11 @@ struct VoxelTile {
   bool has_occupied = false;
   bool is_all_known = false;
   std::int64_t applied_tick = -1;  // of the last scan that met it
+  // What its owner has told of it: that cells are occupied, or unknown, and when.
+  TileBits told_occupied{};
+  TileBits told_unknown{};
+  std::int64_t told_ns = 0;
+  bool is_told = false;
 
   void note_bits() {
     has_occupied = occupied != TileBits{};
