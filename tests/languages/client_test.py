@@ -444,6 +444,33 @@ class World(WithServer):
         self.client.remove("py_post")
         self.client.remove("py_guest")
 
+    def test_a_scan_is_an_obstacle_of_cells(self):
+        wall = [[702.02, 0.01 * i, 1.0] for i in range(-50, 50)]
+        scans = [wall] if numpy is None else [wall, numpy.array(wall), numpy.array(wall, dtype="float32")]
+        for number, points in enumerate(scans):
+            name = f"py_scan_{number}"
+            with self.client.publish(name) as publisher:
+                with publisher.voxels(name, 0.1, unknown="undecided", decay=10) as voxels:
+                    scan = voxels.insert(points, origin=(700.05, 0.05, 1.05))
+                    self.assertEqual((scan.points, scan.refused, scan.occupied), (100, 0, 10))
+                    self.assertGreater(scan.crossed, 0)
+                    publisher.wait_applied()
+                    ahead = self.client.rays([[701, 0.05, 1.05]], [[1, 0, 0]], only=name + "/*")[0]
+                    self.assertEqual(ahead.verdict, Verdict.HIT)
+                    self.assertAlmostEqual(ahead.hits[0].distance, 1, delta=1e-4)
+                    back = self.client.rays([[701, 0.05, 1.05]], [[-1, 0, 0]])[0]
+                    self.assertEqual((back.verdict, back.reason), (Verdict.UNDECIDED, "not_covered"))
+                    voxels.clear()
+                    publisher.wait_applied()
+                    cleared = self.client.rays([[701, 0.05, 1.05]], [[1, 0, 0]], only=name + "/*")[0]
+                    self.assertEqual((cleared.verdict, cleared.hits), (Verdict.UNDECIDED, ()))
+        with self.client.publish("py_bad_scan") as publisher:
+            for wrong in ({"unknown": "maybe"}, {"lost": "maybe"}, {"cell": -1}):
+                with self.assertRaises(collided.BadInput):
+                    publisher.voxels("py_bad_scan", **wrong)
+            with publisher.voxels("py_bad_scan", 0.1) as voxels, self.assertRaises(collided.BadInput):
+                voxels.insert([[1, 2]])
+
     def test_a_publisher_s_ball_meets_a_box_and_leaves(self):
         self.client.add("py_wall", collided.Box((0.1, 1, 1)), (300, 0, 0))
         events = []

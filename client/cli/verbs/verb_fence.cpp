@@ -7,8 +7,8 @@
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/fence_output.hpp"
 #include "client/cli/output/readable.hpp"
-#include "client/cli/pace.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/standing.hpp"
 
 namespace collided::cli {
 namespace {
@@ -120,10 +120,7 @@ class FenceCommand : public Command {
                  fmt::format("fence {} stands until this ends; --keep lets it stand", printable(fence_.name)));
       return follow(session, globals, fence_.name);
     }
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("fence {}", printable(fence_.name)));
-    else printer.record({{"fence", std::string(fence_.name)}});
-    printer.finish();
+    print_standing(session, globals, "fence", fence_.name);
     return Exit::yes;
   }
 
@@ -143,35 +140,14 @@ class FenceCommand : public Command {
 
   Exit remove(Session& session, const Globals& globals) {
     if (words_.size() < 2) throw bad_use("which fence?", "collide fence rm GLOB");
-    const std::size_t count = take(session.client(globals).remove_fences(words_[1]));
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("removed {} fence{}", count, count == 1 ? "" : "s"));
-    else printer.record({{"removed", std::uint64_t{count}}});
-    printer.finish();
-    return count > 0 ? Exit::yes : Exit::no;
+    return print_removed(session, globals, "fence", take(session.client(globals).remove_fences(words_[1])));
   }
 
   Exit follow(Session& session, const Globals& globals, const std::string& glob) {
-    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
-    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
+    const Until until = follow_end(most_events_, most_time_);
     FenceWatch watch = take(session.client(globals).watch_fences({.only = glob.empty() ? only_ : glob, .skip = skip_}));
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_fence_fields());
-    const Until until(most, most_time);
-    std::uint64_t count = 0;
-    while (!until.reached(count) && session.io.out.good()) {
-      const std::optional<FenceEvent> event = next_of(watch, session.io, until);
-      if (!event) continue;
-      if (printer.human()) printer.line(fence_line(printer, *event));
-      else printer.record(fence_record(*event));
-      ++count;
-    }
-    session.io.out.flush();
-    print_hint(
-        session.io, globals,
-        fmt::format("{} event{}, {} lost", format_count(count), count == 1 ? "" : "s", format_count(watch.lost())));
-    if (stop_requested) return Exit::interrupted;
-    return count > 0 ? Exit::yes : Exit::no;
+    return follow_events(session, globals, std::move(watch), until, usual_fence_fields(), fence_line,
+                         [](const FenceEvent& event) { return fence_record(event); });
   }
 
   std::vector<std::string> words_;

@@ -5,7 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/margin_output.hpp"
 #include "client/cli/output/readable.hpp"
-#include "client/cli/pace.hpp"
+#include "client/cli/verbs/standing.hpp"
 
 namespace collided::cli {
 namespace {
@@ -73,10 +73,7 @@ class MarginCommand : public Command {
                  fmt::format("margin {} stands until this ends; --keep lets it stand", printable(margin_.name)));
       return follow(session, globals, margin_.name);
     }
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("margin {}", printable(margin_.name)));
-    else printer.record({{"margin", std::string(margin_.name)}});
-    printer.finish();
+    print_standing(session, globals, "margin", margin_.name);
     return Exit::yes;
   }
 
@@ -96,34 +93,15 @@ class MarginCommand : public Command {
 
   Exit remove(Session& session, const Globals& globals) {
     if (words_.size() < 2) throw bad_use("which margin?", "collide margin rm GLOB");
-    const std::size_t count = take(session.client(globals).remove_margins(words_[1]));
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("removed {} margin{}", count, count == 1 ? "" : "s"));
-    else printer.record({{"removed", std::uint64_t{count}}});
-    printer.finish();
-    return count > 0 ? Exit::yes : Exit::no;
+    return print_removed(session, globals, "margin", take(session.client(globals).remove_margins(words_[1])));
   }
 
   Exit follow(Session& session, const Globals& globals, const std::string& glob) {
-    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
-    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
+    const Until until = follow_end(most_events_, most_time_);
     MarginWatch watch =
         take(session.client(globals).watch_margins({.only = glob.empty() ? only_ : glob, .skip = skip_}));
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_margin_fields());
-    const Until until(most, most_time);
-    std::uint64_t count = 0;
-    while (!until.reached(count) && session.io.out.good()) {
-      const std::optional<MarginEvent> event = next_of(watch, session.io, until);
-      if (!event) continue;
-      if (printer.human()) printer.line(margin_line(printer, *event));
-      else printer.record(margin_record(*event));
-      ++count;
-    }
-    session.io.out.flush();
-    print_hint(session.io, globals, fmt::format("{}, {} lost", counted(count, "event"), format_count(watch.lost())));
-    if (stop_requested) return Exit::interrupted;
-    return count > 0 ? Exit::yes : Exit::no;
+    return follow_events(session, globals, std::move(watch), until, usual_margin_fields(), margin_line,
+                         [](const MarginEvent& event) { return margin_record(event); });
   }
 
   std::vector<std::string> words_;

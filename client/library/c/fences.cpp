@@ -104,6 +104,32 @@ int next_event(FollowedWatch* watch, std::int64_t wait_ns, Told* event, collided
   return code == COLLIDED_OK && nothing ? static_cast<int>(COLLIDED_NOTHING) : code;
 }
 
+/// Removes fences or margins by a glob.
+int remove_by_glob(collided_client* client, const char* name, std::uint64_t* removed, collided_error* error,
+                   Result<std::size_t> (Client::*remove)(const std::string&)) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    const Result<std::size_t> count = (client->client.*remove)(text(name));
+    if (!count) return count.error();
+    if (removed) *removed = *count;
+    return {};
+  });
+}
+
+/// Starts a watch of either kind.
+template <class FollowedWatch, class Start>
+int start_watch(collided_client* client, FollowedWatch** watch, collided_error* error, const Start& start) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!watch) return missing("watch");
+    *watch = nullptr;
+    auto started = start(client->client);
+    if (!started) return started.error();
+    *watch = new FollowedWatch{std::move(*started)};
+    return {};
+  });
+}
+
 }  // namespace
 
 extern "C" {
@@ -119,13 +145,7 @@ int collided_fence_add(collided_client* client, const collided_fence* fence, col
 }
 
 int collided_fence_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    const Result<std::size_t> count = client->client.remove_fences(text(name));
-    if (!count) return count.error();
-    if (removed) *removed = *count;
-    return {};
-  });
+  return remove_by_glob(client, name, removed, error, &Client::remove_fences);
 }
 
 int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error) {
@@ -147,26 +167,13 @@ int collided_margin_add(collided_client* client, const collided_margin* margin, 
 }
 
 int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    const Result<std::size_t> count = client->client.remove_margins(text(name));
-    if (!count) return count.error();
-    if (removed) *removed = *count;
-    return {};
-  });
+  return remove_by_glob(client, name, removed, error, &Client::remove_margins);
 }
 
 int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
                                collided_fence_watch** watch, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    if (!watch) return missing("watch");
-    *watch = nullptr;
-    Result<FenceWatch> started = client->client.watch_fences({.only = text(only), .skip = text(skip)});
-    if (!started) return started.error();
-    *watch = new collided_fence_watch{std::move(*started)};
-    return {};
-  });
+  return start_watch(client, watch, error,
+                     [&](Client& from) { return from.watch_fences({.only = text(only), .skip = text(skip)}); });
 }
 
 int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
@@ -181,15 +188,8 @@ void collided_fence_watch_close(collided_fence_watch* watch) { delete watch; }
 
 int collided_margin_watch_start(collided_client* client, const char* only, const char* skip,
                                 collided_margin_watch** watch, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    if (!watch) return missing("watch");
-    *watch = nullptr;
-    Result<MarginWatch> started = client->client.watch_margins({.only = text(only), .skip = text(skip)});
-    if (!started) return started.error();
-    *watch = new collided_margin_watch{std::move(*started)};
-    return {};
-  });
+  return start_watch(client, watch, error,
+                     [&](Client& from) { return from.watch_margins({.only = text(only), .skip = text(skip)}); });
 }
 
 int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,

@@ -70,6 +70,7 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       query_writers_(*participant_, options.name_space, options.keys) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
+  const Clock::time_point began = Clock::now();
   const GreetingTurn turn(options);
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
   try {
@@ -77,8 +78,7 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
     // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
     // wait for one that is not.
     constexpr milliseconds kFoundPatience{10'000};
-    const Clock::time_point began = Clock::now();
-    if (!connection->greet(deadline, std::max(deadline, began + kFoundPatience), QueryRight::greet)) {
+    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience), QueryRight::greet)) {
       return connection->no_server(Clock::now() - began);
     }
     return connection;

@@ -25,7 +25,8 @@ constexpr milliseconds kFirstLook{2};
 constexpr milliseconds kLastLook{100};
 constexpr int kTurnPatience = 30;  // times what is waited for a server at all
 
-/// Whether a socket got one of the domain's names. Names that begin with a zero byte are in no file system: nothing of them is left.
+/// Whether a socket got one of the domain's names. Those begin with a zero byte and are in no file system: nothing of
+/// them is left.
 enum class Bound : std::uint8_t { yes, all_taken, impossible };
 
 Bound bind_one(int socket, int domain) {

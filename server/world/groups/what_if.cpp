@@ -14,6 +14,7 @@ WhatIf::WhatIf(std::shared_ptr<const Snapshot> snapshot, const WhatIfAsk& ask, P
       within_m_(ask.within_m),
       depth_(ask.depth),
       with_filtered_(ask.with_filtered),
+      has_unknown_(has_unknown(*snapshot_)),
       members_(*snapshot_, part_meshes),
       pose_count_(ask.moved.size()) {
   for (const ObjectId id : ask.moved) members_.add(id);
@@ -83,7 +84,7 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
 void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
   const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
   if (snapshot_->covers) answer.uncovered = uncovered_near(moved_reaches_, claimed_m, *snapshot_->covers);
-  if (!answer.uncovered) answer.uncovered = unknown_near(*snapshot_, moved_reaches_, claimed_m);
+  if (!answer.uncovered && has_unknown_) answer.uncovered = unknown_near(*snapshot_, moved_reaches_, claimed_m);
   if (answer.uncovered) answer.touches = Decision::undecided;
 }
 
@@ -108,7 +109,7 @@ WhatIfAnswer WhatIf::at(std::span<const Pose> poses, Deadline& deadline) {
   }
   yet.answer.is_late = deadline.was_over();
   if (yet.answer.is_late && yet.answer.touches == Decision::no) yet.answer.touches = Decision::undecided;
-  if (yet.answer.touches == Decision::no) look_at_covers(yet.answer);
+  if (yet.answer.touches == Decision::no && (snapshot_->covers || has_unknown_)) look_at_covers(yet.answer);
   if (yet.answer.nearest) nearest_before_ = {yet.a, yet.b};
   return yet.answer;
 }

@@ -77,6 +77,7 @@ class WhatIf {
   double within_m_;
   bool depth_;
   bool with_filtered_;
+  bool has_unknown_;  // space; without it none is looked for at each configuration
   Members members_;
   std::size_t pose_count_;  // members whose poses are given come first, then followers, then the rest
   std::vector<CarriedMember> followers_;

@@ -129,6 +129,11 @@ std::optional<Leaving> reaches_unknown(Question& question, const double* numbers
   }
 }
 
+bool has_unknown(const Snapshot& snapshot) {
+  const auto is_unknown = [](const auto& info) { return info && info->is_unknown; };
+  return std::any_of(snapshot.objects->begin(), snapshot.objects->end(), is_unknown);
+}
+
 std::optional<Vec3> unknown_near(const Snapshot& snapshot, std::span<const Aabb> boxes, double distance_m) {
   if (!snapshot.grid) return std::nullopt;
   WalkCost cost;

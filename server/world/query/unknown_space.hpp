@@ -26,6 +26,9 @@ struct UnknownSpace {
 /// threads  one a scratch; no allocation once its memory has grown
 std::optional<Leaving> reaches_unknown(Question& question, const double* numbers, UnknownSpace& unknown);
 
+/// Whether any object is unknown space. Looks at all of them.
+bool has_unknown(const Snapshot& snapshot);
+
 /// A point of unknown space within a distance of one of the boxes; nothing where there is surely none. Empty boxes are
 /// near nothing.
 std::optional<Vec3> unknown_near(const Snapshot& snapshot, std::span<const Aabb> boxes, double distance_m);
