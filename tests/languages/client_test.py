@@ -445,7 +445,7 @@ class World(WithServer):
         self.client.remove("py_guest")
 
     def test_a_scan_is_an_obstacle_of_cells(self):
-        wall = [[702.02, 0.01 * i, 1.0] for i in range(-50, 50)]
+        wall = [[702.02, 0.01 * i, 1.05] for i in range(-50, 50)]
         scans = [wall] if numpy is None else [wall, numpy.array(wall), numpy.array(wall, dtype="float32")]
         for number, points in enumerate(scans):
             name = f"py_scan_{number}"
