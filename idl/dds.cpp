@@ -130,12 +130,10 @@ std::string domain_config(const ParticipantOptions& options) {
   // A client waits by itself for what must be delivered. DDS would wait for the reader of a dead server too.
   const std::string linger = options.role == Role::server ? "1s" : "0s";
   // A writer waits for acknowledgements when its history is full, and they come only after a heartbeat. A client has one
-  // reader to ask. Those of the server have many, discovery's too: each new participant has them all send several
-  // heartbeats to everybody, which everybody answers. At 10 ms fifty clients that come and go leave the server no time for
-  // anything else; much above 40 ms replies wait in memory for their acknowledgement.
+  // reader to ask; the server's writers have many.
   const std::string heartbeat =
       options.role == Role::server
-          ? R"(<HeartbeatInterval min="5ms" minsched="10ms" max="1s">40ms</HeartbeatInterval>)"
+          ? R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
           : R"(<HeartbeatInterval min="500us" minsched="500us" max="500ms">1ms</HeartbeatInterval>)";
   // Who has a number of his own for the domain reads messages of other programs, such as clouds of points.
   constexpr std::uint32_t kMaxForeignBytes = 64 << 20;
