@@ -272,7 +272,7 @@ TEST_F(Ros, TheWorldGoesOutAsObjectsTransformsContactsClearanceAndDiagnostics) {
   ASSERT_TRUE(client.add({.name = "ball", .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(3, 0, 0)}));
   ASSERT_TRUE(
       client.add({.name = "wall", .shape = {BoxShape{.half_m = {0.5, 1, 1}}}, .pose = at(5, 0, 0), .moving = false}));
-  ChildProcess ros = bridge({"--clearance", "ball", "--objects", "--tf"});
+  ChildProcess ros = bridge({"--clearance-of", "ball", "--objects", "--tf"});
   ChildProcess reader = peer({"outputs"});
   ASSERT_TRUE(reader.says("ready", seconds(30))) << reader.errors() << ros.errors();
   EXPECT_TRUE(reader.says("clearance 1\n", seconds(10))) << reader.output() << ros.errors();

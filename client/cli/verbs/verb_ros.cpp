@@ -73,19 +73,18 @@ class RosCommand : public Command {
         ->allow_extra_args(false);
     app.add_option("--frame", follow_.fixed, "Frame that is the server's world (world)");
     app.add_option("--only", follow_.only, "Objects that may follow a frame: name glob (all)");
-    app.add_option("--pose", poses_, "TOPIC=FRAME: a topic of PoseStamped that moves a frame")->allow_extra_args(false);
+    app.add_option("--pose", poses_, "A topic of PoseStamped that moves a frame")->allow_extra_args(false);
     app.add_option("--markers", markers_, "A topic of MarkerArray whose markers are objects")->allow_extra_args(false);
-    app.add_option("--cloud", clouds_, "TOPIC=NAME: a topic of PointCloud2 that becomes occupied cells")
+    app.add_option("--cloud", clouds_, "A topic of PointCloud2 that becomes occupied cells")
         ->allow_extra_args(false);
-    app.add_option("--octomap", maps_, "TOPIC=NAME: a topic of Octomap that becomes occupied cells")
+    app.add_option("--octomap", maps_, "A topic of Octomap that becomes occupied cells")
         ->allow_extra_args(false);
     app.add_option("--voxels", cell_, "Side of a cloud's cells (0.1)");
     app.add_option("--reach", reach_, "Points farther from the sensor do not count (no limit)");
     app.add_option("--decay", decay_, "What was not met for so long is unknown again (10s)");
     app.add_option("--unknown", unknown_, "Cells that nothing has met: free (default), undecided or occupied")
         ->check(CLI::IsMember({"free", "undecided", "occupied"}));
-    app.add_option("--clearance", clearance_,
-                   "Objects whose least clearance goes out on /collided/clearance: name glob");
+    app.add_option("--clearance-of", clearance_, "Objects whose least clearance goes out on /collided/clearance");
     app.add_flag("--objects", shows_objects_, "Show the world's objects on /collided/objects");
     app.add_flag("--tf", sends_tf_, "Send the poses of objects that follow no frame on /tf");
     app.add_flag("--sim-time", has_clock_, "Time is that of /clock (use_sim_time)");

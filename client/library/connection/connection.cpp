@@ -16,8 +16,8 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 // A reply that is written before this reader is matched is lost. So hello is repeated until a reply arrives: whenever a
-// new match is seen, since then it may succeed, and again and again, for a server that starts meanwhile; seldom once it takes long: DDS repeats what a busy server's machine
-// dropped, and all hellos that were said until then with it.
+// new match is seen, since then it may succeed, and again and again, for a server that starts meanwhile; seldom once it
+// takes long: DDS repeats what a busy server's machine dropped, and all hellos that were said until then with it.
 constexpr milliseconds kFirstHelloPeriod{20};
 constexpr milliseconds kLastHelloPeriod{640};
 // How often it is looked whether the server's reader was found: soon at first, and seldom on a machine where that takes
