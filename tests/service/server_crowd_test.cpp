@@ -1,5 +1,10 @@
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/service/server_fixture.hpp"
@@ -27,6 +32,37 @@ class ServerCrowd : public testing_support::ServerTest {
     }
     std::sort(times_ms.begin(), times_ms.end());
     return times_ms;
+  }
+  /// A file with a sphere of 1 m about (50, 50, 50): rows * 2 rows patches of two triangles.
+  std::string shell(int rows) {
+    std::ostringstream text;
+    text.precision(17);
+    const int columns = 2 * rows;
+    for (int row = 0; row <= rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        const double polar = std::numbers::pi * row / rows;
+        const double turn = 2 * std::numbers::pi * column / columns;
+        text << "v " << 50 + std::sin(polar) * std::cos(turn) << ' ' << 50 + std::sin(polar) * std::sin(turn) << ' '
+             << 50 + std::cos(polar) << '\n';
+      }
+    }
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        const int a = row * columns + column + 1;
+        const int b = row * columns + (column + 1) % columns + 1;
+        text << "f " << a << ' ' << b << ' ' << a + columns << "\nf " << b << ' ' << b + columns << ' ' << a + columns
+             << '\n';
+      }
+    }
+    return folder_.write("shell.obj", text.str());
+  }
+  static void expect_all_alike(const Answers& answers) {
+    const Answer& first = answers.answers.front();
+    ASSERT_EQ(first.hits.size(), 2U) << "the shell and the ball";
+    for (const Answer& answer : answers.answers) {
+      ASSERT_EQ(answer.hits.size(), 2U);
+      ASSERT_EQ(answer.hits[1].distance_m, first.hits[1].distance_m) << "another state";
+    }
   }
 };
 
@@ -64,6 +100,49 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
       alone_ms[150], alone_ms[297], beside_ms[150], beside_ms[297], batches.load() - before);
   EXPECT_LT(beside_ms[150], 2.0) << "the usual one is answered by the reading thread, at once";
   EXPECT_LT(beside_ms[297], 50.0) << "a machine with fewer processors than threads may have it wait for a turn";
+}
+
+// Points in the middle of a shell of 10,000 triangles, all as near: a batch takes more than a second. One thread answers
+// four such clients, and whoever comes new, greets and asks waits for a turn or two of them, not for a batch. What was
+// interrupted is answered on the state that it began on, though a ball moves by the shell all the while.
+TEST_F(ServerCrowd, ACostlyBatchMakesRoomForOthers) {
+  start({"--threads", "1"});
+  Client client = connect();
+  ASSERT_TRUE(client.load(shell(50)));
+  Publisher publisher = publish(client, "mover");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(60, 50, 50));
+  const std::vector<NearQuestion> many(100, {.point = {50, 50, 50}});
+  constexpr int kClients = 4;
+  std::vector<Client> clients;
+  for (int i = 0; i < kClients; ++i) clients.push_back(connect());
+  std::atomic<int> under_way{kClients};
+  std::atomic<int> begun{0};
+  std::vector<std::thread> threads;
+  for (Client& one : clients) {
+    threads.emplace_back([&] {
+      ++begun;
+      const Result<Answers> answers = one.ask(std::span<const NearQuestion>(many), {.max_hits = 2, .timeout = 120s});
+      EXPECT_TRUE(answers) << answers.error().message;
+      if (answers) expect_all_alike(*answers);
+      --under_way;
+    });
+  }
+  std::vector<double> times_ms;
+  double x = 60;
+  while (under_way.load() == kClients || begun.load() < kClients) {
+    move(publisher, ball, at(x += 0.001, 50, 50));
+    const auto started = Clock::now();
+    Client other = connect();
+    EXPECT_TRUE(other.ask(ray(0)));
+    times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - started).count());
+  }
+  for (std::thread& thread : threads) thread.join();
+  ASSERT_GT(times_ms.size(), 3U) << "the batches were over at once";
+  std::sort(times_ms.begin(), times_ms.end());
+  const double median_ms = times_ms[times_ms.size() / 2];
+  std::printf("beside four costly batches: connect and ask p50 %.1f ms, at most %.1f ms, of %zu\n", median_ms,
+              times_ms.back(), times_ms.size());
+  EXPECT_LT(median_ms, 500);
 }
 
 // A moving world has a state a step, and each batch is answered on one of its own; there are more batches than states

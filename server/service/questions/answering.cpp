@@ -25,8 +25,6 @@ using wire_contract::ReplyStatus;
 using wire_contract::RequestKind;
 
 namespace {
-constexpr double kNsPerCostAtFirst = 500;
-
 wire_contract::AskedInstant instant_of(const wire::Query& query) {
   return {.kind = static_cast<wire_contract::AskedInstant::Kind>(query.instant), .ns = query.instant_ns};
 }
@@ -48,18 +46,22 @@ class Answering::Worker {
     text_.reserve(out_of_memory_.size());  // so that refusing for want of memory needs none
   }
   void run();
-  void answer(Client& client, const Ask& ask);
+  /// Answers, or answers the next questions of a chunk that takes longer than its turn.
+  ///
+  /// returns  whether all of it is answered now
+  bool answer(Client& client, Ask& ask);
 
  private:
   void work(AskPointer ask);
   void work(TextReply text);
   void work(Resume resume);
   void work(ExpireLeases gone);
-  void answer_or_throw(Client& client, const Ask& ask);
-  void answer_sweeps(Client& client, const Ask& ask);
-  void answer_configurations(Client& client, const Ask& ask);
+  void answer_or_throw(Client& client, Ask& ask);
+  void answer_sweeps(Client& client, Ask& ask);
+  void answer_configurations(Client& client, Ask& ask);
   std::int64_t deadline_of(const Ask& ask) const;
-  void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
+  void answer_questions(Client& client, Ask& ask, const ObjectInfo* mover);
+  std::span<const double> rows_left(const Ask& ask) const;
   void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
   void doubt(const Questions& questions);
   void count_levels(QuestionKind kind);
@@ -78,6 +80,7 @@ class Answering::Worker {
   Answers answers_;
   QueryScratch scratch_;
   std::vector<double> numbers_;  // of the questions at hand, a row each
+  bool is_paused_ = false;       // the ask at hand has questions left
   std::vector<std::uint64_t> named_in_;
   std::uint64_t reply_number_ = 0;
 };
@@ -95,30 +98,44 @@ void Answering::Worker::run() {
 }
 
 void Answering::Worker::work(AskPointer ask) {
-  const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->owner);
+  // Who is gone since a chunk's first answers left is not met anew.
+  const std::uint64_t id = ask->query->client;
+  const std::shared_ptr<Client> client =
+      ask->answered > 0 ? owner_.clients_.find(id) : owner_.clients_.meet(id, ask->owner);
   if (!client) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
     return;
   }
   if (owner_.clients_.hold(*client, ask)) return;
-  const std::int64_t started_ns = steady_ns();
-  answer(*client, *ask);
-  owner_.note_cost(cost_of(*ask->query), steady_ns() - started_ns);
+  const double chunk = std::max(1U, wire::question_count(*ask->query).value_or(1));
+  while (true) {
+    const std::size_t before = ask->answered;
+    const std::int64_t started_ns = steady_ns();
+    const bool is_done = answer(*client, *ask);
+    const double part =
+        is_done ? 1 - static_cast<double>(before) / chunk : static_cast<double>(ask->answered - before) / chunk;
+    owner_.note_cost(cost_of(*ask->query) * part, steady_ns() - started_ns);
+    if (is_done) break;
+    if (owner_.put_back(ask)) return;
+  }
   owner_.pool_.put(std::move(ask));
 }
 
-void Answering::Worker::answer(Client& client, const Ask& ask) {
+bool Answering::Worker::answer(Client& client, Ask& ask) {
+  is_paused_ = false;
   try {
     answer_or_throw(client, ask);
   } catch (const std::bad_alloc&) {
     // All that was allocated belongs to this question alone, so nothing is left half changed.
     ++owner_.with_.counts.refused;
+    is_paused_ = false;
     write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
   }
+  return !is_paused_;
 }
 
-void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
+void Answering::Worker::answer_or_throw(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
   std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
   if (refusal) {
@@ -138,7 +155,7 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
 }
 
 /// The shape that moves comes from outside, with the questions, so it is checked here.
-void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
+void Answering::Worker::answer_sweeps(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
   const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
   std::string refusal = decoded.refusal;
@@ -188,7 +205,7 @@ std::int64_t Answering::Worker::deadline_of(const Ask& ask) const {
 }
 
 /// Objects thought elsewhere. Every chunk of a request names them anew, and all are answered on one state.
-void Answering::Worker::answer_configurations(Client& client, const Ask& ask) {
+void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
   const auto refuse = [&](const std::string& reason) {
     ++owner_.with_.counts.refused;
@@ -204,38 +221,63 @@ void Answering::Worker::answer_configurations(Client& client, const Ask& ask) {
   const auto asked = what_if_asked(query, *state);
   if (const auto* refusal = std::get_if<Refusal>(&asked)) return refuse(refusal->reason);
   wire::gather_rows(query, wire::question_columns(RequestKind::what_if), numbers_);
+  const std::int64_t began_ns = steady_ns();
   WhatIf what_if(state, std::get<WhatIfAsk>(asked), owner_.with_.part_meshes);
   Deadline deadline(deadline_of(ask));
+  const std::span<const double> rows = rows_left(ask);
+  const std::size_t left = rows.size() / (what_if.moved_count() * kPoseNumbers);
+  // What begins each turn is to take a small part of it.
+  const std::int64_t now_ns = steady_ns();
+  const std::int64_t turn_ns = std::max(kTurnNs, 8 * (now_ns - began_ns));
+  const bool may_pause = query.instant == 0 && left > 1 && (ask.hold || owner_.with_.leases.keep(ask, *lease, now_ns));
   answer_what_if(
-      what_if, numbers_, deadline, [&] { return owner_.knows(query.client); }, answers_);
+      what_if, rows, deadline, may_pause ? now_ns + turn_ns : 0, [&] { return owner_.knows(query.client); }, answers_);
   if (owner_.options_.recovering()) doubt({.kind = QuestionKind::what_if, .numbers = {}});
+  is_paused_ = answers_.answers.size() < left;
   write_answers(client, ask, *state);
+  ask.answered += answers_.answers.size();
 }
 
-void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
+/// The rows in numbers_ that have no answer yet.
+std::span<const double> Answering::Worker::rows_left(const Ask& ask) const {
+  const std::size_t count = wire::question_count(*ask.query).value_or(0);
+  return count == 0 ? std::span<const double>() : std::span(numbers_).subspan(ask.answered * (numbers_.size() / count));
+}
+
+void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
   wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
-  const Questions questions{.kind = static_cast<QuestionKind>(query.kind),
-                            .mode = static_cast<HitMode>(query.mode),
-                            .mask = query.mask,
-                            .max_hits = query.max_hits,
-                            .only = query.only,
-                            .skip = query.skip,
-                            .deadline_ns = deadline_of(ask),
-                            .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
-                            .numbers = numbers_,
-                            .mover = mover};
+  const std::span<const double> rows = rows_left(ask);
+  Questions questions{.kind = static_cast<QuestionKind>(query.kind),
+                      .mode = static_cast<HitMode>(query.mode),
+                      .mask = query.mask,
+                      .max_hits = query.max_hits,
+                      .only = query.only,
+                      .skip = query.skip,
+                      .deadline_ns = deadline_of(ask),
+                      .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
+                      .numbers = rows,
+                      .mover = mover};
   const SnapshotRing::Lease lease = ask.hold ? ask.hold.state() : owner_.with_.world.newest();
   if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
   if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
+  const std::size_t left = rows.size() / engine::numbers_of(questions.kind);
+  if (left > 1) questions.pause_ns = steady_ns() + kTurnNs;
   engine::answer(*lease, questions, answers_, scratch_);
+  if (answers_.answers.size() < left && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
+    questions.pause_ns = 0;  // the rest needs this state, which cannot be kept
+    engine::answer(*lease, questions, answers_, scratch_);
+  }
+  is_paused_ = answers_.answers.size() < left;
   // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
   // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
   // The audit has no brute force for sweeps, and an overloaded server leaves the audit out.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
+  questions.numbers = rows.first(answers_.answers.size() * engine::numbers_of(questions.kind));
   if (mover == nullptr && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
+  ask.answered += answers_.answers.size();
 }
 
 void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions,
@@ -288,7 +330,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   client.note_reported(snapshot.version);
   while (filler.fill(columns_)) {
     columns_.lend(*reply_);
-    reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
+    reply_->first_question = query.first_question + static_cast<std::uint32_t>(ask.answered + filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
     // Counted before the reply leaves, so that a client which has it and then asks for the counts finds it in them.
     if (filler.is_done()) count_answered(query.kind, filler.undecided());
@@ -297,7 +339,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
 }
 
 void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecided) {
-  owner_.with_.counts.durations[kind].add(reply_->compute_ns);
+  if (!is_paused_) owner_.with_.counts.durations[kind].add(reply_->compute_ns);
   owner_.with_.counts.answered += answers_.answers.size();
   owner_.with_.counts.undecided += undecided;
   count_levels(static_cast<QuestionKind>(kind));

@@ -108,6 +108,8 @@ class Answering {
  private:
   static constexpr std::size_t kMostQueued = 4'096;
   static constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
+  static constexpr std::int64_t kTurnNs = 10'000'000;  // of a chunk, while others wait
+  static constexpr double kNsPerCostAtFirst = 500;
 
   struct TextReply {
     std::uint64_t client = 0;
@@ -132,6 +134,7 @@ class Answering {
   void refuse_for_now(AskPointer ask);
   void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);
+  bool put_back(AskPointer& ask);
   static Share share_of(const Ask& ask);
   std::int64_t retry_after_ns();
   bool leaves_out(const wire::Query& query) const;

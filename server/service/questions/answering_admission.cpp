@@ -56,6 +56,19 @@ void Answering::enqueue(AskPointer ask) {
   refuse_for_now(std::move(std::get<AskPointer>(work)));
 }
 
+/// Puts back a chunk that has had its turn, for others that wait; false: none does.
+bool Answering::put_back(AskPointer& ask) {
+  if (stopping_.load()) return false;
+  if (queue_.waiting() == 0 && !queue_.has_own()) return false;
+  Share share = share_of(*ask);
+  share.cost = static_cast<double>(kTurnNs) / kNsPerCostAtFirst;
+  share.is_begun = true;
+  Work work(std::move(ask));
+  if (queue_.push(share, work)) return true;
+  ask = std::move(std::get<AskPointer>(work));
+  return false;
+}
+
 void Answering::refuse_as_left_out(AskPointer ask) {
   refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
 }

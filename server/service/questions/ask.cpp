@@ -57,6 +57,7 @@ void Ask::reset() {
   passed_barrier = false;
   refusal.clear();
   retry_after_ns = 0;
+  answered = 0;
 }
 
 AskPool::AskPool() {

@@ -95,6 +95,24 @@ SnapshotLeases::Taken SnapshotLeases::take(std::unique_ptr<Ask>& ask, std::uint6
   return Taken::pinned;
 }
 
+bool SnapshotLeases::keep(Ask& ask, const SnapshotRing::Lease& state, std::int64_t now_ns) {
+  const wire::Query& query = *ask.query;
+  const std::pair key(query.client, query.request);
+  const std::lock_guard lock(mutex_);
+  if (entries_.size() >= kMostRequests || find(key) != entries_.end()) return false;
+  const bool is_kept =
+      std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.state && &*entry.state == &*state; });
+  if (!is_kept && states() >= kMostStates) return false;
+  entries_.push_back({.key = key,
+                      .chunks_left = 1,
+                      .at_hand = 1,
+                      .least_version = state->version,
+                      .pinned_ns = now_ns,
+                      .state = state});
+  hold(ask, entries_.back());
+  return true;
+}
+
 /// A chunk is answered or given up.
 void SnapshotLeases::done(const std::pair<std::uint64_t, std::uint64_t>& key) {
   const std::int64_t now_ns = steady_ns();

@@ -77,6 +77,10 @@ class SnapshotLeases {
   ///
   /// least_version  the oldest state that will do; greater than any version: only the newest
   Taken take(std::unique_ptr<Ask>& ask, std::uint64_t least_version, std::int64_t now_ns);
+  /// Keeps the state for an ask without a hold, a request of one chunk that others interrupt.
+  ///
+  /// returns  whether it is kept: not where too many are
+  bool keep(Ask& ask, const SnapshotRing::Lease& state, std::int64_t now_ns);
   /// Lets go of states whose clients keep others waiting. To be called now and then.
   void expire(std::int64_t now_ns);
   /// The chunks that wait, whose requests are forgotten with them.

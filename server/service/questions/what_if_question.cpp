@@ -187,7 +187,7 @@ std::variant<WhatIfAsk, Refusal> what_if_asked(const wire::Query& query, const S
   } catch (const Refusal& refusal) { return refusal; }
 }
 
-void answer_what_if(WhatIf& what_if, std::span<const double> numbers, Deadline& deadline,
+void answer_what_if(WhatIf& what_if, std::span<const double> numbers, Deadline& deadline, std::int64_t pause_ns,
                     const std::function<bool()>& goes_on, Answers& answers) {
   constexpr std::size_t kConfigurationsALook = 16;
   const std::size_t width = what_if.moved_count() * kPoseNumbers;
@@ -211,6 +211,7 @@ void answer_what_if(WhatIf& what_if, std::span<const double> numbers, Deadline& 
       answers.answers[i] = Verdict::undecided;
       answers.reasons[i] = UndecidedReason::deadline;
     }
+    if (pause_ns != 0 && steady_ns() > pause_ns) return answers.cut(i + 1);
   }
 }
 

@@ -86,6 +86,8 @@ class FairQueue {
     return waiting_.load(std::memory_order_relaxed) < limit_ &&
            waiting_bytes_.load(std::memory_order_relaxed) < most_bytes_;
   }
+  /// Whether any of the server's own work waits.
+  bool has_own() const { return own_count_.load(std::memory_order_relaxed) > 0; }
   /// Whether less than the limit of the server's own work waits.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }

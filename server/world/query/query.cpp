@@ -211,6 +211,28 @@ void write_at_once(Answers& answers, std::size_t place, Verdict answer) {
   write_plain(answers, place, answer, answer == Verdict::invalid ? UndecidedReason::none : UndecidedReason::deadline);
 }
 
+/// Says when a batch is to make room for others. Reads the clock about once in 10 us of work.
+class Pause {
+ public:
+  explicit Pause(std::int64_t at_ns) : at_ns_(at_ns) {}
+
+  /// To be called after some questions, from `first` on, were answered.
+  bool is_due(const Answers& answers, std::size_t first, std::size_t count) {
+    if (at_ns_ == 0) return false;
+    for (std::size_t i = first; i < first + count; ++i) work_ += kQuestion + answers.nodes[i] + answers.exact_tests[i];
+    if (work_ < kWorkAReading) return false;
+    work_ = 0;
+    return wire_contract::steady_ns() > at_ns_;
+  }
+
+ private:
+  static constexpr std::uint64_t kQuestion = 32;  // in nodes
+  static constexpr std::uint64_t kWorkAReading = 1'024;
+
+  std::int64_t at_ns_ = 0;
+  std::uint64_t work_ = 0;
+};
+
 /// Answers questions one after the other, or rays in groups.
 struct QuestionBatch {
   const Snapshot& snapshot;
@@ -245,12 +267,17 @@ struct QuestionBatch {
   void answer_rays(std::size_t place, std::size_t count) const;
   void answer_plain_ray(std::size_t place) const;
   void answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
-  void answer_all_plain(std::size_t count, bool together) const;
-  void answer_all(std::size_t count, bool together) const {
+  // These two return how many were answered before the pause.
+  std::size_t answer_all_plain(std::size_t count, bool together) const;
+  std::size_t answer_all(std::size_t count, bool together) const {
     const std::size_t step = together ? kRaysAtOnce : 1;
+    Pause pause(asked.pause_ns);
     for (std::size_t i = 0; i < count; i += step) {
-      together ? answer_rays(i, std::min(step, count - i)) : answer_one(i);
+      const std::size_t size = std::min(step, count - i);
+      together ? answer_rays(i, size) : answer_one(i);
+      if (pause.is_due(answers, i, size)) return i + size;
     }
+    return count;
   }
 };
 
@@ -304,16 +331,23 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
   for (std::size_t i = 0; i < size; ++i) finish(*group[i], places[i]);
 }
 
-void QuestionBatch::answer_all_plain(std::size_t count, bool together) const {
+std::size_t QuestionBatch::answer_all_plain(std::size_t count, bool together) const {
   if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
+  Pause pause(asked.pause_ns);
   if (!together) {
-    for (std::size_t i = 0; i < count; ++i) answer_plain_ray(i);
-    return;
+    for (std::size_t i = 0; i < count; ++i) {
+      answer_plain_ray(i);
+      if (pause.is_due(answers, i, 1)) return i + 1;
+    }
+    return count;
   }
   std::array<Bvh::RayTask, kPlainRaysAtOnce> tasks;
   for (std::size_t i = 0; i < count; i += tasks.size()) {
-    answer_plain_rays(i, std::min(tasks.size(), count - i), tasks);
+    const std::size_t size = std::min(tasks.size(), count - i);
+    answer_plain_rays(i, size, tasks);
+    if (pause.is_due(answers, i, size)) return i + size;
   }
+  return count;
 }
 
 /// Rays in unrelated directions through a tree larger than the caches mostly wait for memory: walked in turn, one uses
@@ -369,6 +403,10 @@ void Answers::reset(std::size_t count) {
   brackets.clear();
   not_covered.clear();
   oldest_pose_ns = -1;
+  cut(count);
+}
+
+void Answers::cut(std::size_t count) {
   if (exact_tests.size() == count) return;
   for (auto* column : {&hit_counts, &nodes, &exact_tests}) column->resize(count);
   answers.resize(count);
@@ -389,11 +427,8 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
   const bool together = questions.kind == QuestionKind::ray && count >= kFewestTogether &&
                         rays_gain_together(snapshot, questions, scratch);
-  if (are_plain_rays(snapshot, questions, scratch)) {
-    batch.answer_all_plain(count, together);
-  } else {
-    batch.answer_all(count, together);
-  }
+  answers.cut(are_plain_rays(snapshot, questions, scratch) ? batch.answer_all_plain(count, together)
+                                                           : batch.answer_all(count, together));
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }
 

@@ -59,6 +59,9 @@ struct Questions {
   std::string_view only = {};
   std::string_view skip = {};
   std::int64_t deadline_ns = 0;  // steady clock; 0: none
+  // Steady clock: soon after it the questions that are left get no answers, so that others have their turn; 0: none. The
+  // first question is always answered.
+  std::int64_t pause_ns = 0;
   // distances and depths may be off by this much, metres; yes and no are exact regardless
   double error_m = 0;
   Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided
@@ -106,7 +109,7 @@ struct NotCovered {
   Leaving leaving = {};
 };
 
-/// One answer per question, and all hits in question order. Reused between calls so that answering does not allocate.
+/// One answer per question, or of those before the pause, and all hits in question order. Reused between calls so that answering does not allocate.
 struct Answers {
   std::vector<Verdict> answers;
   std::vector<UndecidedReason> reasons;
@@ -122,6 +125,8 @@ struct Answers {
 
   /// Without hits, and with room for one answer per question, which the caller writes.
   void reset(std::size_t count);
+  /// Leaves out the answers from `count` on, none of which has been written.
+  void cut(std::size_t count);
 };
 
 struct UnknownSpace;  // unknown_space.hpp

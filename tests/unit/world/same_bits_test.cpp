@@ -142,6 +142,34 @@ TEST_F(WorldSameBits, AloneOrInAnyBatch) {
   }
 }
 
+TEST_F(WorldSameBits, InOneGoOrWithPauses) {
+  constexpr std::int64_t kLongAgo = 1;
+  QueryScratch scratch;
+  for (std::size_t k = 0; k < numbers_.size(); ++k) {
+    const QuestionKind kind = kPlainQuestions[k];
+    Answers whole, part, joined;
+    answer(state(), question_of(kind, numbers_[k]), whole, scratch);
+    const std::size_t stride = numbers_[k].size() / kQuestions;
+    int pauses = 0;
+    while (joined.answers.size() < kQuestions) {
+      Questions rest = question_of(kind, std::span<const double>(numbers_[k]).subspan(joined.answers.size() * stride));
+      rest.pause_ns = kLongAgo;
+      answer(state(), rest, part, scratch);
+      ASSERT_FALSE(part.answers.empty()) << "each turn answers something";
+      ASSERT_EQ(part.answers.size(), part.hit_counts.size());
+      joined.answers.insert(joined.answers.end(), part.answers.begin(), part.answers.end());
+      joined.hit_counts.insert(joined.hit_counts.end(), part.hit_counts.begin(), part.hit_counts.end());
+      joined.hits.insert(joined.hits.end(), part.hits.begin(), part.hits.end());
+      ++pauses;
+    }
+    EXPECT_GT(pauses, 4) << name_of(kind);
+    Digest expected, given;
+    expected.add(whole);
+    given.add(joined);
+    EXPECT_EQ(given.value(), expected.value()) << name_of(kind);
+  }
+}
+
 // A large scene: rays of no common direction are walked in turn, those of a camera in packets, one by one neither.
 class WorldRaysTogether : public ::testing::TestWithParam<bool> {};
 
