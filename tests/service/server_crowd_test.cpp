@@ -1,13 +1,10 @@
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <numbers>
-#include <sstream>
-#include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/service/server_fixture.hpp"
+#include "tests/service/shell_obj.hpp"
 
 namespace collided {
 namespace {
@@ -32,29 +29,6 @@ class ServerCrowd : public testing_support::ServerTest {
     }
     std::sort(times_ms.begin(), times_ms.end());
     return times_ms;
-  }
-  /// A file with a sphere of 1 m about (50, 50, 50): rows * 2 rows patches of two triangles.
-  std::string shell(int rows) {
-    std::ostringstream text;
-    text.precision(17);
-    const int columns = 2 * rows;
-    for (int row = 0; row <= rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const double polar = std::numbers::pi * row / rows;
-        const double turn = 2 * std::numbers::pi * column / columns;
-        text << "v " << 50 + std::sin(polar) * std::cos(turn) << ' ' << 50 + std::sin(polar) * std::sin(turn) << ' '
-             << 50 + std::cos(polar) << '\n';
-      }
-    }
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const int a = row * columns + column + 1;
-        const int b = row * columns + (column + 1) % columns + 1;
-        text << "f " << a << ' ' << b << ' ' << a + columns << "\nf " << b << ' ' << b + columns << ' ' << a + columns
-             << '\n';
-      }
-    }
-    return folder_.write("shell.obj", text.str());
   }
   static void expect_all_alike(const Answers& answers) {
     const Answer& first = answers.answers.front();
@@ -108,7 +82,7 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
 TEST_F(ServerCrowd, ACostlyBatchMakesRoomForOthers) {
   start({"--threads", "1"});
   Client client = connect();
-  ASSERT_TRUE(client.load(shell(50)));
+  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(50))));
   Publisher publisher = publish(client, "mover");
   const Publisher::Object ball = add_ball(publisher, "ball", at(60, 50, 50));
   const std::vector<NearQuestion> many(100, {.point = {50, 50, 50}});

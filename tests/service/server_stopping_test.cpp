@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/service/server_fixture.hpp"
+#include "tests/service/shell_obj.hpp"
 
 namespace collided {
 namespace {
@@ -12,6 +13,29 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 
 using ServerStopping = testing_support::ServerTest;
+
+// A batch that would take a quarter of a minute is in work.
+TEST_F(ServerStopping, DoesNotWaitForCostlyBatches) {
+  testing_support::ChildProcess& server = start({"--threads", "1"});
+  Client client = connect();
+  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(50))));
+  const std::vector<NearQuestion> middle(1'000, {.point = {50, 50, 50}});
+  std::atomic<bool> is_over{false};
+  std::string why;
+  std::thread asking([&] {
+    const Result<Answers> answers = client.ask(std::span<const NearQuestion>(middle), {.timeout = 60s});
+    if (!answers) why = answers.error().message;
+    is_over.store(true);
+  });
+  ASSERT_TRUE(test::eventually([&] { return is_over.load() || client.status()->questions_answered > 0; }));
+  ASSERT_FALSE(is_over.load()) << "the batch was over at once";
+  const auto stopped = std::chrono::steady_clock::now();
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(20s), 0) << server.errors();
+  EXPECT_LT(std::chrono::steady_clock::now() - stopped, 6s);
+  asking.join();
+  EXPECT_NE(why.find("stopping"), std::string::npos) << why;
+}
 
 #ifdef COLLIDED_SLOW_DISK
 // The stop waits for the disk, on which an object that was added last is being written: commands of every kind that come in

@@ -108,6 +108,7 @@ void Answering::Worker::work(AskPointer ask) {
     return;
   }
   if (owner_.clients_.hold(*client, ask)) return;
+  if (owner_.is_over()) ask->refusal = "the server is stopping";
   const double chunk = std::max(1U, wire::question_count(*ask->query).value_or(1));
   while (true) {
     const std::size_t before = ask->answered;
@@ -118,6 +119,7 @@ void Answering::Worker::work(AskPointer ask) {
     owner_.note_cost(cost_of(*ask->query) * part, steady_ns() - started_ns);
     if (is_done) break;
     if (owner_.put_back(ask)) return;
+    if (owner_.is_over()) ask->refusal = "the server is stopping";
   }
   owner_.pool_.put(std::move(ask));
 }
@@ -518,6 +520,7 @@ void Answering::tick(std::vector<std::uint64_t> query_owners) {
 
 void Answering::stop() {
   if (stopping_.exchange(true)) return;
+  stops_by_ns_.store(steady_ns() + kStopPatienceNs);
   for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
   for (AskPointer& ask : with_.leases.take_waiting()) refuse_later(std::move(ask), "the server is stopping");
   queue_.close();

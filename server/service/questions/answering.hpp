@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <thread>
 #include <variant>
@@ -95,7 +96,8 @@ class Answering {
   ///
   /// query_owners  whom the numbers of clients that are there may belong to: see Ask::owner
   void tick(std::vector<std::uint64_t> query_owners);
-  /// Answers what is queued, refuses what waits at barriers, then ends the workers.
+  /// Answers what is queued, as far as that takes a second, refuses the rest and what waits at barriers, then ends the
+  /// workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
   /// Whether answers to this client may still be read by somebody: false once it has gone and tick() has noticed. Any
@@ -110,6 +112,7 @@ class Answering {
   static constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
   static constexpr std::int64_t kTurnNs = 10'000'000;  // of a chunk, while others wait
   static constexpr double kNsPerCostAtFirst = 500;
+  static constexpr std::int64_t kStopPatienceNs = 1'000'000'000;
 
   struct TextReply {
     std::uint64_t client = 0;
@@ -135,6 +138,8 @@ class Answering {
   void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);
   bool put_back(AskPointer& ask);
+  /// Whether the server has been stopping for so long that what is left is refused.
+  bool is_over() const { return stopping_.load() && steady_ns() > stops_by_ns_.load(); }
   static Share share_of(const Ask& ask);
   std::int64_t retry_after_ns();
   bool leaves_out(const wire::Query& query) const;
@@ -162,6 +167,7 @@ class Answering {
   ShortQuestions short_questions_;
   std::atomic<dds_entity_t> left_in_reader_{0};  // a reader with questions for which the queue had no room; 0: none
   std::atomic<bool> stopping_{false};
+  std::atomic<std::int64_t> stops_by_ns_{std::numeric_limits<std::int64_t>::max()};  // steady clock
   std::vector<std::thread> threads_;
 };
 

@@ -21,12 +21,12 @@ struct Share {
   std::uint64_t owner = 0;  // whose client it is: owners share evenly, and so do the clients of one; 0: its own
   double cost = 1;          // above 0, in any unit that is the same for all
   std::size_t bytes = 0;    // that it holds while it waits
-  bool is_kept = false;     // taken while any room is left, up to three quarters of it for one client
+  bool is_kept = false;     // taken while any room is left, up to three quarters of it for one owner
   bool is_begun = false;    // part of something whose beginning was taken: taken even where no room is left
 };
 
 /// Work of many clients for several threads. Owners with work share the threads evenly by cost, however many clients
-/// each has and however much these have sent: a client with one question passes another's thousands. A client may have
+/// each has and however much these have sent: a client with one question passes another's thousands. An owner may have
 /// as much waiting as is still free, in items and in bytes, so one alone fills at most half of the room, two a third
 /// each, and one that comes later still finds some.
 ///
@@ -51,7 +51,7 @@ class FairQueue {
     }
     arrived_.notify_one();
   }
-  /// False: no room for this client; the item stays as it was.
+  /// False: no room for this owner; the item stays as it was.
   [[nodiscard]] bool push(const Share& share, Item& item) {
     {
       const std::lock_guard lock(mutex_);
@@ -134,14 +134,21 @@ class FairQueue {
     Ring<Entry> entries;
   };
 
-  bool has_room_for(const Share& share, const Flow& flow) const {
+  bool has_room_for(const Share& share, const Flow& own) const {
+    std::size_t entries = own.entries.size();
+    std::size_t flow_bytes = own.bytes;
+    for (const Flow& flow : flows_) {
+      if (&flow == &own || share.owner == 0 || flow.owner != share.owner) continue;
+      entries += flow.entries.size();
+      flow_bytes += flow.bytes;
+    }
     const std::size_t waiting = waiting_.load(std::memory_order_relaxed);
     const std::size_t bytes = waiting_bytes_.load(std::memory_order_relaxed);
     const std::size_t free = limit_ - std::min(limit_, waiting);
     const std::size_t free_bytes = most_bytes_ - std::min(most_bytes_, bytes);
     const std::size_t most = share.is_kept ? limit_ - limit_ / 4 : free;
     const std::size_t most_bytes = share.is_kept ? most_bytes_ - most_bytes_ / 4 : free_bytes;
-    return free > 0 && free_bytes > 0 && flow.entries.size() < most && flow.bytes < most_bytes;
+    return free > 0 && free_bytes > 0 && entries < most && flow_bytes < most_bytes;
   }
 
   /// How many clients of this flow's owner have work, itself among them.

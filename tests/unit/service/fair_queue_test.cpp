@@ -107,6 +107,21 @@ TEST(FairQueue, OwnersShareEvenlyHoweverManyClientsTheyHave) {
   EXPECT_NEAR(handed_out[2], 1'000, 100);
 }
 
+TEST(FairQueue, ManyNumbersOfOneOwnerFillNoMoreThanOne) {
+  FairQueue<int> queue(100);
+  for (const bool is_kept : {false, true}) {
+    int taken = 0;
+    for (int i = 0; i < 1'000; ++i) {
+      int item = i;
+      const auto client = static_cast<std::uint64_t>(1 + i % 64);
+      if (queue.push({.client = client, .owner = 7, .is_kept = is_kept}, item)) ++taken;
+    }
+    EXPECT_EQ(taken, is_kept ? 25 : 50) << "up to half of the room, and with what is kept three quarters";
+  }
+  int other = 0;
+  EXPECT_TRUE(queue.push({.client = 1'000, .owner = 8}, other)) << "another still finds room";
+}
+
 TEST(FairQueue, RoomIsCountedInBytesToo) {
   FairQueue<int> queue(1'000, 1'000'000);
   int taken = 0;
