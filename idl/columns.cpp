@@ -56,6 +56,12 @@ std::size_t bytes_of(const Query& query) {
   return bytes;
 }
 
+std::size_t room_of(const Query& query) {
+  std::size_t bytes = sizeof(Query) + query.blob._maximum;
+  for (const auto sequence : kQuestionSequences) bytes += (query.*sequence)._maximum * sizeof(double);
+  return bytes;
+}
+
 void clear_questions(Query& query) {
   for (const auto sequence : kQuestionSequences) dds::borrow(query.*sequence, std::span<const double>());
 }

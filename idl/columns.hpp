@@ -101,6 +101,8 @@ std::uint32_t moved_count(const Query& query);
 
 /// Memory that a message and its columns take, in bytes.
 std::size_t bytes_of(const Query& query);
+/// Memory that it holds, in bytes: what it has had in its columns before too.
+std::size_t room_of(const Query& query);
 
 /// Copies kWidth numbers `count` times, from every from_stride-th number to every to_stride-th.
 template <std::size_t kWidth>

@@ -74,6 +74,7 @@ AskPointer AskPool::get() {
 }
 
 void AskPool::put(AskPointer ask) {
+  if (wire::room_of(*ask->query) > kMostBytes) return;
   ask->reset();
   const std::lock_guard lock(mutex_);
   if (spares_.size() < kMost) spares_.push_back(std::move(ask));

@@ -41,7 +41,9 @@ class AskPool {
   void put(AskPointer ask);
 
  private:
-  static constexpr std::size_t kMost = 256;  // kept, of up to 80 kB each
+  static constexpr std::size_t kMost = 256;  // kept
+  // Of one that is kept. A chunk of questions has up to 112 kB; a message may have 1 MB in any of its columns.
+  static constexpr std::size_t kMostBytes = 160'000;
   static constexpr std::size_t kAtFirst = 16;
   std::mutex mutex_;
   std::vector<AskPointer> spares_;
