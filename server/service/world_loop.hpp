@@ -103,6 +103,10 @@ class WorldLoop {
   std::string publisher_name(std::uint64_t publisher) const;
   /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
+  /// The newest events of contacts, or of fences. Any thread.
+  const RecentEvents& recent_events(BroadcastOf subject) const {
+    return subject == BroadcastOf::fences ? fence_broadcast_.recent() : broadcast_.recent();
+  }
   /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
   /// Whether contacts, or probes, have readers. Any thread.
