@@ -109,7 +109,9 @@ inline constexpr const char* kProbes = "probes";
 /// count, version
 inline constexpr const char* kFence = "fence";
 
-/// name (glob, "" = all), limit, margins (true: these, in place of fences) -> margins [{margin, around, only, skip, mask,
+/// name (glob, "" = all), limit, margins (true: these, in place of fences), bands (true: the bands of margins as well, each
+/// a fence with margin, within (m) and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
+/// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
 /// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
 /// in_doubt [names]}], count, bytes (of memory for all), version
 inline constexpr const char* kFences = "fences";

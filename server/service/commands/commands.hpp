@@ -129,6 +129,8 @@ class Commands {
   void drop_fences_of_gone();
   void for_each_fence(const std::string& glob,
                       FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
+  void for_each_band(const std::string& glob,
+                     FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   void for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const;
   nlohmann::json margins(const Arguments& arguments);
   nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
