@@ -76,6 +76,7 @@ inline constexpr const char* kAudit = "audit";
 /// What the server has done since its start; the difference of two answers gives rates and quantiles
 /// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
 ///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
+///    fences {count (with the bands of margins), entered (that something is in), inside (objects in them), events},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "server/service/events/broadcast.hpp"
@@ -128,6 +129,7 @@ class WorldLoop {
   void count_taking(std::int64_t now_ns);
   void step_if_due();
   void sum_up(std::int64_t started_ns, std::int64_t stepped_ns);
+  void sum_up_fences();
   void sum_up_poses();
   void publish();
   void publish_probes(const Stamp& stamp);
@@ -160,6 +162,7 @@ class WorldLoop {
   LoopCounts counts_;
   StepSums sums_;
   StepTraces traces_;
+  std::unordered_map<ObjectId, std::uint32_t> objects_in_;  // how many, by fence; only of those with some
   std::int64_t taking_since_ns_ = 0;  // 0 while no samples are being taken
   std::int64_t taken_ns_ = 0;         // spent on taking samples since the last step
 
