@@ -88,8 +88,9 @@ Figures between(const Figures& older, const Figures& newer) {
   const auto subtract = [&](std::uint64_t Figures::*sum) { more.*sum = grown(older.*sum, newer.*sum); };
   for (const auto sum :
        {&Figures::steps, &Figures::stalled_steps, &Figures::candidates, &Figures::filtered, &Figures::exact_tests,
-        &Figures::fence_events, &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late,
-        &Figures::poses_lost, &Figures::stamps_late, &Figures::stamps_jumped, &Figures::stamps_missing}) {
+        &Figures::fence_events, &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied,
+        &Figures::poses_late, &Figures::poses_lost, &Figures::stamps_late, &Figures::stamps_jumped,
+        &Figures::stamps_missing}) {
     subtract(sum);
   }
   more.step_durations = grown(older.step_durations, newer.step_durations);

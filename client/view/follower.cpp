@@ -80,9 +80,13 @@ void Follower::look_at_fences() {
   next_fences_ = Clock::now() + options_.fences;
   Result<std::vector<draw::FenceOutline>> now = draw::fence_outlines(client_, false);
   if (!now) return;
-  const auto are_same = [&](auto&& same) { return std::equal(now->begin(), now->end(), fences_.begin(), fences_.end(), same); };
-  const bool stand_as_before = are_same([](const auto& a, const auto& b) { return a.number == b.number && a.to == b.to; });
-  const bool hold_the_same = are_same([](const auto& a, const auto& b) { return a.inside == b.inside && a.in_doubt == b.in_doubt; });
+  const auto are_same = [&](auto&& same) {
+    return std::equal(now->begin(), now->end(), fences_.begin(), fences_.end(), same);
+  };
+  const bool stand_as_before =
+      are_same([](const auto& a, const auto& b) { return a.number == b.number && a.to == b.to; });
+  const bool hold_the_same =
+      are_same([](const auto& a, const auto& b) { return a.inside == b.inside && a.in_doubt == b.in_doubt; });
   if (stand_as_before && hold_the_same) return;
   if (stand_as_before) {
     for (std::size_t i = 0; i < fences_.size(); ++i) (*now)[i].lines = std::move(fences_[i].lines);

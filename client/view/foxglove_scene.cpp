@@ -209,7 +209,8 @@ std::string fence_update(std::span<const draw::FenceOutline> fences, const std::
     const auto carrier = still.find(fence.to);
     const bool is_in_world = fence.to.empty() || carrier != still.end();
     json lines = json::array();
-    for (const std::vector<Vec3>& points : draw::placed_lines(fence, carrier == still.end() ? Pose{} : carrier->second)) {
+    for (const std::vector<Vec3>& points :
+         draw::placed_lines(fence, carrier == still.end() ? Pose{} : carrier->second)) {
       json line = json::array();
       for (const Vec3& point : points) line.push_back(vector(point));
       lines.push_back({{"type", kLineStrip},
@@ -232,8 +233,8 @@ std::string fence_update(std::span<const draw::FenceOutline> fences, const std::
     for (const char* none : {"metadata", "arrows", "cubes", "spheres", "cylinders", "triangles", "texts", "models"})
       entities.back()[none] = json::array();
   }
-  return text_of({{"deletions", {{{"timestamp", time(world_time)}, {"type", kDeleteAll}, {"id", ""}}}},
-                  {"entities", entities}});
+  return text_of(
+      {{"deletions", {{{"timestamp", time(world_time)}, {"type", kDeleteAll}, {"id", ""}}}}, {"entities", entities}});
 }
 
 std::string event_json(const Event& event) {

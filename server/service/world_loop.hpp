@@ -163,8 +163,8 @@ class WorldLoop {
   StepSums sums_;
   StepTraces traces_;
   std::unordered_map<ObjectId, std::uint32_t> objects_in_;  // how many, by fence; only of those with some
-  std::int64_t taking_since_ns_ = 0;  // 0 while no samples are being taken
-  std::int64_t taken_ns_ = 0;         // spent on taking samples since the last step
+  std::int64_t taking_since_ns_ = 0;                        // 0 while no samples are being taken
+  std::int64_t taken_ns_ = 0;                               // spent on taking samples since the last step
 
   Probes probes_;
   std::atomic<std::size_t> probe_count_{0};

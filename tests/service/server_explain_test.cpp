@@ -23,8 +23,8 @@ class ServerExplain : public testing_support::ServerTest {
   }
   static void add_sphere(Client& client, const std::string& name, double radius_m, const Vec3& at,
                          std::uint32_t layers = 1) {
-    const auto added =
-        client.add({.name = name, .shape = {SphereShape{.radius_m = radius_m}}, .pose = {.position = at}, .layers = layers});
+    const auto added = client.add(
+        {.name = name, .shape = {SphereShape{.radius_m = radius_m}}, .pose = {.position = at}, .layers = layers});
     ASSERT_TRUE(added) << added.error().message;
   }
 };
@@ -54,10 +54,10 @@ TEST_F(ServerExplain, ARaySaysWhatItMetAndWhatItPassed) {
   EXPECT_LT(miss.at("error").get<double>(), 1e-12);
   EXPECT_NEAR(miss.at("along").get<double>(), 5, 1e-6);
   EXPECT_EQ(miss.at("where"), "beside");
-  for (const json& bad : {json{{"ray", {0, 0, 0, 0, 0, 0}}}, json{{"ray", {0, 0, 0, 1, 0}}},
-                          json{{"ray", {0, 0, 0, 1, 0, 0}}, {"length", -1}},
-                          json{{"ray", {0, 0, 0, 1, 0, 0}}, {"last_ns", 5}},
-                          json{{"ray", {0, 0, 0, 1, 0, 0}}, {"why_not", "nobody"}}})
+  for (const json& bad :
+       {json{{"ray", {0, 0, 0, 0, 0, 0}}}, json{{"ray", {0, 0, 0, 1, 0}}},
+        json{{"ray", {0, 0, 0, 1, 0, 0}}, {"length", -1}}, json{{"ray", {0, 0, 0, 1, 0, 0}}, {"last_ns", 5}},
+        json{{"ray", {0, 0, 0, 1, 0, 0}}, {"why_not", "nobody"}}})
     EXPECT_FALSE(refusal(client, bad).empty()) << bad;
 }
 
@@ -124,8 +124,7 @@ TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   EXPECT_EQ(answer.at("events")[0].at("what"), "enter");
   EXPECT_EQ(answer.at("events")[0].at("object"), "ball_in");
   // Its event explained.
-  const json event =
-      explained(client, {{"event", answer.at("events")[0].at("sequence")}, {"of", "fences"}});
+  const json event = explained(client, {{"event", answer.at("events")[0].at("sequence")}, {"of", "fences"}});
   EXPECT_EQ(event.at("what"), "enter");
   EXPECT_EQ(event.at("b"), "dock");
   EXPECT_FALSE(event.at("why_wide").empty());
@@ -175,7 +174,8 @@ TEST_F(ServerExplain, AnEventSaysWhatDecidedAndWhyItsBracketIsWide) {
   EXPECT_LT(answer.at("before").at("clearance").get<double>(), 1e-6);
   EXPECT_LT(std::abs(answer.at("after").at("clearance").get<double>()), 1e-6);
   EXPECT_NE(refusal(client, {{"event", 999}}).find("no event 999: those of contacts from 1 to"), std::string::npos);
-  EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"), std::string::npos);
+  EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"),
+            std::string::npos);
 }
 
 }  // namespace

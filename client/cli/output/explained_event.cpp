@@ -10,10 +10,6 @@
 namespace collided::cli {
 namespace {
 
-std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key) {
-  return std::chrono::nanoseconds(row.value(key, std::int64_t{0}));
-}
-
 void print_gap(Printer& printer, std::string_view word, const nlohmann::json& answer, const char* key) {
   const auto gap = answer.find(key);
   if (gap == answer.end()) return;
@@ -21,8 +17,9 @@ void print_gap(Printer& printer, std::string_view word, const nlohmann::json& an
   const double clearance_m = number_or_inf(*gap, "clearance");
   std::string line = fmt::format("  {:<8} {} at {}", word, said, clock_text(time_at(*gap, "time_ns")));
   if (said != "undecided")
-    line += fmt::format(", {}{}", readable_length(std::abs(clearance_m), number_or_inf(*gap, "error"), printer.digits()),
-                        said == "apart" ? "" : " deep");
+    line +=
+        fmt::format(", {}{}", readable_length(std::abs(clearance_m), number_or_inf(*gap, "error"), printer.digits()),
+                    said == "apart" ? "" : " deep");
   printer.line(line);
 }
 
@@ -50,18 +47,22 @@ Record explained_event_record(const nlohmann::json& answer) {
   const auto text_or_none = [&](const char* key) {
     return text_of(answer, key).empty() ? none : Value(text_of(answer, key));
   };
-  const auto raw = [&](const char* key) {
-    return answer.contains(key) ? Value(RawJson{answer.at(key).dump()}) : none;
-  };
-  Record record{{"sequence", count_of(answer, "sequence")}, {"of", text_of(answer, "of")},
-                {"what", text_of(answer, "what")},          {"a", text_of(answer, "a")},
-                {"b", text_of(answer, "b")},                {"margin", text_or_none("margin")},
-                {"within", text_or_none("within")},         {"why", text_or_none("why")},
-                {"doubt", text_or_none("doubt")},           {"depth", number_of(answer, "depth")},
+  const auto raw = [&](const char* key) { return answer.contains(key) ? Value(RawJson{answer.at(key).dump()}) : none; };
+  Record record{{"sequence", count_of(answer, "sequence")},
+                {"of", text_of(answer, "of")},
+                {"what", text_of(answer, "what")},
+                {"a", text_of(answer, "a")},
+                {"b", text_of(answer, "b")},
+                {"margin", text_or_none("margin")},
+                {"within", text_or_none("within")},
+                {"why", text_or_none("why")},
+                {"doubt", text_or_none("doubt")},
+                {"depth", number_of(answer, "depth")},
                 {"error", number_or_inf(answer, "error")}};
   for (const char* key : {"low_ns", "high_ns", "world_time_ns"})
     record.push_back({key, answer.value(key, std::int64_t{0})});
-  for (const char* key : {"point", "normal", "bodies", "before", "after", "why_wide"}) record.push_back({key, raw(key)});
+  for (const char* key : {"point", "normal", "bodies", "before", "after", "why_wide"})
+    record.push_back({key, raw(key)});
   record.push_back({"episode", count_of(answer, "episode")});
   record.push_back({"world", count_of(answer, "version")});
   return record;

@@ -10,10 +10,6 @@
 namespace collided::cli {
 namespace {
 
-std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key) {
-  return std::chrono::nanoseconds(row.value(key, std::int64_t{0}));
-}
-
 /// "0.2 m deep" or "1.2 m away", with its bound.
 std::string standing_text(const Printer& printer, const nlohmann::json& row) {
   const double clearance_m = number_or_inf(row, "clearance");
@@ -36,7 +32,8 @@ std::string looked_at(const nlohmann::json& answer) {
 
 void print_standings(Printer& printer, std::string_view word, const nlohmann::json& rows) {
   for (const nlohmann::json& row : rows) {
-    std::string line = fmt::format("  {:<8} {}  {}", word, printable(text_of(row, "object")), standing_text(printer, row));
+    std::string line =
+        fmt::format("  {:<8} {}  {}", word, printable(text_of(row, "object")), standing_text(printer, row));
     if (flag_of(row, "told")) line += "  since " + clock_text(time_at(row, "since_ns"));
     if (const std::string doubt = text_of(row, "doubt"); !doubt.empty()) line += fmt::format("  in doubt ({})", doubt);
     if (flag_of(row, "stale")) line += "  stale";

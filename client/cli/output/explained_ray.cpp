@@ -48,8 +48,8 @@ void print_answer_line(Printer& printer, const nlohmann::json& answer) {
 
 void print_looked_at(Printer& printer, const nlohmann::json& answer) {
   printer.line(fmt::format("  looked   {} of {} on the way; {} and {} for it",
-                           counted(count_of(answer, "boxes_met"), "box"), counted(count_of(answer, "objects"), "object"),
-                           counted(count_of(answer, "nodes"), "node"),
+                           counted(count_of(answer, "boxes_met"), "box"),
+                           counted(count_of(answer, "objects"), "object"), counted(count_of(answer, "nodes"), "node"),
                            counted(count_of(answer, "exact_tests"), "exact test")));
   const std::uint64_t left_out = count_of(answer, "left_out_count");
   if (left_out > 0) printer.line(fmt::format("  filter   leaves out {}", counted(left_out, "object")));
@@ -62,8 +62,8 @@ void print_behind(Printer& printer, const nlohmann::json& answer) {
   constexpr std::size_t kMostNamed = 3;
   const nlohmann::json& met = answer.at("met");
   for (std::size_t i = 1; i < met.size() && i <= kMostNamed; ++i)
-    printer.line(fmt::format("  behind   {} at {}", printable(text_of(met[i], "object")),
-                             length(printer, met[i], "distance")));
+    printer.line(
+        fmt::format("  behind   {} at {}", printable(text_of(met[i], "object")), length(printer, met[i], "distance")));
   if (met.size() > kMostNamed + 1) printer.line(fmt::format("           and {} more", met.size() - kMostNamed - 1));
 }
 
@@ -92,12 +92,17 @@ void print_doubts(Printer& printer, const nlohmann::json& answer) {
   if (const auto leaving = answer.find("not_covered"); leaving != answer.end())
     printer.line(fmt::format("  covered  up to {}: beyond, the loaded geometry is not said to be complete",
                              readable_length(number_or_inf(*leaving, "covered"), 0, printer.digits())));
-  if (flag_of(answer, "cut")) printer.line("  cut      the ray meets more than is looked at; what is behind is not all");
+  if (flag_of(answer, "cut"))
+    printer.line("  cut      the ray meets more than is looked at; what is behind is not all");
   if (flag_of(answer, "late"))
     printer.line("  late     the deadline was over: nearer misses may be missing; a longer --deadline says more");
 }
 
 }  // namespace
+
+std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key) {
+  return std::chrono::nanoseconds(row.value(key, std::int64_t{0}));
+}
 
 double number_or_inf(const nlohmann::json& answer, const char* key) {
   const nlohmann::json& value = answer.at(key);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/output/output.hpp"
@@ -9,6 +10,8 @@ namespace collided::cli {
 
 /// A number that the server writes as "inf" where it is.
 double number_or_inf(const nlohmann::json& answer, const char* key);
+/// A time in nanoseconds; 0 where there is none.
+std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key);
 
 Record explained_ray_record(const nlohmann::json& answer);
 void print_explained_ray(Printer& printer, const nlohmann::json& answer);

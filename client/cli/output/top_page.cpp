@@ -104,9 +104,9 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
 /// Adds a line where there are fences or margins.
 void add_fences(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.fences == 0) return;
-  lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}", format_count(figures.fences),
-                              format_count(figures.fences_entered), format_count(figures.in_fences),
-                              rate_text(per_second(figures.fence_events, figures))));
+  lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}",
+                              format_count(figures.fences), format_count(figures.fences_entered),
+                              format_count(figures.in_fences), rate_text(per_second(figures.fence_events, figures))));
 }
 
 /// Adds a line where publishers' stamps are late, jump or are missing.

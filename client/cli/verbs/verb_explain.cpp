@@ -38,7 +38,8 @@ class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     app.add_option("words", words_, "pair A B, ray and its 6 numbers, fence NAME, or event SEQ");
-    app.add_option("--last", last_, "pair: how far back their paths are looked at: 5s (as far as poses are remembered)");
+    app.add_option("--last", last_,
+                   "pair: how far back their paths are looked at: 5s (as far as poses are remembered)");
     app.add_option("--as-of", as_of_,
                    "pair, ray: all objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
     app.add_option("--to", to_, "ray: aim at this point instead of giving a direction");
@@ -48,8 +49,7 @@ class ExplainCommand : public Command {
     app.add_option("--mask", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
     app.add_option("--why-not", why_not_, "ray, fence: an object that is told of in any case");
     app.add_option("--most", most_, "ray, fence: so many of those passed, or outside, are told (3)");
-    app.add_option("--of", of_, "event: contacts or fences (contacts)")
-        ->check(CLI::IsMember({"contacts", "fences"}));
+    app.add_option("--of", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
     app.add_option("--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
   }
 
@@ -125,7 +125,8 @@ class ExplainCommand : public Command {
 
   static void refuse_others(std::initializer_list<const std::string*> others, std::string_view what) {
     for (const std::string* other : others) {
-      if (!other->empty()) throw bad_use(fmt::format("an option does not belong to a {}", what), "collide help explain");
+      if (!other->empty())
+        throw bad_use(fmt::format("an option does not belong to a {}", what), "collide help explain");
     }
   }
 

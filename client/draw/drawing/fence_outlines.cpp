@@ -28,8 +28,7 @@ FenceOutline outline_of(const nlohmann::json& row) {
     outline.name = row.at("margin").get<std::string>();
     outline.within_m = row.at("within").get<double>();
   }
-  for (const nlohmann::json& line : row.value("lines", nlohmann::json::array()))
-    outline.lines.push_back(line_of(line));
+  for (const nlohmann::json& line : row.value("lines", nlohmann::json::array())) outline.lines.push_back(line_of(line));
   return outline;
 }
 

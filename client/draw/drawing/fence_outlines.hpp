@@ -9,7 +9,7 @@ namespace collided::draw {
 
 /// A fence, or a band of a margin, as pictures show it.
 struct FenceOutline {
-  std::string name;         // the fence's, or the margin's
+  std::string name;          // the fence's, or the margin's
   std::uint64_t number = 0;  // another one of the same name has another number
   bool is_band = false;
   double within_m = 0;    // of a band

@@ -6,18 +6,9 @@ namespace collided::engine::service {
 
 /// As answers call it; empty for none.
 constexpr const char* word_of(EndReason reason) {
-  constexpr const char* kWords[] = {"",
-                                    "separated",
-                                    "removed",
-                                    "publisher_lost",
-                                    "teleported",
-                                    "geometry_changed",
-                                    "server_stopping",
-                                    "server_restarted",
-                                    "decided",
-                                    "crossed",
-                                    "fence_removed",
-                                    "allowed"};
+  constexpr const char* kWords[] = {"",           "separated",        "removed",         "publisher_lost",
+                                    "teleported", "geometry_changed", "server_stopping", "server_restarted",
+                                    "decided",    "crossed",          "fence_removed",   "allowed"};
   return kWords[static_cast<std::size_t>(reason)];
 }
 

@@ -15,8 +15,8 @@ using nlohmann::json;
 namespace {
 
 /// Two states of the past, and two reports on the pair.
-constexpr double kPerObject = 1.0 / 50;
-constexpr double kCost = 100;
+constexpr double kEventCostPerObject = 1.0 / 50;
+constexpr double kEventCost = 100;
 
 const char* word_of_kind(EventKind kind, bool is_of_fence) {
   static constexpr const char* kContacts[] = {"began", "persisted", "ended", "contained", "emerged"};
@@ -85,8 +85,7 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
   if (of != "contacts" && of != "fences")
     throw BadCommand(fmt::format("explain: 'of' is {}; allowed: contacts, fences", printable(of)));
   const bool is_of_fence = of == "fences";
-  const RecentEvents& events =
-      with_.loop.recent_events(is_of_fence ? BroadcastOf::fences : BroadcastOf::contacts);
+  const RecentEvents& events = with_.loop.recent_events(is_of_fence ? BroadcastOf::fences : BroadcastOf::contacts);
   const std::uint64_t sequence = arguments.whole("event", 0, ~std::uint64_t{0});
   std::optional<RecentEvent> recent = events.find(sequence);
   if (!recent) {
@@ -101,13 +100,13 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
           .is_of_fence = is_of_fence,
           .deadline_ns = job.deadline_ns,
           .called_off = &job.called_off,
-          .cost = kCost + kPerObject * objects};
+          .cost = kEventCost + kEventCostPerObject * objects};
 }
 
 json Commands::explained_event(const AskedEvent& asked) const {
   Deadline deadline(asked.deadline_ns, asked.called_off);
-  const EventExplanation told = explain_event(with_.loop.world().memory(), asked.recent, asked.is_of_fence,
-                                              with_.clock_error_ns, deadline);
+  const EventExplanation told =
+      explain_event(with_.loop.world().memory(), asked.recent, asked.is_of_fence, with_.clock_error_ns, deadline);
   json answer = described(asked.recent, asked.is_of_fence);
   answer["of"] = asked.is_of_fence ? "fences" : "contacts";
   answer["bodies"] = json::array();

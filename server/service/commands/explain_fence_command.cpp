@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLastEvents = 10;
 /// About as a group's clearance of a thousand objects; the thread for costly pairs has it in any case.
-constexpr double kCost = 10'000;
+constexpr double kFenceCost = 10'000;
 
 json described(const FenceStanding& standing, const Snapshot& state) {
   static constexpr const char* kWords[] = {"outside", "inside", "undecided"};
@@ -57,14 +57,9 @@ json described(const RecentEvent& recent) {
 
 /// The rule of a fence, and where it stands.
 json described(const FenceLook& look) {
-  json told{{"fence", look.name},
-            {"kind", kind_of(look.body)},
-            {"to", look.rule.carrier},
-            {"only", look.rule.only},
-            {"skip", look.rule.skip},
-            {"mask", look.rule.mask},
-            {"tells", json::array()},
-            {"keep", look.rule.owner == 0}};
+  json told{{"fence", look.name},     {"kind", kind_of(look.body)},  {"to", look.rule.carrier},
+            {"only", look.rule.only}, {"skip", look.rule.skip},      {"mask", look.rule.mask},
+            {"tells", json::array()}, {"keep", look.rule.owner == 0}};
   for (const auto& [word, bit] : {std::pair("enter", kEnter), std::pair("exit", kExit), std::pair("cross", kCross)}) {
     if ((look.rule.tells & bit) != 0) told["tells"].push_back(word);
   }
@@ -88,13 +83,13 @@ void Commands::explain_fence_of(const CommandAsk& ask) {
     const Arguments arguments(ask.text);
     const std::string name = arguments.text("fence");
     const Fences* fences = with_.loop.world().fences();
-    const auto look = std::make_shared<std::optional<FenceLook>>(
-        fences == nullptr ? std::nullopt : look_at_fence(*fences, name));
+    const auto look =
+        std::make_shared<std::optional<FenceLook>>(fences == nullptr ? std::nullopt : look_at_fence(*fences, name));
     if (!*look && fences != nullptr && fences->margins().contains(name))
       throw BadCommand(fmt::format("{} is a margin, no fence", printable(name)), "collide margin ls");
     if (!*look) throw BadCommand(fmt::format("no fence {}", printable(name)), "collide fence ls");
     const auto job = await(ask, arguments);
-    push_fairly("explain", costly_jobs_, {.client = ask.client, .cost = kCost}, [this, job, look] {
+    push_fairly("explain", costly_jobs_, {.client = ask.client, .cost = kFenceCost}, [this, job, look] {
       if (!job->called_off.load()) answer(job->ask, [&] { return explained_fence(**look, *job); });
     });
   } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }

@@ -81,7 +81,9 @@ class RayTeller {
              {"point_error", number_or_inf(miss.point_error_m)},
              {"triangle", info.reported_triangle(miss.triangle)},
              {"box_met", miss.is_box_met},
-             {"where", miss.is_at_length ? "end" : miss.is_at_start ? "start" : "beside"}};
+             {"where", miss.is_at_length  ? "end"
+                       : miss.is_at_start ? "start"
+                                          : "beside"}};
     if (const std::string why = why_left_out(info, ask_); !why.empty()) row["why"] = why;
     return row;
   }

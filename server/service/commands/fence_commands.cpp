@@ -51,7 +51,8 @@ json words_of(std::uint8_t tells) {
 /// [[x, y, z, x, y, z, ...], ...] in metres: what a picture shows of a fence, in its frame.
 json lines_of(const FenceTable& table, std::uint32_t slot) {
   json lines = json::array();
-  for (const Polyline& line : outline_of(table.described(slot), table.is_band(slot) ? table.rule(slot).band->within_m : 0)) {
+  for (const Polyline& line :
+       outline_of(table.described(slot), table.is_band(slot) ? table.rule(slot).band->within_m : 0)) {
     json numbers = json::array();
     for (const Vec3& point : line) {
       for (const double x : point) numbers.push_back(x + 0.0);

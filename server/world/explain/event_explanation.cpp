@@ -23,7 +23,7 @@ std::optional<PoseMemory::Reach> motion_about(const PoseMemory& memory, ObjectId
   std::optional<PoseMemory::Reach> about;
   for (const PoseMemory::RememberedPath::PathPiece& piece : path->pieces) {
     if (piece.to_ns < recent.low_ns() || piece.from_ns > recent.high_ns()) continue;
-    about = {about ? about->from_ns : piece.from_ns, piece.to_ns};
+    about = PoseMemory::Reach{.from_ns = about ? about->from_ns : piece.from_ns, .to_ns = piece.to_ns};
   }
   return about;
 }
@@ -65,9 +65,13 @@ std::string in_time(std::int64_t ns) {
 
 void add_end_reason(const RecentEvent& recent, std::vector<std::string>& why) {
   switch (recent.event.reason) {
-    case EndReason::teleported: why.emplace_back("an object was placed elsewhere, and touched nothing in between"); break;
+    case EndReason::teleported:
+      why.emplace_back("an object was placed elsewhere, and touched nothing in between");
+      break;
     case EndReason::removed: why.emplace_back("an object was removed; the step says when"); break;
-    case EndReason::publisher_lost: why.emplace_back("a publisher was lost; the step says when that was noticed"); break;
+    case EndReason::publisher_lost:
+      why.emplace_back("a publisher was lost; the step says when that was noticed");
+      break;
     case EndReason::geometry_changed: why.emplace_back("its geometry was replaced; the step says when"); break;
     case EndReason::allowed: why.emplace_back("a rule allows the two to touch since; the step says when"); break;
     case EndReason::fence_removed: why.emplace_back("the fence was removed; the step says when"); break;
@@ -93,12 +97,12 @@ void add_search(const EventExplanation& told, const RecentEvent& recent, std::in
   if (motion_ns == 0) {
     why.push_back(fmt::format("'{}' came to be there at one instant", whose));
   } else if (width_ns - 2 * clock_ns >= motion_ns) {
-    why.push_back(fmt::format(
-        "two poses of '{}' are {} apart, and the way between them does not say when: all of it counts", whose,
-        in_time(motion_ns)));
+    why.push_back(
+        fmt::format("two poses of '{}' are {} apart, and the way between them does not say when: all of it counts",
+                    whose, in_time(motion_ns)));
   } else {
-    why.push_back(fmt::format("found on the way between two poses of '{}', {} apart, by a search that stops at {}", whose,
-                              in_time(motion_ns), in_time(width_ns - 2 * clock_ns)));
+    why.push_back(fmt::format("found on the way between two poses of '{}', {} apart, by a search that stops at {}",
+                              whose, in_time(motion_ns), in_time(width_ns - 2 * clock_ns)));
   }
 }
 
@@ -109,8 +113,8 @@ void say_why_wide(const RecentEvent& recent, bool is_of_fence, std::int64_t cloc
   add_end_reason(recent, told.why_wide);
   add_search(told, recent, clock_ns, told.why_wide);
   if (clock_ns > 0)
-    told.why_wide.push_back(fmt::format("two publishers, whose clocks may differ by {}: so much more on either side",
-                                        in_time(clock_ns)));
+    told.why_wide.push_back(
+        fmt::format("two publishers, whose clocks may differ by {}: so much more on either side", in_time(clock_ns)));
   if (recent.event.of.doubt == Doubt::cost_limit)
     told.why_wide.emplace_back("the motion took more looks than one pair is given, so that it is in doubt");
   if (recent.event.of.doubt == Doubt::numeric)

@@ -16,13 +16,13 @@ namespace collided::engine {
 /// One of the two of an event, at the time by which the change had happened.
 struct EventBody {
   std::string name;
-  bool is_remembered = false;  // where it was is known
+  bool is_remembered = false;   // where it was is known
   std::uint64_t publisher = 0;  // 0: the server's own
   bool moves = false;
-  Pose pose;
+  Pose pose = {};
   // The stretch from one of its poses to the next in which the change lies; nothing: it rested then, or that is not
   // remembered.
-  std::optional<PoseMemory::Reach> motion;
+  std::optional<PoseMemory::Reach> motion = {};
 };
 
 /// How the two stood to each other at an instant.
@@ -36,8 +36,8 @@ struct EventGap {
 /// What is behind an event.
 struct EventExplanation {
   std::array<EventBody, 2> bodies;
-  std::optional<EventGap> before;      // at the bracket's beginning; of contacts whose places then are remembered
-  std::optional<EventGap> after;       // at its end, likewise
+  std::optional<EventGap> before;     // at the bracket's beginning; of contacts whose places then are remembered
+  std::optional<EventGap> after;      // at its end, likewise
   std::vector<std::string> why_wide;  // why the bracket is as wide as it is, a sentence each
 };
 

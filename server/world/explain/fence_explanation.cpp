@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "idl/glob.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/groups/members.hpp"
@@ -12,9 +13,6 @@
 
 namespace collided::engine {
 namespace {
-
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-const Pose kWorldPose;
 
 /// A lower bound on the distance of what two boxes hold.
 double least_distance_m(const Aabb& a, const Aabb& b) {
@@ -51,11 +49,10 @@ class FenceSearch {
 
   /// False: its carrier is not there.
   bool place_fence() {
-    placed_ = {.info = &fence_.body, .frame = &frame_, .bounds = {}, .pose = &kWorldPose};
+    placed_ = {.info = &fence_.body, .frame = &frame_, .bounds = {}, .pose = &world_pose_};
     if (!fence_.rule.carrier.empty()) {
-      const auto carrier = std::find_if(snapshot_.objects->begin(), snapshot_.objects->end(), [&](const auto& info) {
-        return info && info->name == fence_.rule.carrier;
-      });
+      const auto carrier = std::find_if(snapshot_.objects->begin(), snapshot_.objects->end(),
+                                        [&](const auto& info) { return info && info->name == fence_.rule.carrier; });
       if (carrier == snapshot_.objects->end()) return false;
       const std::uint32_t slot = slot_of((*carrier)->id);
       frame_ = snapshot_.frames[slot];
@@ -65,8 +62,8 @@ class FenceSearch {
     return true;
   }
   const OpenContact* told_in(ObjectId id) const {
-    const auto found = std::find_if(fence_.inside.begin(), fence_.inside.end(),
-                                    [&](const OpenContact& open) { return open.a == id; });
+    const auto found =
+        std::find_if(fence_.inside.begin(), fence_.inside.end(), [&](const OpenContact& open) { return open.a == id; });
     return found == fence_.inside.end() ? nullptr : &*found;
   }
   void consider(const ObjectInfo& info) {
@@ -78,7 +75,8 @@ class FenceSearch {
     if (!why_not.empty() && !info.moving && !is_asked_for && told == nullptr) return;
     const std::uint32_t number = members_.add(info.id);
     if (told != nullptr || is_asked_for) {
-      FenceStanding standing = standing_of(number, kEndless, true).value_or(FenceStanding{.distance_m = kEndless, .error_m = kEndless});
+      FenceStanding standing = standing_of(number, kNoLimit_m, true)
+                                   .value_or(FenceStanding{.distance_m = kNoLimit_m, .error_m = kNoLimit_m});
       standing.object = info.id;
       standing.why_not_looked_at = std::move(why_not);
       if (told != nullptr) standing.told = *told;
@@ -96,7 +94,7 @@ class FenceSearch {
   void look_at(const Outsider& one) {
     if (!one.why_not.empty()) return look_at_left_out(one);
     const bool is_full = told_.outside.size() >= ask_.most_outside;
-    const double limit_m = !is_full ? kEndless : told_.outside.empty() ? -1 : told_.outside.back().distance_m;
+    const double limit_m = !is_full ? kNoLimit_m : told_.outside.empty() ? -1 : told_.outside.back().distance_m;
     if (one.at_least_m > limit_m) return;
     std::optional<FenceStanding> standing = standing_of(one.number, limit_m, false);
     if (!standing) return;
@@ -114,8 +112,8 @@ class FenceSearch {
   /// Nothing where it is surely farther than the limit, or the deadline is over.
   std::optional<FenceStanding> standing_of(std::uint32_t number, double limit_m, bool with_depth) {
     FenceStanding standing{.object = members_.info(number).id,
-                           .distance_m = kEndless,
-                           .error_m = kEndless,
+                           .distance_m = kNoLimit_m,
+                           .error_m = kNoLimit_m,
                            .is_stale = members_.is_stale(number)};
     if (placed_.bounds.empty() || members_.bounds(number).empty()) return standing;
     WalkCost cost;
@@ -135,6 +133,9 @@ class FenceSearch {
   const FenceExplanationAsk& ask_;
   Members members_;
   Deadline& deadline_;
+  static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
+
+  const Pose world_pose_;
   Frame frame_;
   Placed placed_;
   std::vector<Outsider> outsiders_;

@@ -34,18 +34,18 @@ struct FenceStanding {
   double error_m = 0;             // |truth - distance_m| <= error_m
   Vec3 on_fence = Vec3::Zero();   // nearest points of two that are apart
   Vec3 on_object = Vec3::Zero();
-  bool is_stale = false;                       // its publisher is lost, and it may have moved on
-  std::string why_not_looked_at;               // empty: the fence looks at it
-  std::optional<OpenContact> told = {};        // that it is in
+  bool is_stale = false;                 // its publisher is lost, and it may have moved on
+  std::string why_not_looked_at = {};    // empty: the fence looks at it
+  std::optional<OpenContact> told = {};  // that it is in
 };
 
 /// Who is in a fence and who is not, and why.
 struct FenceExplanation {
-  bool is_carrier_there = true;             // false: it has no place now
-  std::size_t looked_at = 0;                // objects
-  std::vector<FenceStanding> inside;        // of which it was told that they are in, the deepest first
-  std::vector<FenceStanding> outside;       // the nearest of the others that it looks at, nearest first
-  std::vector<FenceStanding> left_out;      // moving objects in it that it does not look at
+  bool is_carrier_there = true;         // false: it has no place now
+  std::size_t looked_at = 0;            // objects
+  std::vector<FenceStanding> inside;    // of which it was told that they are in, the deepest first
+  std::vector<FenceStanding> outside;   // the nearest of the others that it looks at, nearest first
+  std::vector<FenceStanding> left_out;  // moving objects in it that it does not look at
   std::optional<FenceStanding> asked_for;
   bool is_late = false;  // the deadline was over: some were not looked at
 };
@@ -53,7 +53,7 @@ struct FenceExplanation {
 struct FenceExplanationAsk {
   std::size_t most_outside = 3;
   std::size_t most_left_out = 10;
-  std::optional<ObjectId> why_not;  // told of in any case
+  std::optional<ObjectId> why_not = {};  // told of in any case
 };
 
 /// Why the fence does not look at the object, a sentence; empty where it does.

@@ -19,7 +19,7 @@ struct RayExplanationAsk {
   std::string only;
   std::string skip;
   std::size_t most_misses = 3;
-  std::optional<ObjectId> why_not;  // told of in any case
+  std::optional<ObjectId> why_not = {};  // told of in any case
 
   /// Refers to this.
   Questions questions() const;
@@ -66,16 +66,16 @@ struct RayExplanation {
   std::uint32_t node_count = 0;   // boxes of the indexes that the search opened
   std::uint32_t exact_tests = 0;  // of parts
   std::uint32_t object_count = 0;
-  std::uint32_t left_out_count = 0;        // by the filter
-  std::uint32_t boxes_met = 0;             // of objects that may answer
-  std::vector<RayMeeting> met;             // each object once, in order along the ray; the first is the answer
-  std::vector<RayMeeting> left_out;        // that the filter leaves out and that would have come before the answer
-  std::vector<RayMiss> misses;             // of objects that may answer, nearest first; then the one asked for
-  std::vector<StaleInTheWay> stale;        // that may answer, and may be in the ray's way
-  std::vector<ObjectId> unknown;           // unknown space whose box the ray met
-  std::optional<Leaving> leaves_covered;   // where the answer is not covered
-  bool is_cut = false;                     // there were more hits than are looked at: `met` lacks some
-  bool is_late = false;                    // the deadline was over: misses may lack nearer ones
+  std::uint32_t left_out_count = 0;       // by the filter
+  std::uint32_t boxes_met = 0;            // of objects that may answer
+  std::vector<RayMeeting> met;            // each object once, in order along the ray; the first is the answer
+  std::vector<RayMeeting> left_out;       // that the filter leaves out and that would have come before the answer
+  std::vector<RayMiss> misses;            // of objects that may answer, nearest first; then the one asked for
+  std::vector<StaleInTheWay> stale;       // that may answer, and may be in the ray's way
+  std::vector<ObjectId> unknown;          // unknown space whose box the ray met
+  std::optional<Leaving> leaves_covered;  // where the answer is not covered
+  bool is_cut = false;                    // there were more hits than are looked at: `met` lacks some
+  bool is_late = false;                   // the deadline was over: misses may lack nearer ones
 };
 
 /// Why the filter leaves the object out, a sentence; empty where it does not.

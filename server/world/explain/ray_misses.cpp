@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/geometry/stable_length.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/groups/object_clearance.hpp"
 #include "server/world/objects/object_placing.hpp"
@@ -14,9 +13,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;  // of lengths that only order the search or bound it, far above what they lose
-const Pose kWorldPose;
 
 bool is_finite(const Aabb& box) { return box.low.allFinite() && box.high.allFinite(); }
 
@@ -51,7 +48,7 @@ void RayMisses::look_at_boxes(const std::unordered_set<ObjectId>& met, RayExplan
     ++told.object_count;
     const std::uint32_t number = members_.add(info->id);
     const Aabb& box = members_.bounds(number);
-    const bool is_met = !box.empty() && entry_of(ray_, box) < kEndless;
+    const bool is_met = !box.empty() && entry_of(ray_, box) < kNoLimit_m;
     if (info->is_unknown) {
       if (is_met) told.unknown.push_back(info->id);
       continue;
@@ -97,9 +94,9 @@ void RayMisses::find(Deadline& deadline, RayExplanation& told) {
   for (const Passed& passed : passed_) {
     const bool is_asked_for = !is_told && ask_.why_not == members_.info(passed.number).id;
     const bool is_full = told.misses.size() >= ask_.most_misses;
-    const double limit_m = is_full ? (told.misses.empty() ? -1 : told.misses.back().distance_m) : kEndless;
+    const double limit_m = is_full ? (told.misses.empty() ? -1 : told.misses.back().distance_m) : kNoLimit_m;
     if (!is_asked_for && (passed.at_least_m > limit_m || passed.is_left_out)) continue;
-    const std::optional<RayMiss> miss = miss_of(passed, is_asked_for ? kEndless : limit_m, deadline);
+    const std::optional<RayMiss> miss = miss_of(passed, is_asked_for ? kNoLimit_m : limit_m, deadline);
     if (deadline.was_over()) break;
     if (!miss) continue;
     if (is_asked_for) {
@@ -122,8 +119,9 @@ std::optional<RayMiss> RayMisses::miss_of(const Passed& passed, double limit_m, 
       (kPointOnRay * length_m + kPointSum * end.cwiseAbs().maxCoeff()) * (1 + kBoundSlack) + kUnderflow;
   ObjectInfo line;
   line.primitives = {Capsule{.a = ray_.origin, .b = end, .radius_m = 0}};
+  const Pose world_pose;
   const Frame world;
-  const Placed segment{.info = &line, .frame = &world, .bounds = bounds_of(line, world), .pose = &kWorldPose};
+  const Placed segment{.info = &line, .frame = &world, .bounds = bounds_of(line, world), .pose = &world_pose};
   WalkCost cost;
   const std::optional<ObjectClearance> found =
       clearance_between(segment, object, {.limit_m = limit_m, .depth = false}, cost, deadline);

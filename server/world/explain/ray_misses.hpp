@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <unordered_set>
 #include <vector>
 
@@ -27,6 +28,8 @@ class RayMisses {
   void find(Deadline& deadline, RayExplanation& told);
 
  private:
+  static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
+
   struct Passed {
     std::uint32_t number = 0;  // among the members
     double at_least_m = 0;     // its distance

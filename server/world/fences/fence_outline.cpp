@@ -77,7 +77,8 @@ class Outline {
         const double side_y = (corner < 2 ? 1 : -1) * half[(axis + 1) % 3];
         for (int i = 0; i <= kCornerPieces; ++i) {
           const double turn = 0.5 * std::numbers::pi * (corner + static_cast<double>(i) / kCornerPieces);
-          line.push_back(middle + (side_x + beyond_m_ * std::cos(turn)) * u + (side_y + beyond_m_ * std::sin(turn)) * v);
+          line.push_back(middle + (side_x + beyond_m_ * std::cos(turn)) * u +
+                         (side_y + beyond_m_ * std::sin(turn)) * v);
         }
       }
       line.push_back(line.front());

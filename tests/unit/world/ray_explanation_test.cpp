@@ -11,7 +11,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::engine {
+namespace collided::engine::ray_explanation_test {
 namespace {
 
 using oracle::Rational;
@@ -20,7 +20,8 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 class RayExplanationTest : public testing::Test {
  protected:
-  ObjectId add(const std::string& name, const std::vector<Primitive>& shape, const Vec3& at, const Filter& filter = {}) {
+  ObjectId add(const std::string& name, const std::vector<Primitive>& shape, const Vec3& at,
+               const Filter& filter = {}) {
     ObjectDefinition definition;
     definition.name = name;
     definition.shape.primitives = shape;
@@ -191,4 +192,4 @@ TEST_F(RayExplanationTest, ThePartAndTheRungThatDecidedAreTold) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::ray_explanation_test

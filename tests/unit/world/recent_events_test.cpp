@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace collided::engine {
+namespace collided::engine::recent_events_test {
 namespace {
 
 Event numbered(std::uint64_t sequence, ObjectId b = 2) {
@@ -41,4 +41,4 @@ TEST(RecentEvents, ThoseOfAFenceComeOldestFirst) {
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::engine::recent_events_test
