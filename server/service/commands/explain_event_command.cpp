@@ -89,7 +89,7 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
   const std::uint64_t sequence = arguments.whole("event", 0, ~std::uint64_t{0});
   std::optional<RecentEvent> recent = events.find(sequence);
   if (!recent) {
-    const RecentEvents::Span span = events.span();
+    const RecentEvents::SequenceSpan span = events.span();
     throw BadCommand(span.last == 0 ? fmt::format("no event {}: there was none of {} so far", sequence, of)
                                     : fmt::format("no event {}: those of {} from {} to {} are remembered", sequence, of,
                                                   span.first, span.last),

@@ -28,19 +28,19 @@ void RecentEvents::note(const Event& event, std::int64_t world_time_ns, std::str
   count_ = std::min(kMost, count_ + 1);
 }
 
-RecentEvents::Span RecentEvents::known() const {
+RecentEvents::SequenceSpan RecentEvents::known() const {
   if (count_ == 0) return {};
   return {last_ - count_ + 1, last_};
 }
 
-RecentEvents::Span RecentEvents::span() const {
+RecentEvents::SequenceSpan RecentEvents::span() const {
   const std::lock_guard lock(mutex_);
   return known();
 }
 
 std::optional<RecentEvent> RecentEvents::find(std::uint64_t sequence) const {
   const std::lock_guard lock(mutex_);
-  const Span span = known();
+  const SequenceSpan span = known();
   if (count_ == 0 || sequence < span.first || sequence > span.last) return std::nullopt;
   return at(sequence);
 }

@@ -39,14 +39,14 @@ class RecentEvents {
   /// The newest of one pair's second object, at most so many, oldest first: of a fence.
   std::vector<RecentEvent> last_of(ObjectId b, std::size_t most) const;
   /// Sequences of those that it has; 0: none.
-  struct Span {
+  struct SequenceSpan {
     std::uint64_t first = 0;
     std::uint64_t last = 0;
   };
-  Span span() const;
+  SequenceSpan span() const;
 
  private:
-  Span known() const;
+  SequenceSpan known() const;
   const RecentEvent& at(std::uint64_t sequence) const { return ring_[sequence % kMost]; }
 
   mutable std::mutex mutex_;
