@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/world/events/recent_events.hpp"
 #include "server/world/objects/deadline.hpp"
