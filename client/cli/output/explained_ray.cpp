@@ -18,7 +18,7 @@ std::string length(const Printer& printer, const nlohmann::json& row, const char
                          printer.digits());
 }
 
-/// "triangle 7" or "part 2 (of a compound)": what of the object it is; empty where it is all of it.
+/// ", triangle 7" or ", part 2": what of the object it is; empty where it is all of it.
 std::string piece_of(const nlohmann::json& row) {
   if (const std::uint64_t part = row.value("part", kNoPart); part != kNoPart) return fmt::format(", part {}", part);
   const std::uint64_t triangle = row.value("triangle", kOfNoTriangle);
@@ -47,9 +47,10 @@ void print_answer_line(Printer& printer, const nlohmann::json& answer) {
 }
 
 void print_looked_at(Printer& printer, const nlohmann::json& answer) {
-  printer.line(fmt::format("  looked   {} of {} on the way; {} and {} for it",
-                           counted(count_of(answer, "boxes_met"), "box"),
-                           counted(count_of(answer, "objects"), "object"), counted(count_of(answer, "nodes"), "node"),
+  const std::uint64_t boxes = count_of(answer, "boxes_met");
+  printer.line(fmt::format("  looked   {} {} of {} on the way; {} and {} for it", format_count(boxes),
+                           boxes == 1 ? "box" : "boxes", counted(count_of(answer, "objects"), "object"),
+                           counted(count_of(answer, "nodes"), "node"),
                            counted(count_of(answer, "exact_tests"), "exact test")));
   const std::uint64_t left_out = count_of(answer, "left_out_count");
   if (left_out > 0) printer.line(fmt::format("  filter   leaves out {}", counted(left_out, "object")));
