@@ -76,7 +76,7 @@ class DrawCommand : public Command {
       throw Failure(Exit::no, "nothing to draw: no object matches", "collide ls shows what is there");
     if (options.clearance) measure(client, shown, ask, *options.clearance);
     if (!no_contacts_ && !term_) options.contacts = contacts(client, shown, session, globals);
-    if (!no_fences_) options.fences = fences(client, shown);
+    if (!no_fences_) options.fences = fences(client, shown, session, globals);
     draw::Rays rays(client, drawing_rays(ask));
     try {
       options.ray_marks = ray_marks(rays, rays_to_draw, shown);
@@ -178,9 +178,15 @@ class DrawCommand : public Command {
   }
 
   /// Fences in the world, those on objects that are drawn, and the bands of these.
-  static std::vector<draw::FenceMark> fences(Client& client, const ShownObjects& shown) {
+  static std::vector<draw::FenceMark> fences(Client& client, const ShownObjects& shown, Session& session,
+                                             const Globals& globals) {
     std::vector<draw::FenceMark> marks;
-    for (const draw::FenceOutline& outline : take(draw::fence_outlines(client, true))) {
+    const Result<std::vector<draw::FenceOutline>> outlines = draw::fence_outlines(client, true);
+    if (!outlines) {
+      print_hint(session.io, globals, "fences are not drawn: " + outlines.error().message);
+      return marks;
+    }
+    for (const draw::FenceOutline& outline : *outlines) {
       const auto carrier = std::find_if(shown.objects.begin(), shown.objects.end(),
                                         [&](const ShownObject& object) { return object.name == outline.to; });
       if (!outline.to.empty() && carrier == shown.objects.end()) continue;

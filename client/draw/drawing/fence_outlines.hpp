@@ -14,10 +14,10 @@ struct FenceOutline {
   bool is_band = false;
   double within_m = 0;    // of a band
   bool is_plane = false;  // a half-space, of which the lines show a part
-  std::string to;         // the object that carries it; empty: it stands in the world
-  std::vector<std::string> inside;
-  std::vector<std::string> in_doubt;
-  std::vector<std::vector<Vec3>> lines;  // in its frame; empty where they were not asked for
+  std::string to = {};    // the object that carries it; empty: it stands in the world
+  std::vector<std::string> inside = {};
+  std::vector<std::string> in_doubt = {};
+  std::vector<std::vector<Vec3>> lines = {};  // in its frame; empty where they were not asked for
 
   bool is_entered() const { return !inside.empty() || !in_doubt.empty(); }
 };
