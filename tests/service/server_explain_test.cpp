@@ -37,7 +37,7 @@ TEST_F(ServerExplain, ARaySaysWhatItMetAndWhatItPassed) {
   add_sphere(client, "wall", 1, {8, 0, 50});
   add_sphere(client, "behind", 1, {12, 0, 50});
   add_sphere(client, "tower", 1, {5, 0, 51.032});
-  const json answer = explained(client, {{"ray", {0, 0, 50, 1, 0, 0}}, {"mask", 1}});
+  const json answer = explained(client, {{"ray", {0, 0, 50, 1, 0, 0}}, {"mask", 1}, {"most", 1}});
   EXPECT_EQ(answer.at("answer"), "hit");
   ASSERT_EQ(answer.at("met").size(), 2u);
   EXPECT_EQ(answer.at("met")[0].at("object"), "wall");
@@ -163,16 +163,16 @@ TEST_F(ServerExplain, AnEventSaysWhatDecidedAndWhyItsBracketIsWide) {
     const std::int64_t to_ns = body.at("motion_to_ns").get<std::int64_t>();
     EXPECT_LE(from_ns, low_ns);
     EXPECT_GE(to_ns, high_ns);
-    EXPECT_GE(to_ns - from_ns, 250'000'000);
+    EXPECT_GT(to_ns - from_ns, 1'000'000);
   }
   EXPECT_TRUE(has_drone);
   EXPECT_EQ(answer.at("why_wide").size(), 1u);
   EXPECT_NE(answer.at("why_wide")[0].get<std::string>().find("found on the way between two poses of 'drone'"),
             std::string::npos)
       << answer.at("why_wide");
-  // Just before they are less than a thousandth of a millimetre apart, and within their bound they touch just after.
-  EXPECT_LT(answer.at("before").at("clearance").get<double>(), 1e-6);
-  EXPECT_LT(std::abs(answer.at("after").at("clearance").get<double>()), 1e-6);
+  // At 20 m/s a bracket of a microsecond is 20 um long.
+  EXPECT_LT(std::abs(answer.at("before").at("clearance").get<double>()), 1e-4);
+  EXPECT_LT(std::abs(answer.at("after").at("clearance").get<double>()), 1e-4);
   EXPECT_NE(refusal(client, {{"event", 999}}).find("no event 999: those of contacts from 1 to"), std::string::npos);
   EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"),
             std::string::npos);
