@@ -51,8 +51,8 @@ json described(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   json row{{"sequence", event.sequence},
            {"what", word_of_kind(event.kind, is_of_fence)},
-           {"why", word_of(event.reason)},
-           {"doubt", word_of(event.of.doubt)},
+           {"why", reason_word(event.reason)},
+           {"doubt", doubt_word(event.of.doubt)},
            {"a", recent.a},
            {"b", recent.b},
            {"a_triangle", event.of.a_triangle},

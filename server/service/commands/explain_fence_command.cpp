@@ -34,7 +34,7 @@ json described(const FenceStanding& standing, const Snapshot& state) {
     row["told"] = true;
     row["since_ns"] = standing.told->began_ns;
     row["episode"] = standing.told->episode;
-    row["doubt"] = word_of(standing.told->doubt);
+    row["doubt"] = doubt_word(standing.told->doubt);
   }
   return row;
 }
@@ -49,8 +49,8 @@ json described(const RecentEvent& recent) {
   return {{"sequence", recent.event.sequence},
           {"what", recent.event.kind == EventKind::began ? "enter" : "exit"},
           {"object", recent.a},
-          {"why", word_of(recent.event.reason)},
-          {"doubt", word_of(recent.event.of.doubt)},
+          {"why", reason_word(recent.event.reason)},
+          {"doubt", doubt_word(recent.event.of.doubt)},
           {"low_ns", recent.low_ns()},
           {"high_ns", recent.high_ns()}};
 }
