@@ -76,6 +76,7 @@ inline constexpr const char* kAudit = "audit";
 /// What the server has done since its start; the difference of two answers gives rates and quantiles
 /// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
 ///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
+///    fences {count (with the bands of margins), entered (that something is in), inside (objects in them), events},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
@@ -109,7 +110,9 @@ inline constexpr const char* kProbes = "probes";
 /// count, version
 inline constexpr const char* kFence = "fence";
 
-/// name (glob, "" = all), limit, margins (true: these, in place of fences) -> margins [{margin, around, only, skip, mask,
+/// name (glob, "" = all), limit, margins (true: these, in place of fences), bands (true: the bands of margins as well, each
+/// a fence with margin, within (m) and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
+/// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
 /// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
 /// in_doubt [names]}], count, bytes (of memory for all), version
 inline constexpr const char* kFences = "fences";
@@ -130,12 +133,33 @@ inline constexpr const char* kFences = "fences";
 inline constexpr const char* kPair = "pair";
 
 /// Why two objects touch or do not, and why events do or do not say so.
-/// a, b (names), last_ns (how far back their paths are looked at; absent: as far as poses are remembered), deadline_ns (as
-/// of pair)
+/// a, b (names), last_ns (how far back their paths are looked at; absent: as far as poses are remembered), as_of (as of
+/// pair; their paths then end there), deadline_ns (as of pair)
 /// -> as pair without triangles and certificate, and why_not [sentence] (why no contact of the two is ever told; empty: it
 ///    would be), attached (name of the one that moves along with the other; empty: none does), version,
 ///    nearest {end (found; touched; undecided; cut_short: the deadline), from_ns, to_ns, time_ns (world time), distance,
 ///    error, at_least (m; at no time of the stretch nearer), looks}, or no_nearest (why)
+/// With ray [origin 3, direction 3]: why it meets what it meets. length (m; absent: endless), only, skip, mask (as of a
+/// ray), most (misses told; 3), why_not (name of an object that is told of in any case), as_of, deadline_ns
+/// -> answer, reason, level (double, expansion, rational), nodes, exact_tests, objects, left_out_count, boxes_met (counts),
+///    met [{object, kind, distance, error, point, normal, triangle, part (which of several primitives), level, inside,
+///    stale, age_ns}] (each object once, in order; the first is the answer), left_out (likewise, and why: what would have
+///    come first but for the filter), misses [{object, answer, distance, error, along (m from the origin), on_ray,
+///    on_object, point_error, triangle, box_met, where (beside, start, end: of the ray), why}] (nearest first), stale
+///    [{object, age_ns, from (m along the ray)}], unknown [names], not_covered {point, covered (m)}, cut (true: more hits
+///    than are looked at), late (true: the deadline was over), time_ns, version
+/// With fence: its name. why_not, most (of outside), deadline_ns as above
+/// -> fence, kind, to, only, skip, mask, tells, keep, placed (false: its carrier is not there), looked_at (count),
+///    inside [{object, answer (inside, outside, undecided: where both are now), clearance (m; negative: depth), error,
+///    on_fence, on_object, stale, why (it is not looked at), told, since_ns, episode, doubt}] (those of whom it was told),
+///    outside (likewise: the nearest others), left_out (likewise: in it, and not looked at), asked_for (likewise), events
+///    [{sequence, what (enter, exit), object, why, doubt, low_ns, high_ns}] (its last 10 that are remembered), late,
+///    time_ns, version
+/// With event: its sequence, and of ("contacts", "fences"); deadline_ns
+/// -> sequence, of, what, why, doubt, a, b, a_triangle, b_triangle, episode, began_ns, depth, error, point, normal,
+///    world_time_ns, low_ns, high_ns (the bracket), margin, within (only of bands: then b has them), bodies [{object,
+///    remembered, moving, publisher, pose, motion_from_ns, motion_to_ns}], before, after {time_ns, answer, clearance,
+///    error} (at the bracket's ends, where remembered), why_wide [sentence], version
 inline constexpr const char* kExplain = "explain";
 
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair

@@ -31,6 +31,12 @@ Figures figures_of(const json& answer) {
   figures.in_doubt = pairs.value("in_doubt", std::uint64_t{0});
   pairs.at("filtered").get_to(figures.filtered);
   pairs.at("exact_tests").get_to(figures.exact_tests);
+  if (const auto fences = answer.find("fences"); fences != answer.end()) {
+    fences->at("count").get_to(figures.fences);
+    fences->at("entered").get_to(figures.fences_entered);
+    fences->at("inside").get_to(figures.in_fences);
+    fences->at("events").get_to(figures.fence_events);
+  }
   answer.at("refused").get_to(figures.refused_requests);
   answer.at("undecided").get_to(figures.undecided_answers);
   const json& poses = answer.at("poses");
@@ -82,8 +88,9 @@ Figures between(const Figures& older, const Figures& newer) {
   const auto subtract = [&](std::uint64_t Figures::*sum) { more.*sum = grown(older.*sum, newer.*sum); };
   for (const auto sum :
        {&Figures::steps, &Figures::stalled_steps, &Figures::candidates, &Figures::filtered, &Figures::exact_tests,
-        &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late,
-        &Figures::poses_lost, &Figures::stamps_late, &Figures::stamps_jumped, &Figures::stamps_missing}) {
+        &Figures::fence_events, &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied,
+        &Figures::poses_late, &Figures::poses_lost, &Figures::stamps_late, &Figures::stamps_jumped,
+        &Figures::stamps_missing}) {
     subtract(sum);
   }
   more.step_durations = grown(older.step_durations, newer.step_durations);

@@ -39,7 +39,10 @@ Follower::~Follower() {
 void Follower::look() {
   Clock::time_point due = Clock::now();
   while (!stopping_.load()) {
-    if (options_.is_watched()) look_at_poses();
+    if (options_.is_watched()) {
+      look_at_poses();
+      if (Clock::now() >= next_fences_) look_at_fences();
+    }
     if (Clock::now() >= next_status_) look_at_status();
     // After a late frame the next ones still come one period apart.
     due = std::max(due + options_.frame, Clock::now());
@@ -70,6 +73,28 @@ void Follower::look_at_objects(const Poses& poses) {
   if (!shown) return;
   shown_ = std::make_shared<const ShownObjects>(std::move(*shown));
   observer_.objects(shown_);
+}
+
+/// Who is in which fence is asked often, where they stand only when there are others.
+void Follower::look_at_fences() {
+  next_fences_ = Clock::now() + options_.fences;
+  Result<std::vector<draw::FenceOutline>> now = draw::fence_outlines(client_, false);
+  if (!now) return;
+  const auto are_same = [&](auto&& same) {
+    return std::equal(now->begin(), now->end(), fences_.begin(), fences_.end(), same);
+  };
+  const bool stand_as_before =
+      are_same([](const auto& a, const auto& b) { return a.number == b.number && a.to == b.to; });
+  const bool hold_the_same =
+      are_same([](const auto& a, const auto& b) { return a.inside == b.inside && a.in_doubt == b.in_doubt; });
+  if (stand_as_before && hold_the_same) return;
+  if (stand_as_before) {
+    for (std::size_t i = 0; i < fences_.size(); ++i) (*now)[i].lines = std::move(fences_[i].lines);
+  } else if (now = draw::fence_outlines(client_, true); !now) {
+    return;
+  }
+  fences_ = std::move(*now);
+  observer_.fences(fences_);
 }
 
 void Follower::look_at_status() {

@@ -7,7 +7,9 @@
 #include <optional>
 #include <span>
 #include <thread>
+#include <vector>
 
+#include "client/draw/drawing/fence_outlines.hpp"
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
@@ -25,6 +27,8 @@ class Observer {
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
   /// The same time's figures since the server's start, for who wants them; nothing where it did not say.
   virtual void totals(const ServerStatus&, const std::optional<Figures>&) {}
+  /// Fences and bands are others, or others are in them.
+  virtual void fences(std::span<const draw::FenceOutline>) {}
   virtual void silent(double seconds) = 0;  // no answer for this long
 
   /// Another thread calls this, as soon as events come.
@@ -35,6 +39,7 @@ class Observer {
 struct FollowOptions {
   std::chrono::milliseconds frame{33};
   std::chrono::milliseconds status{500};
+  std::chrono::milliseconds fences{200};
   std::function<bool()> is_watched;  // poses are fetched while it returns true; any thread
 };
 
@@ -54,6 +59,7 @@ class Follower {
   void look_at_poses();
   void look_at_objects(const Poses& poses);
   void look_at_status();
+  void look_at_fences();
   void listen();
 
   Client& client_;
@@ -68,6 +74,8 @@ class Follower {
   std::uint64_t reported_epoch_ = 0;
   Clock::time_point next_objects_;
   Clock::time_point next_status_;
+  Clock::time_point next_fences_;
+  std::vector<draw::FenceOutline> fences_;  // as they were reported
   Clock::time_point heard_;
   std::optional<Figures> figures_;
 

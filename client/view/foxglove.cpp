@@ -60,6 +60,7 @@ void Foxglove::opened(Connection client) {
   add(kTransforms, "/tf", kFrameTransformsSchema);
   add(kContacts, "/contacts", kSceneUpdateSchema);
   add(kEvents, "/events", kEventSchema);
+  add(kFences, "/fences", kSceneUpdateSchema);
   {
     const std::lock_guard lock(mutex_);
     clients_[client];
@@ -116,6 +117,8 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
     subscriptions.push_back({*id, static_cast<Channel>(*channel)});
     if (*channel == kScene && scene_)
       answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *scene_)), false, 0}});
+    if (*channel == kFences && fences_)
+      answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *fences_)), false, 0}});
   }
   return answers;
 }
@@ -148,8 +151,10 @@ void Foxglove::objects(const std::shared_ptr<const ShownObjects>& shown) {
   {
     const std::lock_guard lock(mutex_);
     frames_.clear();
+    still_.clear();
     for (const ShownObject& object : shown->objects) {
       if (object.moving) frames_.emplace(object.id, object.name);
+      else still_.emplace(object.name, object.pose);
     }
     scene_.reset();
     scene_time_ns_ = shown->world_time.count();
@@ -178,6 +183,18 @@ void Foxglove::poses(const Poses& poses) {
     names = frames_;
   }
   publish(kTransforms, now_ns, frame_transforms(poses, names));
+}
+
+void Foxglove::fences(std::span<const draw::FenceOutline> fences) {
+  std::shared_ptr<const std::string> update;
+  std::int64_t time_ns = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    time_ns = scene_time_ns_;
+    update = fences_ =
+        std::make_shared<const std::string>(fence_update(fences, still_, std::chrono::nanoseconds(time_ns)));
+  }
+  publish(kFences, time_ns, *update);
 }
 
 void Foxglove::events(std::span<const Event> events) {

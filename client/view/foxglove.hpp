@@ -15,8 +15,8 @@
 namespace collided::view {
 
 /// Shows the world to programs that speak the Foxglove WebSocket protocol, as JSON: channels /scene
-/// (foxglove.SceneUpdate), /tf (foxglove.FrameTransforms, 10 a second at most), /contacts (foxglove.SceneUpdate) and
-/// /events. Every moving object is a frame with its name, within the frame "world".
+/// (foxglove.SceneUpdate), /tf (foxglove.FrameTransforms, 10 a second at most), /contacts and /fences
+/// (foxglove.SceneUpdate) and /events. Every moving object is a frame with its name, within the frame "world".
 ///
 /// threads  any; `send` is called without a lock held
 /// source   github.com/foxglove/ws-protocol, docs/spec.md; schemas: github.com/foxglove/foxglove-sdk,
@@ -37,11 +37,12 @@ class Foxglove : public Observer {
   void objects(const std::shared_ptr<const ShownObjects>& shown) override;
   void poses(const Poses& poses) override;
   void status(const ServerStatus&, const std::optional<Figures>&) override {}
+  void fences(std::span<const draw::FenceOutline> fences) override;
   void silent(double) override {}
   void events(std::span<const Event> events) override;
 
  private:
-  enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kChannelEnd };
+  enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kFences, kChannelEnd };
   /// Triangles are sent as text, so an object with more of them is shown as its bounding box.
   static constexpr std::uint32_t kMostTriangles = 50'000;
   static constexpr std::size_t kMostSubscriptions = 64;
@@ -66,7 +67,9 @@ class Foxglove : public Observer {
   std::mutex mutex_;
   std::map<Connection, Client> clients_;
   std::map<std::uint64_t, std::string> frames_;  // names of moving objects by id
-  std::shared_ptr<const std::string> scene_;     // for clients that subscribe later
+  std::map<std::string, Pose> still_;            // poses of the other objects, by name
+  std::shared_ptr<const std::string> scene_;     // this and the next: for clients that subscribe later
+  std::shared_ptr<const std::string> fences_;
   std::int64_t scene_time_ns_ = 0;
   std::int64_t transforms_time_ns_ = 0;
 };

@@ -200,6 +200,43 @@ std::string contact_update(std::span<const Event> events) {
   return entities.empty() ? std::string() : text_of({{"deletions", json::array()}, {"entities", entities}});
 }
 
+std::string fence_update(std::span<const draw::FenceOutline> fences, const std::map<std::string, Pose>& still,
+                         std::chrono::nanoseconds world_time) {
+  constexpr int kDeleteAll = 1;
+  constexpr int kLineStrip = 0;
+  json entities = json::array();
+  for (const draw::FenceOutline& fence : fences) {
+    const auto carrier = still.find(fence.to);
+    const bool is_in_world = fence.to.empty() || carrier != still.end();
+    json lines = json::array();
+    for (const std::vector<Vec3>& points :
+         draw::placed_lines(fence, carrier == still.end() ? Pose{} : carrier->second)) {
+      json line = json::array();
+      for (const Vec3& point : points) line.push_back(vector(point));
+      lines.push_back({{"type", kLineStrip},
+                       {"pose", pose(Vec3::Zero(), Quat::Identity())},
+                       {"thickness", fence.is_entered() ? 3 : 1.5},
+                       {"scale_invariant", true},
+                       {"points", std::move(line)},
+                       {"color", fence.is_entered() ? kAccent : kMoving},
+                       {"colors", json::array()},
+                       {"indices", json::array()}});
+    }
+    std::string id = fence.name;
+    if (fence.is_band) id += " " + fence.to + " " + json(fence.within_m).dump();
+    entities.push_back({{"timestamp", time(world_time)},
+                        {"frame_id", is_in_world ? std::string(kWorld) : fence.to},
+                        {"id", id},
+                        {"lifetime", {{"sec", 0}, {"nsec", 0}}},
+                        {"frame_locked", true},
+                        {"lines", std::move(lines)}});
+    for (const char* none : {"metadata", "arrows", "cubes", "spheres", "cylinders", "triangles", "texts", "models"})
+      entities.back()[none] = json::array();
+  }
+  return text_of(
+      {{"deletions", {{{"timestamp", time(world_time)}, {"type", kDeleteAll}, {"id", ""}}}}, {"entities", entities}});
+}
+
 std::string event_json(const Event& event) {
   constexpr const char* kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
   return text_of({{"timestamp", time(event.world_time)},

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "client/draw/drawing/fence_outlines.hpp"
 #include "collided/client.hpp"
 
 namespace collided::view {
@@ -28,6 +29,13 @@ std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, s
 
 /// A SceneUpdate with an arrow along the normal of each contact that begins, shown for a second.
 std::string contact_update(std::span<const Event> events);
+
+/// A SceneUpdate that deletes all entities of its channel and then adds the lines of all fences and bands; of one that
+/// something is in, in another colour.
+///
+/// still  poses of the objects that are no frames, for fences that stand on them
+std::string fence_update(std::span<const draw::FenceOutline> fences, const std::map<std::string, Pose>& still,
+                         std::chrono::nanoseconds world_time);
 
 /// An event as JSON.
 std::string event_json(const Event& event);

@@ -92,6 +92,9 @@ void write_figures(Writer& to, const Figures& figures) {
   to.head("stage_seconds_total", "counter", "Time spent in each stage of steps.");
   for (const Stage& stage : figures.stages) to.line(static_cast<double>(stage.ns) / 1e9, "stage=" + label(stage.name));
   to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.in_doubt);
+  to.one("fences", "gauge", "Fences and bands of margins.", figures.fences);
+  to.one("fences_entered", "gauge", "Of them, those that something is in.", figures.fences_entered);
+  to.one("fence_events_total", "counter", "Objects that came into a fence or went out.", figures.fence_events);
   to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.candidates);
   to.one("pairs_filtered_total", "counter", "Pairs of movers that layers, masks or groups keep apart.",
          figures.filtered);

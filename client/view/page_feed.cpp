@@ -7,7 +7,7 @@
 namespace collided::view {
 namespace {
 
-enum Lane : std::uint8_t { kEveryOne, kPoses, kStatus, kTable };
+enum Lane : std::uint8_t { kEveryOne, kPoses, kStatus, kTable, kFences };
 
 WebMessage text_message(std::string text, Lane lane = kEveryOne) {
   return {.bytes = make_bytes(std::move(text)), .is_text = true, .lane = lane};
@@ -53,6 +53,15 @@ void PageFeed::status(const ServerStatus& status, const std::optional<Figures>& 
   tell_(message);
 }
 
+void PageFeed::fences(std::span<const draw::FenceOutline> fences) {
+  const WebMessage message = text_message(fences_text(fences), kFences);
+  {
+    const std::lock_guard lock(mutex_);
+    fences_ = message.bytes;
+  }
+  tell_(message);
+}
+
 void PageFeed::silent(double seconds) { tell_(text_message(silent_text(seconds), kStatus)); }
 
 void PageFeed::events(std::span<const Event> events) {
@@ -72,6 +81,7 @@ std::vector<WebMessage> PageFeed::first_words() const {
   std::vector<WebMessage> words;
   if (status_) words.push_back({status_, true, kStatus});
   if (shown_) words.push_back(text_message(table_text(*shown_), kTable));
+  if (fences_) words.push_back({fences_, true, kFences});
   std::vector<Event> contacts;
   for (const auto& [pair, contact] : contacts_) contacts.push_back(contact);
   words.push_back(text_message(contacts_text(contacts, kMostContactsReported)));

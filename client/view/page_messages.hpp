@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/draw/drawing/fence_outlines.hpp"
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
@@ -41,6 +42,10 @@ std::string contacts_text(std::span<const Event> contacts, std::size_t most);
 /// {type "status", ... as in `collide status --json`, publishers, and the rates and stages of the time since the last
 /// one}.
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent);
+
+/// {type "fences", fences [{name, within (m, of a band), to, inside [names], in_doubt [names], lines [[x, y, z, ...]]}]}:
+/// the lines in the frame of `to`, or in the world.
+std::string fences_text(std::span<const draw::FenceOutline> fences);
 
 /// {type "silent", seconds}: the server does not answer.
 std::string silent_text(double seconds);

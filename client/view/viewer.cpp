@@ -137,6 +137,10 @@ void Viewer::Both::status(const ServerStatus& status, const std::optional<Figure
 void Viewer::Both::totals(const ServerStatus& status, const std::optional<Figures>& since_start) {
   metrics_.set(metrics_text(status, since_start));
 }
+void Viewer::Both::fences(std::span<const draw::FenceOutline> fences) {
+  pages_.fences(fences);
+  foxglove_.fences(fences);
+}
 void Viewer::Both::silent(double seconds) {
   metrics_.set(metrics_text({}, {}));
   pages_.silent(seconds);

@@ -184,7 +184,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes},
+      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, options.clock_error_ns},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {

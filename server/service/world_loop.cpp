@@ -243,6 +243,7 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.in_doubt.set(with_.world.doubt_count());
   sums_.swept.add(cost.swept);
   sums_.kept_apart.add(cost.kept_apart);
+  sum_up_fences();
   sums_.durations.add(ended_ns - started_ns);
   const SnapshotRing::Lease state = with_.world.newest();
   traces_.add({.version = state->version,
@@ -261,6 +262,21 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
                .events = static_cast<std::uint32_t>(with_.world.events().size())});
   taken_ns_ = 0;
   if (taking_since_ns_ != 0) taking_since_ns_ = ended_ns;
+}
+
+void WorldLoop::sum_up_fences() {
+  const Fences* fences = with_.world.fences();
+  if (fences == nullptr) return;
+  for (const Event& event : fences->events()) {
+    if (event.kind == EventKind::began) ++objects_in_[event.of.b];
+    if (event.kind != EventKind::ended) continue;
+    const auto found = objects_in_.find(event.of.b);
+    if (found != objects_in_.end() && --found->second == 0) objects_in_.erase(found);
+  }
+  sums_.fences.set(fences->table().count());
+  sums_.fences_entered.set(objects_in_.size());
+  sums_.in_fences.set(fences->inside().size());
+  sums_.fence_events.set(fences->last_sequence());
 }
 
 void WorldLoop::sum_up_poses() {

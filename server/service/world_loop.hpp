@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "server/service/events/broadcast.hpp"
@@ -103,6 +104,10 @@ class WorldLoop {
   std::string publisher_name(std::uint64_t publisher) const;
   /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
+  /// The newest events of contacts, or of fences. Any thread.
+  const RecentEvents& recent_events(BroadcastOf subject) const {
+    return subject == BroadcastOf::fences ? fence_broadcast_.recent() : broadcast_.recent();
+  }
   /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
   /// Whether contacts, or probes, have readers. Any thread.
@@ -124,6 +129,7 @@ class WorldLoop {
   void count_taking(std::int64_t now_ns);
   void step_if_due();
   void sum_up(std::int64_t started_ns, std::int64_t stepped_ns);
+  void sum_up_fences();
   void sum_up_poses();
   void publish();
   void publish_probes(const Stamp& stamp);
@@ -156,8 +162,9 @@ class WorldLoop {
   LoopCounts counts_;
   StepSums sums_;
   StepTraces traces_;
-  std::int64_t taking_since_ns_ = 0;  // 0 while no samples are being taken
-  std::int64_t taken_ns_ = 0;         // spent on taking samples since the last step
+  std::unordered_map<ObjectId, std::uint32_t> objects_in_;  // how many, by fence; only of those with some
+  std::int64_t taking_since_ns_ = 0;                        // 0 while no samples are being taken
+  std::int64_t taken_ns_ = 0;                               // spent on taking samples since the last step
 
   Probes probes_;
   std::atomic<std::size_t> probe_count_{0};

@@ -19,6 +19,11 @@ class DrawVerb : public testing::Test {
       asked = options;
       return shown;
     };
+    fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+      EXPECT_EQ(name, "fences");
+      return fences;
+    };
+    fences = R"({"fences":[]})";
     shown = {};
     shown.objects.push_back(
         {.id = 1, .name = "crate", .scene = {}, .pose = {}, .parts = {BoxShape{{1, 1, 1}}}, .runs = {}});
@@ -33,6 +38,7 @@ class DrawVerb : public testing::Test {
 
   ScratchFile file_{"draw_", ""};
   static inline ShapesOptions asked;
+  static inline std::string fences;
   static inline ShownObjects shown;
 };
 
@@ -109,6 +115,33 @@ TEST_F(DrawVerb, OpenContactsAreRingsAsDeepAsTheyAre) {
   EXPECT_EQ(pairs, std::vector<std::string>{"crate floor"});
   ASSERT_EQ(collide("draw --no-contacts -o " + path("a.svg")).code, 0);
   EXPECT_EQ(text_of(path("a.svg")).find("<circle"), std::string::npos);
+}
+
+// Two lines of one fence in the world, which something is in, and one that an object carries; that of another object is
+// left out with it.
+TEST_F(DrawVerb, FencesAreDashedAndInTheAccentWhereTheyAreEntered) {
+  fences = R"({"fences":[
+    {"fence":"dock","id":1,"kind":"box","to":"","inside":["ball"],"in_doubt":[],"lines":[[-1,-1,2,1,-1,2],[1,-1,2,1,1,2]]},
+    {"fence":"zone","id":2,"kind":"sphere","to":"crate","inside":[],"in_doubt":[],"lines":[[0,0,3,1,0,3,1,1,3]]},
+    {"fence":"gone","id":3,"kind":"box","to":"other","inside":[],"in_doubt":[],"lines":[[0,0,0,1,0,0]]}]})";
+  ASSERT_EQ(collide("draw -o " + path("a.svg")).code, 0);
+  const std::string svg = text_of(path("a.svg"));
+  EXPECT_NE(svg.find("class=\"fence-entered\""), std::string::npos);
+  EXPECT_NE(svg.find("class=\"fence\""), std::string::npos);
+  const auto dashes = [&](const std::string& name) {
+    const std::size_t begin = svg.find("class=\"" + name + "\"");
+    const std::string mark = svg.substr(begin, svg.find("/>", begin) - begin);
+    return std::count(mark.begin(), mark.end(), 'M');
+  };
+  EXPECT_GT(dashes("fence-entered"), 20);
+  EXPECT_GT(dashes("fence"), 20);
+  ASSERT_EQ(collide("draw --no-fences -o " + path("b.svg")).code, 0);
+  EXPECT_EQ(text_of(path("b.svg")).find("fence"), std::string::npos);
+  // Where they cannot be listed the drawing is made all the same.
+  fences = "no list";
+  const Ran ran = collide("draw -o " + path("c.svg"));
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.err.find("fences are not drawn"), std::string::npos) << ran.err;
 }
 
 TEST_F(DrawVerb, RaysAreAskedAndDrawn) {

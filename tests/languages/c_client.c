@@ -1,4 +1,5 @@
-/* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback.
+/* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback, sets fences
+ * and margins, and turns scans into voxels.
  * usage: c_client DOMAIN */
 #include <math.h>
 #include <stdio.h>
@@ -213,6 +214,228 @@ static void groups(collided_client* client) {
   must(collided_remove(client, "c_*", NULL, &error), &error, "remove");
 }
 
+/* The next event of a watch, or the end of the test where none comes. */
+static void next_fence_event(collided_fence_watch* watch, collided_fence_event* event) {
+  collided_error error;
+  int i, code = COLLIDED_NOTHING;
+  error.size = sizeof error;
+  event->size = sizeof *event;
+  for (i = 0; i < 100 && code == COLLIDED_NOTHING; ++i) code = collided_fence_watch_next(watch, 100000000, event, &error);
+  must(code, &error, "an event of a fence");
+}
+
+static void next_margin_event(collided_margin_watch* watch, collided_margin_event* event) {
+  collided_error error;
+  int i, code = COLLIDED_NOTHING;
+  error.size = sizeof error;
+  event->size = sizeof *event;
+  for (i = 0; i < 100 && code == COLLIDED_NOTHING; ++i) code = collided_margin_watch_next(watch, 100000000, event, &error);
+  must(code, &error, "an event of a margin");
+}
+
+static void move_to(collided_publisher* publisher, uint32_t handle, double x) {
+  collided_error error;
+  double position[3];
+  error.size = sizeof error;
+  position[0] = x;
+  position[1] = position[2] = 0;
+  must(collided_publisher_move(publisher, 1, &handle, position, NULL, 0, &error), &error, "move");
+  must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
+  must(collided_publisher_wait_applied(publisher, 5000000000L, &error), &error, "wait");
+}
+
+/* A ball of 0.2 m goes into a box of 2 m about (600 0 0) and out, and through it between two poses. */
+static void fences(collided_client* client) {
+  collided_error error;
+  collided_part part;
+  collided_fence fence;
+  collided_object object;
+  collided_fence_event event;
+  collided_fence_watch* watch = NULL;
+  collided_publisher* publisher = NULL;
+  uint32_t ball;
+  uint64_t removed = 0, entered;
+  error.size = sizeof error;
+  memset(&part, 0, sizeof part);
+  part.size = sizeof part;
+  part.kind = COLLIDED_BOX;
+  part.numbers[0] = part.numbers[1] = part.numbers[2] = 1;
+  part.numbers[3] = 600;
+  part.numbers[6] = 1;
+  memset(&fence, 0, sizeof fence);
+  fence.size = sizeof fence;
+  fence.name = "c_dock";
+  fence.parts = &part;
+  fence.part_count = 1;
+  fence.only = "c_*";
+  must(collided_fence_add(client, &fence, &error), &error, "add a fence");
+  expect(collided_fence_add(client, &fence, &error) == COLLIDED_REFUSED, "one fence of a name");
+  fence.name = "c_nothing";
+  fence.part_count = 0;
+  expect(collided_fence_add(client, &fence, &error) != COLLIDED_OK, "no region");
+  must(collided_fence_watch_start(client, "c_dock", NULL, &watch, &error), &error, "watch a fence");
+
+  must(collided_publish(client, "c_driver", &publisher, &error), &error, "publish");
+  part.kind = COLLIDED_SPHERE;
+  memset(part.numbers, 0, sizeof part.numbers);
+  part.numbers[3] = 0.2;
+  collided_object_defaults(&object, sizeof object);
+  object.name = "c_cart";
+  object.parts = &part;
+  object.part_count = 1;
+  object.position[0] = 597;
+  must(collided_publisher_add(publisher, &object, &ball, &error), &error, "add a ball");
+  must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
+  move_to(publisher, ball, 600);
+  next_fence_event(watch, &event);
+  entered = event.sequence;
+  expect(event.kind == 1 && !strcmp(event.object, "c_cart") && !strcmp(event.fence, "c_dock"), "it enters");
+  expect(event.doubt == 0 && event.bracket_low_s >= event.bracket_high_s, "with a bracket");
+  expect(fabs(event.point[0] - 599) < 1e-3, "at the side it came from");
+  move_to(publisher, ball, 603);
+  next_fence_event(watch, &event);
+  expect(event.kind == 2 && event.episode == entered, "it exits what it entered");
+  move_to(publisher, ball, 597);
+  next_fence_event(watch, &event);
+  expect(event.kind == 3 && event.left_low_s < event.bracket_low_s, "it crosses between two poses");
+  expect(collided_fence_watch_lost(watch) == 0 && collided_fence_watch_in_step(watch) == 1, "nothing is lost");
+  event.size = sizeof event;
+  expect(collided_fence_watch_next(watch, 1000000, &event, &error) == COLLIDED_NOTHING, "no more of it");
+  collided_fence_watch_close(watch);
+  collided_publisher_close(publisher);
+  must(collided_fence_remove(client, "c_d*", &removed, &error), &error, "remove a fence");
+  expect(removed == 1, "one fence removed");
+}
+
+/* Bands of 2 m and 1 m about a ball: another one comes near, touches it, and goes. */
+static void margins(collided_client* client) {
+  static const double bands[2] = {2, 1};
+  static const double rising[2] = {1, 2};
+  static const int kinds[6] = {1, 2, 3, 4, 4, 4};
+  static const double at_band[6] = {2, 1, 0, 0, 1, 2};
+  collided_error error;
+  collided_part part;
+  collided_object object;
+  collided_margin margin;
+  collided_margin_event event;
+  collided_margin_watch* watch = NULL;
+  collided_publisher* publisher = NULL;
+  uint32_t post, drone;
+  uint64_t removed = 0;
+  int i, seen = 0;
+  error.size = sizeof error;
+  memset(&margin, 0, sizeof margin);
+  margin.size = sizeof margin;
+  margin.name = "c_close";
+  margin.around = "c_post";
+  margin.only = "c_drone";
+  margin.bands_m = rising;
+  margin.band_count = 2;
+  expect(collided_margin_add(client, &margin, &error) != COLLIDED_OK, "bands come the widest first");
+  margin.bands_m = bands;
+  must(collided_margin_add(client, &margin, &error), &error, "add a margin");
+  must(collided_margin_watch_start(client, NULL, NULL, &watch, &error), &error, "watch a margin");
+
+  must(collided_publish(client, "c_pilot", &publisher, &error), &error, "publish");
+  memset(&part, 0, sizeof part);
+  part.size = sizeof part;
+  part.kind = COLLIDED_SPHERE;
+  part.numbers[3] = 0.5;
+  collided_object_defaults(&object, sizeof object);
+  object.name = "c_post";
+  object.parts = &part;
+  object.part_count = 1;
+  object.position[0] = 650;
+  must(collided_publisher_add(publisher, &object, &post, &error), &error, "add a ball");
+  object.name = "c_drone";
+  object.position[0] = 660;
+  must(collided_publisher_add(publisher, &object, &drone, &error), &error, "add another");
+  must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
+  move_to(publisher, drone, 652.75);
+  next_margin_event(watch, &event);
+  expect(event.kind == 1 && event.band_m == 2 && !strcmp(event.margin, "c_close"), "the widest band");
+  expect(!strcmp(event.object, "c_drone") && !strcmp(event.around, "c_post"), "who comes near whom");
+  expect(fabs(event.distance_m - 2) <= event.distance_error_m + 1e-6 && event.closing_mps > 0, "how near, how fast");
+  expect(event.has_contact_in == 1 && event.contact_in_low_s <= event.contact_in_high_s, "and when they would touch");
+  move_to(publisher, drone, 650.5);
+  move_to(publisher, drone, 660);
+  for (i = 1; i < 6; ++i) {
+    next_margin_event(watch, &event);
+    expect(event.kind == kinds[i] || event.kind == 4, "an order of events");
+    seen += event.kind == kinds[i];
+    if (event.kind < 4) expect(event.band_m == at_band[i], "band after band");
+  }
+  expect(seen == 5, "near, contact, and out of each band");
+  expect(collided_margin_watch_lost(watch) == 0, "nothing is lost");
+  collided_margin_watch_close(watch);
+  collided_publisher_close(publisher);
+  must(collided_margin_remove(client, "c_close", &removed, &error), &error, "remove a margin");
+  expect(removed == 1, "one margin removed");
+}
+
+/* One ray of unit direction: its verdict, and in *distance where it hits. */
+static int ray_along_x(collided_client* client, double x, double y, double z, double* distance) {
+  collided_error error;
+  collided_answers* answers = NULL;
+  collided_columns columns;
+  double origin[3], direction[3] = {1, 0, 0};
+  unsigned char verdict = 0;
+  error.size = sizeof error;
+  origin[0] = x;
+  origin[1] = y;
+  origin[2] = z;
+  must(collided_ask_rays(client, 1, origin, direction, NULL, NULL, &answers, &error), &error, "a ray");
+  memset(&columns, 0, sizeof columns);
+  columns.size = sizeof columns;
+  columns.first_hits = 1;
+  columns.verdict = &verdict;
+  columns.distance_m = distance;
+  collided_read_columns(answers, &columns);
+  collided_free_answers(answers);
+  return verdict;
+}
+
+/* A scan of one point makes its cell of 0.5 m occupied, and those on the way to it free. */
+static void voxels(collided_client* client) {
+  static const double point[3] = {703.25, 0.25, 0.25};
+  static const float floats[6] = {703.25f, 0.25f, 0.25f, 704.25f, 0.25f, 0.25f};
+  static const double sensor[3] = {700.25, 0.25, 0.25};
+  collided_error error;
+  collided_voxel_options options;
+  collided_voxel_scan scan;
+  collided_voxels* cells = NULL;
+  collided_publisher* publisher = NULL;
+  double distance = 0, bad[3];
+  size_t changed = 0;
+  error.size = sizeof error;
+  must(collided_publish(client, "c_scanner", &publisher, &error), &error, "publish");
+  collided_voxel_defaults(&options, sizeof options);
+  options.cell_m = 0.5;
+  options.unknown = 0;
+  options.decay_ns = 1000000000L;
+  must(collided_voxels_start(publisher, "c_cloud", &options, &cells, &error), &error, "voxels");
+  memset(&scan, 0, sizeof scan);
+  scan.size = sizeof scan;
+  must(collided_voxels_insert(cells, 1, point, sensor, 0, &scan, &error), &error, "insert");
+  expect(scan.points == 1 && scan.occupied == 1 && scan.crossed >= 5 && scan.changed >= 1, "what became of the scan");
+  must(collided_publisher_wait_applied(publisher, 5000000000L, &error), &error, "wait");
+  expect(ray_along_x(client, 700.25, 0.25, 0.25, &distance) == COLLIDED_HIT && fabs(distance - 2.75) < 1e-9, "its cell");
+  must(collided_voxels_insert_floats(cells, 2, floats, NULL, 0, &scan, &error), &error, "insert floats");
+  expect(scan.points == 2 && scan.occupied == 2 && scan.crossed == 0, "without a sensor no space is free");
+  bad[0] = HUGE_VAL;
+  bad[1] = bad[2] = 0;
+  must(collided_voxels_insert(cells, 1, bad, NULL, 0, &scan, &error), &error, "insert an endless point");
+  expect(scan.points == 0 && scan.refused == 1, "what is not finite is counted");
+  expect(collided_voxels_insert(cells, 1, NULL, NULL, 0, &scan, &error) == COLLIDED_BAD_INPUT, "no array");
+  must(collided_voxels_decay(cells, 0, &changed, &error), &error, "decay");
+  expect(changed == 0, "nothing is old yet");
+  must(collided_voxels_clear(cells, &error), &error, "clear");
+  must(collided_publisher_wait_applied(publisher, 5000000000L, &error), &error, "wait");
+  expect(ray_along_x(client, 700.25, 0.25, 0.25, &distance) == COLLIDED_MISS, "nothing is left");
+  collided_voxels_close(cells);
+  collided_publisher_close(publisher);
+}
+
 int main(int count, char** words) {
   collided_error error;
   collided_connect_options options;
@@ -232,6 +455,9 @@ int main(int count, char** words) {
   moves_and_events(client);
   refusals(client);
   groups(client);
+  fences(client);
+  margins(client);
+  voxels(client);
   collided_close(client);
   printf("%d faults\n", faults);
   return faults > 0;

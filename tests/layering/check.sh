@@ -45,6 +45,7 @@ declare -A within=(
   [world/fences]="objects solids events step query groups"
   [world/query]=". objects solids step"
   [world/groups]=". objects solids query"
+  [world/explain]="objects query groups fences events"
   [world/audit]=". objects solids step query"
   [service/runtime]=""
   [service/roles]="runtime"

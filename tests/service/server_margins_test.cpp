@@ -92,6 +92,29 @@ TEST_F(ServerMargins, EveryBandIsToldWithHowItGoesOn) {
   EXPECT_EQ(watch.lost(), 0u);
 }
 
+// A monitor that looks at the newest state when it has time loses those that were replaced meanwhile.
+TEST_F(ServerMargins, EveryPoseCountsHoweverFastTheyCome) {
+  start();
+  Client client = connect();
+  ASSERT_TRUE(client.add_margin(margin("close", {5})));
+  MarginWatch watch = watch_margins(client);
+  Publisher publisher = publish(client, "pilot");
+  add_ball(publisher, "person", at(0, 0, 2));
+  const Publisher::Object drone = add_ball(publisher, "drone", at(20, 0, 2));
+  ASSERT_TRUE(publisher.flush());
+  constexpr int kPasses = 20;
+  for (int i = 0; i < kPasses; ++i) {
+    move(publisher, drone, at(3, 0, 2));
+    move(publisher, drone, at(20, 0, 2));
+  }
+  for (int i = 0; i < kPasses; ++i) {
+    expect(next(watch), MarginEventKind::approach, 5);
+    expect(next(watch), MarginEventKind::leave, 5);
+  }
+  EXPECT_FALSE(watch.next(200ms));
+  EXPECT_EQ(watch.lost(), 0u);
+}
+
 TEST_F(ServerMargins, WhoBeginsToWatchLaterIsToldWhoIsNear) {
   start();
   Client client = connect();

@@ -90,7 +90,7 @@ TEST_F(FoxgloveTest, AClientIsGreetedAndToldTheChannels) {
   EXPECT_EQ(info["op"], "serverInfo");
   EXPECT_TRUE(info["capabilities"].is_array());
   const json channels = text()["channels"];
-  ASSERT_EQ(channels.size(), 4U);
+  ASSERT_EQ(channels.size(), 5U);
   for (const json& channel : channels) {
     EXPECT_EQ(channel["encoding"], "json");
     EXPECT_EQ(channel["schemaEncoding"], "jsonschema");
@@ -160,6 +160,36 @@ TEST_F(FoxgloveTest, ContactsAreArrowsForASecond) {
   EXPECT_EQ(update["entities"][0]["arrows"].size(), 1U);
   EXPECT_EQ(data().second["what"], "began");
   EXPECT_EQ(data().second["what"], "ended");
+}
+
+// In the frame of what moves, in the world for what stands still there; who subscribes later is told too.
+TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
+  foxglove.opened(1);
+  foxglove.objects(world());
+  sent.clear();
+  const std::vector<std::vector<Vec3>> line{{{0, 0, 0}, {1, 0, 0}}};
+  std::vector<draw::FenceOutline> fences(3);
+  fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {}, .lines = line};
+  fences[1] = {
+      .name = "close", .is_band = true, .within_m = 2, .to = "ball", .inside = {}, .in_doubt = {}, .lines = line};
+  fences[2] = {.name = "zone", .to = "crate", .inside = {}, .in_doubt = {}, .lines = line};
+  foxglove.fences(fences);
+  EXPECT_TRUE(sent.empty()) << "nobody has subscribed";
+  subscribe(4, 5);
+  const json update = data().second;
+  EXPECT_EQ(update["deletions"].size(), 1U) << "those that are gone";
+  ASSERT_EQ(update["entities"].size(), 3U);
+  const json& dock = update["entities"][0];
+  EXPECT_EQ(dock["frame_id"], "world");
+  EXPECT_EQ(dock["lines"][0]["points"].size(), 2U);
+  const json& band = update["entities"][1];
+  EXPECT_EQ(band["frame_id"], "ball");
+  EXPECT_EQ(band["id"], "close ball 2.0");
+  EXPECT_NE(band["lines"][0]["color"], dock["lines"][0]["color"]);
+  EXPECT_LT(band["lines"][0]["thickness"], dock["lines"][0]["thickness"]);
+  const json& zone = update["entities"][2];
+  EXPECT_EQ(zone["frame_id"], "world");
+  EXPECT_EQ(zone["lines"][0]["points"][0], json({{"x", 1.}, {"y", 2.}, {"z", 3.}}));
 }
 
 TEST_F(FoxgloveTest, WhatItDoesNotKnowIsAnsweredWithAWarning) {

@@ -95,6 +95,69 @@ async function contactsAreClustered() {
   await shut(page);
 }
 
+const circles = (radius) => [[1, 0], [0, 2], [1, 2]].map(([u, v]) => Array.from({ length: 33 }, (_, i) => {
+  const point = [0, 0, 0];
+  point[u] = radius * Math.cos((2 * Math.PI * i) / 32);
+  point[v] = radius * Math.sin((2 * Math.PI * i) / 32);
+  return point;
+}).flat());
+const boxLines = (low, high) => [0, 1, 2].flatMap((axis) => [0, 1, 2, 3].map((corner) => {
+  const point = [0, 1, 2].map((each) => (each === axis ? low[each] : ((corner >> (each === (axis + 1) % 3 ? 0 : 1)) & 1 ? high : low)[each]));
+  const end = [...point];
+  end[axis] = high[axis];
+  return [...point, ...end];
+}));
+const fence = (name, lines, more = {}) => ({ name, to: "", inside: [], in_doubt: [], lines, ...more });
+
+/// Fences are outlines that are lit and listed first while something is in them, and go where their carrier goes; going
+/// back in time shows who was in then.
+async function fencesAreLitWhileEntered() {
+  const world = hall();
+  const page = await open(world);
+  const accents = () => page.evaluate(() => {
+    const { data, count } = collidedPage.picture.marks;
+    const of = (accent) => Array.from({ length: count }, (_, i) => data[10 * i + 9]).filter((one) => one === accent).length;
+    return [of(0), of(1)];
+  });
+  check(await page.evaluate(() => document.getElementById("panel-fences").hidden), "fences are listed though there are none");
+  const dock = boxLines([1, -1, 0], [4, 2, 1.6]);
+  const all = (inside) => [
+    fence("gate", boxLines([-4, -2, 0], [-2, -1, 1])), fence("dock", dock, { inside }),
+    fence("close", circles(1.2), { to: "ball_1", within: 0.8 }), fence("nobody's", circles(1), { to: "not there" }), fence(kHostile[0], circles(0.2)),
+  ];
+  world.tell({ type: "fences", fences: all([]) });
+  await until("they are drawn", async () => (await accents())[0] === 24 + 2 * 96);
+  check((await accents())[1] === 0, "an empty fence is lit");
+  const before = await page.evaluate(() => performance.now() / 1000);
+  world.tell({ type: "fences", fences: all(["ball_2"]) });
+  await until("the entered one is lit", async () => (await accents()).join() === `${12 + 2 * 96},12`);
+  await page.evaluate((t) => collidedPage.timeline.goTo(t), before);
+  await until("it was empty then", async () => (await accents())[1] === 0);
+  await page.evaluate(() => collidedPage.timeline.live());
+  await until("and is entered now", async () => (await accents())[1] === 12);
+  await until("it is listed first", async () => /^dockball_2/.test(await textOf(page, "#fences")));
+  check(/5, 1 entered/.test((await textOf(page, "#fence-count")).replace(/\u2009/g, "")), "the count is not told");
+  check((await page.evaluate(() => document.querySelector("#fences").innerHTML)).includes("&lt;img"), "a name is read as HTML");
+  await picture(page, "fences_entered");
+  world.objects.find(({ name }) => name === "ball_1").pose[0] = -1;
+  world.move(2);
+  await until("the band goes along", () => page.evaluate(() => {
+    const { data, count } = collidedPage.picture.marks;
+    const { anchor } = collidedPage.world;
+    let least = Infinity;
+    for (let i = 0; i < count; ++i) if (data[10 * i + 8] < 0.35) least = Math.min(least, data[10 * i] + anchor[0]);
+    return Math.abs(least - (-1 - 1.2)) < 1e-3;
+  }));
+  await page.click("#fences .link");
+  check(await page.evaluate(() => Math.abs(collidedPage.camera.target[0] - 2.5) < 1e-6), "a click does not go to the fence");
+  world.tell({ type: "fences", fences: all([]) });
+  await until("it is empty again", async () => (await accents())[1] === 0);
+  await picture(page, "fences_empty");
+  world.tell({ type: "fences", fences: [] });
+  await until("none is left", () => page.evaluate(() => document.getElementById("panel-fences").hidden));
+  await shut(page);
+}
+
 /// What is under the pointer is compared with what was chosen; an overlap of two that never meet is no contact.
 async function overlapsThatAreNoContactsAreSaidSo() {
   const world = hall().sphere("ghost", [0, 0, 0.5], 0.6, { layers: 2, mask: 2 });
@@ -337,7 +400,7 @@ function isSmall() {
 }
 
 const tests = [
-  isSmall, restsAtFullResolution, coincidingFacesDoNotFlicker, contactsAreClustered, overlapsThatAreNoContactsAreSaidSo, hostileNamesAreOnlyNames, aHundredThousandScroll,
+  isSmall, restsAtFullResolution, coincidingFacesDoNotFlicker, contactsAreClustered, fencesAreLitWhileEntered, overlapsThatAreNoContactsAreSaidSo, hostileNamesAreOnlyNames, aHundredThousandScroll,
   thingsAreChosenFollowedAndHidden, commandsHaveAllDigitsAndTheWay, timeGoesBack, fitsEveryScreen, labelsStayInThePicture, textIsLegible,
 ];
 try {

@@ -40,6 +40,22 @@ TEST(PageMessages, ASurfaceFarOutKeepsItsDigits) {
   EXPECT_EQ(at<std::uint32_t>(bytes, 32 + 36 + 8), 2U);
 }
 
+TEST(PageMessages, FencesComeWithTheirLinesAndWhoIsIn) {
+  std::vector<draw::FenceOutline> fences(2);
+  fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {"cart"}, .lines = {{{0, 1, 2}, {3, 4, 5}}}};
+  fences[1] = {
+      .name = "close", .is_band = true, .within_m = 0.5, .to = "person", .inside = {}, .in_doubt = {}, .lines = {}};
+  const nlohmann::json told = nlohmann::json::parse(fences_text(fences));
+  EXPECT_EQ(told.at("type"), "fences");
+  const nlohmann::json& dock = told.at("fences")[0];
+  EXPECT_EQ(dock.at("lines"), (nlohmann::json{{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}}));
+  EXPECT_EQ(dock.at("inside"), nlohmann::json{"ball"});
+  EXPECT_EQ(dock.at("in_doubt"), nlohmann::json{"cart"});
+  EXPECT_FALSE(dock.contains("within"));
+  EXPECT_EQ(told.at("fences")[1].at("within"), 0.5);
+  EXPECT_EQ(told.at("fences")[1].at("to"), "person");
+}
+
 TEST(PageMessages, PosesLieAsThePageReadsThem) {
   Poses poses;
   poses.version = 42;

@@ -105,6 +105,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--up", "AXIS"},
     {"--wait", "TIME"},
     {"--when-lost", "WHAT"},
+    {"--why-not", "OBJECT"},
     {"--width", "N"},
     {"--within", "LENGTH"},
     {"--as", "NAME"},

@@ -101,6 +101,14 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
   lines.push_back(line);
 }
 
+/// Adds a line where there are fences or margins.
+void add_fences(const Figures& figures, std::vector<std::string>& lines) {
+  if (figures.fences == 0) return;
+  lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}",
+                              format_count(figures.fences), format_count(figures.fences_entered),
+                              format_count(figures.in_fences), rate_text(per_second(figures.fence_events, figures))));
+}
+
 /// Adds a line where publishers' stamps are late, jump or are missing.
 void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
@@ -150,6 +158,7 @@ std::vector<std::string> top_lines(const Look& look) {
                               mean_text(per_step(figures.filtered, figures))));
   if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
   if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
+  add_fences(figures, lines);
   add_not_built(figures, lines);
   return lines;
 }
@@ -194,6 +203,10 @@ std::vector<Record> top_records(const Look& look) {
   add("pairs.filtered", per_step(figures.filtered, figures), "a step");
   add("contacts", std::uint64_t{status.contacts}, "");
   add("in_doubt", figures.in_doubt, "");
+  add("fences", figures.fences, "");
+  add("fences.entered", figures.fences_entered, "");
+  add("fences.inside", figures.in_fences, "");
+  add("fences.events", per_second(figures.fence_events, figures), "1/s");
   for (const PublisherInfo& publisher : status.publishers)
     add("silent." + publisher.name, seconds_of(publisher.silent), "s");
   for (const std::string& structure : figures.not_built) add("not_built", structure, "");

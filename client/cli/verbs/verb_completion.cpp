@@ -84,12 +84,12 @@ class CompleteCommand : public PassOn {
     if (verb.name == "help") return help_topics();
     if (verb.name == "completion") return {"bash", "zsh", "fish"};
     if (typed.starts_with("-")) return options_of(verb);
-    if (verb.name == "explain" && words_.back() == verb.name) return {"pair"};
+    if (verb.name == "explain" && words_.back() == verb.name) return {"pair", "ray", "fence", "event"};
     const std::string& before = words_.back();
     const bool wants_object = before == "--only" || before == "--skip" || before == "--on" || before == "--to" ||
-                              before == "--against" || before == verb.name || verb.name == "pair" ||
-                              verb.name == "explain" || verb.name == "rm" || verb.name == "allow" ||
-                              verb.name == "deny" || verb.name == "attach";
+                              before == "--against" || before == "--why-not" || before == verb.name ||
+                              verb.name == "pair" || verb.name == "explain" || verb.name == "rm" ||
+                              verb.name == "allow" || verb.name == "deny" || verb.name == "attach";
     constexpr std::array<std::string_view, 12> kByName{"allow",   "attach", "clash", "clearance", "deny", "detach",
                                                        "explain", "get",    "ls",    "move",      "pair", "rm"};
     const bool takes_object = std::ranges::find(kByName, verb.name) != kByName.end();

@@ -10,6 +10,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/draw/drawing/drawing.hpp"
+#include "client/draw/drawing/fence_outlines.hpp"
 
 namespace collided::cli {
 namespace {
@@ -53,6 +54,7 @@ class DrawCommand : public Command {
     app.add_option("--reach", reach_, "Distance at which that colour ends (1)");
     app.add_option("--bands", bands_, "Steps of that colour (8)");
     app.add_flag("--no-contacts", no_contacts_, "Leave out the rings at contacts");
+    app.add_flag("--no-fences", no_fences_, "Leave out the dashed lines of fences and margins");
     app.add_option("--only", texts_.only, "Draw objects whose name matches this glob");
     app.add_option("--skip", texts_.skip, "Do not draw objects whose name matches this glob");
     app.add_option("--mask", texts_.mask, "Layers that are drawn: bits, 0x3 or 0b11");
@@ -74,6 +76,7 @@ class DrawCommand : public Command {
       throw Failure(Exit::no, "nothing to draw: no object matches", "collide ls shows what is there");
     if (options.clearance) measure(client, shown, ask, *options.clearance);
     if (!no_contacts_ && !term_) options.contacts = contacts(client, shown, session, globals);
+    if (!no_fences_) options.fences = fences(client, shown, session, globals);
     draw::Rays rays(client, drawing_rays(ask));
     try {
       options.ray_marks = ray_marks(rays, rays_to_draw, shown);
@@ -174,6 +177,26 @@ class DrawCommand : public Command {
     return marks;
   }
 
+  /// Fences in the world, those on objects that are drawn, and the bands of these.
+  static std::vector<draw::FenceMark> fences(Client& client, const ShownObjects& shown, Session& session,
+                                             const Globals& globals) {
+    std::vector<draw::FenceMark> marks;
+    const Result<std::vector<draw::FenceOutline>> outlines = draw::fence_outlines(client, true);
+    if (!outlines) {
+      print_hint(session.io, globals, "fences are not drawn: " + outlines.error().message);
+      return marks;
+    }
+    for (const draw::FenceOutline& outline : *outlines) {
+      const auto carrier = std::find_if(shown.objects.begin(), shown.objects.end(),
+                                        [&](const ShownObject& object) { return object.name == outline.to; });
+      if (!outline.to.empty() && carrier == shown.objects.end()) continue;
+      marks.push_back({.lines = draw::placed_lines(outline, outline.to.empty() ? Pose{} : carrier->pose),
+                       .is_entered = outline.is_entered(),
+                       .is_endless = outline.is_plane});
+    }
+    return marks;
+  }
+
   std::vector<RayQuestion> ray_questions() const {
     std::vector<RayQuestion> questions;
     for (const std::string& text : rays_) {
@@ -260,6 +283,7 @@ class DrawCommand : public Command {
   std::string reach_ = "1";
   std::string bands_ = "8";
   bool no_contacts_ = false;
+  bool no_fences_ = false;
   AskTexts texts_;
 };
 

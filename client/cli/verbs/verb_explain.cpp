@@ -3,24 +3,21 @@
 
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/question.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/explanation_output.hpp"
 #include "client/cli/output/readable.hpp"
 #include "client/cli/server_command.hpp"
+#include "client/cli/verbs/ask_options.hpp"
 #include "idl/commands.hpp"
+#include "idl/instant.hpp"
 
 namespace collided::cli {
 namespace {
-
-/// Numbers that the server writes as "inf" where they are.
-double number_or_inf(const nlohmann::json& answer, const char* key) {
-  const nlohmann::json& value = answer.at(key);
-  return value.is_string() ? std::numeric_limits<double>::infinity() : value.get<double>();
-}
 
 std::chrono::nanoseconds time_of(const nlohmann::json& answer, const char* key) {
   return std::chrono::nanoseconds(answer.at(key).get<std::int64_t>());
@@ -33,24 +30,46 @@ std::string_view now_of(const nlohmann::json& answer) {
   return said == "miss" ? "apart" : "undecided";
 }
 
+constexpr const char* kForms =
+    "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, or event SEQ (of contacts; --of fences)";
+
+/// What the first word says is explained: a pair, a ray, a fence or an event.
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "pair, and the two objects");
-    app.add_option("--last", last_, "How far back their paths are looked at: 5s (as far as poses are remembered)");
+    app.add_option("words", words_, "pair A B, ray and its 6 numbers, fence NAME, or event SEQ");
+    app.add_option("--last", last_,
+                   "pair: how far back their paths are looked at: 5s (as far as poses are remembered)");
+    app.add_option("--as-of", as_of_,
+                   "pair, ray: all objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
+    app.add_option("--to", to_, "ray: aim at this point instead of giving a direction");
+    app.add_option("--length", length_, "ray: nothing farther than this (inf)");
+    app.add_option("--only", only_, "ray: objects whose name matches this glob (* ? [..])");
+    app.add_option("--skip", skip_, "ray: not objects whose name matches this glob");
+    app.add_option("--mask", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
+    app.add_option("--why-not", why_not_, "ray, fence: an object that is told of in any case");
+    app.add_option("--most", most_, "ray, fence: so many of those passed, or outside, are told (3)");
+    app.add_option("--of", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
     app.add_option("--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (words_.size() != 3 || words_[0] != "pair")
-      throw bad_use("what is to be explained? a pair, and two names", "collide explain pair drone tower");
+    const std::string what = words_.empty() ? "" : words_.front();
+    if (what == "pair") return explain_pair(session, globals);
+    if (what == "ray") return explain_ray(session, globals);
+    if (what == "fence") return explain_fence(session, globals);
+    if (what == "event") return explain_event(session, globals);
+    throw bad_use("what is to be explained?", kForms);
+  }
+
+ private:
+  Exit explain_pair(Session& session, const Globals& globals) {
+    refuse_others({&to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_, &of_}, "pair");
+    if (words_.size() != 3) throw bad_use("a pair has two names", kForms);
     nlohmann::json arguments{{"a", words_[1]}, {"b", words_[2]}};
     if (!last_.empty()) arguments["last_ns"] = parse_duration(last_).count();
-    // The search ends before this side stops waiting for it.
-    constexpr std::chrono::seconds kPatience{10};
-    arguments["deadline_ns"] =
-        (deadline_.empty() ? timeout_of(globals, kPatience) * 9 / 10 : parse_duration(deadline_)).count();
-    const nlohmann::json answer = ask(session, globals, arguments);
+    add_instant(arguments);
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {words_[1], words_[2]});
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) print_text(printer, answer);
     else printer.record(record_of(answer));
@@ -59,13 +78,103 @@ class ExplainCommand : public Command {
     return now == "touching" ? Exit::yes : Exit::no;
   }
 
- private:
-  nlohmann::json ask(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
+  Exit explain_ray(Session& session, const Globals& globals) {
+    refuse_others({&last_, &of_}, "ray");
+    const RayQuestion ray = asked_ray();
+    nlohmann::json arguments{
+        {"ray",
+         {ray.origin.x(), ray.origin.y(), ray.origin.z(), ray.direction.x(), ray.direction.y(), ray.direction.z()}},
+        {"only", only_},
+        {"skip", skip_}};
+    if (std::isfinite(ray.length_m)) arguments["length"] = ray.length_m;
+    if (!mask_.empty()) arguments["mask"] = parse_bits(mask_);
+    add_common(arguments);
+    add_instant(arguments);
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_});
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) print_explained_ray(printer, answer);
+    else printer.record(explained_ray_record(answer));
+    const std::string said = text_of(answer, "answer");
+    if (said == "undecided") return Exit::undecided;
+    return said == "hit" ? Exit::yes : Exit::no;
+  }
+
+  Exit explain_fence(Session& session, const Globals& globals) {
+    refuse_others({&last_, &as_of_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
+    if (words_.size() != 2) throw bad_use("which fence?", kForms);
+    nlohmann::json arguments{{"fence", words_[1]}};
+    add_common(arguments);
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_});
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) print_explained_fence(printer, answer);
+    else printer.record(explained_fence_record(answer));
+    return Exit::yes;
+  }
+
+  Exit explain_event(Session& session, const Globals& globals) {
+    refuse_others({&last_, &as_of_, &to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_}, "event");
+    if (words_.size() != 2) throw bad_use("which event? the number after 'seq'", kForms);
+    nlohmann::json arguments{{"event", parse_count(words_[1], 1)}};
+    if (!of_.empty()) arguments["of"] = of_;
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {});
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) print_explained_event(printer, answer);
+    else printer.record(explained_event_record(answer));
+    return Exit::yes;
+  }
+
+  static void refuse_others(std::initializer_list<const std::string*> others, std::string_view what) {
+    for (const std::string* other : others) {
+      if (!other->empty())
+        throw bad_use(fmt::format("an option does not belong to a {}", what), "collide help explain");
+    }
+  }
+
+  RayQuestion asked_ray() const {
+    const std::vector<double> values = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
+    if (values.size() != (to_.empty() ? 6u : 3u))
+      throw bad_use(to_.empty() ? "a ray takes 6 numbers, start and direction, or 3 and --to X Y Z"
+                                : "with --to a ray takes 3 numbers, its start",
+                    kForms);
+    Numbers numbers;
+    for (std::size_t at = 0; at < values.size(); ++at) numbers.set(at, values[at]);
+    if (!to_.empty()) {
+      const Vec3 target = parse_vector(to_, Measure::length);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        numbers.set(column::kTo + axis, target[static_cast<Eigen::Index>(axis)]);
+    }
+    if (!length_.empty()) numbers.set(column::kLength, parse_number(length_, Measure::length));
+    Questions questions = no_questions(QuestionKind::ray);
+    add_question(questions, numbers);
+    return std::get<std::vector<RayQuestion>>(questions).front();
+  }
+
+  void add_common(nlohmann::json& arguments) const {
+    if (!why_not_.empty()) arguments["why_not"] = why_not_;
+    if (!most_.empty()) arguments["most"] = parse_count(most_);
+  }
+
+  void add_instant(nlohmann::json& arguments) const {
+    const Instant instant = parse_instant(as_of_);
+    const wire_contract::AskedInstant asked{.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind),
+                                            .ns = instant.time.count()};
+    if (const std::string text = wire_contract::text_of(asked); !text.empty()) arguments["as_of"] = text;
+  }
+
+  /// names: of objects that must be there; empty ones are none.
+  nlohmann::json ask(Session& session, const Globals& globals, nlohmann::json arguments,
+                     const std::vector<std::string>& names) const {
+    // The search ends before this side stops waiting for it.
+    constexpr std::chrono::seconds kPatience{10};
+    arguments["deadline_ns"] =
+        (deadline_.empty() ? timeout_of(globals, kPatience) * 9 / 10 : parse_duration(deadline_)).count();
     try {
       return server_command(session, globals, wire_contract::command::kExplain, arguments);
     } catch (const Failure&) {
-      for (const char* name : {"a", "b"}) {
-        if (const auto unknown = unknown_object(session, globals, arguments.at(name))) throw Failure(*unknown);
+      // An object that is not there now may have been at another instant.
+      for (const std::string& name : as_of_.empty() ? names : std::vector<std::string>()) {
+        if (name.empty()) continue;
+        if (const auto unknown = unknown_object(session, globals, name)) throw Failure(*unknown);
       }
       throw;
     }
@@ -144,6 +253,15 @@ class ExplainCommand : public Command {
 
   std::vector<std::string> words_;
   std::string last_;
+  std::string as_of_;
+  std::string to_;
+  std::string length_;
+  std::string only_;
+  std::string skip_;
+  std::string mask_;
+  std::string why_not_;
+  std::string most_;
+  std::string of_;
   std::string deadline_;
 };
 

@@ -89,8 +89,11 @@ constexpr Verb kVerbs[] = {
      make_margin},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
-    {"explain", "Follow", "why two objects touch or not, how near they came, and why no event says so",
-     "explain pair A B", "explain pair drone tower\nexplain pair drone tower --last 5s --json", make_explain},
+    {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, an event",
+     "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain event SEQ [--of fences]",
+     "explain pair drone tower --last 5s\nexplain ray 0 0 5  0 0 -1 --why-not pallet_07\nexplain ray 0 0 5 --to 4 4 0 "
+     "--as-of -2s --json\nexplain fence dock --why-not forklift_7\nexplain event 881",
+     make_explain},
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},

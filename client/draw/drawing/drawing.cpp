@@ -14,6 +14,8 @@ constexpr const char* kBlack = "#000000";
 constexpr double kRingRadius_px = 7;
 constexpr double kNormal_px = 26;
 constexpr double kHatchSpacing_px = 2.6;
+constexpr double kDash_px = 6;  // of fences, and the gap between two
+constexpr double kGap_px = 4;
 
 const Ink& ink_of(LineKind kind) {
   static const Ink kInks[kLineKindCount] = {
@@ -97,6 +99,37 @@ void add_line(const Vec3& a, const Vec3& b, const Ink& ink, Drawing& drawing) {
   drawing.picture.strokes.push_back({{{from.x, from.y}, {to.x, to.y}}, ink});
 }
 
+/// Adds a line of the world as dashes of equal length in the picture.
+void add_dashes(const std::vector<Vec3>& line, const Ink& ink, Drawing& drawing) {
+  constexpr double kPeriod_px = kDash_px + kGap_px;
+  double walked_px = 0;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const auto shown = drawing.camera.clip(line[i], line[i + 1]);
+    if (!shown) continue;
+    const ImagePoint from = drawing.camera.project(line[i] + shown->first * (line[i + 1] - line[i]));
+    const ImagePoint to = drawing.camera.project(line[i] + shown->second * (line[i + 1] - line[i]));
+    const double length_px = std::hypot(to.x - from.x, to.y - from.y);
+    const auto at = [&](double px) {
+      const double share = length_px > 0 ? px / length_px : 0;
+      return Spot{from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)};
+    };
+    for (double px = -std::fmod(walked_px, kPeriod_px); px < length_px; px += kPeriod_px) {
+      const double begin = std::max(0.0, px);
+      const double end = std::min(length_px, px + kDash_px);
+      if (begin < end) drawing.picture.strokes.push_back({{at(begin), at(end)}, ink});
+    }
+    walked_px += length_px;
+  }
+}
+
+void add_fences(const DrawOptions& options, Drawing& drawing) {
+  const Ink empty{"fence", kQuiet, 1.1};
+  const Ink entered{"fence-entered", kAccent, 1.8};
+  for (const FenceMark& fence : options.fences) {
+    for (const std::vector<Vec3>& line : fence.lines) add_dashes(line, fence.is_entered ? entered : empty, drawing);
+  }
+}
+
 void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
   const auto is_before = [&](const Vec3& p) {
     return drawing.camera.is_orthographic() || drawing.camera.project(p).depth_m > 0;
@@ -117,6 +150,15 @@ void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
   }
 }
 
+/// The points that the picture has to show.
+std::vector<Vec3> with_fences(std::vector<Vec3> points, const DrawOptions& options) {
+  for (const FenceMark& fence : options.fences) {
+    if (fence.is_endless) continue;
+    for (const std::vector<Vec3>& line : fence.lines) points.insert(points.end(), line.begin(), line.end());
+  }
+  return points;
+}
+
 void make_black_and_white(Picture& picture) {
   picture.is_black_and_white = true;
   for (Stroke& stroke : picture.strokes) stroke.ink.color = kBlack;
@@ -133,7 +175,7 @@ double contact_width_px(double depth_m, double scene_m) {
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) {
   const std::vector<Vec3> extremes = extreme_points(shown);
   Drawing drawing{.picture = {},
-                  .camera = Camera::fitted(options.view, extremes),
+                  .camera = Camera::fitted(options.view, with_fences(extremes, options)),
                   .segments = {},
                   .pieces = {},
                   .crossings = {},
@@ -166,6 +208,7 @@ Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) 
   const Ink hidden{"hidden", kHiddenInk, 0.8};
   if (options.style == Style::obscured_line) add_strokes(drawing, false, &hidden, drawing.picture.strokes);
   add_strokes(drawing, true, nullptr, drawing.picture.strokes);
+  add_fences(options, drawing);
   add_marks(options, scene_m, drawing);
   if (options.style == Style::hatched) make_black_and_white(drawing.picture);
   return drawing;

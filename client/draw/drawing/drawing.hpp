@@ -26,6 +26,13 @@ struct RayMark {
   bool is_hit = false;
 };
 
+/// A fence or a band, drawn as dashed lines over everything.
+struct FenceMark {
+  std::vector<std::vector<Vec3>> lines;  // in the world
+  bool is_entered = false;               // something is in it
+  bool is_endless = false;               // the picture need not show all of its lines
+};
+
 /// What to draw besides the scene, and how.
 struct DrawOptions {
   View view{};
@@ -37,6 +44,7 @@ struct DrawOptions {
   std::optional<ClearanceRamp> clearance{};
   std::vector<ContactMark> contacts{};
   std::vector<RayMark> ray_marks{};
+  std::vector<FenceMark> fences{};
   SightOptions sight{};
 };
 

@@ -48,7 +48,7 @@ class Contacts {
 const kFlash_ms = 900;
 const kRay_ms = 5000;
 const kMarkFloats = 10;
-const kMostMarks = 4000;
+const kMostMarks = 12000;
 const kClusterPixels = 18;
 
 /// Contacts, rays and clearances as marks over the picture: lines, rings and dots, and the texts beside them.
@@ -76,10 +76,11 @@ class Marks {
   }
 
   /// Places everything for a picture; returns whether some of it is animated. size: the picture's, in pixels of the screen.
-  place(contacts, camera, anchor, [width, height], isShown, now) {
+  place(contacts, fences, world, camera, [width, height], isShown, now) {
     this.count = 0;
     this.texts = [];
-    this.anchor = anchor;
+    this.anchor = world.anchor;
+    this.placeFences(fences, world);
     const clusters = new Map();
     this.places = [];
     let isFlashing = false;
@@ -107,7 +108,7 @@ class Marks {
 
   /// A region of the picture (world.js) grown so that it holds all marks; null where they may be anywhere.
   region(region, camera, width, height) {
-    if (!region || this.rays.length > 0 || this.line) return null;
+    if (!region || this.rays.length > 0 || this.line || this.areFencesElsewhere) return null;
     const reach_px = 30;
     for (const [x, y] of this.places) extendRegion(region, (x + 1) / 2, (y + 1) / 2, reach_px / width, reach_px / height);
     return region;
@@ -134,6 +135,15 @@ class Marks {
     if (normal_m * meter > 5) this.put(point, add(point, scale(normal, normal_m)), 1, 0, 0.9, 1);
     const depth_px = Number(depth) * meter;
     if (depth_px > 4 && Number.isFinite(depth_px)) this.put(subtract(point, scale(normal, depth / 2)), add(point, scale(normal, depth / 2)), 3, 0, 0.8, 0);
+  }
+
+  /// One that something is in is lit.
+  placeFences(fences, world) {
+    this.areFencesElsewhere = fences.areElsewhere();
+    fences.forEachPiece(world, (from, to, { isEntered, within }) => {
+      if (isEntered) this.put(from, to, 2, 0, 1, 1);
+      else this.put(from, to, 1.2, 0, within === undefined ? 0.6 : 0.3, 0);
+    });
   }
 
   placeRays(camera, now) {

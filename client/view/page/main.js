@@ -5,6 +5,7 @@ class Page {
   constructor() {
     this.camera = new Camera();
     this.contacts = new Contacts();
+    this.fences = new Fences();
     this.flashes = [];        // when each new contact was first drawn, for measurements
     this.chosen = this.hovered = this.followed = null;
     this.picture = new Picture(byId("scene"), byId("overlay"));
@@ -48,6 +49,7 @@ class Page {
     this.selected.contactsOf = (name) => this.contacts.of(name);
     byId("color").addEventListener("input", () => this.colorObjects());
     byId("labels").addEventListener("click", () => this.toggleLabels());
+    this.fenceList = new FenceList({ frame: (fence) => this.frameFence(fence) });
     this.events = new EventList({ goTo: (t, event) => this.timeline.goToEvent(t, event) });
   }
 
@@ -110,7 +112,10 @@ class Page {
     } else if (kind === "connected") {
       if (!value) this.panels.showState("the viewer is gone; looking for it", true);
     } else if (kind === "status") this.hearStatus(value);
-    else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
+    else if (kind === "fences") {
+      this.fences.set(value.fences);
+      this.changed();
+    } else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
     else if (kind === "answer") this.hearAnswer(value);
     else if (kind === "refused") this.asking.refused(value);
   }
@@ -193,7 +198,7 @@ class Page {
     this.timeline.tick(now);
     if (this.pendingPoses) this.applyPoses();
     const isDrawn = this.picture.draw(now, {
-      world: this.world, camera: this.camera, contacts: this.contacts,
+      world: this.world, camera: this.camera, contacts: this.contacts, fences: this.fences,
       isShown: ({ a_slot, b_slot }) => !this.world.hasState(a_slot, kHidden) && !this.world.hasState(b_slot, kHidden),
       labelled: () => this.labelled(),
     });
@@ -228,6 +233,7 @@ class Page {
     const now = performance.now();
     this.events.show(this.timeline);
     this.panels.showPublishers(now);
+    this.fenceList.show(this.fences);
     this.matrix.show(this.contacts, now);
     this.things.showRows();
     this.openShells(now);
@@ -344,6 +350,14 @@ class Page {
     if (bounds.isEmpty()) return;
     this.camera.target = bounds.center();
     this.camera.distance = Math.max(1e-3, 5 * bounds.radius());
+    this.camera.isTouched = true;
+    this.changed();
+  }
+  frameFence(fence) {
+    const bounds = this.fences.bounds(fence, this.world);
+    if (bounds.isEmpty()) return;
+    this.camera.target = bounds.center();
+    this.camera.distance = Math.max(1e-3, 3 * bounds.radius());
     this.camera.isTouched = true;
     this.changed();
   }

@@ -23,13 +23,14 @@ class Picture {
 
   size() { return [this.canvas.clientWidth, Math.max(1, this.canvas.clientHeight)]; }
 
-  /// Draws if there is something new; returns whether it did. shown: {world, camera, contacts, isShown(pair), labelled()}.
-  draw(now, { world, camera, contacts, isShown, labelled }) {
+  /// Draws if there is something new; returns whether it did. shown: {world, camera, contacts, fences, isShown(pair),
+  /// labelled()}.
+  draw(now, { world, camera, contacts, fences, isShown, labelled }) {
     if (this.hasDrawn) this.note(now - this.calledAt);
     this.calledAt = now;
     this.hasDrawn = false;
     if (!this.renderer) return false;
-    const isAnimated = this.marks.place(contacts, camera, world.anchor, this.size(), isShown, now);
+    const isAnimated = this.marks.place(contacts, fences, world, camera, this.size(), isShown, now);
     const isNew = this.isDirty || isAnimated || this.marks.count !== this.marksBefore || world.statesChanged;
     if (isNew) this.movedAt = now;
     const isSharper = !isNew && this.wantsSharper(now);

@@ -27,9 +27,10 @@ class Timeline {
   /// t: when it was heard; for what comes live, now.
   hear(kind, value, t = this.now()) {
     if (kind === "restart") this.history.clear();
-    else if (["poses", "table", "contacts", "events", "status"].includes(kind)) this.history.add(t, kind, value);
+    else if (["poses", "table", "contacts", "events", "status", "fences"].includes(kind)) this.history.add(t, kind, value);
     if (!this.isLive) return;
     if (kind === "table") this.shownTable = value;
+    if (kind === "fences") this.shownFences = value;
     if (kind === "contacts") this.show.contacts(this.history.contactsAt(t));
     else if (kind === "events") this.show.events(value.events);
     else if (kind === "table" || kind === "poses") this.show[kind](value);
@@ -95,6 +96,9 @@ class Timeline {
         else this.show.contacts(this.history.contactsAt(t));
       }
     } else this.show.contacts(this.history.contactsAt(t));
+    const fences = this.history.fencesAt(t);
+    if (fences !== this.shownFences) this.show.message("fences", fences ?? { fences: [] });
+    this.shownFences = fences;
     const status = this.history.statusAt(t);
     if (status && status !== this.shownStatus) this.show.message("status", status);
     this.shownStatus = status;

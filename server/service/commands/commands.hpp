@@ -27,6 +27,9 @@
 #include "server/service/world_loop.hpp"
 #include "server/geometry/function_ref.hpp"
 #include "server/world/audit/menu.hpp"
+#include "server/world/events/recent_events.hpp"
+#include "server/world/explain/fence_explanation.hpp"
+#include "server/world/explain/ray_explanation.hpp"
 #include "server/world/fences/fence_table.hpp"
 #include "server/world/groups/clearance.hpp"
 #include "server/world/query/pair_report.hpp"
@@ -48,6 +51,7 @@ class Commands {
     DurableState* durable;   // keeps over a crash what commands add; null: nothing is kept
     FlightRecorder* flight;  // for `recording`; null: there is none
     PartMeshes& part_meshes;
+    std::int64_t clock_error_ns = 0;  // by which publishers' clocks may differ, as the world was told
   };
 
   /// uploads  folder for files that clients send; empty: none are taken
@@ -125,6 +129,8 @@ class Commands {
   void drop_fences_of_gone();
   void for_each_fence(const std::string& glob,
                       FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
+  void for_each_band(const std::string& glob,
+                     FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   void for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const;
   nlohmann::json margins(const Arguments& arguments);
   nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
@@ -182,6 +188,25 @@ class Commands {
 
     const Snapshot& state() const { return past ? *past : *newest; }
   };
+  /// A ray of one state that is to be explained, likewise.
+  struct AskedRay {
+    SnapshotRing::Lease newest;
+    std::shared_ptr<const Snapshot> past;
+    RayExplanationAsk options = {};
+    std::int64_t deadline_ns = 0;
+    const std::atomic<bool>* called_off = nullptr;
+    double cost = 0;
+
+    const Snapshot& state() const { return past ? *past : *newest; }
+  };
+  /// An event that is to be explained.
+  struct AskedEvent {
+    RecentEvent recent;
+    bool is_of_fence = false;
+    std::int64_t deadline_ns = 0;
+    const std::atomic<bool>* called_off = nullptr;
+    double cost = 0;
+  };
   void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
@@ -206,6 +231,13 @@ class Commands {
   void explain_later(CommandAsk ask, const Arguments& arguments);
   AskedPair asked_explanation(const AwaitedJob& job) const;
   nlohmann::json explained(const AskedPair& asked) const;
+  AskedRay asked_ray(const AwaitedJob& job) const;
+  nlohmann::json explained_ray(const AskedRay& asked) const;
+  void explain_fence_later(CommandAsk ask, const Arguments& arguments);
+  void explain_fence_of(const CommandAsk& ask);
+  nlohmann::json explained_fence(const FenceLook& look, const AwaitedJob& job) const;
+  AskedEvent asked_event(const AwaitedJob& job) const;
+  nlohmann::json explained_event(const AskedEvent& asked) const;
   std::shared_ptr<const Snapshot> past_state(const Arguments& arguments, const Snapshot& newest) const;
   void clearance_later(CommandAsk ask, const Arguments& arguments);
   AskedGroups asked_groups(const AwaitedJob& job) const;

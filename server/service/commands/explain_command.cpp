@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "server/service/commands/awaited_jobs-inl.hpp"
@@ -46,7 +47,7 @@ Commands::AskedPair Commands::asked_explanation(const AwaitedJob& job) const {
   const Arguments arguments(job.ask.text);
   const std::uint64_t last_ns = arguments.whole("last_ns", 0, std::uint64_t{1} << 62);
   asked.since_ns = last_ns == 0 ? std::numeric_limits<std::int64_t>::min()
-                                : asked.newest->world_time_ns - static_cast<std::int64_t>(last_ns);
+                                : asked.state().world_time_ns - static_cast<std::int64_t>(last_ns);
   asked.cost *= kLooksAtAll;
   return asked;
 }
@@ -56,11 +57,14 @@ json Commands::explained(const AskedPair& asked) const {
   answer["why_not"] = why_not_meeting(asked.state(), asked.a, asked.b);
   answer["attached"] = attached_of(asked.state(), asked.a, asked.b);
   const PoseMemory& memory = with_.loop.world().memory();
-  const std::optional<PoseMemory::RememberedPath> of_a = memory.path_of(asked.a);
-  const std::optional<PoseMemory::RememberedPath> of_b = memory.path_of(asked.b);
+  std::optional<PoseMemory::RememberedPath> of_a = memory.path_of(asked.a);
+  std::optional<PoseMemory::RememberedPath> of_b = memory.path_of(asked.b);
   if (!of_a || !of_b) {
     answer["no_nearest"] = memory.is_on() ? "one of the two is not there any more" : "the server remembers no poses";
     return answer;
+  }
+  if (asked.past) {
+    for (auto* path : {&*of_a, &*of_b}) path->to_ns = std::min(path->to_ns, asked.past->world_time_ns);
   }
   Deadline deadline(asked.options.deadline_ns, asked.options.called_off);
   answer["nearest"] =
@@ -68,9 +72,21 @@ json Commands::explained(const AskedPair& asked) const {
   return answer;
 }
 
+/// What it is about is said by the argument that there is: a ray, a fence, an event, or the two of a pair.
 void Commands::explain_later(CommandAsk ask, const Arguments& arguments) {
+  if (arguments.has("fence")) return explain_fence_later(std::move(ask), arguments);
+  if (arguments.has("ray")) {
+    const auto check = [](const Arguments& given) {
+      given.allow_only({"ray", "length", "only", "skip", "mask", "most", "why_not", "as_of", "deadline_ns"});
+    };
+    return in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_ray, &Commands::explained_ray);
+  }
+  if (arguments.has("event")) {
+    const auto check = [](const Arguments& given) { given.allow_only({"event", "of", "deadline_ns"}); };
+    return in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_event, &Commands::explained_event);
+  }
   const auto check = [](const Arguments& given) {
-    given.allow_only({"a", "b", "last_ns", "deadline_ns"});
+    given.allow_only({"a", "b", "last_ns", "as_of", "deadline_ns"});
     static_cast<void>(given.whole("last_ns", 0, std::uint64_t{1} << 62));
   };
   in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_explanation, &Commands::explained);

@@ -11,6 +11,7 @@
 #include "server/service/commands/fence_prism.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/world/fences/fence_outline.hpp"
 #include "server/world/fences/fences.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/solids/solid.hpp"
@@ -45,6 +46,20 @@ json words_of(std::uint8_t tells) {
     if ((tells & bit) != 0) words.push_back(word);
   }
   return words;
+}
+
+/// [[x, y, z, x, y, z, ...], ...] in metres: what a picture shows of a fence, in its frame.
+json lines_of(const FenceTable& table, std::uint32_t slot) {
+  json lines = json::array();
+  for (const Polyline& line :
+       outline_of(table.described(slot), table.is_band(slot) ? table.rule(slot).band->within_m : 0)) {
+    json numbers = json::array();
+    for (const Vec3& point : line) {
+      for (const double x : point) numbers.push_back(x + 0.0);
+    }
+    lines.push_back(std::move(numbers));
+  }
+  return lines;
 }
 
 /// Makes the definition's mesh, which must close, hold what it encloses.
@@ -259,6 +274,16 @@ void Commands::for_each_fence(const std::string& glob,
   }
 }
 
+/// The same for the bands of the margins of such a name, but for those of contact.
+void Commands::for_each_band(const std::string& glob,
+                             FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
+  const FenceTable& table = with_.loop.world().fences()->table();
+  for (std::uint32_t slot = 0; slot < table.size(); ++slot) {
+    if (!table.holds(slot) || !table.is_band(slot) || table.rule(slot).band->within_m == 0) continue;
+    if (glob.empty() || wire_contract::glob_matches(glob, table.rule(slot).band->margin)) visit(table, slot);
+  }
+}
+
 void Commands::for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const {
   const Fences* fences = with_.loop.world().fences();
   if (fences == nullptr) return;
@@ -314,10 +339,14 @@ json Commands::margins(const Arguments& arguments) {
 }
 
 json Commands::fences(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"name", "limit", "margins"});
+  constexpr std::uint64_t kMostOutlines = 1'000;
+  arguments.allow_only({"name", "limit", "margins", "bands", "outlines"});
   if (arguments.truth("margins", false)) return margins(arguments);
   const World& world = with_.loop.world();
-  const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
+  const bool with_outlines = arguments.truth("outlines", false);
+  const bool with_bands = arguments.truth("bands", false);
+  const std::uint64_t most = with_outlines ? kMostOutlines : 1'000'000;
+  const std::uint64_t limit = arguments.whole("limit", std::min<std::uint64_t>(10'000, most), most);
   std::map<ObjectId, json> inside;
   std::map<ObjectId, json> in_doubt;
   if (world.fences() != nullptr) {
@@ -328,7 +357,7 @@ json Commands::fences(const CommandAsk&, const Arguments& arguments) {
   }
   json rows = json::array();
   std::uint64_t count = 0;
-  for_each_fence(arguments.text("name"), [&](const FenceTable& table, std::uint32_t slot) {
+  const auto describe = [&](const FenceTable& table, std::uint32_t slot) {
     if (count++ >= limit) return;
     const FenceRule& rule = table.rule(slot);
     const ObjectInfo body = table.described(slot);
@@ -340,8 +369,19 @@ json Commands::fences(const CommandAsk&, const Arguments& arguments) {
              {"in_doubt", json::array()}};
     if (const auto here = inside.find(table.id(slot)); here != inside.end()) row["inside"] = here->second;
     if (const auto here = in_doubt.find(table.id(slot)); here != in_doubt.end()) row["in_doubt"] = here->second;
+    if (with_outlines) row["lines"] = lines_of(table, slot);
+    if (rule.band) {
+      row["margin"] = rule.band->margin;
+      row["within"] = rule.band->within_m;
+      const ObjectInfo* about = table.is_carried(slot) && table.carrier(slot) != FenceTable::kNone
+                                    ? world.objects()[table.carrier(slot)].get()
+                                    : nullptr;
+      row["to"] = about != nullptr ? about->name : "";
+    }
     rows.push_back(std::move(row));
-  });
+  };
+  for_each_fence(arguments.text("name"), describe);
+  if (with_bands && world.fences() != nullptr) for_each_band(arguments.text("name"), describe);
   const std::size_t bytes = world.fences() != nullptr ? world.fences()->table().bytes() : 0;
   return {{"fences", rows}, {"count", count}, {"bytes", bytes}, {"version", world.newest()->version}};
 }

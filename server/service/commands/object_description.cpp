@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <variant>
 
+#include "server/service/commands/command_arguments.hpp"
+#include "server/service/questions/nearest_word.hpp"
+
 namespace collided::engine::service {
 namespace {
 
@@ -89,6 +92,16 @@ std::string_view kind_of(const ObjectInfo& info) {
   constexpr std::string_view kNames[] = {"sphere", "box",       "capsule", "cylinder",
                                          "cone",   "ellipsoid", "hull",    "half_space"};
   return kNames[info.primitives[0].index()];
+}
+
+ObjectId find_shown(const Snapshot& state, const std::string& name) {
+  std::vector<std::string_view> others;
+  for (const auto& info : *state.objects) {
+    if (!info) continue;
+    if (info->name == name) return info->id;
+    others.push_back(info->name);
+  }
+  throw BadCommand(unknown_object(name, others));
 }
 
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {

@@ -17,6 +17,9 @@ nlohmann::json numbers(const Quat& rotation);
 /// scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);
 
+/// The object of that name in the state; throws BadCommand with the nearest names.
+ObjectId find_shown(const Snapshot& state, const std::string& name);
+
 /// What `list` says of an object (idl/commands.hpp). publisher_name: empty for an object of the server's own.
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
 

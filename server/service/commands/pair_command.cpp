@@ -72,17 +72,6 @@ json described(const PairReport& report, const PairAsk& ask) {
   return answer;
 }
 
-/// The object of that name in this state; throws BadCommand with the nearest names.
-ObjectId find_shown(const Snapshot& state, const std::string& name) {
-  std::vector<std::string_view> others;
-  for (const auto& info : *state.objects) {
-    if (!info) continue;
-    if (info->name == name) return info->id;
-    others.push_back(info->name);
-  }
-  throw BadCommand(unknown_object(name, others));
-}
-
 json described(const Opinion& opinion) {
   json said{{"verdict", name_of(opinion.verdict)}};
   if (opinion.touches) said["touches"] = *opinion.touches;

@@ -70,6 +70,7 @@ void Broadcast::publish_events(const Stamp& stamp) {
     }
     EventColumns& frame = persisted ? persisted_ : events_;
     frame.add(event, names_);
+    if (!persisted) recent_.note(event, stamp.world_time_ns, names_.name(event.of.a), names_.name(event.of.b));
     if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
   }
   send(events_, false);

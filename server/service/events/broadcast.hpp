@@ -7,6 +7,7 @@
 
 #include "server/service/events/event_writer.hpp"
 #include "server/service/events/frames.hpp"
+#include "server/world/events/recent_events.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -34,6 +35,8 @@ class Broadcast {
   /// Those that hold now.
   const std::vector<OpenContact>& open() const;
   std::uint64_t last_sequence() const;
+  /// The newest events, which may be read on any thread.
+  const RecentEvents& recent() const { return recent_; }
 
  private:
   const std::vector<Event>& events() const;
@@ -45,6 +48,7 @@ class Broadcast {
   BroadcastOf subject_;
   std::function<void(const std::string&)> notice_;
   NameBook names_;
+  RecentEvents recent_;
   EventColumns events_;
   EventColumns persisted_;
   std::vector<std::uint8_t> dirty_shards_;            // by shard; 1: to be written

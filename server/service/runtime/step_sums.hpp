@@ -33,7 +33,11 @@ struct StepSums {
   Tally filtered;       // pairs of movers near each other that their layers, masks or groups keep from meeting
   Tally exact_tests;
   Tally undecided;
-  Tally in_doubt;  // pairs after the newest step
+  Tally in_doubt;        // pairs after the newest step
+  Tally fences;          // with the bands of margins, after the newest step, and the next two
+  Tally fences_entered;  // that something is in
+  Tally in_fences;       // objects, each counted once for every fence that it is in
+  Tally fence_events;
   Tally swept;
   Tally kept_apart;
   DurationCounts durations;  // whole steps, with what they publish

@@ -8,6 +8,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/ray_entry.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,27 +23,6 @@ Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   region.extend(object.position);
   const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + travel_m;
   return grown(region, object.reach_m + travel_m + kBoundSlack * slack_m);
-}
-
-/// A lower bound on where along the ray the region begins, metres; infinite where the ray misses it.
-double entry_of(const Ray& ray, const Aabb& region) {
-  double first = 0;
-  double last = ray.length_m / ray.direction.norm();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double from = region.low[axis] - ray.origin[axis];
-    const double to = region.high[axis] - ray.origin[axis];
-    if (ray.direction[axis] == 0) {
-      if (from > 0 || to < 0) return kEndless;
-      continue;
-    }
-    const double a = from / ray.direction[axis];
-    const double b = to / ray.direction[axis];
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
-  }
-  // A ray that misses by a rounding counts as meeting the region.
-  constexpr double kSlack = 0x1p-40;
-  return first <= last * (1 + kSlack) ? first * ray.direction.norm() * (1 - kSlack) : kEndless;
 }
 
 double least_distance(const Vec3& point, const Aabb& region) {

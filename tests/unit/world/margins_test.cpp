@@ -163,6 +163,65 @@ TEST_F(MarginsTest, WhatPassesBetweenTwoPosesIsNotMissed) {
 }
 
 // Exactly at the band is in; the next double beyond it is not. For what only the given numbers decide.
+// A monitor that reports each state tells of the two a hundred times here.
+TEST_F(MarginsTest, WhatStaysNearIsToldOnce) {
+  margin("person", "drone", {.bands_m = {5, 2}});
+  const ObjectId person = add("person", ball(0.5), {0, 0, 0});
+  const ObjectId drone = add("drone", ball(0.5), {11, 0, 0});
+  pose(person, {0, 0, 0}, 0);
+  pose(drone, {11, 0, 0}, 0);
+  step();
+  Lines all;
+  for (int i = 1; i <= 100; ++i) {
+    pose(drone, {4 + 0.01 * (i % 7), 0.01 * (i % 5), 0}, 0.1 * i);
+    step();
+    for (const std::string& line : told()) all.push_back(line);
+  }
+  EXPECT_EQ(all, Lines{"in drone person 5"});
+}
+
+// Leave for two to touch is none to come near unseen: whoever wants to know of touching ones names them.
+TEST_F(MarginsTest, ARuleThatAllowsThemToTouchLeavesBandsAsTheyAre) {
+  world_.set_pair_rules({{.a = "person", .b = "drone", .because = "they dance"}});
+  margin("person", "drone", {.bands_m = {1, 0}});
+  const ObjectId person = add("person", ball(0.5), {0, 0, 0});
+  const ObjectId drone = add("drone", ball(0.5), {11, 0, 0});
+  pose(person, {0, 0, 0}, 0);
+  pose(drone, {11, 0, 0}, 0);
+  step();
+  pose(drone, {0.5, 0, 0}, 1);
+  step();
+  EXPECT_EQ(told(), (Lines{"in drone person 1", "in drone person 0"}));
+  EXPECT_TRUE(world_.events().empty());
+}
+
+// The distance of an event is that of two balls at a time within its bracket: in rationals its bound holds both ends.
+TEST_F(MarginsTest, TheDistanceThatIsToldHoldsTheTruth) {
+  margin("person", "drone", {.bands_m = {2}});
+  const ObjectId person = add("person", ball(0.5), {0, 0, 0});
+  const ObjectId drone = add("drone", ball(0.5), {11, 0.7, 0});
+  pose(person, {0, 0, 0}, 0);
+  pose(drone, {11, 0.7, 0}, 0);
+  step();
+  pose(drone, {1, 0.7, 0}, 1);
+  step();
+  ASSERT_EQ(told(), Lines{"in drone person 2"});
+  const Event& came = world_.fences()->events().at(0);
+  const mpq_class told_m = -came.of.contact.depth_m;
+  const mpq_class bound_m = came.of.contact.depth_error_m;
+  const auto [low_ns, high_ns] = bracket(0);
+  // The centres are 1 m more apart than the balls; y stays, x is 11 - 10 t.
+  const auto square = [](std::int64_t ns) -> mpq_class {
+    const mpq_class x = mpq_class(11) - mpq_class(10) * mpq_class(ns) / mpq_class(1'000'000'000);
+    return x * x + mpq_class(0.7) * mpq_class(0.7);
+  };
+  const mpq_class most = told_m + bound_m + 1;
+  const mpq_class least = told_m - bound_m + 1;
+  EXPECT_LE(square(high_ns), most * most);
+  EXPECT_GE(square(low_ns), least * least);
+  EXPECT_LT(bound_m, 1e-6);
+}
+
 TEST_F(MarginsTest, ExactlyAtTheBandIsIn) {
   margin("a", "b*", {.bands_m = {0.7}});
   add("a", ball(0.1), {0, 0, 0}, 0, false);

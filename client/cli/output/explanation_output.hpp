@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/output/output.hpp"
+
+// The answers to the command explain (idl/commands.hpp), for people as lines and for machines as one record.
+namespace collided::cli {
+
+/// A number that the server writes as "inf" where it is.
+double number_or_inf(const nlohmann::json& answer, const char* key);
+/// A time in nanoseconds; 0 where there is none.
+std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key);
+
+Record explained_ray_record(const nlohmann::json& answer);
+void print_explained_ray(Printer& printer, const nlohmann::json& answer);
+
+Record explained_fence_record(const nlohmann::json& answer);
+void print_explained_fence(Printer& printer, const nlohmann::json& answer);
+
+Record explained_event_record(const nlohmann::json& answer);
+void print_explained_event(Printer& printer, const nlohmann::json& answer);
+
+}  // namespace collided::cli

@@ -1,0 +1,180 @@
+#include "server/world/explain/fence_explanation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "idl/glob.hpp"
+#include "server/geometry/float_environment.hpp"
+#include "server/geometry/tolerance.hpp"
+#include "server/world/groups/members.hpp"
+#include "server/world/groups/object_clearance.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// A lower bound on the distance of what two boxes hold.
+double least_distance_m(const Aabb& a, const Aabb& b) {
+  const Vec3 gap = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0);
+  return gap.norm() * (1 - kBoundSlack);
+}
+
+class FenceSearch {
+ public:
+  FenceSearch(const Snapshot& snapshot, const FenceLook& fence, const FenceExplanationAsk& ask, PartMeshes& part_meshes,
+              Deadline& deadline)
+      : snapshot_(snapshot), fence_(fence), ask_(ask), members_(snapshot, part_meshes), deadline_(deadline) {}
+
+  FenceExplanation run() {
+    told_.is_carrier_there = place_fence();
+    for (const auto& info : *snapshot_.objects) {
+      if (info) consider(*info);
+    }
+    if (told_.is_carrier_there) {
+      for (const Outsider& one : outsiders_in_order()) look_at(one);
+    }
+    std::stable_sort(told_.inside.begin(), told_.inside.end(),
+                     [](const FenceStanding& a, const FenceStanding& b) { return a.distance_m < b.distance_m; });
+    told_.is_late = deadline_.was_over();
+    return std::move(told_);
+  }
+
+ private:
+  struct Outsider {
+    std::uint32_t number = 0;  // among the members
+    double at_least_m = 0;
+    std::string why_not;
+  };
+
+  /// False: its carrier is not there.
+  bool place_fence() {
+    placed_ = {.info = &fence_.body, .frame = &frame_, .bounds = {}, .pose = &world_pose_};
+    if (!fence_.rule.carrier.empty()) {
+      const auto carrier = std::find_if(snapshot_.objects->begin(), snapshot_.objects->end(),
+                                        [&](const auto& info) { return info && info->name == fence_.rule.carrier; });
+      if (carrier == snapshot_.objects->end()) return false;
+      const std::uint32_t slot = slot_of((*carrier)->id);
+      frame_ = snapshot_.frames[slot];
+      placed_.pose = snapshot_.has_given_poses ? &snapshot_.poses[slot] : nullptr;
+    }
+    placed_.bounds = bounds_of(fence_.body, frame_);
+    return true;
+  }
+  const OpenContact* told_in(ObjectId id) const {
+    const auto found =
+        std::find_if(fence_.inside.begin(), fence_.inside.end(), [&](const OpenContact& open) { return open.a == id; });
+    return found == fence_.inside.end() ? nullptr : &*found;
+  }
+  void consider(const ObjectInfo& info) {
+    std::string why_not = why_not_looked_at(fence_.rule, info);
+    if (why_not.empty()) ++told_.looked_at;
+    const OpenContact* told = told_in(info.id);
+    const bool is_asked_for = ask_.why_not == info.id;
+    // What stands still fills a world; only what might have been meant is worth a look.
+    if (!why_not.empty() && !info.moving && !is_asked_for && told == nullptr) return;
+    const std::uint32_t number = members_.add(info.id);
+    if (told != nullptr || is_asked_for) {
+      FenceStanding standing = standing_of(number, kNoLimit_m, true)
+                                   .value_or(FenceStanding{.distance_m = kNoLimit_m, .error_m = kNoLimit_m});
+      standing.object = info.id;
+      standing.why_not_looked_at = std::move(why_not);
+      if (told != nullptr) standing.told = *told;
+      if (is_asked_for) told_.asked_for = standing;
+      if (told != nullptr) told_.inside.push_back(std::move(standing));
+    } else if (!members_.bounds(number).empty()) {
+      outsiders_.push_back({number, least_distance_m(members_.bounds(number), placed_.bounds), std::move(why_not)});
+    }
+  }
+  const std::vector<Outsider>& outsiders_in_order() {
+    std::stable_sort(outsiders_.begin(), outsiders_.end(),
+                     [](const Outsider& a, const Outsider& b) { return a.at_least_m < b.at_least_m; });
+    return outsiders_;
+  }
+  void look_at(const Outsider& one) {
+    if (!one.why_not.empty()) return look_at_left_out(one);
+    const bool is_full = told_.outside.size() >= ask_.most_outside;
+    const double limit_m = !is_full ? kNoLimit_m : told_.outside.empty() ? -1 : told_.outside.back().distance_m;
+    if (one.at_least_m > limit_m) return;
+    std::optional<FenceStanding> standing = standing_of(one.number, limit_m, false);
+    if (!standing) return;
+    const auto nearer = [](const FenceStanding& a, const FenceStanding& b) { return a.distance_m < b.distance_m; };
+    told_.outside.insert(std::upper_bound(told_.outside.begin(), told_.outside.end(), *standing, nearer), *standing);
+    if (told_.outside.size() > ask_.most_outside) told_.outside.pop_back();
+  }
+  void look_at_left_out(const Outsider& one) {
+    if (one.at_least_m > 0 || told_.left_out.size() >= ask_.most_left_out) return;
+    std::optional<FenceStanding> standing = standing_of(one.number, 0, true);
+    if (!standing || standing->is_in == Decision::no) return;
+    standing->why_not_looked_at = one.why_not;
+    told_.left_out.push_back(std::move(*standing));
+  }
+  /// Nothing where it is surely farther than the limit, or the deadline is over.
+  std::optional<FenceStanding> standing_of(std::uint32_t number, double limit_m, bool with_depth) {
+    FenceStanding standing{.object = members_.info(number).id,
+                           .distance_m = kNoLimit_m,
+                           .error_m = kNoLimit_m,
+                           .is_stale = members_.is_stale(number)};
+    if (placed_.bounds.empty() || members_.bounds(number).empty()) return standing;
+    WalkCost cost;
+    const std::optional<ObjectClearance> found = clearance_between(
+        placed_, members_.placed(number, deadline_), {.limit_m = limit_m, .depth = with_depth}, cost, deadline_);
+    if (!found || deadline_.was_over()) return std::nullopt;
+    standing.is_in = found->touches;
+    standing.distance_m = found->clearance_m;
+    standing.error_m = found->error_m;
+    standing.on_fence = found->on_a;
+    standing.on_object = found->on_b;
+    return standing;
+  }
+
+  const Snapshot& snapshot_;
+  const FenceLook& fence_;
+  const FenceExplanationAsk& ask_;
+  Members members_;
+  Deadline& deadline_;
+  static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
+
+  const Pose world_pose_;
+  Frame frame_;
+  Placed placed_;
+  std::vector<Outsider> outsiders_;
+  FenceExplanation told_;
+};
+
+}  // namespace
+
+std::optional<FenceLook> look_at_fence(const Fences& fences, std::string_view name) {
+  const FenceTable& table = fences.table();
+  const std::optional<std::uint32_t> slot = table.find(name);
+  if (!slot || table.is_band(*slot)) return std::nullopt;
+  FenceLook look{.id = table.id(*slot),
+                 .name = table.name(*slot),
+                 .rule = table.rule(*slot),
+                 .body = table.described(*slot),
+                 .inside = {}};
+  for (const OpenContact& open : fences.inside()) {
+    if (open.b == look.id) look.inside.push_back(open);
+  }
+  return look;
+}
+
+std::string why_not_looked_at(const FenceRule& rule, const ObjectInfo& object) {
+  if (!object.moving) return "it does not move";
+  if (!rule.carrier.empty() && rule.carrier == object.name) return "it carries the fence";
+  if ((object.filter.layers & rule.mask) == 0)
+    return fmt::format("its layers {:#x} are not in the fence's mask {:#x}", object.filter.layers, rule.mask);
+  if (!rule.skip.empty() && wire_contract::glob_matches(rule.skip, object.name))
+    return fmt::format("the fence leaves '{}' out", rule.skip);
+  if (!rule.only.empty() && !wire_contract::glob_matches(rule.only, object.name))
+    return fmt::format("the fence looks at '{}' alone", rule.only);
+  return {};
+}
+
+FenceExplanation explain_fence(const Snapshot& snapshot, const FenceLook& fence, const FenceExplanationAsk& ask,
+                               PartMeshes& part_meshes, Deadline& deadline) {
+  const OwnFloatEnvironment own_floats;
+  return FenceSearch(snapshot, fence, ask, part_meshes, deadline).run();
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,151 @@
+#include "server/world/explain/ray_explanation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/float_environment.hpp"
+#include "server/world/explain/ray_misses.hpp"
+#include "server/world/query/question_shapes.hpp"
+#include "server/world/query/ray_entry.hpp"
+#include "server/world/query/stale_reach.hpp"
+
+namespace collided::engine {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+/// Of one ray; each triangle of a mesh counts.
+constexpr std::uint32_t kMostHits = 100'000;
+
+const ObjectInfo& info_of(const Snapshot& snapshot, ObjectId id) { return *(*snapshot.objects)[slot_of(id)]; }
+
+/// Which primitive of the object the hit is on, and by which rung: the nearest that the ray meets.
+void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info, RayMeeting& meeting) {
+  double nearest_m = kEndless;
+  for (std::size_t i = 0; i < info.primitives.size(); ++i) {
+    RayHit hit;
+    const Primitive placed = place(snapshot.frames[slot_of(info.id)], info.primitives[i]);
+    const ExactResult verdict = std::visit([&](const auto& part) { return cast_ray(ray, part, hit); }, placed);
+    if (!verdict.yes() || hit.distance_m >= nearest_m) continue;
+    nearest_m = hit.distance_m;
+    meeting.level = verdict.level;
+    meeting.part = static_cast<std::uint32_t>(i);
+  }
+  if (info.primitives.size() < 2 && !info.mesh) meeting.part = RayMeeting::kNoPart;
+}
+
+std::optional<Triangle> placed_triangle(const Snapshot& snapshot, const ObjectInfo& info, std::uint32_t triangle) {
+  if (info.scene_part == kNoScenePart) {
+    if (!info.mesh) return std::nullopt;
+    return place(snapshot.frames[slot_of(info.id)], info.mesh->mesh->triangle(triangle));
+  }
+  for (const auto& scene : snapshot.scenes) {
+    if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != info.id) continue;
+    return scene->mesh.triangle(scene->parts[info.scene_part].first_triangle + triangle);
+  }
+  return std::nullopt;
+}
+
+RayMeeting meeting_of(const Ray& ray, const Snapshot& snapshot, const AnswerHit& hit) {
+  RayMeeting meeting{.hit = hit};
+  const ObjectInfo& info = info_of(snapshot, hit.object);
+  if (hit.triangle == kNoTriangle) {
+    find_part(ray, snapshot, info, meeting);
+  } else if (const std::optional<Triangle> triangle = placed_triangle(snapshot, info, hit.triangle)) {
+    RayHit again;
+    meeting.level = cast_ray(ray, *triangle, again).level;
+  }
+  return meeting;
+}
+
+/// One ray's answer in a mode.
+Answers answered(const Snapshot& snapshot, Questions asked, HitMode mode) {
+  asked.mode = mode;
+  asked.max_hits = kMostHits;
+  Answers answers;
+  QueryScratch scratch;
+  answer(snapshot, asked, answers, scratch);
+  return answers;
+}
+
+/// The first hit of each object, in order.
+std::vector<AnswerHit> first_hits(const Answers& answers) {
+  std::vector<AnswerHit> first;
+  std::unordered_set<ObjectId> seen;
+  for (const AnswerHit& hit : answers.hits) {
+    if (seen.insert(hit.object).second) first.push_back(hit);
+  }
+  return first;
+}
+
+void tell_answer(const Answers& answers, RayExplanation& told) {
+  told.verdict = answers.answers[0];
+  told.reason = answers.reasons[0];
+  told.level = static_cast<Level>(answers.levels[0]);
+  told.node_count = answers.nodes[0];
+  told.exact_tests = answers.exact_tests[0];
+  if (!answers.not_covered.empty()) told.leaves_covered = answers.not_covered[0].leaving;
+}
+
+/// What would have come before the answer but for the filter.
+void tell_left_out(const Ray& ray, const Snapshot& snapshot, const RayExplanationAsk& ask, RayExplanation& told) {
+  Questions all = ask.questions();
+  all.mask = 0xffffffff;
+  all.only = all.skip = {};
+  const double end_m = told.met.empty() ? kEndless : told.met[0].hit.distance_m + told.met[0].hit.error_m;
+  for (const AnswerHit& hit : first_hits(answered(snapshot, all, HitMode::all))) {
+    if (may_answer(info_of(snapshot, hit.object), ask.questions())) continue;
+    if (hit.distance_m - hit.error_m <= end_m || ask.why_not == hit.object)
+      told.left_out.push_back(meeting_of(ray, snapshot, hit));
+  }
+}
+
+void tell_stale(const Ray& ray, const Snapshot& snapshot, const RayExplanationAsk& ask, RayExplanation& told) {
+  for (const StaleObject& object : snapshot.stale_objects) {
+    if (!may_answer(info_of(snapshot, object.id), ask.questions())) continue;
+    const std::optional<Aabb> region = unknown_region(snapshot, object.id);
+    const double from_m = region ? entry_of(ray, *region) : kEndless;
+    if (from_m < kEndless)
+      told.stale.push_back({object.id, std::max<std::int64_t>(0, snapshot.world_time_ns - object.posed_ns), from_m});
+  }
+}
+
+}  // namespace
+
+Questions RayExplanationAsk::questions() const {
+  return {.kind = QuestionKind::ray, .mask = mask, .only = only, .skip = skip, .numbers = numbers};
+}
+
+std::string why_left_out(const ObjectInfo& info, const RayExplanationAsk& ask) {
+  if (info.is_unknown) return "it is unknown space, which answers nothing";
+  if ((info.filter.layers & ask.mask) == 0)
+    return fmt::format("its layers {:#x} are not in the mask {:#x}", info.filter.layers, ask.mask);
+  if (!ask.only.empty() && !glob_matches(ask.only, info.name))
+    return fmt::format("only '{}' was asked about", ask.only);
+  if (!ask.skip.empty() && glob_matches(ask.skip, info.name)) return fmt::format("'{}' was to be skipped", ask.skip);
+  return {};
+}
+
+RayExplanation explain_ray(const Snapshot& snapshot, const RayExplanationAsk& ask, PartMeshes& part_meshes,
+                           Deadline& deadline) {
+  const OwnFloatEnvironment own_floats;
+  const Ray ray = ray_of(ask.numbers.data());
+  RayExplanation told;
+  tell_answer(answered(snapshot, ask.questions(), HitMode::closest), told);
+  const Answers all = answered(snapshot, ask.questions(), HitMode::all);
+  told.is_cut = all.reasons[0] == UndecidedReason::truncated;
+  for (const AnswerHit& hit : first_hits(all)) told.met.push_back(meeting_of(ray, snapshot, hit));
+  RayMisses misses(snapshot, ask, part_meshes);
+  std::unordered_set<ObjectId> met;
+  for (const RayMeeting& meeting : told.met) met.insert(meeting.hit.object);
+  misses.look_at_boxes(met, told);
+  if (told.left_out_count > 0) tell_left_out(ray, snapshot, ask, told);
+  tell_stale(ray, snapshot, ask, told);
+  misses.find(deadline, told);
+  told.is_late = deadline.was_over();
+  return told;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,182 @@
+// Explanations by a real server, of geometry whose truth is known by hand.
+#include <nlohmann/json.hpp>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+class ServerExplain : public testing_support::ServerTest {
+ protected:
+  static json explained(Client& client, const json& arguments) {
+    Result<std::string> text = client.command("explain", arguments.dump());
+    EXPECT_TRUE(text) << text.error().message << " " << text.error().hint;
+    return text ? json::parse(*text) : json();
+  }
+  static std::string refusal(Client& client, const json& arguments) {
+    const Result<std::string> text = client.command("explain", arguments.dump());
+    EXPECT_FALSE(text) << arguments;
+    return text ? std::string() : text.error().message;
+  }
+  static void add_sphere(Client& client, const std::string& name, double radius_m, const Vec3& at,
+                         std::uint32_t layers = 1) {
+    const auto added = client.add(
+        {.name = name, .shape = {SphereShape{.radius_m = radius_m}}, .pose = {.position = at}, .layers = layers});
+    ASSERT_TRUE(added) << added.error().message;
+  }
+};
+
+// The ray along x passes balls whose distances are those of their centres from the x axis, less their radii.
+TEST_F(ServerExplain, ARaySaysWhatItMetAndWhatItPassed) {
+  start();
+  Client client = connect();
+  add_sphere(client, "near", 0.5, {3, 0, 50}, 2);
+  add_sphere(client, "wall", 1, {8, 0, 50});
+  add_sphere(client, "behind", 1, {12, 0, 50});
+  add_sphere(client, "tower", 1, {5, 0, 51.032});
+  const json answer = explained(client, {{"ray", {0, 0, 50, 1, 0, 0}}, {"mask", 1}, {"most", 1}});
+  EXPECT_EQ(answer.at("answer"), "hit");
+  ASSERT_EQ(answer.at("met").size(), 2u);
+  EXPECT_EQ(answer.at("met")[0].at("object"), "wall");
+  EXPECT_DOUBLE_EQ(answer.at("met")[0].at("distance").get<double>(), 7);
+  EXPECT_EQ(answer.at("met")[0].at("level"), "double");
+  EXPECT_EQ(answer.at("met")[1].at("object"), "behind");
+  ASSERT_EQ(answer.at("left_out").size(), 1u);
+  EXPECT_EQ(answer.at("left_out")[0].at("object"), "near");
+  EXPECT_EQ(answer.at("left_out")[0].at("why"), "its layers 0x2 are not in the mask 0x1");
+  ASSERT_EQ(answer.at("misses").size(), 1u);
+  const json& miss = answer.at("misses")[0];
+  EXPECT_EQ(miss.at("object"), "tower");
+  EXPECT_NEAR(miss.at("distance").get<double>(), 0.032, miss.at("error").get<double>() + 1e-14);
+  EXPECT_LT(miss.at("error").get<double>(), 1e-12);
+  EXPECT_NEAR(miss.at("along").get<double>(), 5, 1e-6);
+  EXPECT_EQ(miss.at("where"), "beside");
+  for (const json& bad :
+       {json{{"ray", {0, 0, 0, 0, 0, 0}}}, json{{"ray", {0, 0, 0, 1, 0}}},
+        json{{"ray", {0, 0, 0, 1, 0, 0}}, {"length", -1}}, json{{"ray", {0, 0, 0, 1, 0, 0}}, {"last_ns", 5}},
+        json{{"ray", {0, 0, 0, 1, 0, 0}}, {"why_not", "nobody"}}})
+    EXPECT_FALSE(refusal(client, bad).empty()) << bad;
+}
+
+// What passes a fixed ray is explained at an instant between two poses, where it was in the way.
+TEST_F(ServerExplain, AnInstantOfThePastIsExplainedAsItWas) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "flight");
+  const Publisher::Object drone = add_ball(publisher, "drone", at(5, -4, 50));
+  ASSERT_TRUE(publisher.flush());
+  std::this_thread::sleep_for(400ms);
+  move(publisher, drone, at(5, 4, 50));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const json ray{0, 0, 50, 1, 0, 0};
+  const json now = explained(client, {{"ray", ray}});
+  EXPECT_EQ(now.at("answer"), "miss");
+  EXPECT_NEAR(now.at("misses")[0].at("distance").get<double>(), 3.9, 1e-9);
+  // Half of the way before its end it is on the ray.
+  const std::int64_t end_ns = now.at("time_ns").get<std::int64_t>();
+  bool was_hit = false;
+  double least_m = 10;
+  for (int back_ms = 0; back_ms <= 420; back_ms += 5) {
+    const json then =
+        explained(client, {{"ray", ray}, {"as_of", std::to_string(end_ns - std::int64_t{1'000'000} * back_ms)}});
+    was_hit = was_hit || then.at("answer") == "hit";
+    if (then.at("answer") == "miss" && !then.at("misses").empty())
+      least_m = std::min(least_m, then.at("misses")[0].at("distance").get<double>());
+  }
+  EXPECT_TRUE(was_hit);
+  EXPECT_LT(least_m, 0.2);
+  // The two of a pair likewise: the path ends at the instant.
+  add_sphere(client, "post", 0.1, {5, 4, 50.5});
+  const json pair = explained(client, {{"a", "drone"}, {"b", "post"}});
+  EXPECT_NEAR(pair.at("distance").get<double>(), 0.3, 1e-9);
+  EXPECT_NE(refusal(client, {{"ray", ray}, {"as_of", "-9000000000000"}}).find("this server remembers poses"),
+            std::string::npos);
+}
+
+// A box from 4 to 6 in each direction: what is in it is 1 m and a radius from the nearest way out.
+TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
+  start();
+  Client client = connect();
+  const Fence dock{.name = "dock", .only = "ball*", .shape = {BoxShape{.half_m = {1, 1, 1}, .center = {5, 5, 50}}}};
+  ASSERT_TRUE(client.add_fence(dock));
+  Publisher publisher = publish(client, "pilot");
+  const Publisher::Object in = add_ball(publisher, "ball_in", at(5, 5, 50.5));
+  add_ball(publisher, "ball_out", at(8, 5, 50));
+  add_ball(publisher, "cart", at(5, 5, 50));
+  ASSERT_TRUE(publisher.flush());
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  move(publisher, in, at(5, 5, 50.25));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const json answer = explained(client, {{"fence", "dock"}, {"why_not", "ball_out"}});
+  EXPECT_EQ(answer.at("looked_at"), 2);
+  ASSERT_EQ(answer.at("inside").size(), 1u);
+  EXPECT_EQ(answer.at("inside")[0].at("object"), "ball_in");
+  EXPECT_NEAR(answer.at("inside")[0].at("clearance").get<double>(), -(0.75 + 0.1), 1e-9);
+  ASSERT_EQ(answer.at("left_out").size(), 1u);
+  EXPECT_EQ(answer.at("left_out")[0].at("object"), "cart");
+  EXPECT_EQ(answer.at("left_out")[0].at("why"), "the fence looks at 'ball*' alone");
+  EXPECT_EQ(answer.at("asked_for").at("answer"), "outside");
+  EXPECT_NEAR(answer.at("asked_for").at("clearance").get<double>(), 1.9, 1e-9);
+  ASSERT_EQ(answer.at("events").size(), 1u);
+  EXPECT_EQ(answer.at("events")[0].at("what"), "enter");
+  EXPECT_EQ(answer.at("events")[0].at("object"), "ball_in");
+  // Its event explained.
+  const json event = explained(client, {{"event", answer.at("events")[0].at("sequence")}, {"of", "fences"}});
+  EXPECT_EQ(event.at("what"), "enter");
+  EXPECT_EQ(event.at("b"), "dock");
+  EXPECT_FALSE(event.at("why_wide").empty());
+  EXPECT_NE(refusal(client, {{"fence", "gate"}}).find("no fence 'gate'"), std::string::npos);
+  ASSERT_TRUE(client.add_margin({.name = "close", .around = "ball_in", .only = "cart", .bands_m = {2}}));
+  EXPECT_NE(refusal(client, {{"fence", "close"}}).find("is a margin"), std::string::npos);
+}
+
+// A ball goes 8 m along x towards another: they touch after 2.8 of 6 m, within one motion.
+TEST_F(ServerExplain, AnEventSaysWhatDecidedAndWhyItsBracketIsWide) {
+  start();
+  Client client = connect();
+  add_sphere(client, "post", 0.1, {0, 0, 50});
+  Watch watch = this->watch(client);
+  Publisher publisher = publish(client, "flight");
+  const Publisher::Object drone = add_ball(publisher, "drone", at(-3, 0, 50));
+  ASSERT_TRUE(publisher.flush());
+  std::this_thread::sleep_for(300ms);
+  move(publisher, drone, at(3, 0, 50));
+  const Event began = next(watch);
+  ASSERT_EQ(began.kind, EventKind::began);
+  const json answer = explained(client, {{"event", began.sequence}});
+  EXPECT_EQ(answer.at("what"), "began");
+  const std::int64_t low_ns = answer.at("low_ns").get<std::int64_t>();
+  const std::int64_t high_ns = answer.at("high_ns").get<std::int64_t>();
+  EXPECT_LE(low_ns, high_ns);
+  ASSERT_EQ(answer.at("bodies").size(), 2u);
+  bool has_drone = false;
+  for (const json& body : answer.at("bodies")) {
+    EXPECT_TRUE(body.at("remembered").get<bool>());
+    if (body.at("object") != "drone") continue;
+    has_drone = true;
+    EXPECT_EQ(body.at("publisher"), "flight");
+    EXPECT_NEAR(body.at("pose")[0].get<double>(), -0.2, 1e-3);
+    const std::int64_t from_ns = body.at("motion_from_ns").get<std::int64_t>();
+    const std::int64_t to_ns = body.at("motion_to_ns").get<std::int64_t>();
+    EXPECT_LE(from_ns, low_ns);
+    EXPECT_GE(to_ns, high_ns);
+    EXPECT_GT(to_ns - from_ns, 1'000'000);
+  }
+  EXPECT_TRUE(has_drone);
+  EXPECT_EQ(answer.at("why_wide").size(), 1u);
+  EXPECT_NE(answer.at("why_wide")[0].get<std::string>().find("found on the way between two poses of 'drone'"),
+            std::string::npos)
+      << answer.at("why_wide");
+  // At 20 m/s a bracket of a microsecond is 20 um long.
+  EXPECT_LT(std::abs(answer.at("before").at("clearance").get<double>()), 1e-4);
+  EXPECT_LT(std::abs(answer.at("after").at("clearance").get<double>()), 1e-4);
+  EXPECT_NE(refusal(client, {{"event", 999}}).find("no event 999: those of contacts from 1 to"), std::string::npos);
+  EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided
