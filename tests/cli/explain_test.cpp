@@ -186,10 +186,10 @@ TEST_F(ExplainVerb, AFencesExplanationReadsAsLines) {
   EXPECT_EQ(at_terminal("explain fence dock --why-not crate").out,
             "dock: a box, 1 in it\n"
             "  looks at 'forklift*': 2 now; tells enter, exit\n"
-            "  inside   forklift_1  0.25 m deep  since 90 s\n"
+            "  inside   forklift_1  0.25 m deep  since 90.000\n"
             "  outside  forklift_2  1.5 m away\n"
             "  left out cart  1 m deep; the fence looks at 'forklift*' alone\n"
-            "  event    90 s enter forklift_1  seq 3\n");
+            "  event    90.000 enter forklift_1  seq 3\n");
   EXPECT_EQ(asked.at("fence"), "dock");
   EXPECT_EQ(asked.at("why_not"), "crate");
   EXPECT_EQ(json::parse(collide("explain fence dock --json").out).at("inside")[0].at("clearance"), -0.25);
@@ -199,10 +199,10 @@ TEST_F(ExplainVerb, AnEventsExplanationReadsAsLines) {
   answer = event_answer();
   EXPECT_EQ(at_terminal("explain event 881").out,
             "event 881: began drone x tower\n"
-            "  when     by 99.999001 s, within 1 us\n"
+            "  when     by 99.999, within 1 us\n"
             "  bracket  found on the way between two poses of 'drone', 100 ms apart, by a search that stops at 1 us\n"
-            "  before   apart at 99.999 s, 1e-7 m\n"
-            "  object   drone at 1 2 3, by publisher pilot, between poses of 99.9 s and 100 s\n"
+            "  before   apart at 99.999, 1e-07 m\n"
+            "  object   drone at 1 2 3, by publisher pilot, between poses of 99.900 and 100.000\n"
             "  object   tower: where it was then is not remembered\n");
   EXPECT_EQ(asked.at("event"), 881);
   EXPECT_FALSE(asked.contains("of"));

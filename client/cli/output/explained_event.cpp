@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "client/cli/input/number.hpp"
@@ -82,7 +83,10 @@ void print_explained_event(Printer& printer, const nlohmann::json& answer) {
   for (const std::string& reason : texts_of(answer, "why_wide")) printer.line("  bracket  " + printable(reason));
   print_gap(printer, "before", answer, "before");
   print_gap(printer, "after", answer, "after");
-  for (const nlohmann::json& body : answer.at("bodies")) print_body(printer, body);
+  const nlohmann::json& bodies = answer.at("bodies");
+  // The second of a fence's event is the fence.
+  const std::size_t count = text_of(answer, "of") == "fences" ? 1 : bodies.size();
+  for (std::size_t i = 0; i < std::min(count, bodies.size()); ++i) print_body(printer, bodies[i]);
 }
 
 }  // namespace collided::cli
