@@ -75,10 +75,8 @@ class RosCommand : public Command {
     app.add_option("--only", follow_.only, "Objects that may follow a frame: name glob (all)");
     app.add_option("--pose", poses_, "A topic of PoseStamped that moves a frame")->allow_extra_args(false);
     app.add_option("--markers", markers_, "A topic of MarkerArray whose markers are objects")->allow_extra_args(false);
-    app.add_option("--cloud", clouds_, "A topic of PointCloud2 that becomes occupied cells")
-        ->allow_extra_args(false);
-    app.add_option("--octomap", maps_, "A topic of Octomap that becomes occupied cells")
-        ->allow_extra_args(false);
+    app.add_option("--cloud", clouds_, "A topic of PointCloud2 that becomes occupied cells")->allow_extra_args(false);
+    app.add_option("--octomap", maps_, "A topic of Octomap that becomes occupied cells")->allow_extra_args(false);
     app.add_option("--voxels", cell_, "Side of a cloud's cells (0.1)");
     app.add_option("--reach", reach_, "Points farther from the sensor do not count (no limit)");
     app.add_option("--decay", decay_, "What was not met for so long is unknown again (10s)");
