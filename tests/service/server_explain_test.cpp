@@ -100,7 +100,7 @@ TEST_F(ServerExplain, AnInstantOfThePastIsExplainedAsItWas) {
 TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   start();
   Client client = connect();
-  const Fence dock{.name = "dock", .only = "ball*", .shape = {BoxShape{.half_m = {1, 1, 1}, .center = {5, 5, 50}}}};
+  const Fence dock{.name = "dock", .shape = {BoxShape{.half_m = {1, 1, 1}, .center = {5, 5, 50}}}, .only = "ball*"};
   ASSERT_TRUE(client.add_fence(dock));
   Publisher publisher = publish(client, "pilot");
   const Publisher::Object in = add_ball(publisher, "ball_in", at(5, 5, 50.5));

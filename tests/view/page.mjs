@@ -131,7 +131,10 @@ async function fencesAreLitWhileEntered() {
   const before = await page.evaluate(() => performance.now() / 1000);
   world.tell({ type: "fences", fences: all(["ball_2"]) });
   await until("the entered one is lit", async () => (await accents()).join() === `${12 + 2 * 96},12`);
-  await page.evaluate((t) => collidedPage.timeline.goTo(t), before);
+  await page.evaluate((t) => {
+    collidedPage.timeline.pause();
+    collidedPage.timeline.goTo(t);
+  }, before);
   await until("it was empty then", async () => (await accents())[1] === 0);
   await page.evaluate(() => collidedPage.timeline.live());
   await until("and is entered now", async () => (await accents())[1] === 12);

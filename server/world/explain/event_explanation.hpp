@@ -34,7 +34,8 @@ struct EventGap {
   double error_m = 0;
 };
 
-/// What is behind an event.
+/// What is behind an event. The poses and gaps are those of the memory of poses: of an object that no publisher moves its
+/// motion begins there at another time than in the step, so that they may be off by what it moves in some 20 us.
 struct EventExplanation {
   std::array<EventBody, 2> bodies;
   std::optional<EventGap> before;     // at the bracket's beginning; of contacts whose places then are remembered
