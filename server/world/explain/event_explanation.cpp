@@ -131,7 +131,9 @@ EventExplanation explain_event(const PoseMemory& memory, const RecentEvent& rece
   EventExplanation told;
   const std::shared_ptr<const Snapshot> then = memory.at(recent.high_ns());
   told.bodies = {body_of(memory, then.get(), recent, true), body_of(memory, then.get(), recent, false)};
-  if (!is_of_fence && !deadline.is_over()) {
+  const bool are_places_known =
+      std::ranges::all_of(told.bodies, [](const EventBody& body) { return body.publisher != 0 || !body.motion; });
+  if (!is_of_fence && are_places_known && !deadline.is_over()) {
     told.before = gap_at(memory, recent.low_ns(), recent);
     told.after = gap_at(memory, recent.high_ns(), recent);
   }

@@ -34,11 +34,11 @@ struct EventGap {
   double error_m = 0;
 };
 
-/// What is behind an event. The poses and gaps are those of the memory of poses: of an object that no publisher moves its
-/// motion begins there at another time than in the step, so that they may be off by what it moves in some 20 us.
+/// What is behind an event, by the memory of poses. That has a motion that no publisher said begin at another time than the
+/// step had it, so that of such motions there are no gaps.
 struct EventExplanation {
   std::array<EventBody, 2> bodies;
-  std::optional<EventGap> before;     // at the bracket's beginning; of contacts whose places then are remembered
+  std::optional<EventGap> before;     // at the bracket's beginning; of contacts whose places then are known
   std::optional<EventGap> after;      // at its end, likewise
   std::vector<std::string> why_wide;  // why the bracket is as wide as it is, a sentence each
 };
