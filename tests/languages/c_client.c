@@ -1,10 +1,12 @@
 /* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback, sets fences
  * and margins, and turns scans into voxels.
  * usage: c_client DOMAIN */
+#define _POSIX_C_SOURCE 199309L /* nanosleep */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <collided.h>
 
@@ -233,10 +235,15 @@ static void next_margin_event(collided_margin_watch* watch, collided_margin_even
   must(code, &error, "an event of a margin");
 }
 
+/* A while after the last one: it is on its way for so long. */
 static void move_to(collided_publisher* publisher, uint32_t handle, double x) {
+  struct timespec while_;
   collided_error error;
   double position[3];
   error.size = sizeof error;
+  while_.tv_sec = 0;
+  while_.tv_nsec = 300000000L;
+  nanosleep(&while_, NULL);
   position[0] = x;
   position[1] = position[2] = 0;
   must(collided_publisher_move(publisher, 1, &handle, position, NULL, 0, &error), &error, "move");
@@ -255,7 +262,9 @@ static void fences(collided_client* client) {
   collided_publisher* publisher = NULL;
   uint32_t ball;
   uint64_t removed = 0, entered;
+  int i;
   error.size = sizeof error;
+  event.size = sizeof event;
   memset(&part, 0, sizeof part);
   part.size = sizeof part;
   part.kind = COLLIDED_BOX;
@@ -274,6 +283,9 @@ static void fences(collided_client* client) {
   fence.part_count = 0;
   expect(collided_fence_add(client, &fence, &error) != COLLIDED_OK, "no region");
   must(collided_fence_watch_start(client, "c_dock", NULL, &watch, &error), &error, "watch a fence");
+  /* Until then what is told counts as there from before. */
+  for (i = 0; i < 500 && !collided_fence_watch_in_step(watch); ++i)
+    collided_fence_watch_next(watch, 10000000, &event, &error);
 
   must(collided_publish(client, "c_driver", &publisher, &error), &error, "publish");
   part.kind = COLLIDED_SPHERE;
@@ -335,6 +347,9 @@ static void margins(collided_client* client) {
   margin.bands_m = bands;
   must(collided_margin_add(client, &margin, &error), &error, "add a margin");
   must(collided_margin_watch_start(client, NULL, NULL, &watch, &error), &error, "watch a margin");
+  event.size = sizeof event;
+  for (i = 0; i < 500 && !collided_margin_watch_in_step(watch); ++i)
+    collided_margin_watch_next(watch, 10000000, &event, &error);
 
   must(collided_publish(client, "c_pilot", &publisher, &error), &error, "publish");
   memset(&part, 0, sizeof part);
@@ -417,7 +432,7 @@ static void voxels(collided_client* client) {
   memset(&scan, 0, sizeof scan);
   scan.size = sizeof scan;
   must(collided_voxels_insert(cells, 1, point, sensor, 0, &scan, &error), &error, "insert");
-  expect(scan.points == 1 && scan.occupied == 1 && scan.crossed >= 5 && scan.changed >= 1, "what became of the scan");
+  expect(scan.points == 1 && scan.occupied == 1 && scan.changed == 1, "what became of the scan");
   must(collided_publisher_wait_applied(publisher, 5000000000L, &error), &error, "wait");
   expect(ray_along_x(client, 700.25, 0.25, 0.25, &distance) == COLLIDED_HIT && fabs(distance - 2.75) < 1e-9, "its cell");
   must(collided_voxels_insert_floats(cells, 2, floats, NULL, 0, &scan, &error), &error, "insert floats");

@@ -76,13 +76,13 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
   EXPECT_LT(beside_ms[297], 50.0) << "a machine with fewer processors than threads may have it wait for a turn";
 }
 
-// Points in the middle of a shell of 10,000 triangles, all as near: a batch takes more than a second. One thread answers
+// Points in the middle of a shell of 40,000 triangles, all as near: a batch takes more than a second. One thread answers
 // four such clients, and whoever comes new, greets and asks waits for a turn or two of them, not for a batch. What was
 // interrupted is answered on the state that it began on, though a ball moves by the shell all the while.
 TEST_F(ServerCrowd, ACostlyBatchMakesRoomForOthers) {
   start({"--threads", "1"});
   Client client = connect();
-  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(50))));
+  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(100))));
   Publisher publisher = publish(client, "mover");
   const Publisher::Object ball = add_ball(publisher, "ball", at(60, 50, 50));
   const std::vector<NearQuestion> many(100, {.point = {50, 50, 50}});

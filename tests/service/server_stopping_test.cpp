@@ -18,7 +18,7 @@ using ServerStopping = testing_support::ServerTest;
 TEST_F(ServerStopping, DoesNotWaitForCostlyBatches) {
   testing_support::ChildProcess& server = start({"--threads", "1"});
   Client client = connect();
-  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(50))));
+  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(150))));
   const std::vector<NearQuestion> middle(1'000, {.point = {50, 50, 50}});
   std::atomic<bool> is_over{false};
   std::string why;
