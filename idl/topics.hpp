@@ -183,7 +183,8 @@ inline const char* name_of(QueryRight right) {
   return kNames[static_cast<std::uint8_t>(right)];
 }
 
-/// A publisher that is silent for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
+/// A publisher that is silent for this long, where it offers no other lease, is lost (liveliness, MANUAL_BY_TOPIC on object
+/// and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
 /// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;

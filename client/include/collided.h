@@ -485,6 +485,9 @@ COLLIDED_API void collided_margin_watch_close(collided_margin_watch* watch);
 /* returns  in *publisher, to be given to collided_publisher_close, which removes its objects */
 COLLIDED_API int collided_publish(collided_client* client, const char* name, collided_publisher** publisher,
                                   collided_error* error);
+/* lease_ns  without a call for this long the server counts it as lost: 100 ms to a day, 0: 500 ms */
+COLLIDED_API int collided_publish_leased(collided_client* client, const char* name, int64_t lease_ns,
+                                         collided_publisher** publisher, collided_error* error);
 COLLIDED_API void collided_publisher_close(collided_publisher* publisher);
 COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const collided_object* object, uint32_t* handle,
                                         collided_error* error);

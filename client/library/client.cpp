@@ -152,8 +152,9 @@ Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObj
 
 Result<Poses> Client::poses(std::chrono::nanoseconds timeout) { return client::poses(*state_->connection, timeout); }
 
-Result<Publisher> Client::publish(const std::string& publisher_name) {
-  Result<std::unique_ptr<Publisher::State>> state = Publisher::State::start(state_->connection, publisher_name);
+Result<Publisher> Client::publish(const std::string& publisher_name, const PublishOptions& options) {
+  Result<std::unique_ptr<Publisher::State>> state =
+      Publisher::State::start(state_->connection, publisher_name, options);
   if (!state) { return state.error(); }
   return Publisher(std::move(*state));
 }

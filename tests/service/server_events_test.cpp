@@ -51,11 +51,33 @@ TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
   }
 }
 
+TEST_F(ServerEvents, APublisherThatOffersALongLeaseMayBeSilent) {
+  start();
+  Client client = connect();
+  for (const std::chrono::nanoseconds lease : std::initializer_list<std::chrono::nanoseconds>{99ms, 25h, -1s}) {
+    const Result<Publisher> refused = client.publish("refused", {.lease = lease});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::bad_input);
+    EXPECT_NE(refused.error().message.find("; allowed 100 ms to a day"), std::string::npos) << refused.error().message;
+  }
+  Watch events = watch(client);
+  Publisher brief = publish(client, "brief", 100ms);
+  Publisher silent = publish(client, "silent", 60s);
+  add_ball(brief, "gone", at(4, 0, 0.05));
+  add_ball(silent, "stays", at(8, 0, 0.05));
+  ASSERT_TRUE(silent.flush());
+  ASSERT_TRUE(brief.flush());
+  std::vector<std::string> ended;
+  while (const std::optional<Event> event = events.next(1500ms))
+    if (event->kind == EventKind::ended) ended.push_back(event->a == "gone" || event->b == "gone" ? "gone" : "another");
+  EXPECT_EQ(ended, std::vector<std::string>{"gone"});
+}
+
 TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
   start();
   Client client = connect();
   Watch events = watch(client);
-  Publisher publisher = publish(client, "silent");
+  Publisher publisher = publish(client, "silent", 500ms);
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
   EXPECT_EQ(next(events).kind, EventKind::began);

@@ -21,8 +21,9 @@ class ServerTest : public ServerProcess {
     EXPECT_TRUE(test::eventually([&] { return watch->in_step(); }));
     return std::move(*watch);
   }
-  static Publisher publish(Client& client, const std::string& name) {
-    Result<Publisher> publisher = client.publish(name);
+  /// The lease is longer than any pause of a crowded machine; a test of losses gives its own.
+  static Publisher publish(Client& client, const std::string& name, milliseconds lease = seconds(60)) {
+    Result<Publisher> publisher = client.publish(name, {.lease = lease});
     EXPECT_TRUE(publisher) << publisher.error().message;
     return std::move(*publisher);
   }

@@ -57,7 +57,7 @@ struct PublisherInfo {
   std::string name;                    // as given to Client::publish
   std::uint64_t applied_sequence = 0;  // of its newest message that is applied; Publisher::flush returns such numbers
   std::chrono::nanoseconds silent{0};  // time since its last message
-  bool lost = false;                   // it ended, or its lease of 500 ms ran out
+  bool lost = false;                   // it ended, or its lease ran out
 };
 
 /// What the server says of itself, twenty times a second. Counts are since its start.
@@ -209,7 +209,7 @@ class Client {
   // Publishing.
 
   /// Becomes a publisher of objects and their poses. Waits, as long as ConnectOptions::wait, until the server listens.
-  Result<Publisher> publish(const std::string& publisher_name);
+  Result<Publisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
 
   // Commands that change the world. What they add stays until it is removed, even when this client has gone, and after
   // a crash the server restores it. Error refused where the server says no, with its reason.

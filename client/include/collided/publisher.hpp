@@ -44,11 +44,17 @@ struct ObjectOptions {
   bool unknown = false;
 };
 
+/// How a publisher is kept.
+struct PublishOptions {
+  /// Without a call for this long the server counts it as lost. 100 ms to a day.
+  std::chrono::nanoseconds lease{500'000'000};
+};
+
 /// A source of objects and their poses, made by Client::publish. Its objects live as long as it does unless removed
 /// earlier; its destructor removes them. move() collects poses, and flush() sends them in batches of at most 4,096.
 ///
-/// Only calls of its functions tell the server that it is alive, so that a program that hangs is noticed: after 500 ms
-/// without one the server counts it as lost and applies ObjectOptions::lost_policy. The next call then defines all its
+/// Only calls of its functions tell the server that it is alive, so that a program that hangs is noticed: after its lease
+/// (PublishOptions) without one the server counts it as lost and applies ObjectOptions::lost_policy. The next call then defines all its
 /// objects again, at their newest poses; it does the same for a new server.
 ///
 /// errors   bad_input for an object that is not (any more) this publisher's, and for numbers that cannot be meant;

@@ -6,11 +6,18 @@ using namespace collided::c;
 extern "C" {
 
 int collided_publish(collided_client* client, const char* name, collided_publisher** publisher, collided_error* error) {
+  return collided_publish_leased(client, name, 0, publisher, error);
+}
+
+int collided_publish_leased(collided_client* client, const char* name, int64_t lease_ns, collided_publisher** publisher,
+                            collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!client) return missing("client");
     if (!publisher) return missing("publisher");
     *publisher = nullptr;
-    Result<Publisher> made = client->client.publish(text(name));
+    PublishOptions options;
+    if (lease_ns != 0) options.lease = std::chrono::nanoseconds(lease_ns);
+    Result<Publisher> made = client->client.publish(text(name), options);
     if (!made) return made.error();
     *publisher = new collided_publisher{std::move(*made)};
     return {};

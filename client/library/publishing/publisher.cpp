@@ -23,11 +23,14 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
-// A move() this soon after the last word need not assert again that the publisher is alive.
-constexpr nanoseconds kWordPeriod = kLease / 5;
+constexpr nanoseconds kLeastLease = std::chrono::milliseconds(100);
+constexpr nanoseconds kMostLease = std::chrono::hours(24);
+// Words in a lease: one may be late or lost.
+constexpr int kWordsInLease = 5;
+constexpr nanoseconds kLongestWordPeriod = std::chrono::milliseconds(100);
 // Longer than the time between two poses of a moving object.
-constexpr nanoseconds kAtRest = kLease;
+constexpr nanoseconds kAtRest = std::chrono::milliseconds(500);
+constexpr nanoseconds kLeastCommandTimeout = std::chrono::milliseconds(500);
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
 
 std::optional<std::string> pose_fault(const Pose& pose) {
@@ -65,27 +68,34 @@ void Publisher::stream() { state_->stream(); }
 Result<void> Publisher::keep_alive() { return state_->keep_alive(); }
 Result<void> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
 
-Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name)
+Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name,
+                        const PublishOptions& options)
     : connection_(std::move(connection)),
       publisher_(client::random_number()),
       incarnation_(static_cast<std::uint64_t>(wire_contract::since_1970_ns())),
+      word_period_(std::min(options.lease / kWordsInLease, kLongestWordPeriod)),
       server_(connection_->pulse().server()),
       outages_(connection_->pulse().outages()),
       last_word_(Clock::now()),
       object_topic_(connection_->participant(), connection_->options().name_space),
       pose_topic_(connection_->participant(), connection_->options().name_space),
-      object_writer_(object_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}),
-      pose_writer_(pose_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}) {
+      object_writer_(object_topic_, {.lease_ns = options.lease.count()}),
+      pose_writer_(pose_topic_, {.lease_ns = options.lease.count()}) {
   definition_->publisher = batch_->publisher = publisher_;
   definition_->incarnation = batch_->incarnation = incarnation_;
   static_cast<void>(dds::set_text(definition_->publisher_name, name));  // its length was checked
 }
 
 Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_ptr<client::Connection> connection,
-                                                                  const std::string& name) {
+                                                                  const std::string& name,
+                                                                  const PublishOptions& options) {
   if (auto reason = name_fault(name)) { return bad_input("publisher: " + *reason); }
+  if (options.lease < kLeastLease || options.lease > kMostLease) {
+    return bad_input("publisher '" + name + "': its lease is " + client::words(options.lease) +
+                     "; allowed 100 ms to a day");
+  }
   try {
-    std::unique_ptr<State> state(new State(std::move(connection), name));
+    std::unique_ptr<State> state(new State(std::move(connection), name, options));
     // Batches are volatile: one written before the server's reader is matched would be lost.
     const Clock::time_point deadline = Clock::now() + state->connection_->options().wait;
     const auto is_read = [&] {
@@ -217,7 +227,7 @@ Result<void> Publisher::State::move(Object object, const Pose& pose, bool telepo
     return bad_input("object '" + moved->options.name + "' was added as static", "its pose is as before");
   }
   objects_.set_pose(object, pose, teleport);
-  if (Clock::now() - last_word_ > kWordPeriod) {
+  if (Clock::now() - last_word_ > word_period_) {
     if (auto error = say_alive()) { return *error; }
   }
   return {};
@@ -262,7 +272,7 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
     through = definitions_through_;
   }
   // The wait is over; this takes one round trip, which a deadline that has just passed must not cut off.
-  const nanoseconds timeout = std::max<nanoseconds>(deadline - Clock::now(), kLease);
+  const nanoseconds timeout = std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout);
   const Result<std::string> answer =
       client::command(*connection_, wire_contract::command::kLeftOut, {{"publisher", publisher_}}, timeout);
   // A server from before this command answers nothing of use.
@@ -303,7 +313,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
       Result<void> told = ask_for_left_out(deadline);
       if (told || told.error().code == ErrorCode::refused || Clock::now() >= deadline) { return told; }
       // The server has been silent for a moment, or is another one: it can be asked again.
-      connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + kWordPeriod));
+      connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + word_period_));
       continue;
     }
     if (Clock::now() >= deadline) {
@@ -313,7 +323,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
                    ""};
     }
     if (connection_->pulse().silent()) { return connection_->disconnected(); }
-    connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + kWordPeriod));
+    connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + word_period_));
   }
 }
 

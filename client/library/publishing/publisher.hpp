@@ -16,7 +16,8 @@ namespace collided {
 ///
 /// threads  any; one mutex
 struct [[gnu::visibility("hidden")]] Publisher::State {
-  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& name);
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& name,
+                                              const PublishOptions& options);
   ~State();
 
   Result<Object> add(const ObjectOptions& options);
@@ -30,7 +31,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:
-  State(std::shared_ptr<client::Connection> connection, const std::string& name);
+  State(std::shared_ptr<client::Connection> connection, const std::string& name, const PublishOptions& options);
   std::optional<Error> object_fault(const ObjectOptions& options) const;
   Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape);
   Result<void> ask_for_left_out(client::Clock::time_point deadline);
@@ -55,6 +56,8 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::shared_ptr<client::Connection> connection_;
   std::uint64_t publisher_;
   std::uint64_t incarnation_;
+  // A move() or a wait this soon after the last word need not assert again that the publisher is alive.
+  std::chrono::nanoseconds word_period_;
   std::mutex mutex_;
   client::PublishedObjects objects_;
   std::uint64_t sequence_ = 0;

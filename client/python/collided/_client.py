@@ -491,10 +491,12 @@ class Client(Owned):
         """Subscribes to who comes within bands and leaves them. Who is near already comes first, as "within"."""
         return MarginWatch(self._handle, only, skip)
 
-    def publish(self, name: str) -> Publisher:
-        """Becomes a publisher of objects and their poses."""
+    def publish(self, name: str, *, lease: float = 0.5) -> Publisher:
+        """Becomes a publisher of objects and their poses. Without a call of its for `lease` seconds (0.1 s to a day) the
+        server counts it as lost."""
         made = ctypes.c_void_p()
-        call("publish", self._handle, encoded(name, "the publisher's name"), ctypes.byref(made))
+        words = encoded(name, "the publisher's name")
+        call("publish_leased", self._handle, words, max(nanoseconds(lease, "lease"), 1), ctypes.byref(made))
         return Publisher(made)
 
     def __enter__(self) -> Client:

@@ -423,6 +423,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "margin_watch_in_step": (c_int32, [c_void_p]),
     "margin_watch_close": (None, [c_void_p]),
     "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
+    "publish_leased": (c_int32, [c_void_p, c_char_p, c_int64, _OUT, _ERROR]),
     "publisher_close": (None, [c_void_p]),
     "publisher_add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint32), _ERROR]),
     "publisher_claim": (
