@@ -9,10 +9,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <future>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "idl/clocks.hpp"
+#include "idl/presence.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
@@ -130,6 +132,7 @@ struct Server::Parts {
   std::unique_ptr<Answering> answering;
   std::unique_ptr<Listeners> listeners;
   std::thread world_thread;
+  std::optional<wire_contract::Presence> presence;
 };
 
 Epoch Server::Parts::make_epoch() {
@@ -298,6 +301,7 @@ std::string Server::start() {
                                             p.flight.get(), p.peers.get());
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
+  p.presence.emplace(p.options.domain, p.options.name_space);
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
@@ -323,6 +327,7 @@ void Server::stop() {
   if (!p.world_thread.joinable()) return;
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.
+  p.presence.reset();
   p.commands.stop();
   p.let_jobs_end();
   if (p.durable) p.durable->finish();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/service/server_fixture.hpp"
+#include "tests/service/server_wire_asker.hpp"
 
 namespace collided {
 namespace {
@@ -135,6 +136,37 @@ TEST_F(ServerMemory, WithoutItInTheRecordersThreadTheServerServesOn) {
   const Result<std::string> recording = client.command("recording", R"({"last_s": 1})");
   ASSERT_TRUE(recording) << recording.error().message;
   EXPECT_GT(json::parse(*recording)["messages"].get<int>(), 100);
+}
+
+// Messages of nearly a megabyte in one column after the other, each of which DDS and the server would like to keep room for.
+TEST_F(ServerMemory, TwoHundredMegabytesAreEnoughForTheLargestMessages) {
+  testing_support::ChildProcess server({"/bin/sh", "-c", "ulimit -d 204800; exec \"$0\" \"$@\"", COLLIDED_SERVER,
+                                        "--domain", std::to_string(domain_), "--state-dir", folder_.path()},
+                                       folder_.path(), "limited");
+  ASSERT_TRUE(server.says("ready:", 20s)) << server.errors();
+  testing_support::WireAsker asker(domain_);
+  ASSERT_TRUE(asker.greet());
+  const std::vector<double> numbers(110'000, 0.5);
+  using Column = dds_sequence_double wire::Query::*;
+  constexpr std::array<Column, 8> kColumns{
+      &wire::Query::points,     &wire::Query::directions,   &wire::Query::lengths,    &wire::Query::radii,
+      &wire::Query::half_sizes, &wire::Query::orientations, &wire::Query::end_points, &wire::Query::end_orientations};
+  for (std::uint32_t i = 0; i < 1'500; ++i) {
+    wire::Query query{};
+    query.kind = static_cast<std::uint8_t>(i % 9);
+    query.mask = 1;
+    query.max_hits = 1;
+    const std::uint32_t count = 1'000 + i * 7'919 % 109'000;
+    query.*kColumns[i % kColumns.size()] = {count, count, const_cast<double*>(numbers.data()), false};
+    if (i % 9 == 0)
+      query.blob = {count * 8, count * 8, reinterpret_cast<std::uint8_t*>(const_cast<double*>(numbers.data())), false};
+    if (i % 9 == 0) query.*kColumns[i % kColumns.size()] = {};
+    asker.send(query);
+    if (i % 100 == 0) asker.forget_replies();
+  }
+  Client client = connect();
+  EXPECT_EQ(client.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}})->verdict, Verdict::hit);
+  EXPECT_EQ(server.wait(0s), -1) << server.errors();
 }
 
 // Threads that answer hold nothing but the question at hand: it is refused, and the next one is answered.

@@ -7,7 +7,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/greeting_turn.hpp"
 #include "client/library/connection/local_process.hpp"
-#include "client/library/connection/machine_findings.hpp"
+#include "idl/presence.hpp"
 
 namespace collided::client {
 namespace {
@@ -27,9 +27,8 @@ constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
 // For a server of this machine, since that was last seen to have more to do than it can.
 constexpr milliseconds kAfterCrowd{2'000};
-// Times what is waited for a server at all: where one may be there, and where one of that namespace is known to be.
-constexpr int kCrowdPatience = 10;
-constexpr int kCrowdPatienceIfFound = 30;
+// Times what is waited for a server at all, where one of that namespace is known to be there.
+constexpr int kCrowdPatience = 30;
 // How often a request looks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
@@ -97,22 +96,18 @@ class CrowdPatience {
  public:
   CrowdPatience(const ConnectOptions& options, nanoseconds wait) : options_(options), wait_(wait) {}
 
-  /// is_found  whether a server of this namespace was seen, and its answer alone is waited for
-  Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found, bool is_found) {
+  Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found) const {
     if (!is_machine_crowded()) return began;
-    // Where a server of the domain runs beside us it is there, and its answer a matter of time; with keys it may never be.
-    if (!runs_beside_us_)
-      runs_beside_us_ = options_.interface == "lo" && options_.keys.empty() && places_taken(options_.domain) > 0;
-    if (!*runs_beside_us_) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
+    // The answer of a server beside us is a matter of time; with keys there may never be one.
+    const bool is_here = options_.keys.empty() && wire_contract::is_present_here(options_.domain, options_.name_space);
+    if (!is_here) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
     // A crowd that is over leaves behind what DDS has yet to say again.
-    return std::min(began + (is_found ? kCrowdPatienceIfFound : kCrowdPatience) * wait_,
-                    std::max(deadline_if_found, Clock::now() + kAfterCrowd));
+    return std::min(began + kCrowdPatience * wait_, std::max(deadline_if_found, Clock::now() + kAfterCrowd));
   }
 
  private:
   const ConnectOptions& options_;
   nanoseconds wait_;
-  std::optional<bool> runs_beside_us_;
 };
 
 }  // namespace
@@ -125,7 +120,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   query.request = hello->number();
   query.chunk_count = 1;
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
-  CrowdPatience crowd(options_, deadline - Clock::now());
+  const CrowdPatience crowd(options_, deadline - Clock::now());
   std::uint32_t matched = 0;
   milliseconds match_period = kFirstMatchPeriod;
   milliseconds hello_period = kFirstHelloPeriod;
@@ -142,7 +137,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     }
     if (Clock::now() >= next_look) {
       next_look = Clock::now() + kFirstHelloPeriod;
-      deadline = std::max(deadline, crowd.deadline(began, deadline_if_found, matched > 0));
+      deadline = std::max(deadline, crowd.deadline(began, deadline_if_found));
     }
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + match_period));
     if (!replies.empty()) {
@@ -167,6 +162,11 @@ Error Connection::no_server(nanoseconds waited) {
   if (participant_->configured_by_environment()) { hint += "; CYCLONEDDS_URI is set and was used as it is"; }
   if (query_writers_.matched_readers() > 0)
     hint = "a server is seen there and has not answered: it has just died, or this machine has more to do than it can";
+  else if (wire_contract::is_present_here(options_.domain, options_.name_space))
+    hint =
+        "a server of that name runs on this machine and was not heard: it may have another --interface, keys of "
+        "another "
+        "authority, or more to do than this machine can";
   // More than was asked for is waited only for a server that may be there: then it is said how long.
   const nanoseconds most = std::max(options_.wait, nanoseconds(0));
   const bool is_longer = waited > most + kSoon;

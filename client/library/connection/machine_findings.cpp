@@ -54,6 +54,19 @@ void add_udp_ports(const char* path, std::set<unsigned>& ports) {
   }
 }
 
+/// How many servers of the domain, of whatever namespace, this machine has; 0 also where it does not tell.
+unsigned places_taken(int domain) {
+  // Unicast discovery port of participant i; source: OMG, "DDS Interoperability Wire Protocol" 2.2, 9.6.1.1.
+  const unsigned first = 7'400U + 250U * static_cast<unsigned>(domain) + 10U;
+  std::set<unsigned> ports;
+  add_udp_ports("/proc/net/udp", ports);
+  add_udp_ports("/proc/net/udp6", ports);
+  unsigned taken = 0;
+  for (unsigned i = 0; i < kPlaces; ++i)
+    taken += ports.count(first + 2 * i) > 0 || ports.count(first + 2 * i + 1) > 0 ? 1 : 0;
+  return taken;
+}
+
 }  // namespace
 
 std::optional<Finding> interface_finding(const std::string& interface) {
@@ -84,18 +97,6 @@ std::optional<Finding> buffer_finding() {
   return Finding{Health::warn, "buffer",
                  size + "; bursts above " + std::to_string(*most / 2 / kPoseBytes) + " poses may drop",
                  "sysctl -w net.core.rmem_max=" + std::to_string(kAsked)};
-}
-
-unsigned places_taken(int domain) {
-  // Unicast discovery port of participant i; source: OMG, "DDS Interoperability Wire Protocol" 2.2, 9.6.1.1.
-  const unsigned first = 7'400U + 250U * static_cast<unsigned>(domain) + 10U;
-  std::set<unsigned> ports;
-  add_udp_ports("/proc/net/udp", ports);
-  add_udp_ports("/proc/net/udp6", ports);
-  unsigned taken = 0;
-  for (unsigned i = 0; i < kPlaces; ++i)
-    taken += ports.count(first + 2 * i) > 0 || ports.count(first + 2 * i + 1) > 0 ? 1 : 0;
-  return taken;
 }
 
 Finding places_finding(int domain) {

@@ -16,9 +16,6 @@ std::optional<Finding> interface_finding(const std::string& interface);
 /// The largest receive buffer that a program may request. Nothing where the system does not tell.
 std::optional<Finding> buffer_finding();
 
-/// How many servers of the domain, of whatever namespace, this machine has; 0 also where it does not tell.
-unsigned places_taken(int domain);
-
 /// How many of the domain's places for servers on this machine are taken.
 Finding places_finding(int domain);
 
