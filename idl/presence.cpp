@@ -17,8 +17,9 @@ struct Address {
 };
 
 /// An abstract name begins with a zero byte and has no end but the address's size.
-Address address_of(int domain, std::string_view name_space) {
-  const std::string text = "collided/" + std::to_string(domain) + "/" + std::string(name_space);
+Address address_of(int domain, std::string_view name_space, std::string_view interface) {
+  const std::string text =
+      "collided/" + std::to_string(domain) + "/" + std::string(interface) + "/" + std::string(name_space);
   Address address;
   address.name.sun_family = AF_UNIX;
   const std::size_t length = std::min(text.size(), sizeof(address.name.sun_path) - 1);
@@ -29,10 +30,10 @@ Address address_of(int domain, std::string_view name_space) {
 
 /// A socket of that name, bound or connected by `call`; -1 where that is refused.
 template <class Call>
-int open_socket(int domain, std::string_view name_space, Call call) {
+int open_socket(int domain, std::string_view name_space, std::string_view interface, Call call) {
   const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (opened < 0) return -1;
-  const Address address = address_of(domain, name_space);
+  const Address address = address_of(domain, name_space, interface);
   if (call(opened, reinterpret_cast<const sockaddr*>(&address.name), address.size) == 0) return opened;
   close(opened);
   return -1;
@@ -40,17 +41,21 @@ int open_socket(int domain, std::string_view name_space, Call call) {
 
 }  // namespace
 
-Presence::Presence(int domain, std::string_view name_space) : socket_(open_socket(domain, name_space, ::bind)) {
+Presence::Presence(int domain, std::string_view name_space, std::string_view interface)
+    : somewhere_(open_socket(domain, name_space, {}, ::bind)),
+      reached_(interface.empty() ? -1 : open_socket(domain, name_space, interface, ::bind)) {
   // Nobody reads what others may send.
-  if (socket_ >= 0) shutdown(socket_, SHUT_RD);
+  for (const int opened : {somewhere_, reached_})
+    if (opened >= 0) shutdown(opened, SHUT_RD);
 }
 
 Presence::~Presence() {
-  if (socket_ >= 0) close(socket_);
+  for (const int opened : {somewhere_, reached_})
+    if (opened >= 0) close(opened);
 }
 
-bool is_present_here(int domain, std::string_view name_space) {
-  const int opened = open_socket(domain, name_space, ::connect);
+bool is_present_here(int domain, std::string_view name_space, std::string_view interface) {
+  const int opened = open_socket(domain, name_space, interface, ::connect);
   if (opened < 0) return false;
   close(opened);
   return true;

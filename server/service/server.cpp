@@ -301,7 +301,8 @@ std::string Server::start() {
                                             p.flight.get(), p.peers.get());
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
-  p.presence.emplace(p.options.domain, p.options.name_space);
+  const bool is_heard = p.options.keys.empty() && !p.participant.configured_by_environment();
+  p.presence.emplace(p.options.domain, p.options.name_space, is_heard ? p.options.interface : std::string());
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;

@@ -144,7 +144,7 @@ TEST_F(ServerMemory, TwoHundredMegabytesAreEnoughForTheLargestMessages) {
                                         "--domain", std::to_string(domain_), "--state-dir", folder_.path()},
                                        folder_.path(), "limited");
   ASSERT_TRUE(server.says("ready:", 20s)) << server.errors();
-  testing_support::WireAsker asker(domain_);
+  testing_support::WireAsker asker(domain_, 0x1234, domain_ + 1'000);
   ASSERT_TRUE(asker.greet());
   const std::vector<double> numbers(110'000, 0.5);
   using Column = dds_sequence_double wire::Query::*;

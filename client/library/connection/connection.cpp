@@ -94,12 +94,14 @@ namespace {
 /// gets a processor does not count.
 class CrowdPatience {
  public:
-  CrowdPatience(const ConnectOptions& options, nanoseconds wait) : options_(options), wait_(wait) {}
+  /// is_plain  whether a server that is there can be heard for sure: no keys, and no configuration of DDS of its own
+  CrowdPatience(const ConnectOptions& options, bool is_plain, nanoseconds wait)
+      : options_(options), is_plain_(is_plain), wait_(wait) {}
 
   Clock::time_point deadline(Clock::time_point began, Clock::time_point deadline_if_found) const {
     if (!is_machine_crowded()) return began;
-    // The answer of a server beside us is a matter of time; with keys there may never be one.
-    const bool is_here = options_.keys.empty() && wire_contract::is_present_here(options_.domain, options_.name_space);
+    const bool is_here =
+        is_plain_ && wire_contract::is_present_here(options_.domain, options_.name_space, options_.interface);
     if (!is_here) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
     // A crowd that is over leaves behind what DDS has yet to say again.
     return std::min(began + kCrowdPatience * wait_, std::max(deadline_if_found, Clock::now() + kAfterCrowd));
@@ -107,6 +109,7 @@ class CrowdPatience {
 
  private:
   const ConnectOptions& options_;
+  bool is_plain_;
   nanoseconds wait_;
 };
 
@@ -120,7 +123,8 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   query.request = hello->number();
   query.chunk_count = 1;
   query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
-  const CrowdPatience crowd(options_, deadline - Clock::now());
+  const bool is_plain = options_.keys.empty() && !participant_->configured_by_environment();
+  const CrowdPatience crowd(options_, is_plain, deadline - Clock::now());
   std::uint32_t matched = 0;
   milliseconds match_period = kFirstMatchPeriod;
   milliseconds hello_period = kFirstHelloPeriod;
@@ -164,9 +168,8 @@ Error Connection::no_server(nanoseconds waited) {
     hint = "a server is seen there and has not answered: it has just died, or this machine has more to do than it can";
   else if (wire_contract::is_present_here(options_.domain, options_.name_space))
     hint =
-        "a server of that name runs on this machine and was not heard: it may have another --interface, keys of "
-        "another "
-        "authority, or more to do than this machine can";
+        "a server of that namespace runs on this machine and was not heard: it may have another --interface, keys or a "
+        "configuration of DDS of its own, or this machine has more to do than it can";
   // More than was asked for is waited only for a server that may be there: then it is said how long.
   const nanoseconds most = std::max(options_.wait, nanoseconds(0));
   const bool is_longer = waited > most + kSoon;

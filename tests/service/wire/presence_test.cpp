@@ -20,9 +20,11 @@ TEST(Presence, IsSeenWhileItLives) {
   const std::string name = own_name("a");
   EXPECT_FALSE(is_present_here(7, name));
   {
-    const Presence mark(7, name);
+    const Presence mark(7, name, "lo");
     EXPECT_TRUE(is_present_here(7, name));
     EXPECT_TRUE(is_present_here(7, name)) << "looking changes nothing";
+    EXPECT_TRUE(is_present_here(7, name, "lo"));
+    EXPECT_FALSE(is_present_here(7, name, "eth0"));
     EXPECT_FALSE(is_present_here(8, name));
     EXPECT_FALSE(is_present_here(7, name + "b"));
     EXPECT_FALSE(is_present_here(7, name.substr(0, name.size() - 1)));
@@ -30,10 +32,17 @@ TEST(Presence, IsSeenWhileItLives) {
   EXPECT_FALSE(is_present_here(7, name));
 }
 
+TEST(Presence, WhoCannotBeHeardForSureIsThereAllTheSame) {
+  const std::string name = own_name("keys");
+  const Presence mark(7, name, "");
+  EXPECT_TRUE(is_present_here(7, name));
+  EXPECT_FALSE(is_present_here(7, name, "lo"));
+}
+
 TEST(Presence, ASecondOneOfTheNameIsNoneAndTakesNoneAway) {
   const std::string name = own_name("twice");
-  std::optional<Presence> first(std::in_place, 7, name);
-  { const Presence second(7, name); }
+  std::optional<Presence> first(std::in_place, 7, name, "lo");
+  { const Presence second(7, name, "lo"); }
   EXPECT_TRUE(is_present_here(7, name));
   first.reset();
   EXPECT_FALSE(is_present_here(7, name));
@@ -41,7 +50,7 @@ TEST(Presence, ASecondOneOfTheNameIsNoneAndTakesNoneAway) {
 
 TEST(Presence, NamesLongerThanASocketsAreCut) {
   const std::string name = own_name(std::string(255, 'x'));
-  const Presence mark(7, name);
+  const Presence mark(7, name, "lo");
   EXPECT_TRUE(is_present_here(7, name));
   EXPECT_FALSE(is_present_here(7, own_name("")));
 }
@@ -52,7 +61,7 @@ TEST(Presence, GoesWithItsProcess) {
   ASSERT_EQ(pipe(ready), 0);
   const pid_t child = fork();
   if (child == 0) {
-    const Presence mark(7, name);
+    const Presence mark(7, name, "lo");
     static_cast<void>(write(ready[1], "!", 1) + 1);
     pause();
     _exit(0);
