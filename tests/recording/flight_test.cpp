@@ -1,11 +1,13 @@
 // The ring of what came in, the window kept of it, and the file written from them.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <random>
 #include <thread>
@@ -121,6 +123,27 @@ TEST(FlightWindow, BlocksThatLeftAreFilledAgain) {
     ASSERT_LE(window.held_bytes(), 18 * FlightWindow::kBlockBytes) << time;
   }
   EXPECT_GE(window.held_bytes(), 16 * FlightWindow::kBlockBytes);
+}
+
+// What a flood has filled is given back once it is older than the window.
+TEST(FlightWindow, PagesOfBlocksThatExpiredAreGivenBack) {
+  const auto resident_pages = [] {
+    std::size_t size = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> size >> resident;
+    return resident;
+  };
+  FlightWindow window(1'000'000, [](std::span<const std::byte>) {});
+  const std::vector<std::byte> record(1 << 20);
+  for (std::uint64_t time = 1; time <= 2 * FlightWindow::kBlocks; ++time) window.add(record, time);
+  const std::size_t filled = resident_pages();
+  window.expire(3'000'000);
+  const std::size_t blocks = FlightWindow::kBlocks * FlightWindow::kBlockBytes;
+  EXPECT_LT(resident_pages() + blocks / sysconf(_SC_PAGESIZE) * 9 / 10, filled);
+  window.add(record, 3'000'001);
+  std::size_t kept = 0;
+  window.for_each_block(
+      [&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) { kept += records.size(); });
+  EXPECT_EQ(kept, record.size());
 }
 
 // Memory is bounded: megabytes beyond it push out the oldest, however young.

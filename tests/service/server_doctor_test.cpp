@@ -207,9 +207,13 @@ class TakenPlaces {
       address.sin_port =
           htons(static_cast<std::uint16_t>(7'410 + 250 * domain_ + 2 * static_cast<int>(sockets_.size())));
       sockets_.push_back(socket);
-      // Any program may have been given such a port for a while: then the place is taken all the same.
-      const int refused = ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-      ASSERT_TRUE(refused == 0 || errno == EADDRINUSE) << std::strerror(errno);
+      // Any program may have been given such a port for a while.
+      const auto is_bound = [&] {
+        const int refused = ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+        EXPECT_TRUE(refused == 0 || errno == EADDRINUSE) << std::strerror(errno);
+        return refused == 0;
+      };
+      ASSERT_TRUE(test::eventually(is_bound, std::chrono::seconds(30))) << ntohs(address.sin_port);
     }
   }
 

@@ -134,6 +134,41 @@ TEST_F(WireClients, AsksOfAClientThatDoesNotListenYetWaitInOrderAndNotForEver) {
   EXPECT_FALSE(clients.hold(*met, ask)) << "it listens";
 }
 
+// Who asks in many names has no more waiting than in one, and leaves room for others.
+TEST_F(WireClients, AsksThatWaitAreBoundedInBytes) {
+  const auto large = [](std::uint64_t request) {
+    auto ask = std::make_unique<Ask>();
+    ask->query->request = request;
+    ask->query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
+    ask->taken_ns = steady_ns();
+    test::put_questions(*ask->query, std::vector<double>(7 * 16'000));
+    return ask;
+  };
+  std::size_t kept = 0;
+  for (std::uint64_t i = 0; i < Clients::kMostOfOne; ++i) {
+    AskPointer ask = large(i);
+    ASSERT_TRUE(clients.hold(*clients.meet(kClient + i, kAsker), ask));
+    kept += ask ? 0 : 1;
+    EXPECT_TRUE(!ask || ask->query->request == i) << "the one that does not fit is handed back";
+  }
+  const std::size_t bytes = wire::room_of(*large(0)->query);
+  EXPECT_EQ(kept, Clients::kMostBytesOfOne / bytes);
+  std::size_t of_all = kept;
+  for (std::uint64_t other = 1; other < 20; ++other) {
+    for (std::uint64_t i = 0; i < 12; ++i) {
+      AskPointer ask = large(i);
+      ASSERT_TRUE(clients.hold(*clients.meet(kClient + 100 * other, kAsker + other), ask));
+      of_all += ask ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(of_all, Clients::kMostWaitingBytes / bytes);
+  clients.forget_gone({}, steady_ns() + Clients::kMatchPatienceNs + 1);
+  EXPECT_EQ(clients.size(), 0U);
+  AskPointer ask = large(0);
+  ASSERT_TRUE(clients.hold(*clients.meet(kClient, kAsker), ask));
+  EXPECT_FALSE(ask) << "what was handed back takes no room";
+}
+
 TEST_F(WireClients, WhoNeverListensIsForgottenInTheEnd) {
   const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
   const std::uint64_t there[] = {kAsker};

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/service/eventually.hpp"
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
 #include "tests/service/wire/rows.hpp"
@@ -170,6 +171,38 @@ TEST_F(ServerWireOverload, AFloodOfLargeBatchesIsBoundedInBytes) {
     flooder.send(*query);
     if (i % 500 == 0) flooder.forget_replies();
     if (i % 3'000 != 1'500) continue;
+    ASSERT_TRUE(ask(quiet, Importance::high)) << "others are answered meanwhile";
+  }
+  const double most = memory_mib(server.pid(), "VmHWM:");
+  std::printf("before %.0f MiB, at most %.0f MiB\n", before, most);
+  ASSERT_GT(before, 1);
+  EXPECT_LT(most - before, 320);
+  ASSERT_TRUE(ask(quiet, Importance::normal));
+}
+
+// The same in the names of 64 clients of which none listens: their batches wait for somebody who would read the replies.
+TEST_F(ServerWireOverload, AFloodInManyNamesIsBoundedInBytes) {
+  testing_support::ChildProcess& server = start({"--threads", "1"});
+  WireAsker quiet(domain_, 0x4444);
+  ASSERT_TRUE(quiet.greet());
+  const dds::Participant participant({.domain = domain_, .process_domain = domain_ + 1'000});
+  const dds::Topic<wire::Query> topic(participant, "collided");
+  dds::Writer<wire::Query> writer(topic);
+  ASSERT_TRUE(test::eventually([&] { return writer.matched_readers() > 0; }));
+  const double before = memory_mib(server.pid(), "VmHWM:");
+  std::vector<double> many;
+  for (int i = 0; i < 1'000; ++i) many.insert(many.end(), {0.005 * i, 0.5, 5, 0.1, 0.05, -1, 1'000});
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+  query->mask = 0xffffffff;
+  query->max_hits = 8;
+  query->chunk_count = 1;
+  test::put_questions(*query, many);
+  for (std::uint64_t i = 0; i < 20'000; ++i) {
+    query->client = 0x5000 + i % 64;
+    query->request = i + 1;
+    ASSERT_TRUE(test::eventually([&] { return writer.write(*query); })) << "the server reads no questions";
+    if (i % 5'000 != 2'500) continue;
     ASSERT_TRUE(ask(quiet, Importance::high)) << "others are answered meanwhile";
   }
   const double most = memory_mib(server.pid(), "VmHWM:");

@@ -107,7 +107,11 @@ void Answering::Worker::work(AskPointer ask) {
     owner_.pool_.put(std::move(ask));
     return;
   }
-  if (owner_.clients_.hold(*client, ask)) return;
+  if (owner_.clients_.hold(*client, ask)) {
+    if (!ask) return;
+    ++owner_.with_.counts.unanswerable;
+    return owner_.pool_.put(std::move(ask));
+  }
   if (owner_.is_over()) ask->refusal = "the server is stopping";
   const double chunk = std::max(1U, wire::question_count(*ask->query).value_or(1));
   while (true) {

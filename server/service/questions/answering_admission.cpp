@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "idl/columns.hpp"
@@ -126,6 +127,9 @@ void Answering::refuse_later(AskPointer ask, std::string reason, std::int64_t re
   }
   ask->refusal = std::move(reason);
   ask->retry_after_ns = retry_after_ns;
+  // What was asked is not looked at any more, and thousands of refusals may wait.
+  wire::clear_questions(*ask->query);
+  dds::borrow(ask->query->blob, std::span<const std::uint8_t>());
   queue_.push_own(std::move(ask));
 }
 

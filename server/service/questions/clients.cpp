@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "idl/columns.hpp"
 #include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
@@ -81,11 +82,29 @@ Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
 
 bool Clients::hold(Client& client, AskPointer& ask) {
   if (client.ready()) return false;
-  const std::lock_guard lock(client.mutex_);
+  const std::lock_guard lock(mutex_);
+  const std::lock_guard client_lock(client.mutex_);
   if (client.ready()) return false;
-  if (client.waiting_.size() >= kMostWaiting) client.waiting_.erase(client.waiting_.begin());
+  const bool is_full = client.waiting_.size() >= kMostWaiting;
+  const std::size_t bytes = wire::room_of(*ask->query);
+  const std::size_t freed = is_full ? wire::room_of(*client.waiting_.front()->query) : 0;
+  if (bytes > freed && !has_room_for(bytes - freed, client.asker_)) return true;
+  client.waiting_bytes_ = client.waiting_bytes_ + bytes - freed;
   client.waiting_.push_back(std::move(ask));
+  if (!is_full) return true;
+  ask = std::move(client.waiting_.front());
+  client.waiting_.erase(client.waiting_.begin());
   return true;
+}
+
+/// With mutex_ held.
+bool Clients::has_room_for(std::size_t more_bytes, std::uint64_t asker) const {
+  std::size_t of_all = more_bytes, of_asker = more_bytes;
+  for (const auto& [id, client] : clients_) {
+    of_all += client->waiting_bytes_;
+    of_asker += client->asker_ == asker ? client->waiting_bytes_ : 0;
+  }
+  return of_all <= kMostWaitingBytes && of_asker <= kMostBytesOfOne;
 }
 
 std::vector<AskPointer> Clients::resume(std::uint32_t place) {
@@ -97,6 +116,7 @@ std::vector<AskPointer> Clients::resume(std::uint32_t place) {
     if (!client->ready()) continue;
     std::move(client->waiting_.begin(), client->waiting_.end(), std::back_inserter(resumed));
     client->waiting_.clear();
+    client->waiting_bytes_ = 0;
   }
   return resumed;
 }
@@ -111,7 +131,10 @@ std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> owne
     const auto late = std::stable_partition(client.waiting_.begin(), client.waiting_.end(), [&](const AskPointer& ask) {
       return now_ns - ask->taken_ns <= kMatchPatienceNs;
     });
-    std::move(late, client.waiting_.end(), std::back_inserter(overdue));
+    for (auto ask = late; ask != client.waiting_.end(); ++ask) {
+      client.waiting_bytes_ -= wire::room_of(*(*ask)->query);
+      overdue.push_back(std::move(*ask));
+    }
     client.waiting_.erase(late, client.waiting_.end());
     const bool lives = std::find(owners.begin(), owners.end(), client.asker_) != owners.end();
     const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);

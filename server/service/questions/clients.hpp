@@ -57,6 +57,7 @@ class Client {
   ReplyPlace& place_;
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
+  std::size_t waiting_bytes_ = 0;  // of waiting_; guarded by Clients::mutex_
   std::atomic<std::uint64_t> reported_version_{0};
 };
 
@@ -67,9 +68,11 @@ class Client {
 /// threads  any but DDS's own, which may call only find_ready(): making a writer inside a listener would deadlock
 class Clients {
  public:
-  static constexpr std::size_t kMost = 1'000;                      // clients
-  static constexpr std::size_t kMostOfOne = 64;                    // of one Ask::owner
-  static constexpr std::size_t kMostWaiting = 256;                 // asks of one client
+  static constexpr std::size_t kMost = 1'000;                              // clients
+  static constexpr std::size_t kMostOfOne = 64;                            // of one Ask::owner
+  static constexpr std::size_t kMostWaiting = 256;                         // asks of one client
+  static constexpr std::size_t kMostBytesOfOne = std::size_t{8} << 20;     // of those that wait, of one Ask::owner
+  static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;  // of all
   static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;  // an ask that waits longer for a match is given up
   static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader for so long is forgotten
 
@@ -86,8 +89,8 @@ class Clients {
   ///
   /// lock  none for a client that asked before and shares its place in recent_ with no other
   Client* find_ready(std::uint64_t id, std::uint64_t asker);
-  /// Takes the ask and returns true where it must wait for a match. Beyond kMostWaiting the client's oldest ask is
-  /// dropped.
+  /// Takes the ask and returns true where it must wait for a match. Where it does not fit, `ask` then is the one that gave
+  /// way and is to be dropped: the client's oldest beyond kMostWaiting, else this one.
   bool hold(Client& client, AskPointer& ask);
   /// The asks that waited in this place, where a reader is matched now.
   std::vector<AskPointer> resume(std::uint32_t place);
@@ -103,6 +106,7 @@ class Clients {
 
   void open(std::uint32_t place);
   std::size_t count_of(std::uint64_t asker) const;
+  bool has_room_for(std::size_t more_bytes, std::uint64_t asker) const;
 
   const dds::Topic<wire::Reply>& topic_;
   std::function<void(std::uint32_t)> listening_;

@@ -1,7 +1,11 @@
 #include "server/service/recording/flight_window.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
 namespace collided::engine::service {
 
@@ -45,8 +49,16 @@ void FlightWindow::drop_oldest() {
   count_.store(count_ - 1);
 }
 
+/// A block that is no longer needed stays mapped, since a signal's handler may be reading it, but gives its pages back.
 void FlightWindow::expire(std::uint64_t now) {
-  while (count_ > 0 && blocks_[first_].last_time + window_ns_ < now) drop_oldest();
+  while (count_ > 0 && blocks_[first_].last_time + window_ns_ < now) {
+    const Block& block = blocks_[first_];
+    drop_oldest();
+    void* begin = block.bytes.get();
+    std::size_t room = kBlockBytes;
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    if (std::align(page, page, begin, room) != nullptr) madvise(begin, room / page * page, MADV_DONTNEED);
+  }
 }
 
 }  // namespace collided::engine::service

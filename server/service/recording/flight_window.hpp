@@ -11,7 +11,7 @@
 namespace collided::engine::service {
 
 /// The newest records, in blocks of memory that are used again and again. Records that leave the window are handed out
-/// once more. Memory is taken as it is needed, at most kBlocks * kBlockBytes.
+/// once more. Memory is taken as it is needed, at most kBlocks * kBlockBytes, and that of blocks that expire is given back.
 ///
 /// threads  one; for_each_block() also from a signal handler of the same process, while nothing is added
 class FlightWindow {
@@ -28,7 +28,7 @@ class FlightWindow {
   /// Drops the blocks whose records are all older than the window. now: ns since 1970.
   void expire(std::uint64_t now);
 
-  /// Memory taken so far: that of as many blocks as were ever in use at once.
+  /// Room taken so far: that of as many blocks as were ever in use at once.
   std::size_t held_bytes() const;
 
   /// Calls see(records, first log time, last log time) for each block, oldest first.
