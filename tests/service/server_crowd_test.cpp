@@ -78,13 +78,17 @@ TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
 
 // Points in the middle of a shell of 40,000 triangles, all as near: a batch takes more than a second. One thread answers
 // four such clients, and whoever comes new, greets and asks waits for a turn or two of them, not for a batch. What was
-// interrupted is answered on the state that it began on, though a ball moves by the shell all the while.
+// interrupted is answered on the state that it began on, though a ball moves by the shell all the while; two ask about the
+// settled state.
 TEST_F(ServerCrowd, ACostlyBatchMakesRoomForOthers) {
   start({"--threads", "1"});
   Client client = connect();
   ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(100))));
   Publisher publisher = publish(client, "mover");
   const Publisher::Object ball = add_ball(publisher, "ball", at(60, 50, 50));
+  ASSERT_TRUE(publisher.flush());
+  const Instant settled{.kind = Instant::Kind::settled};
+  ASSERT_TRUE(test::eventually([&] { return static_cast<bool>(client.ask(ray(0), {.as_of = settled})); }));
   const std::vector<NearQuestion> many(100, {.point = {50, 50, 50}});
   constexpr int kClients = 4;
   std::vector<Client> clients;
@@ -92,10 +96,12 @@ TEST_F(ServerCrowd, ACostlyBatchMakesRoomForOthers) {
   std::atomic<int> under_way{kClients};
   std::atomic<int> begun{0};
   std::vector<std::thread> threads;
-  for (Client& one : clients) {
-    threads.emplace_back([&] {
+  for (std::size_t i = 0; i < clients.size(); ++i) {
+    threads.emplace_back([&, i] {
       ++begun;
-      const Result<Answers> answers = one.ask(std::span<const NearQuestion>(many), {.max_hits = 2, .timeout = 120s});
+      AskOptions options{.max_hits = 2, .timeout = 120s};
+      if (i % 2 == 0) options.as_of = settled;
+      const Result<Answers> answers = clients[i].ask(std::span<const NearQuestion>(many), options);
       EXPECT_TRUE(answers) << answers.error().message;
       if (answers) expect_all_alike(*answers);
       --under_way;

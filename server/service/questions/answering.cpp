@@ -62,7 +62,7 @@ class Answering::Worker {
   std::int64_t deadline_of(const Ask& ask) const;
   void answer_questions(Client& client, Ask& ask, const ObjectInfo* mover);
   std::span<const double> rows_left(const Ask& ask) const;
-  void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
+  bool find_past(Client& client, Ask& ask, const Snapshot& newest);
   void doubt(const Questions& questions);
   void count_levels(QuestionKind kind);
   void count_answered(std::uint8_t kind, std::uint64_t undecided);
@@ -218,12 +218,8 @@ void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
     write_text(client, query.request, ReplyStatus::refused, refusal_text(reason));
   };
   const auto lease = std::make_shared<SnapshotRing::Lease>(ask.hold ? ask.hold.state() : owner_.with_.world.newest());
-  std::shared_ptr<const Snapshot> state(lease, &**lease);
-  if (query.instant != 0) {
-    auto past = owner_.past_states_.at(instant_of(query), *state);
-    if (const auto* reason = std::get_if<std::string>(&past)) return refuse(*reason);
-    state = std::get<std::shared_ptr<const Snapshot>>(std::move(past));
-  }
+  if (!find_past(client, ask, **lease)) return;
+  const std::shared_ptr<const Snapshot> state = ask.past ? ask.past : std::shared_ptr<const Snapshot>(lease, &**lease);
   const auto asked = what_if_asked(query, *state);
   if (const auto* refusal = std::get_if<Refusal>(&asked)) return refuse(refusal->reason);
   wire::gather_rows(query, wire::question_columns(RequestKind::what_if), numbers_);
@@ -235,7 +231,7 @@ void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   // What begins each turn is to take a small part of it.
   const std::int64_t now_ns = steady_ns();
   const std::int64_t turn_ns = std::max(kTurnNs, 8 * (now_ns - began_ns));
-  const bool may_pause = query.instant == 0 && left > 1 && (ask.hold || owner_.with_.leases.keep(ask, *lease, now_ns));
+  const bool may_pause = left > 1 && (ask.past || ask.hold || owner_.with_.leases.keep(ask, *lease, now_ns));
   answer_what_if(
       what_if, rows, deadline, may_pause ? now_ns + turn_ns : 0, [&] { return owner_.knows(query.client); }, answers_);
   if (owner_.options_.recovering()) doubt({.kind = QuestionKind::what_if, .numbers = {}});
@@ -266,37 +262,40 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
                       .mover = mover};
   const SnapshotRing::Lease lease = ask.hold ? ask.hold.state() : owner_.with_.world.newest();
   if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
-  if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
+  if (!find_past(client, ask, *lease)) return;
+  const Snapshot& state = ask.past ? *ask.past : *lease;
   const std::size_t left = rows.size() / engine::numbers_of(questions.kind);
   if (left > 1) questions.pause_ns = steady_ns() + kTurnNs;
-  engine::answer(*lease, questions, answers_, scratch_);
-  if (answers_.answers.size() < left && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
+  engine::answer(state, questions, answers_, scratch_);
+  if (answers_.answers.size() < left && !ask.past && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
     questions.pause_ns = 0;  // the rest needs this state, which cannot be kept
-    engine::answer(*lease, questions, answers_, scratch_);
+    engine::answer(state, questions, answers_, scratch_);
   }
   is_paused_ = answers_.answers.size() < left;
   // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
   // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
-  write_answers(client, ask, *lease);
-  // The audit has no brute force for sweeps, and an overloaded server leaves the audit out.
+  write_answers(client, ask, state);
+  // The audit has no brute force for sweeps, looks at newest states, and an overloaded server leaves the audit out.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   questions.numbers = rows.first(answers_.answers.size() * engine::numbers_of(questions.kind));
-  if (mover == nullptr && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
+  if (mover == nullptr && !ask.past && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
   ask.answered += answers_.answers.size();
 }
 
-void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions,
-                                          const Snapshot& newest) {
-  const auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
+/// Looks up the state of the instant that is asked about, if one is, for all turns that the ask will have.
+///
+/// returns  false: there is none, and that is answered
+bool Answering::Worker::find_past(Client& client, Ask& ask, const Snapshot& newest) {
+  if (ask.query->instant == 0 || ask.past) return true;
+  auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
   if (const auto* refusal = std::get_if<std::string>(&past)) {
     ++owner_.with_.counts.refused;
-    return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
+    write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
+    return false;
   }
-  const Snapshot& state = *std::get<std::shared_ptr<const Snapshot>>(past);
-  engine::answer(state, questions, answers_, scratch_);
-  if (owner_.options_.recovering()) doubt(questions);
-  write_answers(client, ask, state);
+  ask.past = std::get<std::shared_ptr<const Snapshot>>(std::move(past));
+  return true;
 }
 
 void Answering::Worker::count_levels(QuestionKind kind) {

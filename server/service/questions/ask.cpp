@@ -54,6 +54,7 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
 
 void Ask::reset() {
   hold = {};
+  past.reset();
   passed_barrier = false;
   refusal.clear();
   retry_after_ns = 0;
