@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/world/fences/fence_decisions.hpp"
+#include "server/world/fences/standing_nearest.hpp"
 
 namespace collided::engine {
 
@@ -51,7 +52,9 @@ class Fences {
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
   /// There is a fence to be decided, though nothing moved.
-  bool has_news() const { return !new_.empty() || !new_margins_.empty() || is_any_pending(); }
+  bool has_news() const {
+    return !new_.empty() || !new_margins_.empty() || is_any_pending() || nearest_.has_news();
+  }
   /// Something came into a band, or left it, that is told once it has lasted, though nothing moves.
   bool is_any_pending() const { return !pending_.empty(); }
 
@@ -90,6 +93,7 @@ class Fences {
   PendingTurns pending_;
   std::uint64_t step_ = 0;
   ContactLedger ledger_{true};
+  StandingNearest nearest_{table_, ledger_};
   FenceLists lists_;
   StepCost cost_;
   std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step
