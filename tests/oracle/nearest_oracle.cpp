@@ -53,25 +53,35 @@ class NearestSearch {
     return distance(now, time_ns) - static_cast<Real>(asked_.hysteresis_m) - distance(next, time_ns);
   }
   /// The first time in a stretch without an instant at which it follows.
+  std::optional<Real> first_in(int now, int next, Real from_ns, Real to_ns, Real fastest) {
+    nearly_.clear();
+    const auto found = first(now, next, from_ns, to_ns, fastest);
+    for (const auto& [time_ns, by_m] : nearly_) {
+      if (!found || *found - time_ns > kAtOnce_ns) closest_m_ = std::min(closest_m_, by_m);
+    }
+    return found;
+  }
+
+  double closest_m_ = 1e300;
+
+ private:
   std::optional<Real> first(int now, int next, Real from_ns, Real to_ns, Real fastest) {
     const Real middle_ns = (from_ns + to_ns) / 2;
     const Real by = over(now, next, middle_ns);
     if (by < -fastest * (to_ns - from_ns) / 2 * 1.000001L) return std::nullopt;
     if (to_ns - from_ns < kLeast_ns) {
       if (over(now, next, to_ns) >= 0) return to_ns;
-      closest_m_ = std::min(closest_m_, std::abs(static_cast<double>(by)));
+      nearly_.push_back({to_ns, std::abs(static_cast<double>(by))});
       return std::nullopt;
     }
     if (const auto found = first(now, next, from_ns, middle_ns, fastest)) return found;
     return first(now, next, middle_ns, to_ns, fastest);
   }
 
-  double closest_m_ = 1e300;
-
- private:
   const MovingBody& about_;
   const std::vector<MovingBody>& balls_;
   const OracleNearest& asked_;
+  std::vector<std::pair<Real, double>> nearly_;  // where it nearly followed, and by how much it did not
 };
 
 Real speed(const MovingBody& body, Real from_ns, Real to_ns) {
@@ -134,7 +144,7 @@ std::vector<NearestStay> nearest_stays(const MovingBody& about, const std::vecto
         const Real start_ns = who == before && from_ns == now.began_ns ? from_ns + kAtOnce_ns : from_ns;
         const Real end_ns = next ? next->began_ns : times[i + 1];
         if (start_ns >= end_ns) continue;
-        const auto found = search.first(now.who, who, start_ns, end_ns, fastest);
+        const auto found = search.first_in(now.who, who, start_ns, end_ns, fastest);
         if (!found) continue;
         if (next) closest_ns = std::min(closest_ns, static_cast<double>(next->began_ns - *found));
         next = NearestStay{who, *found};

@@ -1,6 +1,7 @@
 #include "server/world/fences/nearer_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "server/geometry/tolerance.hpp"
@@ -14,82 +15,94 @@ Placed placed_at(const GapBody& body, const Frame& frame) {
   return {.info = body.info, .frame = &frame, .bounds = bounds_of(*body.info, frame), .pose = nullptr};
 }
 
-/// A search along the motions, from look to look.
-class NearerWalk {
+/// Both sides at one time.
+struct NearerLook {
+  double time = 0;
+  GapBounds nearer = {};
+  GapBounds bar = {};
+  // What `nearer` gains at least in all of the motion if it goes on as here: forward, and seen backward.
+  double gain_m = -kEndless;
+  double back_gain_m = -kEndless;
+  bool yes = false;
+
+  double above_m() const { return nearer.low_m - bar.high_m; }
+  /// A lower bound on `nearer` at another time.
+  double nearer_low_m(double at) const {
+    return nearer.low_m + (at >= time ? gain_m * (at - time) : back_gain_m * (time - at));
+  }
+};
+
+/// What both searches have in common: looks at a time.
+class NearerSides {
  public:
-  NearerWalk(const GapBody& from, const GapSide& nearer, const GapSide& bar, const GapOptions& options, WalkCost& cost)
+  NearerSides(const GapBody& from, const GapSide& nearer, const GapSide& bar, const GapOptions& options, WalkCost& cost)
       : from_(from),
         nearer_(nearer),
         bar_(bar),
         options_(options),
         cost_(cost),
-        change_m_((speed_of(nearer) + speed_of(bar)) * (1 + kBoundSlack)) {}
+        nearer_change_m_(change_of(nearer)),
+        change_m_((nearer_change_m_ + change_of(bar)) * (1 + kBoundSlack)) {}
 
-  NearerTime run(double until) {
-    double step = options_.width;
-    for (std::uint32_t looks = 0; looks < options_.most_looks; ++looks) {
-      if (options_.looks != nullptr) ++*options_.looks;
-      const double above_m = look();
-      if (found_.yes) return found_;
-      if (time_ >= 1 || time_ > until) return found_;
-      if (above_m > 0) {
-        note_sure(above_m);
-        if (sure_until_ >= 1) return found_;
-        step = options_.width;
-        time_ = std::min(1.0, std::max(sure_until_, time_ + step));
-      } else {
-        time_ = std::min(1.0, time_ + step);
-        step *= 2;
-      }
-    }
-    found_.is_cut_short = true;
-    found_.bracket = {std::min(sure_from_start(), 1.0), 1};
-    return found_;
+  /// Distances are convex over time: of single convex bodies that only translate.
+  bool are_convex() const { return is_convex(from_) && is_convex(nearer_) && is_convex(bar_); }
+  bool is_over() const { return looks_ >= options_.most_looks; }
+  double width() const { return options_.width; }
+  /// An upper bound on how much the two sides come together in all of the motion.
+  double change_m() const { return change_m_; }
+
+  NearerLook look(double time) {
+    ++looks_;
+    if (options_.looks != nullptr) ++*options_.looks;
+    NearerLook look{.time = time};
+    const Frame frame = from_.motion.at(time);
+    const Placed from = placed_at(from_, frame);
+    // What is farther than either may come until the end need not be measured.
+    const double left_m = change_m_ * (1 + kBoundSlack);
+    look.bar = bounds_of_side(bar_, from, time, nearer_.body == nullptr ? 2 * nearer_.more_m + left_m : kEndless);
+    look.nearer = bounds_of_side(nearer_, from, time, look.bar.high_m + left_m);
+    look.yes = bar_.body == nullptr ? look.nearer.high_m <= look.bar.low_m : look.nearer.high_m < look.bar.low_m;
+    note_gain(look);
+    return look;
   }
 
  private:
-  /// Up to when it is sure without a gap.
-  double sure_from_start() const { return unclear_ >= 0 ? unclear_ : sure_until_; }
-  /// An upper bound on how much the side changes in all of the motion, metres.
-  double speed_of(const GapSide& side) const {
-    if (side.body == nullptr) return 0;
-    const BodyMotion& motion = side.body->motion;
-    return (motion.travel - from_.motion.travel).norm() + motion.turn_rad * side.body->reach_m +
-           from_.motion.turn_rad * from_.reach_m;
+  static bool is_convex(const GapBody& body) {
+    return body.motion.turn_rad == 0 && body.info->primitives.size() == 1 && !body.info->mesh;
   }
+  static bool is_convex(const GapSide& side) { return side.body == nullptr || is_convex(*side.body); }
   static double off_of(const GapBody& body) { return body.motion.error_m(body.reach_m) + body.off_m; }
-  GapBounds bounds_of_side(const GapSide& side, const Placed& from, double limit_m) {
+  Vec3 travel_of(const GapSide& side) const { return side.body->motion.travel - from_.motion.travel; }
+
+  /// An upper bound on how much the side changes in all of the motion, metres.
+  double change_of(const GapSide& side) const {
+    if (side.body == nullptr) return 0;
+    const double turned_m =
+        side.body->motion.turn_rad * side.body->reach_m + from_.motion.turn_rad * from_.reach_m;
+    return (travel_of(side).norm() + turned_m) * (1 + kBoundSlack);
+  }
+  GapBounds bounds_of_side(const GapSide& side, const Placed& from, double time, double limit_m) {
     GapBounds bounds{.low_m = side.more_m, .high_m = side.more_m};
     if (side.body == nullptr) return bounds;
-    const Frame frame = side.body->motion.at(time_);
+    const Frame frame = side.body->motion.at(time);
     bounds = gap_bounds(from, placed_at(*side.body, frame), limit_m - side.more_m, cost_);
     const double off_m = off_of(*side.body) + off_of(from_);
     bounds.low_m = std::max(0.0, bounds.low_m - off_m) + side.more_m;
     bounds.high_m = bounds.high_m + off_m + side.more_m;
     return bounds;
   }
-  /// By how much the side is surely above the other at time_, metres; not above 0: that is not sure.
-  double look() {
-    const Frame frame = from_.motion.at(time_);
-    const Placed from = placed_at(from_, frame);
-    const double left_m = change_m_ * (1 - time_) * (1 + kBoundSlack);
-    // What is farther than either may come until the end need not be measured.
-    const double bar_limit_m = nearer_.body == nullptr ? 2 * nearer_.more_m + left_m : kEndless;
-    const GapBounds bar = bounds_of_side(bar_, from, bar_limit_m);
-    const GapBounds nearer = bounds_of_side(nearer_, from, bar.high_m + left_m);
-    if (bar_.body == nullptr ? nearer.high_m <= bar.low_m : nearer.high_m < bar.low_m) {
-      found_.yes = true;
-      found_.bracket = {std::min(sure_from_start(), time_), time_};
-      return 0;
+  /// A plane between two convex bodies bounds their distance at all times of a translation.
+  void note_gain(NearerLook& look) const {
+    if (nearer_.body == nullptr) {
+      look.gain_m = look.back_gain_m = 0;
+      return;
     }
-    return nearer.low_m - bar.high_m;
-  }
-  /// The side is so much above the other at time_, and stays above it as long as the two cannot have come together.
-  void note_sure(double above_m) {
-    const double safe = change_m_ > 0 ? above_m * (1 - kBoundSlack) / change_m_ : 1;
-    // What lies between the last time that was sure and this one is so, too, where the two cannot have met in between.
-    if (time_ - safe > sure_until_ && unclear_ < 0) unclear_ = sure_until_;
-    sure_until_ = std::max(sure_until_, std::min(1.0, time_ + safe));
+    look.gain_m = look.back_gain_m = -nearer_change_m_;
+    const bool is_measured = look.nearer.high_m < kEndless && !look.nearer.at.normal.isZero(0);
+    if (!is_measured) return;
+    const double along_m = look.nearer.at.normal.dot(travel_of(nearer_));
+    look.gain_m = along_m - kBoundSlack * nearer_change_m_;
+    look.back_gain_m = -along_m - kBoundSlack * nearer_change_m_;
   }
 
   const GapBody& from_;
@@ -97,11 +110,100 @@ class NearerWalk {
   const GapSide& bar_;
   const GapOptions& options_;
   WalkCost& cost_;
-  double change_m_ = 0;  // an upper bound on how much the two sides come together in all of the motion
-  double time_ = 0;
+  double nearer_change_m_ = 0;
+  double change_m_ = 0;
+  std::uint32_t looks_ = 0;
+};
+
+/// A search that halves time: between two looks one side is above planes and the other below a chord.
+class ConvexSearch {
+ public:
+  explicit ConvexSearch(NearerSides& sides) : sides_(sides) {}
+
+  NearerTime run() {
+    const NearerLook first = sides_.look(0);
+    if (first.yes) return {.yes = true, .bracket = {0, 0}};
+    search(first, sides_.look(1));
+    return found_;
+  }
+
+ private:
+  /// True: it was found, or the looks are over.
+  bool search(const NearerLook& from, const NearerLook& to) {
+    if (is_surely_above(from, to)) {
+      if (!is_unclear_) sure_until_ = to.time;
+      return false;
+    }
+    if (to.time - from.time <= sides_.width()) {
+      is_unclear_ = true;
+      found_ = {.yes = to.yes, .bracket = {sure_until_, to.time}};
+      return to.yes;
+    }
+    if (sides_.is_over()) {
+      found_ = {.is_cut_short = true, .bracket = {sure_until_, 1}};
+      return true;
+    }
+    const NearerLook middle = sides_.look((from.time + to.time) / 2);
+    if (middle.yes) return search(from, middle);
+    return search(from, middle) || search(middle, to);
+  }
+
+  static bool is_surely_above(const NearerLook& from, const NearerLook& to) {
+    if (!(from.above_m() > 0) || !(to.above_m() > 0)) return false;
+    // The two lower bounds of the one, linear in time, are least together where they meet.
+    const double length = to.time - from.time;
+    const double rise_m = to.nearer.low_m + to.back_gain_m * length - from.nearer.low_m;
+    const double rates_m = from.gain_m + to.back_gain_m;
+    const double after = rates_m < 0 ? std::clamp(rise_m / rates_m, 0.0, length) : 0;
+    const double nearer_m = std::max(from.nearer_low_m(from.time + after), to.nearer_low_m(from.time + after));
+    const double chord_m = from.bar.high_m + after / length * (to.bar.high_m - from.bar.high_m);
+    return nearer_m - chord_m > kBoundSlack * (std::abs(nearer_m) + std::abs(chord_m));
+  }
+
+  NearerSides& sides_;
+  double sure_until_ = 0;
+  bool is_unclear_ = false;  // before the time that was looked at last, after sure_until_
+  NearerTime found_;
+};
+
+/// A search from look to look: from each follows how long the one surely stays above the other, by the lengths of paths.
+class PathSearch {
+ public:
+  explicit PathSearch(NearerSides& sides) : sides_(sides) {}
+
+  NearerTime run(double until) {
+    double time = 0;
+    for (double step = sides_.width(); !sides_.is_over();) {
+      const NearerLook look = sides_.look(time);
+      if (look.yes) return {.yes = true, .bracket = {std::min(sure_from_start(), time), time}};
+      if (time >= 1 || time > until) return {};
+      if (look.above_m() > 0) note_sure(look);
+      if (look.above_m() > 0 && sure_until_ >= 1) return {};
+      if (look.above_m() > 0 && sure_until_ - time >= step) {
+        step = sides_.width();
+        time = sure_until_;
+      } else {
+        time = std::min(1.0, time + step);
+        step *= 2;
+      }
+    }
+    return {.is_cut_short = true, .bracket = {std::min(sure_from_start(), 1.0), 1}};
+  }
+
+ private:
+  /// Up to when it is sure without a gap.
+  double sure_from_start() const { return unclear_ >= 0 ? unclear_ : sure_until_; }
+  void note_sure(const NearerLook& look) {
+    const double safe =
+        sides_.change_m() > 0 ? look.above_m() * (1 - kBoundSlack) / sides_.change_m() : 1;
+    // What lies between the last time that was sure and this one is so, too, where the two cannot have met in between.
+    if (look.time - safe > sure_until_ && unclear_ < 0) unclear_ = sure_until_;
+    sure_until_ = std::max(sure_until_, std::min(1.0, look.time + safe));
+  }
+
+  NearerSides& sides_;
   double sure_until_ = 0;
   double unclear_ = -1;  // from when on it is not sure; negative: it is
-  NearerTime found_;
 };
 
 }  // namespace
@@ -119,7 +221,9 @@ GapBounds gap_bounds(const Placed& a, const Placed& b, double limit_m, WalkCost&
 
 NearerTime first_nearer(const GapBody& from, const GapSide& nearer, const GapSide& bar, double until,
                         const GapOptions& options, WalkCost& cost) {
-  return NearerWalk(from, nearer, bar, options, cost).run(until);
+  NearerSides sides(from, nearer, bar, options, cost);
+  if (sides.are_convex()) return ConvexSearch(sides).run();
+  return PathSearch(sides).run(until);
 }
 
 }  // namespace collided::engine

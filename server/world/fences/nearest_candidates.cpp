@@ -15,7 +15,7 @@ namespace {
 /// Width of brackets: reported times are whole nanoseconds.
 constexpr double kNearestWidth_s = 1e-9;
 /// Looks at three bodies that one search may take, and those of a step together before each has only the least.
-constexpr std::uint32_t kMostNearestLooks = 2'000;
+constexpr std::uint32_t kMostNearestLooks = 500;
 constexpr std::uint32_t kNearestLooksOfStep = 200'000;
 constexpr std::uint32_t kLeastNearestLooks = 100;
 
@@ -93,6 +93,7 @@ std::uint32_t NearestDecisions::nearest_of_found(const Asked& asked, std::int64_
 std::optional<NearestDecisions::Change> NearestDecisions::first_change(const Asked& asked, const Stretch& piece) {
   std::optional<Change> first;
   std::int64_t until_ns = piece.to_ns;
+  cut_from_ns_ = kForEver;
   const auto gap_of = [&](std::uint32_t slot) {
     return gap_at(asked, slot, until_ns, std::numeric_limits<double>::infinity()).high_m;
   };
@@ -103,11 +104,14 @@ std::optional<NearestDecisions::Change> NearestDecisions::first_change(const Ask
     first = {slot, *time};
     until_ns = time->high_ns;
   }
-  if (asked.nearest == kNone) return first;
-  const std::optional<BracketNs> left = first_time(asked, kNone, piece, until_ns);
-  if (!left || (first && left->high_ns >= until_ns)) return first;
-  // With a hysteresis another one may be near enough by then, which was not nearer.
-  return Change{nearest_of_found(asked, left->high_ns), *left};
+  if (asked.nearest != kNone) {
+    const std::optional<BracketNs> left = first_time(asked, kNone, piece, until_ns);
+    // With a hysteresis another one may be near enough by then, which was not nearer.
+    if (left && !(first && left->high_ns >= until_ns)) first = {nearest_of_found(asked, left->high_ns), *left};
+  }
+  // What a search that was cut short left out may have come before.
+  if (first) first->bracket.low_ns = std::min(first->bracket.low_ns, cut_from_ns_);
+  return first;
 }
 
 /// When it is surely nearer than the nearest for the first time, or near enough where there is none; of kNone: when the
@@ -154,7 +158,10 @@ std::optional<BracketNs> NearestDecisions::first_time_in_part(const Asked& asked
     const std::int64_t high_ns = whole_ns(std::ceil(time.bracket.high * length_ns + round_ns));
     if (time.yes) return BracketNs{low_ns, std::min(high_ns, part.to_ns)};
     is_cut_short = time.is_cut_short;
-    if (is_cut_short) ++cost_.sweeps_skipped;
+    if (is_cut_short) {
+      ++cost_.sweeps_skipped;
+      cut_from_ns_ = std::min(cut_from_ns_, low_ns);
+    }
   }
   const auto jumps = [&](std::uint32_t slot) { return slot != kNone && paths_.jumps(slot, part.to_ns); };
   const bool is_any_jump = jumps(asked.about) || jumps(asked.nearest) || jumps(nearer);

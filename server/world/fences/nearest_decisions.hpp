@@ -114,6 +114,7 @@ class NearestDecisions {
   StepCost& cost_;
   WalkCost walk_;
   std::vector<std::uint32_t> found_;  // candidates, by name
+  std::int64_t cut_from_ns_ = 0;      // from when on some search of a change did not look; kForEver: all did
 };
 
 }  // namespace collided::engine
