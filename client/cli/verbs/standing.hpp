@@ -11,10 +11,10 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/pace.hpp"
 
-/// What fences and margins have in common: questions that stay, whose events are followed.
+/// What fences, margins and questions for the nearest have in common: questions that stay, whose events are followed.
 namespace collided::cli {
 
-/// Says that a fence or margin stands. kind: which of the two.
+/// Says that a fence, a margin or a question stands. kind: which of them.
 inline void print_standing(Session& session, const Globals& globals, const std::string& kind, const std::string& name) {
   Printer printer = make_printer(session.io, globals);
   if (printer.human()) printer.line(fmt::format("{} {}", kind, printable(name)));

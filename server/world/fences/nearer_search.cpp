@@ -115,10 +115,10 @@ class NearerSides {
   std::uint32_t looks_ = 0;
 };
 
-/// A search that halves time: between two looks one side is above planes and the other below a chord.
-class ConvexSearch {
+/// A search that halves time until each part is sure.
+class NearerSearch {
  public:
-  explicit ConvexSearch(NearerSides& sides) : sides_(sides) {}
+  explicit NearerSearch(NearerSides& sides) : sides_(sides) {}
 
   NearerTime run() {
     const NearerLook first = sides_.look(0);
@@ -148,9 +148,17 @@ class ConvexSearch {
     return search(from, middle) || search(middle, to);
   }
 
-  static bool is_surely_above(const NearerLook& from, const NearerLook& to) {
+  bool is_surely_above(const NearerLook& from, const NearerLook& to) const {
     if (!(from.above_m() > 0) || !(to.above_m() > 0)) return false;
-    // The two lower bounds of the one, linear in time, are least together where they meet.
+    return sides_.are_convex() ? is_above_planes(from, to) : is_above_paths(from, to);
+  }
+  /// Both sides go no farther than their paths are long.
+  bool is_above_paths(const NearerLook& from, const NearerLook& to) const {
+    return from.above_m() + to.above_m() > sides_.change_m() * (to.time - from.time) * (1 + kBoundSlack);
+  }
+  /// The one is above two planes' distances, linear in time, and the other below a chord.
+  static bool is_above_planes(const NearerLook& from, const NearerLook& to) {
+    // The two lower bounds are least together where they meet.
     const double length = to.time - from.time;
     const double rise_m = to.nearer.low_m + to.back_gain_m * length - from.nearer.low_m;
     const double rates_m = from.gain_m + to.back_gain_m;
@@ -162,48 +170,8 @@ class ConvexSearch {
 
   NearerSides& sides_;
   double sure_until_ = 0;
-  bool is_unclear_ = false;  // before the time that was looked at last, after sure_until_
+  bool is_unclear_ = false;  // some part after sure_until_ is not sure
   NearerTime found_;
-};
-
-/// A search from look to look: from each follows how long the one surely stays above the other, by the lengths of paths.
-class PathSearch {
- public:
-  explicit PathSearch(NearerSides& sides) : sides_(sides) {}
-
-  NearerTime run(double until) {
-    double time = 0;
-    for (double step = sides_.width(); !sides_.is_over();) {
-      const NearerLook look = sides_.look(time);
-      if (look.yes) return {.yes = true, .bracket = {std::min(sure_from_start(), time), time}};
-      if (time >= 1 || time > until) return {};
-      if (look.above_m() > 0) note_sure(look);
-      if (look.above_m() > 0 && sure_until_ >= 1) return {};
-      if (look.above_m() > 0 && sure_until_ - time >= step) {
-        step = sides_.width();
-        time = sure_until_;
-      } else {
-        time = std::min(1.0, time + step);
-        step *= 2;
-      }
-    }
-    return {.is_cut_short = true, .bracket = {std::min(sure_from_start(), 1.0), 1}};
-  }
-
- private:
-  /// Up to when it is sure without a gap.
-  double sure_from_start() const { return unclear_ >= 0 ? unclear_ : sure_until_; }
-  void note_sure(const NearerLook& look) {
-    const double safe =
-        sides_.change_m() > 0 ? look.above_m() * (1 - kBoundSlack) / sides_.change_m() : 1;
-    // What lies between the last time that was sure and this one is so, too, where the two cannot have met in between.
-    if (look.time - safe > sure_until_ && unclear_ < 0) unclear_ = sure_until_;
-    sure_until_ = std::max(sure_until_, std::min(1.0, look.time + safe));
-  }
-
-  NearerSides& sides_;
-  double sure_until_ = 0;
-  double unclear_ = -1;  // from when on it is not sure; negative: it is
 };
 
 }  // namespace
@@ -219,11 +187,10 @@ GapBounds gap_bounds(const Placed& a, const Placed& b, double limit_m, WalkCost&
           .at = *clearance};
 }
 
-NearerTime first_nearer(const GapBody& from, const GapSide& nearer, const GapSide& bar, double until,
-                        const GapOptions& options, WalkCost& cost) {
+NearerTime first_nearer(const GapBody& from, const GapSide& nearer, const GapSide& bar, const GapOptions& options,
+                        WalkCost& cost) {
   NearerSides sides(from, nearer, bar, options, cost);
-  if (sides.are_convex()) return ConvexSearch(sides).run();
-  return PathSearch(sides).run(until);
+  return NearerSearch(sides).run();
 }
 
 }  // namespace collided::engine

@@ -28,12 +28,12 @@ struct NearerTime {
 };
 
 /// The first time at which `nearer` is surely less than `bar`, both measured from one moving body; where the bar is a
-/// length alone, not more. From each look at a time follows how long the one surely stays above the other, by the lengths of paths.
+/// length alone, not more. Time is halved until each part is sure: of convex bodies that only translate, whose distances
+/// are convex over time, by planes and chords; else by the lengths of paths.
 ///
-/// until    a time after which the answer does not matter
+/// cost     some tens of looks, each two distances; up to most_looks where the two stay as near
 /// threads  any
-/// source   conservative advancement: Mirtich, Impulse-based Dynamic Simulation, 1996, ch. 2
-NearerTime first_nearer(const GapBody& from, const GapSide& nearer, const GapSide& bar, double until,
-                        const GapOptions& options, WalkCost& cost);
+NearerTime first_nearer(const GapBody& from, const GapSide& nearer, const GapSide& bar, const GapOptions& options,
+                        WalkCost& cost);
 
 }  // namespace collided::engine

@@ -15,7 +15,7 @@ namespace {
 /// Width of brackets: reported times are whole nanoseconds.
 constexpr double kNearestWidth_s = 1e-9;
 /// Looks at three bodies that one search may take, and those of a step together before each has only the least.
-constexpr std::uint32_t kMostNearestLooks = 500;
+constexpr std::uint32_t kMostNearestLooks = 1'000;
 constexpr std::uint32_t kNearestLooksOfStep = 200'000;
 constexpr std::uint32_t kLeastNearestLooks = 100;
 
@@ -126,14 +126,14 @@ std::optional<BracketNs> NearestDecisions::first_time(const Asked& asked, std::u
   }
   for (const std::int64_t end_ns : part_ends(asked, nearer, {from_ns, piece.to_ns})) {
     if (from_ns > until_ns) return std::nullopt;
-    if (const auto time = first_time_in_part(asked, nearer, {from_ns, end_ns}, until_ns)) return time;
+    if (const auto time = first_time_in_part(asked, nearer, {from_ns, end_ns})) return time;
     from_ns = end_ns;
   }
   return std::nullopt;
 }
 
 std::optional<BracketNs> NearestDecisions::first_time_in_part(const Asked& asked, std::uint32_t nearer,
-                                                              const Stretch& part, std::int64_t until_ns) {
+                                                              const Stretch& part) {
   const GapBody about = body(asked, asked.about, part);
   const GapBody other = nearer == kNone ? GapBody{} : body(asked, nearer, part);
   const GapBody nearest = asked.nearest == kNone ? GapBody{} : body(asked, asked.nearest, part);
@@ -149,9 +149,8 @@ std::optional<BracketNs> NearestDecisions::first_time_in_part(const Asked& asked
                                                  kNarrowestBracket, kWidestBracket),
                              .most_looks = std::clamp(left, kLeastNearestLooks, kMostNearestLooks),
                              .looks = &cost_.sweep_looks};
-    const double until = (static_cast<double>(until_ns - part.from_ns) + 1) / length_ns;
     ++cost_.swept;
-    const NearerTime time = first_nearer(about, side, bar, until, options, walk_);
+    const NearerTime time = first_nearer(about, side, bar, options, walk_);
     const double round_ns = 4 * kRoundoff * length_ns;
     const auto whole_ns = [&](double ns) { return part.from_ns + static_cast<std::int64_t>(ns); };
     low_ns = whole_ns(std::floor(std::max(0.0, time.bracket.low * length_ns - round_ns)));

@@ -94,8 +94,7 @@ class NearestDecisions {
   std::optional<Change> first_change(const Asked& asked, const Stretch& piece);
   std::optional<BracketNs> first_time(const Asked& asked, std::uint32_t nearer, const Stretch& piece,
                                       std::int64_t until_ns);
-  std::optional<BracketNs> first_time_in_part(const Asked& asked, std::uint32_t nearer, const Stretch& part,
-                                              std::int64_t until_ns);
+  std::optional<BracketNs> first_time_in_part(const Asked& asked, std::uint32_t nearer, const Stretch& part);
   std::vector<std::int64_t> part_ends(const Asked& asked, std::uint32_t nearer, const Stretch& piece) const;
   bool is_surely_nearer(const Asked& asked, std::uint32_t nearer, std::int64_t time_ns);
   GapBounds gap_at(const Asked& asked, std::uint32_t slot, std::int64_t time_ns, double limit_m);
