@@ -412,7 +412,7 @@ COLLIDED_API int collided_margin_add(collided_client* client, const collided_mar
 COLLIDED_API int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed,
                                         collided_error* error);
 
-/* A question that stays for the nearest object; see collided::Nearest. */
+/* A question that stays for the nearest object; see collided::NearestQuestion. */
 typedef struct collided_nearest {
   uint32_t size;
   uint32_t left_out_layers; /* as of a fence */

@@ -141,7 +141,9 @@ Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
   return MarginWatch(Watch(std::move(*watch)), options);
 }
 
-Result<void> Client::add_nearest(const Nearest& nearest) { return client::add_nearest(*state_->connection, nearest); }
+Result<void> Client::add_nearest(const NearestQuestion& nearest) {
+  return client::add_nearest(*state_->connection, nearest);
+}
 Result<std::size_t> Client::remove_nearest(const std::string& name) {
   return client::remove_nearest(*state_->connection, name);
 }

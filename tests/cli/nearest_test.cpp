@@ -9,7 +9,7 @@ namespace {
 class NearestVerb : public testing::Test {
  protected:
   void SetUp() override { fake::reset(); }
-  static const Nearest& added() { return fake::server().nearest.back(); }
+  static const NearestQuestion& added() { return fake::server().nearest.back(); }
   static NearestEvent event(NearestEventKind kind, const std::string& from, const std::string& to) {
     NearestEvent event;
     event.kind = kind;
@@ -86,7 +86,7 @@ TEST_F(NearestVerb, NewsSayFromWhomToWhomAndWhy) {
 }
 
 TEST_F(NearestVerb, TheListHasTheAnswers) {
-  ListedNearest listed{.nearest = {.name = "escape", .only = "door_*", .to = "person_7", .within_m = 20}};
+  ListedNearest listed{.question = {.name = "escape", .only = "door_*", .to = "person_7", .within_m = 20}};
   listed.object = "door_2";
   listed.since = std::chrono::seconds(90);
   fake::server().listed_nearest = {listed};

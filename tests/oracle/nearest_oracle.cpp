@@ -35,7 +35,8 @@ Real distance_between(const MovingBody& a, const MovingBody& b, Real time_ns) {
   const Triple from = centre(a, time_ns);
   const Triple to = centre(b, time_ns);
   const Real apart = std::hypot(from[0] - to[0], from[1] - to[1], from[2] - to[2]);
-  return std::max<Real>(0, apart - static_cast<Real>(std::get<double>(a.form)) - static_cast<Real>(std::get<double>(b.form)));
+  return std::max<Real>(
+      0, apart - static_cast<Real>(std::get<double>(a.form)) - static_cast<Real>(std::get<double>(b.form)));
 }
 
 class NearestSearch {
@@ -48,7 +49,8 @@ class NearestSearch {
   }
   /// By how much `next` is over what it takes to follow upon `now`, metres; -1: none of them.
   Real over(int now, int next, Real time_ns) const {
-    if (next < 0) return distance(now, time_ns) - static_cast<Real>(asked_.within_m) - static_cast<Real>(asked_.hysteresis_m);
+    if (next < 0)
+      return distance(now, time_ns) - static_cast<Real>(asked_.within_m) - static_cast<Real>(asked_.hysteresis_m);
     if (now < 0) return static_cast<Real>(asked_.within_m) - distance(next, time_ns);
     return distance(now, time_ns) - static_cast<Real>(asked_.hysteresis_m) - distance(next, time_ns);
   }
@@ -155,12 +157,13 @@ std::vector<NearestStay> nearest_stays(const MovingBody& about, const std::vecto
         for (int who = 0; who < count; ++who) {
           const Real by = search.over(-1, who, next->began_ns);
           if (who != now.who) closest_m = std::min(closest_m, std::abs(static_cast<double>(by)));
-          const bool is_nearer = next->who < 0 || search.distance(who, next->began_ns) <
-                                                      search.distance(next->who, next->began_ns);
+          const bool is_nearer =
+              next->who < 0 || search.distance(who, next->began_ns) < search.distance(next->who, next->began_ns);
           if (who != now.who && by >= 0 && is_nearer) next->who = who;
         }
       }
-      if (!stays.empty()) closest_ns = std::min(closest_ns, static_cast<double>(next->began_ns - stays.back().began_ns));
+      if (!stays.empty())
+        closest_ns = std::min(closest_ns, static_cast<double>(next->began_ns - stays.back().began_ns));
       before = now.who;
       now = *next;
       stays.push_back(now);

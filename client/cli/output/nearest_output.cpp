@@ -22,7 +22,7 @@ Value text_or_none(const std::string& text) {
   return text.empty() ? Value(std::monostate{}) : Value(std::string_view(text));
 }
 
-std::string about_text(const Nearest& nearest) {
+std::string about_text(const NearestQuestion& nearest) {
   if (!nearest.point) return printable(nearest.to);
   return fmt::format("{} {} {}", format_number(nearest.point->x()), format_number(nearest.point->y()),
                      format_number(nearest.point->z()));
@@ -66,13 +66,13 @@ std::string nearest_line(const Printer& printer, const NearestEvent& event) {
   } else {
     const std::string from = event.from.empty() ? "nothing" : printable(event.from);
     line = fmt::format("{} {}  {}  {} -> {}", clock_text(seconds_before(event, event.bracket_high_s)),
-                       printer.paint(event.to.empty() ? Paint::faint : Paint::bad, "nearest"),
-                       printable(event.nearest), from, to);
+                       printer.paint(event.to.empty() ? Paint::faint : Paint::bad, "nearest"), printable(event.nearest),
+                       from, to);
   }
   if (has_distance(event)) line += fmt::format("  {} m", readable_number(event.distance_m, event.distance_error_m));
   if (event.reason != EndReason::none && event.reason != EndReason::separated)
-    line += fmt::format("  ({})", event.reason == EndReason::fence_removed ? "question_removed"
-                                                                            : reason_word(event.reason));
+    line += fmt::format("  ({})",
+                        event.reason == EndReason::fence_removed ? "question_removed" : reason_word(event.reason));
   if (event.doubt != Doubt::none) line += fmt::format("  in doubt ({})", doubt_word(event.doubt));
   line += fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
@@ -80,7 +80,7 @@ std::string nearest_line(const Printer& printer, const NearestEvent& event) {
 }
 
 Record nearest_record(const ListedNearest& listed) {
-  const Nearest& nearest = listed.nearest;
+  const NearestQuestion& nearest = listed.question;
   return {{"nearest", std::string_view(nearest.name)},
           {"only", std::string_view(nearest.only)},
           {"skip", text_or_none(nearest.skip)},
@@ -94,7 +94,7 @@ Record nearest_record(const ListedNearest& listed) {
 }
 
 std::vector<std::string> nearest_row(const ListedNearest& listed) {
-  const Nearest& nearest = listed.nearest;
+  const NearestQuestion& nearest = listed.question;
   return {printable(nearest.name),
           printable(nearest.only) + (nearest.skip.empty() ? "" : " but " + printable(nearest.skip)),
           about_text(nearest),

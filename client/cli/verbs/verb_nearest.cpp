@@ -17,8 +17,9 @@ constexpr const char* kNearestForms =
 class NearestCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "add NAME GLOB OBJECT DISTANCE, add NAME GLOB X Y Z DISTANCE, ls [GLOB], rm GLOB, or "
-                                    "watch [GLOB]");
+    app.add_option("words", words_,
+                   "add NAME GLOB OBJECT DISTANCE, add NAME GLOB X Y Z DISTANCE, ls [GLOB], rm GLOB, or "
+                   "watch [GLOB]");
     app.add_option("--hysteresis", hysteresis_, "add: another one must be nearer by more than this (0)");
     app.add_option("--only", only_, "watch: questions or objects (glob)");
     app.add_option("--skip", skip_, "add: objects that do not count; watch: questions or objects (glob)");
@@ -97,7 +98,7 @@ class NearestCommand : public Command {
   }
 
   std::vector<std::string> words_;
-  Nearest nearest_;
+  NearestQuestion nearest_;
   std::string hysteresis_ = "0";
   std::string only_;
   std::string skip_;

@@ -199,7 +199,7 @@ class Client {
   // The nearest.
 
   /// Adds a question that stays for the nearest object. One that is not kept goes when this client does.
-  Result<void> add_nearest(const Nearest& nearest);
+  Result<void> add_nearest(const NearestQuestion& nearest);
   /// Removes such questions by name or glob, and returns how many there were.
   Result<std::size_t> remove_nearest(const std::string& name);
   /// The questions whose names match the glob, and what is nearest; empty: all.

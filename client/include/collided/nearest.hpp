@@ -21,15 +21,15 @@ class NearestWatcher;
 /// Which object of a group is nearest to another object, or to a point. The server follows all of them along their whole
 /// ways, as it does for contacts, and decides once all their publishers have said where they are. Objects that stand
 /// still count, parts of loaded scenes do not; masks, groups and rules that let two pass do not matter.
-struct Nearest {
-  std::string name;                  // unique among questions for the nearest, fences and margins
-  std::string only;                  // name glob of the objects of which one is nearest
-  std::string to = {};               // name of the object that the distances are to, which need not be there yet
-  std::optional<Vec3> point = {};    // in place of it, in the world
-  double within_m = 0;               // what is farther away does not count
-  double hysteresis_m = 0;           // another one must be nearer by more than this; the last one may be so much farther
-  std::string skip = {};             // name glob of objects that do not count; empty: none
-  std::uint32_t mask = 0xffffffff;   // objects of which a layer is in it count
+struct NearestQuestion {
+  std::string name;                 // unique among questions for the nearest, fences and margins
+  std::string only;                 // name glob of the objects of which one is nearest
+  std::string to = {};              // name of the object that the distances are to, which need not be there yet
+  std::optional<Vec3> point = {};   // in place of it, in the world
+  double within_m = 0;              // what is farther away does not count
+  double hysteresis_m = 0;          // another one must be nearer by more than this; the last one may be so much farther
+  std::string skip = {};            // name glob of objects that do not count; empty: none
+  std::uint32_t mask = 0xffffffff;  // objects of which a layer is in it count
   /// It stays until it is removed, and comes back after a crash of the server. Else it goes with the client.
   bool keep = false;
 };
@@ -44,10 +44,10 @@ struct NearestEvent {
   EndReason reason = EndReason::none;
   /// Other than none: `to` or what it is nearest to is where a lost publisher said last, and there is no distance.
   Doubt doubt = Doubt::none;
-  bool resync = false;  // inferred from the state: after a gap, or from a new server
-  std::string nearest;  // name of the question
-  std::string from;     // the object that was nearest; empty: none, or that is not known
-  std::string to;       // the object that is; empty: nothing is near enough
+  bool resync = false;                     // inferred from the state: after a gap, or from a new server
+  std::string nearest;                     // name of the question
+  std::string from;                        // the object that was nearest; empty: none, or that is not known
+  std::string to;                          // the object that is; empty: nothing is near enough
   std::uint64_t to_id = 0;                 // the server's number for it
   std::uint64_t epoch = 0;                 // grows with each start of a server
   std::uint64_t sequence = 0;              // of the event within the epoch; those of fences and margins count with it
@@ -55,15 +55,15 @@ struct NearestEvent {
   double bracket_low_s = 0;                // the change happened between these two, in seconds before world_time
   double bracket_high_s = 0;
   // Of `to`, at the end of the bracket; of `is`, when it became nearest.
-  double distance_m = 0;        // |truth - distance_m| <= distance_error_m; 0: they touch
+  double distance_m = 0;  // |truth - distance_m| <= distance_error_m; 0: they touch
   double distance_error_m = 0;
-  Vec3 point = Vec3::Zero();    // of it, in the world; zero where they touch
-  Vec3 normal = Vec3::Zero();   // unit, from there to what it is nearest to; zero where they touch
+  Vec3 point = Vec3::Zero();   // of it, in the world; zero where they touch
+  Vec3 normal = Vec3::Zero();  // unit, from there to what it is nearest to; zero where they touch
 };
 
 /// A question for the nearest in the server, and the answer.
 struct ListedNearest {
-  Nearest nearest;
+  NearestQuestion question;
   std::string object;                             // empty: nothing is near enough
   bool is_in_doubt = false;                       // as of an event
   std::optional<std::chrono::nanoseconds> since;  // world time by which it was nearest

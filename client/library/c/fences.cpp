@@ -200,14 +200,14 @@ int collided_nearest_add(collided_client* client, const collided_nearest* neares
     if (!client) return missing("client");
     if (!nearest) return missing("nearest");
     const collided_nearest given = taken(nearest);
-    Nearest asked{.name = text(given.name),
-                  .only = text(given.only),
-                  .to = text(given.to),
-                  .within_m = given.within_m,
-                  .hysteresis_m = given.hysteresis_m,
-                  .skip = text(given.skip),
-                  .mask = ~given.left_out_layers,
-                  .keep = given.keep != 0};
+    NearestQuestion asked{.name = text(given.name),
+                          .only = text(given.only),
+                          .to = text(given.to),
+                          .within_m = given.within_m,
+                          .hysteresis_m = given.hysteresis_m,
+                          .skip = text(given.skip),
+                          .mask = ~given.left_out_layers,
+                          .keep = given.keep != 0};
     if (asked.to.empty()) asked.point = Vec3(given.point[0], given.point[1], given.point[2]);
     return client->client.add_nearest(asked);
   });

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::seconds kNearestTimeout{10};
 
-nlohmann::json nearest_arguments(const Nearest& nearest) {
+nlohmann::json nearest_arguments(const NearestQuestion& nearest) {
   nlohmann::json arguments{{"name", nearest.name},
                            {"only", nearest.only},
                            {"within", nearest.within_m},
@@ -31,20 +31,20 @@ nlohmann::json nearest_arguments(const Nearest& nearest) {
 }
 
 ListedNearest listed_nearest(const nlohmann::json& row) {
-  ListedNearest listed{.nearest = {.name = row.at("nearest"),
-                                   .only = row.at("only"),
-                                   .to = row.at("to"),
-                                   .within_m = row.at("within"),
-                                   .hysteresis_m = row.at("hysteresis"),
-                                   .skip = row.at("skip"),
-                                   .mask = row.at("mask"),
-                                   .keep = row.at("keep")},
+  ListedNearest listed{.question = {.name = row.at("nearest"),
+                                    .only = row.at("only"),
+                                    .to = row.at("to"),
+                                    .within_m = row.at("within"),
+                                    .hysteresis_m = row.at("hysteresis"),
+                                    .skip = row.at("skip"),
+                                    .mask = row.at("mask"),
+                                    .keep = row.at("keep")},
                        .object = row.at("object"),
                        .is_in_doubt = row.at("in_doubt"),
                        .since = {}};
   if (row.contains("point")) {
     const auto point = row.at("point").get<std::vector<double>>();
-    if (point.size() == 3) listed.nearest.point = Vec3(point[0], point[1], point[2]);
+    if (point.size() == 3) listed.question.point = Vec3(point[0], point[1], point[2]);
   }
   if (row.contains("since_ns")) listed.since = std::chrono::nanoseconds(row.at("since_ns").get<std::int64_t>());
   return listed;
@@ -60,15 +60,14 @@ bool is_wanted_nearest(const NearestEvent& event, const NearestWatchOptions& wan
 
 }  // namespace
 
-Result<void> add_nearest(Connection& connection, const Nearest& nearest) {
+Result<void> add_nearest(Connection& connection, const NearestQuestion& nearest) {
   // JSON cannot carry these.
   if (!std::isfinite(nearest.within_m) || !std::isfinite(nearest.hysteresis_m))
     return bad_input("nearest '" + nearest.name + "': a distance is not finite");
   if (nearest.point && !nearest.point->allFinite())
     return bad_input("nearest '" + nearest.name + "': the point is not finite");
-  return read_answer(
-      command(connection, wire_contract::command::kFence, nearest_arguments(nearest), kNearestTimeout), "fence",
-      [](const nlohmann::json&) {});
+  return read_answer(command(connection, wire_contract::command::kFence, nearest_arguments(nearest), kNearestTimeout),
+                     "fence", [](const nlohmann::json&) {});
 }
 
 Result<std::size_t> remove_nearest(Connection& connection, const std::string& name) {

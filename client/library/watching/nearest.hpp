@@ -15,7 +15,7 @@ namespace collided {
 namespace client {
 
 /// Client::add_nearest, remove_nearest and nearest.
-Result<void> add_nearest(Connection& connection, const Nearest& nearest);
+Result<void> add_nearest(Connection& connection, const NearestQuestion& nearest);
 Result<std::size_t> remove_nearest(Connection& connection, const std::string& name);
 Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const std::string& name_glob);
 

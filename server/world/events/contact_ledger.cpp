@@ -288,8 +288,7 @@ void ContactLedger::finish_step() {
     const bool is_nearest = is_nearest_question(e.of.b);
     return std::tuple(is_nearest, is_nearest || !is_old_end(e), is_nearest ? 0 : e.of.a, e.of.b);
   };
-  std::stable_sort(events_.begin(), events_.end(),
-                   [&](const Event& x, const Event& y) { return place(x) < place(y); });
+  std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) { return place(x) < place(y); });
   if (is_of_fences_) mark_nearest();
   // A pair may begin several times in a step: an end takes the last beginning before it, an open contact the last of
   // all.

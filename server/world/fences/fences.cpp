@@ -226,10 +226,9 @@ void Fences::follow_carriers(const StepView& step) {
   // The floor passed a source that is silent: its pairs may begin anew though nothing moved.
   if (step.sources.is_any_behind_floor()) {
     followed_.clear();
-    std::copy_if(table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
-                 [&](std::uint32_t fence) {
-                   return table_.carrier(fence) != FenceTable::kNone && table_.has_bounds(fence);
-                 });
+    std::copy_if(
+        table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
+        [&](std::uint32_t fence) { return table_.carrier(fence) != FenceTable::kNone && table_.has_bounds(fence); });
   }
   std::sort(followed_.begin(), followed_.end());
   for (const std::uint32_t fence : followed_) table_.set_bounds(fence, bounds_on_the_way(step, fence));

@@ -52,9 +52,7 @@ class Fences {
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
   /// There is a fence to be decided, though nothing moved.
-  bool has_news() const {
-    return !new_.empty() || !new_margins_.empty() || is_any_pending() || nearest_.has_news();
-  }
+  bool has_news() const { return !new_.empty() || !new_margins_.empty() || is_any_pending() || nearest_.has_news(); }
   /// Something came into a band, or left it, that is told once it has lasted, though nothing moves.
   bool is_any_pending() const { return !pending_.empty(); }
 

@@ -77,8 +77,7 @@ class NearerSides {
   /// An upper bound on how much the side changes in all of the motion, metres.
   double change_of(const GapSide& side) const {
     if (side.body == nullptr) return 0;
-    const double turned_m =
-        side.body->motion.turn_rad * side.body->reach_m + from_.motion.turn_rad * from_.reach_m;
+    const double turned_m = side.body->motion.turn_rad * side.body->reach_m + from_.motion.turn_rad * from_.reach_m;
     return (travel_of(side).norm() + turned_m) * (1 + kBoundSlack);
   }
   GapBounds bounds_of_side(const GapSide& side, const Placed& from, double time, double limit_m) {

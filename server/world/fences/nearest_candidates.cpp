@@ -25,11 +25,11 @@ bool is_resting(const GapBody& body) {
 
 }  // namespace
 
-bool NearestDecisions::may_be(const Asked& asked, std::uint32_t slot) const {
+bool NearestDecisions::may_be(const NearestAsked& asked, std::uint32_t slot) const {
   return asked.group.holds(slot) && slot != asked.about && slot != asked.nearest;
 }
 
-void NearestDecisions::find_candidates(const Asked& asked, const Aabb& box) {
+void NearestDecisions::find_candidates(const NearestAsked& asked, const Aabb& box) {
   found_.clear();
   const auto add = [&](std::uint32_t slot) {
     if (may_be(asked, slot)) found_.push_back(slot);
@@ -46,7 +46,7 @@ void NearestDecisions::order_found() {
 }
 
 /// All places of what the question is about in a piece of time.
-Aabb NearestDecisions::bounds_about(const Asked& asked, const Stretch& piece) {
+Aabb NearestDecisions::bounds_about(const NearestAsked& asked, const Stretch& piece) {
   Aabb all = bounds_of(info(asked, asked.about), frame_at(asked.about, piece.from_ns));
   if (asked.about == kNone) return all;
   std::int64_t from_ns = piece.from_ns;
@@ -60,7 +60,7 @@ Aabb NearestDecisions::bounds_about(const Asked& asked, const Stretch& piece) {
 }
 
 /// The nearest is no farther away in the piece than this: where it is at first, and how far the two go from there.
-double NearestDecisions::reach_m(const Asked& asked, const Stretch& piece) {
+double NearestDecisions::reach_m(const NearestAsked& asked, const Stretch& piece) {
   if (asked.nearest == kNone) return asked.rule.within_m;
   const double most_m = asked.rule.reach_m();
   double reach_m = gap_at(asked, asked.nearest, piece.from_ns, most_m).high_m;
@@ -77,7 +77,7 @@ double NearestDecisions::reach_m(const Asked& asked, const Stretch& piece) {
 }
 
 /// kNone: none of them is near enough at that time.
-std::uint32_t NearestDecisions::nearest_of_found(const Asked& asked, std::int64_t time_ns) {
+std::uint32_t NearestDecisions::nearest_of_found(const NearestAsked& asked, std::int64_t time_ns) {
   std::uint32_t nearest = kNone;
   double nearest_m = asked.rule.within_m;
   for (const std::uint32_t slot : found_) {
@@ -90,7 +90,8 @@ std::uint32_t NearestDecisions::nearest_of_found(const Asked& asked, std::int64_
   return nearest;
 }
 
-std::optional<NearestDecisions::Change> NearestDecisions::first_change(const Asked& asked, const Stretch& piece) {
+std::optional<NearestDecisions::Change> NearestDecisions::first_change(const NearestAsked& asked,
+                                                                       const Stretch& piece) {
   std::optional<Change> first;
   std::int64_t until_ns = piece.to_ns;
   cut_from_ns_ = kForEver;
@@ -116,8 +117,8 @@ std::optional<NearestDecisions::Change> NearestDecisions::first_change(const Ask
 
 /// When it is surely nearer than the nearest for the first time, or near enough where there is none; of kNone: when the
 /// nearest is surely beyond its reach. Nothing: not in the piece, or only after until_ns.
-std::optional<BracketNs> NearestDecisions::first_time(const Asked& asked, std::uint32_t nearer, const Stretch& piece,
-                                                      std::int64_t until_ns) {
+std::optional<BracketNs> NearestDecisions::first_time(const NearestAsked& asked, std::uint32_t nearer,
+                                                      const Stretch& piece, std::int64_t until_ns) {
   std::int64_t from_ns = piece.from_ns;
   if (nearer != kNone && born_ns(nearer) > from_ns) {
     from_ns = born_ns(nearer);
@@ -132,7 +133,7 @@ std::optional<BracketNs> NearestDecisions::first_time(const Asked& asked, std::u
   return std::nullopt;
 }
 
-std::optional<BracketNs> NearestDecisions::first_time_in_part(const Asked& asked, std::uint32_t nearer,
+std::optional<BracketNs> NearestDecisions::first_time_in_part(const NearestAsked& asked, std::uint32_t nearer,
                                                               const Stretch& part) {
   const GapBody about = body(asked, asked.about, part);
   const GapBody other = nearer == kNone ? GapBody{} : body(asked, nearer, part);
@@ -169,7 +170,7 @@ std::optional<BracketNs> NearestDecisions::first_time_in_part(const Asked& asked
 }
 
 /// Where one of the three begins or ends a motion; so these times do not depend on who else is near.
-std::vector<std::int64_t> NearestDecisions::part_ends(const Asked& asked, std::uint32_t nearer,
+std::vector<std::int64_t> NearestDecisions::part_ends(const NearestAsked& asked, std::uint32_t nearer,
                                                       const Stretch& piece) const {
   std::vector<std::int64_t> times;
   if (piece.to_ns > piece.from_ns) times.push_back(piece.to_ns);
@@ -181,7 +182,7 @@ std::vector<std::int64_t> NearestDecisions::part_ends(const Asked& asked, std::u
   return times;
 }
 
-bool NearestDecisions::is_surely_nearer(const Asked& asked, std::uint32_t nearer, std::int64_t time_ns) {
+bool NearestDecisions::is_surely_nearer(const NearestAsked& asked, std::uint32_t nearer, std::int64_t time_ns) {
   const double reach_m = asked.rule.reach_m();
   if (nearer == kNone) return gap_at(asked, asked.nearest, time_ns, reach_m * 2).low_m > reach_m;
   if (asked.nearest == kNone) return gap_at(asked, nearer, time_ns, reach_m).high_m <= asked.rule.within_m;
@@ -189,7 +190,8 @@ bool NearestDecisions::is_surely_nearer(const Asked& asked, std::uint32_t nearer
   return gap_at(asked, nearer, time_ns, bar_m).high_m < bar_m - asked.rule.hysteresis_m;
 }
 
-GapBounds NearestDecisions::gap_at(const Asked& asked, std::uint32_t slot, std::int64_t time_ns, double limit_m) {
+GapBounds NearestDecisions::gap_at(const NearestAsked& asked, std::uint32_t slot, std::int64_t time_ns,
+                                   double limit_m) {
   const Frame frame_about = frame_at(asked.about, time_ns);
   const Frame frame = frame_at(slot, time_ns);
   const ObjectInfo& about = info(asked, asked.about);
@@ -204,7 +206,7 @@ GapBounds NearestDecisions::gap_at(const Asked& asked, std::uint32_t slot, std::
   return gap;
 }
 
-GapBody NearestDecisions::body(const Asked& asked, std::uint32_t slot, const Stretch& part) {
+GapBody NearestDecisions::body(const NearestAsked& asked, std::uint32_t slot, const Stretch& part) {
   if (slot == kNone) return {.info = &info(asked, slot), .motion = BodyMotion::resting(Frame{}), .reach_m = 0};
   const BodyMotion motion = paths_.motion(slot, part.from_ns, part.to_ns, rows_[slot].frame);
   return {.info = rows_.info(slot),
@@ -226,7 +228,7 @@ double NearestDecisions::off_m(std::uint32_t slot, std::int64_t time_ns) const {
 }
 
 /// Of what the question is about: kNone is its point.
-const ObjectInfo& NearestDecisions::info(const Asked& asked, std::uint32_t slot) {
+const ObjectInfo& NearestDecisions::info(const NearestAsked& asked, std::uint32_t slot) {
   return slot == kNone ? table_.body(asked.fence) : *rows_.info(slot);
 }
 

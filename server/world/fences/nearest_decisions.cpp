@@ -15,8 +15,8 @@ BracketNs at_once(std::int64_t time_ns) { return {time_ns, time_ns}; }
 
 }  // namespace
 
-void NearestDecisions::decide(std::uint32_t fence, NearestQuestion& question, const NearestGroup& group) {
-  Asked asked{.fence = fence, .question = question, .group = group, .rule = *table_.rule(fence).nearest};
+void NearestDecisions::decide(std::uint32_t fence, NearestProgress& question, const NearestGroup& group) {
+  NearestAsked asked{.fence = fence, .question = question, .group = group, .rule = *table_.rule(fence).nearest};
   if (!find_about(asked)) {
     question.is_begun = question.has_nearest = false;
     return;
@@ -32,7 +32,8 @@ void NearestDecisions::decide(std::uint32_t fence, NearestQuestion& question, co
       tell(asked, {asked.nearest, at_once(question.decided_ns)});
     // The nearest was taken out.
     if (open == nullptr && question.has_nearest) {
-      find_candidates(asked, grown(bounds_about(asked, {question.decided_ns, question.decided_ns}), asked.rule.within_m));
+      find_candidates(asked,
+                      grown(bounds_about(asked, {question.decided_ns, question.decided_ns}), asked.rule.within_m));
       tell(asked, {nearest_of_found(asked, question.decided_ns), at_once(question.decided_ns), true});
       note_reach(asked, question.decided_ns);
     }
@@ -44,7 +45,7 @@ void NearestDecisions::decide(std::uint32_t fence, NearestQuestion& question, co
 }
 
 /// False: what it is about is not there, or is a part of a scene, which has no body of its own.
-bool NearestDecisions::find_about(Asked& asked) const {
+bool NearestDecisions::find_about(NearestAsked& asked) const {
   if (!table_.is_carried(asked.fence)) return true;
   asked.about = table_.carrier(asked.fence);
   if (asked.about == kNone) return false;
@@ -56,7 +57,7 @@ bool NearestDecisions::find_about(Asked& asked) const {
 }
 
 /// Up to when all are known that it looks at; who is silent for too long is not waited for.
-std::int64_t NearestDecisions::known_ns(const Asked& asked) const {
+std::int64_t NearestDecisions::known_ns(const NearestAsked& asked) const {
   std::int64_t known_ns = kForEver;
   const auto wait_for = [&](std::uint32_t source) {
     if (source != Sources::kResting) known_ns = std::min(known_ns, step_.sources[source].known_of(0));
@@ -76,7 +77,7 @@ const OpenContact* NearestDecisions::open_of(std::uint32_t fence) const {
 }
 
 /// Nothing is said of the time before the question.
-void NearestDecisions::begin(Asked& asked, std::int64_t time_ns) {
+void NearestDecisions::begin(NearestAsked& asked, std::int64_t time_ns) {
   asked.question.is_begun = true;
   asked.question.decided_ns = time_ns;
   asked.nearest = kNone;
@@ -87,7 +88,7 @@ void NearestDecisions::begin(Asked& asked, std::int64_t time_ns) {
 }
 
 /// Objects that are new, and are said to have been there by the time that is decided.
-void NearestDecisions::settle_what_came(Asked& asked) {
+void NearestDecisions::settle_what_came(NearestAsked& asked) {
   found_.clear();
   for (const std::uint32_t slot : asked.group.came) {
     if (may_be(asked, slot) && born_ns(slot) <= asked.question.decided_ns) found_.push_back(slot);
@@ -100,7 +101,7 @@ void NearestDecisions::settle_what_came(Asked& asked) {
 }
 
 /// A filter: whether anything moved or began by then that matters. What does not change costs one look at the index.
-bool NearestDecisions::may_change(const Asked& asked, std::int64_t to_ns) {
+bool NearestDecisions::may_change(const NearestAsked& asked, std::int64_t to_ns) {
   const Stretch newly{asked.question.decided_ns, to_ns};
   const auto moves = [&](std::uint32_t slot) {
     return slot != kNone && paths_.moves(slot, newly.from_ns, newly.to_ns);
@@ -120,7 +121,7 @@ bool NearestDecisions::may_change(const Asked& asked, std::int64_t to_ns) {
   return is_any;
 }
 
-void NearestDecisions::decide_pieces(Asked& asked, std::int64_t to_ns) {
+void NearestDecisions::decide_pieces(NearestAsked& asked, std::int64_t to_ns) {
   std::int64_t from_ns = asked.question.decided_ns;
   for (const std::int64_t end_ns : cuts(asked, to_ns)) {
     decide_piece(asked, {from_ns, end_ns});
@@ -130,7 +131,7 @@ void NearestDecisions::decide_pieces(Asked& asked, std::int64_t to_ns) {
 }
 
 /// At all instants of all publishers that it waits for, so that the pieces do not depend on when messages arrived.
-std::vector<std::int64_t> NearestDecisions::cuts(const Asked& asked, std::int64_t to_ns) const {
+std::vector<std::int64_t> NearestDecisions::cuts(const NearestAsked& asked, std::int64_t to_ns) const {
   std::vector<std::int64_t> times{to_ns};
   const auto add = [&](std::uint32_t number) {
     if (number == Sources::kResting) return;
@@ -149,7 +150,7 @@ std::vector<std::int64_t> NearestDecisions::cuts(const Asked& asked, std::int64_
   return times;
 }
 
-void NearestDecisions::decide_piece(Asked& asked, Stretch piece) {
+void NearestDecisions::decide_piece(NearestAsked& asked, Stretch piece) {
   for (std::uint32_t changes = 0; changes < kMostChanges; ++changes) {
     find_candidates(asked, grown(bounds_about(asked, piece), reach_m(asked, piece)));
     const std::optional<Change> change = first_change(asked, piece);
@@ -162,7 +163,7 @@ void NearestDecisions::decide_piece(Asked& asked, Stretch piece) {
 }
 
 /// Ends what was and begins what is, with the distance at the end of the bracket.
-void NearestDecisions::tell(Asked& asked, const Change& change) {
+void NearestDecisions::tell(NearestAsked& asked, const Change& change) {
   const ObjectId question = table_.id(asked.fence);
   const std::int64_t error_ns = clock_error_ns(asked, change.to);
   const double low_s = change.is_by_step ? 0 : step_.seconds_ago(change.bracket.low_ns - error_ns);
@@ -183,7 +184,7 @@ void NearestDecisions::tell(Asked& asked, const Change& change) {
   ledger_.touches(found);
 }
 
-std::int64_t NearestDecisions::clock_error_ns(const Asked& asked, std::uint32_t other) const {
+std::int64_t NearestDecisions::clock_error_ns(const NearestAsked& asked, std::uint32_t other) const {
   std::uint32_t first = Sources::kResting;
   for (const std::uint32_t slot : {asked.about, asked.nearest, other}) {
     const std::uint32_t source = slot == kNone ? Sources::kResting : rows_.source(slot);
@@ -194,7 +195,7 @@ std::int64_t NearestDecisions::clock_error_ns(const Asked& asked, std::uint32_t 
   return 0;
 }
 
-void NearestDecisions::note_reach(const Asked& asked, std::int64_t time_ns) {
+void NearestDecisions::note_reach(const NearestAsked& asked, std::int64_t time_ns) {
   if (asked.nearest == kNone) return;
   const double most_m = asked.rule.reach_m();
   asked.question.reach_m = std::min(most_m, gap_at(asked, asked.nearest, time_ns, most_m).high_m);

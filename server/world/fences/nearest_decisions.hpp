@@ -14,7 +14,7 @@
 namespace collided::engine {
 
 /// How far a question that stays for the nearest object is decided.
-struct NearestQuestion {
+struct NearestProgress {
   std::uint32_t group = 0;
   ObjectId about = 0;        // its carrier then; 0: a point, or none
   bool is_begun = false;     // it was decided with that carrier
@@ -44,15 +44,15 @@ class NearestDecisions {
         ledger_(ledger),
         cost_(cost) {}
 
-  void decide(std::uint32_t fence, NearestQuestion& question, const NearestGroup& group);
+  void decide(std::uint32_t fence, NearestProgress& question, const NearestGroup& group);
 
  private:
   static constexpr std::uint32_t kNone = FenceTable::kNone;
 
   /// A question while it is decided. Objects are slots.
-  struct Asked {
+  struct NearestAsked {
     std::uint32_t fence = 0;
-    NearestQuestion& question;
+    NearestProgress& question;
     const NearestGroup& group;
     const NearestRule& rule;
     std::uint32_t about = kNone;    // kNone: a point
@@ -69,40 +69,42 @@ class NearestDecisions {
   };
 
   // The question as a whole.
-  bool find_about(Asked& asked) const;
-  std::int64_t known_ns(const Asked& asked) const;
-  void begin(Asked& asked, std::int64_t time_ns);
-  void settle_what_came(Asked& asked);
-  bool may_change(const Asked& asked, std::int64_t to_ns);
-  void decide_pieces(Asked& asked, std::int64_t to_ns);
-  std::vector<std::int64_t> cuts(const Asked& asked, std::int64_t to_ns) const;
-  void decide_piece(Asked& asked, Stretch piece);
-  void tell(Asked& asked, const Change& change);
-  std::int64_t clock_error_ns(const Asked& asked, std::uint32_t other) const;
+  bool find_about(NearestAsked& asked) const;
+  std::int64_t known_ns(const NearestAsked& asked) const;
+  void begin(NearestAsked& asked, std::int64_t time_ns);
+  void settle_what_came(NearestAsked& asked);
+  bool may_change(const NearestAsked& asked, std::int64_t to_ns);
+  void decide_pieces(NearestAsked& asked, std::int64_t to_ns);
+  std::vector<std::int64_t> cuts(const NearestAsked& asked, std::int64_t to_ns) const;
+  void decide_piece(NearestAsked& asked, Stretch piece);
+  void tell(NearestAsked& asked, const Change& change);
+  std::int64_t clock_error_ns(const NearestAsked& asked, std::uint32_t other) const;
   const OpenContact* open_of(std::uint32_t fence) const;
-  void note_reach(const Asked& asked, std::int64_t time_ns);
+  void note_reach(const NearestAsked& asked, std::int64_t time_ns);
 
   // Who may be nearest.
-  bool may_be(const Asked& asked, std::uint32_t slot) const;
-  void find_candidates(const Asked& asked, const Aabb& box);
+  bool may_be(const NearestAsked& asked, std::uint32_t slot) const;
+  void find_candidates(const NearestAsked& asked, const Aabb& box);
   void order_found();
-  Aabb bounds_about(const Asked& asked, const Stretch& piece);
-  double reach_m(const Asked& asked, const Stretch& piece);
-  std::uint32_t nearest_of_found(const Asked& asked, std::int64_t time_ns);
+  Aabb bounds_about(const NearestAsked& asked, const Stretch& piece);
+  double reach_m(const NearestAsked& asked, const Stretch& piece);
+  std::uint32_t nearest_of_found(const NearestAsked& asked, std::int64_t time_ns);
 
   // When that changes.
-  std::optional<Change> first_change(const Asked& asked, const Stretch& piece);
-  std::optional<BracketNs> first_time(const Asked& asked, std::uint32_t nearer, const Stretch& piece,
+  std::optional<Change> first_change(const NearestAsked& asked, const Stretch& piece);
+  std::optional<BracketNs> first_time(const NearestAsked& asked, std::uint32_t nearer, const Stretch& piece,
                                       std::int64_t until_ns);
-  std::optional<BracketNs> first_time_in_part(const Asked& asked, std::uint32_t nearer, const Stretch& part);
-  std::vector<std::int64_t> part_ends(const Asked& asked, std::uint32_t nearer, const Stretch& piece) const;
-  bool is_surely_nearer(const Asked& asked, std::uint32_t nearer, std::int64_t time_ns);
-  GapBounds gap_at(const Asked& asked, std::uint32_t slot, std::int64_t time_ns, double limit_m);
-  GapBody body(const Asked& asked, std::uint32_t slot, const Stretch& part);
+  std::optional<BracketNs> first_time_in_part(const NearestAsked& asked, std::uint32_t nearer, const Stretch& part);
+  std::vector<std::int64_t> part_ends(const NearestAsked& asked, std::uint32_t nearer, const Stretch& piece) const;
+  bool is_surely_nearer(const NearestAsked& asked, std::uint32_t nearer, std::int64_t time_ns);
+  GapBounds gap_at(const NearestAsked& asked, std::uint32_t slot, std::int64_t time_ns, double limit_m);
+  GapBody body(const NearestAsked& asked, std::uint32_t slot, const Stretch& part);
   Frame frame_at(std::uint32_t slot, std::int64_t time_ns) const;
   double off_m(std::uint32_t slot, std::int64_t time_ns) const;
-  const ObjectInfo& info(const Asked& asked, std::uint32_t slot);
-  std::int64_t born_ns(std::uint32_t slot) const { return rows_.source(slot) == Sources::kResting ? 0 : rows_[slot].born_ns; }
+  const ObjectInfo& info(const NearestAsked& asked, std::uint32_t slot);
+  std::int64_t born_ns(std::uint32_t slot) const {
+    return rows_.source(slot) == Sources::kResting ? 0 : rows_[slot].born_ns;
+  }
 
   const StepView& step_;
   const ObjectRows& rows_;

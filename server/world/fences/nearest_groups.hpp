@@ -18,7 +18,7 @@ struct NearestGroup {
   std::vector<ObjectId> members = {};       // by slot; 0: it is none
   std::vector<std::uint32_t> sources = {};  // whose time they have, each once; resting ones have none
   std::vector<std::uint32_t> came = {};     // slots of those that are new in this step
-  std::vector<std::uint32_t> young = {};    // slots of those that began after the time that is decided for every question
+  std::vector<std::uint32_t> young = {};  // slots of those that began after the time that is decided for every question
 
   bool holds(std::uint32_t slot) const { return slot < members.size() && members[slot] != 0; }
   bool is_of(const FenceRule& rule) const { return rule.only == only && rule.skip == skip && rule.mask == mask; }

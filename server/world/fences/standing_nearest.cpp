@@ -3,7 +3,7 @@
 namespace collided::engine {
 
 void StandingNearest::add(std::uint32_t fence) {
-  questions_.emplace(fence, NearestQuestion{.group = groups_.take(table_.rule(fence))});
+  questions_.emplace(fence, NearestProgress{.group = groups_.take(table_.rule(fence))});
   has_new_ = true;
 }
 

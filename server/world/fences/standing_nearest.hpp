@@ -36,7 +36,7 @@ class StandingNearest {
 
   FenceTable& table_;
   ContactLedger& ledger_;
-  std::map<std::uint32_t, NearestQuestion> questions_;  // by fence
+  std::map<std::uint32_t, NearestProgress> questions_;  // by fence
   NearestGroups groups_;
   NearestPaths paths_;
   bool has_new_ = false;

@@ -264,12 +264,12 @@ std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
 }
 std::uint64_t MarginWatch::lost() const { return 0; }
 
-Result<void> Client::add_nearest(const Nearest& nearest) {
+Result<void> Client::add_nearest(const NearestQuestion& nearest) {
   fake::server().nearest.push_back(nearest);
   return {};
 }
 Result<std::size_t> Client::remove_nearest(const std::string& name) {
-  return std::erase_if(fake::server().nearest, [&](const Nearest& nearest) { return nearest.name == name; });
+  return std::erase_if(fake::server().nearest, [&](const NearestQuestion& nearest) { return nearest.name == name; });
 }
 Result<std::vector<ListedNearest>> Client::nearest(const std::string&) { return fake::server().listed_nearest; }
 namespace client {

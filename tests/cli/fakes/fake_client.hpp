@@ -54,7 +54,7 @@ struct Server {
   std::vector<ListedMargin> listed_margins;
   std::deque<MarginEvent> margin_events;
   MarginWatchOptions margins_watched_with;
-  std::vector<Nearest> nearest;
+  std::vector<NearestQuestion> nearest;
   std::vector<ListedNearest> listed_nearest;
   std::deque<NearestEvent> nearest_events;
   NearestWatchOptions nearest_watched_with;

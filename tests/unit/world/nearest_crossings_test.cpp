@@ -235,8 +235,8 @@ std::string text_of(const std::vector<ToldNearest>& told, const std::vector<orac
 void compare(const NearestScene& scene, const std::vector<ToldNearest>& told, NearestTally& tally) {
   double closest_m = 1e300;
   double closest_ns = 1e300;
-  const std::vector<oracle::NearestStay> stays =
-      oracle::nearest_stays(scene.about, scene.balls, {scene.rule.within_m, scene.rule.hysteresis_m}, closest_m, closest_ns);
+  const std::vector<oracle::NearestStay> stays = oracle::nearest_stays(
+      scene.about, scene.balls, {scene.rule.within_m, scene.rule.hysteresis_m}, closest_m, closest_ns);
   ++tally.scenes;
   if (closest_m < 1e-9 || closest_ns < 50) {
     ++tally.too_near;
@@ -273,10 +273,10 @@ TEST(NearestCrossings, AreToldAsTheOracleFindsThem) {
     const std::vector<ToldNearest> told = world.tell(random, 0.5);
     EXPECT_FALSE(world.is_any_in_doubt()) << "scene " << i;
     compare(scene, told, tally);
-    ASSERT_FALSE(testing::Test::HasFailure()) << "scene " << i << (scene.is_point ? ", a point" : "")
-                                              << (scene.is_streamed ? ", streamed" : "") << (scene.is_compound ? ", compound" : "") << ", hysteresis "
-                                              << scene.rule.hysteresis_m << ", publishers of "
-                                              << testing::PrintToString(scene.publishers);
+    ASSERT_FALSE(testing::Test::HasFailure())
+        << "scene " << i << (scene.is_point ? ", a point" : "") << (scene.is_streamed ? ", streamed" : "")
+        << (scene.is_compound ? ", compound" : "") << ", hysteresis " << scene.rule.hysteresis_m << ", publishers of "
+        << testing::PrintToString(scene.publishers);
   }
   std::printf("scenes=%d changes=%d wrong=0 wide_brackets=%d too_near=%d\n", tally.scenes, tally.changes,
               tally.wide_brackets, tally.too_near);
@@ -295,7 +295,8 @@ TEST(NearestCrossings, AnyArrivalOrderTellsTheSame) {
     changes += first.size();
     for (int order = 0; order < 5; ++order)
       ASSERT_EQ(first, OneQuestion(scene).tell(random, 0.3))
-          << "scene " << i << "\n" << text_of(first, {}) << (scene.is_streamed ? " streamed" : "");
+          << "scene " << i << "\n"
+          << text_of(first, {}) << (scene.is_streamed ? " streamed" : "");
   }
   EXPECT_GT(changes, 200u);
 }

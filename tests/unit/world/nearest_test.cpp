@@ -71,9 +71,17 @@ class NearestTest : public testing::Test {
 
   /// What the last step told: "began a", "ended a goes on", "ended a removed".
   Lines told() const {
-    static constexpr const char* kReasons[] = {"",           "",        "removed",         "publisher_lost",
-                                               "teleported", "geometry_changed", "server_stopping", "server_restarted",
-                                               "decided",    "crossed", "fence_removed"};
+    static constexpr const char* kReasons[] = {"",
+                                               "",
+                                               "removed",
+                                               "publisher_lost",
+                                               "teleported",
+                                               "geometry_changed",
+                                               "server_stopping",
+                                               "server_restarted",
+                                               "decided",
+                                               "crossed",
+                                               "fence_removed"};
     Lines lines;
     if (world_.fences() == nullptr) return lines;
     for (const Event& event : world_.fences()->events()) {
