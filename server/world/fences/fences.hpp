@@ -52,9 +52,9 @@ class Fences {
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
   /// There is a fence to be decided, though nothing moved.
-  bool has_news() const { return !new_.empty() || !new_margins_.empty() || is_any_pending() || nearest_.has_news(); }
-  /// Something came into a band, or left it, that is told once it has lasted, though nothing moves.
-  bool is_any_pending() const { return !pending_.empty(); }
+  bool has_news() const { return !new_.empty() || !new_margins_.empty() || waits_for_time(); }
+  /// Something is told once time has gone on, though nothing moves: who came into a band, or left it, or is nearest.
+  bool waits_for_time() const { return is_any_pending() || nearest_.has_news(); }
 
   const std::vector<Event>& events() const { return ledger_.events(); }
   /// Who is in which fence, with the pairs in doubt, in no order.
@@ -64,6 +64,7 @@ class Fences {
   const StepCost& cost() const { return cost_; }
 
  private:
+  bool is_any_pending() const { return !pending_.empty(); }
   std::string reason_against(const FenceDefinition& definition) const;
   void remove_row(std::uint32_t fence);
   void drop_pending(ObjectId id);
