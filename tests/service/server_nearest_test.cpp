@@ -58,21 +58,23 @@ TEST_F(ServerNearest, AnotherIsToldFromWhomToWhomAndHowFar) {
   NearestEvent event = next(watch);
   expect(event, "", "door_a");
   EXPECT_EQ(event.nearest, "escape");
+  std::this_thread::sleep_for(500ms);  // as long as the times that it gives
+  ASSERT_TRUE(publisher.flush(first + 100ms));
   ASSERT_TRUE(publisher.move(person, at(19, 0, 2)));
-  ASSERT_TRUE(publisher.flush(first + 2s));
+  ASSERT_TRUE(publisher.flush(first + 300ms));
   event = next(watch);
   expect(event, "door_a", "door_b");
   EXPECT_EQ(event.reason, EndReason::separated);
-  // Halfway, after a second.
+  // Halfway.
   const auto told_at = [&](double before_s) {
     return std::chrono::duration<double>(event.world_time - first).count() - before_s;
   };
-  EXPECT_LE(told_at(event.bracket_low_s), 1 + 1e-9);
-  EXPECT_GE(told_at(event.bracket_high_s), 1 - 1e-9);
-  EXPECT_NEAR(told_at(event.bracket_high_s), 1, 1e-6);
+  EXPECT_LE(told_at(event.bracket_low_s), 0.2 + 1e-9);
+  EXPECT_GE(told_at(event.bracket_high_s), 0.2 - 1e-9);
+  EXPECT_NEAR(told_at(event.bracket_high_s), 0.2, 1e-6);
   EXPECT_EQ(answers(client), Names{"escape: door_b"});
   ASSERT_TRUE(publisher.move(person, at(300, 0, 2)));
-  ASSERT_TRUE(publisher.flush(first + 4s));
+  ASSERT_TRUE(publisher.flush(first + 500ms));
   event = next(watch);
   expect(event, "door_b", "");
   EXPECT_EQ(answers(client), Names{"escape: "});
@@ -134,7 +136,7 @@ TEST_F(ServerNearest, QuestionsAreListedAndRemovedApartFromFences) {
   EXPECT_EQ(*client.remove_fences("*"), 1u);
   EXPECT_EQ(answers(client), Names{"escape: "});
   for (NearestQuestion wrong : {NearestQuestion{.name = "no", .only = "a", .within_m = 1},
-                                NearestQuestion{.name = "no", .to = "b", .within_m = 1},
+                                NearestQuestion{.name = "no", .only = "", .to = "b", .within_m = 1},
                                 NearestQuestion{.name = "no", .only = "a", .to = "b"}, question("escape")})
     EXPECT_FALSE(client.add_nearest(wrong)) << wrong.name;
   EXPECT_FALSE(client.add_fence({.name = "escape", .shape = {SphereShape{.radius_m = 1}}}));
@@ -181,7 +183,9 @@ TEST_F(ServerNearest, AKillLosesNoKeptQuestionAndTheWatchGoesOn) {
       [&] {
         move(publisher, person, at(19, 0, 2));
         while (const std::optional<NearestEvent> event = watch.next(20ms)) {
-          EXPECT_NE(event->to, is) << "told twice, with sequence number " << event->sequence;
+          // Its publisher defines it anew.
+          const bool is_anew = event->reason == EndReason::geometry_changed;
+          EXPECT_TRUE(is_anew || event->to != is) << "told twice, with sequence number " << event->sequence;
           is = event->to;
         }
         return is == "door_b";
