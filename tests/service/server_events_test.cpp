@@ -95,7 +95,7 @@ TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
 TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   start();
   Client client = connect();
-  Publisher publisher = publish(client, "silent");
+  Publisher publisher = publish(client, "silent", 500ms);
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1), LostPolicy::freeze);
   move(publisher, ball, at(6, 0, 2));
   ASSERT_TRUE(publisher.wait_applied(5s));
