@@ -86,7 +86,8 @@ TEST_F(NearestVerb, NewsSayFromWhomToWhomAndWhy) {
 }
 
 TEST_F(NearestVerb, TheListHasTheAnswers) {
-  ListedNearest listed{.question = {.name = "escape", .only = "door_*", .to = "person_7", .within_m = 20}};
+  ListedNearest listed;
+  listed.question = {.name = "escape", .only = "door_*", .to = "person_7", .within_m = 20};
   listed.object = "door_2";
   listed.since = std::chrono::seconds(90);
   fake::server().listed_nearest = {listed};

@@ -464,7 +464,7 @@ class World(WithServer):
             self.assertAlmostEqual(event.distance, 4, delta=1e-3)
             self.assertGreaterEqual(event.bracket[0], event.bracket[1])
             self.assertEqual(watch.lost, 0)
-        self.assertEqual({row["nearest"]: row["object"] for row in self.client.nearest("py_*")},
+        self.assertEqual({row["nearest"]: row["object"] for row in self.client.nearest_questions("py_*")},
                          {"py_light": "py_lamp_b", "py_corner": "py_lamp_b"})
         for wrong in (0, -1, float("nan"), float("inf")):
             with self.assertRaises(collided.Error):

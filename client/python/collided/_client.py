@@ -515,7 +515,7 @@ class Client(Owned):
         """Removes questions for the nearest by name or glob and returns how many."""
         return _fences.remove(self._handle, "nearest", name)
 
-    def nearest(self, name: str = "") -> list[dict[str, Any]]:
+    def nearest_questions(self, name: str = "") -> list[dict[str, Any]]:
         """The questions for the nearest and their answers, as the command `fences` lists them."""
         return list(self.command("fences", name=name, nearest=True)["nearest"])
 
