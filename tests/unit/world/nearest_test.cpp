@@ -275,6 +275,27 @@ TEST_F(NearestTest, WhatIsFarCostsNoLook) {
   EXPECT_EQ(world_.fences()->cost().exact_tests, 0u);
 }
 
+// The walker goes along the middle between two lamps: neither is ever surely nearer, and the search for it has a limit.
+TEST_F(NearestTest, ATieAllTheWayHasALimitedCost) {
+  ask("walker", "lamp_*", {.within_m = 50});
+  add("lamp_a", {0, 3, 0}, 0, false);
+  add("lamp_b", {0, -3, 0}, 0, false);
+  const ObjectId walker = add("walker", {-9, 0, 0});
+  pose(walker, {-9, 0, 0}, 0);
+  step();
+  EXPECT_EQ(told(), Lines{"began lamp_a"});
+  pose(walker, {9, 0, 0}, 1);
+  step();
+  EXPECT_EQ(told(), Lines());
+  EXPECT_LE(world_.fences()->cost().sweep_looks, 1'100u);
+  EXPECT_EQ(world_.fences()->cost().sweeps_skipped, 1u);
+  // From there on the other one is nearer; what was left open before does not widen that bracket.
+  pose(walker, {9, -1, 0}, 2);
+  step();
+  ASSERT_EQ(told(), (Lines{"ended lamp_a goes on", "began lamp_b"}));
+  expect_at(1, 1);
+}
+
 TEST_F(NearestTest, WhatCannotBeIsRefused) {
   EXPECT_EQ(refusal(question("", "*", {.within_m = 0})),
             "nearest 'near': it looks 0 m far; a finite distance above 0 is needed. Nothing was added");
