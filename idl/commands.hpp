@@ -76,7 +76,7 @@ inline constexpr const char* kAudit = "audit";
 /// What the server has done since its start; the difference of two answers gives rates and quantiles
 /// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
 ///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
-///    fences {count (with the bands of margins), entered (that something is in), inside (objects in them), events},
+///    fences {count (with the bands of margins and the questions for the nearest), entered (that something is in), inside (objects in them), events},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
@@ -106,11 +106,15 @@ inline constexpr const char* kProbes = "probes";
 /// With bands [m, widest first; at most 8 with 0, contact, which is added] it is a margin: distance bands about the objects
 /// that `around` (name glob) matches, for those that `only` matches; name, skip, mask, keep as above, hysteresis (m, 0),
 /// dwell_ns (0).
-/// With remove true: only the name, a glob, and margins (true: of these, not of fences). -> fences [names] (not of many),
-/// count, version
+/// With within (m) it is a question for the nearest of the objects that `only` matches, about the object `to` or about
+/// point [x, y, z], within that distance; hysteresis (m, 0), name, skip, mask, keep as above.
+/// With remove true: only the name, a glob, and margins or nearest (true: of these, not of fences). -> fences [names] (not
+/// of many), count, version
 inline constexpr const char* kFence = "fence";
 
-/// name (glob, "" = all), limit, margins (true: these, in place of fences), bands (true: the bands of margins as well, each
+/// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,
+/// in place of fences: -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none),
+/// since_ns, in_doubt}], count, version), bands (true: the bands of margins as well, each
 /// a fence with margin, within (m) and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
 /// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
 /// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],

@@ -83,6 +83,7 @@ std::unique_ptr<Command> make_implicit();
 std::unique_ptr<Command> make_doctor();
 std::unique_ptr<Command> make_fence();
 std::unique_ptr<Command> make_margin();
+std::unique_ptr<Command> make_nearest();
 std::unique_ptr<Command> make_keys();
 std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();

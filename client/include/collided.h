@@ -31,6 +31,7 @@ typedef struct collided_watch collided_watch;
 typedef struct collided_publisher collided_publisher;
 typedef struct collided_fence_watch collided_fence_watch;
 typedef struct collided_margin_watch collided_margin_watch;
+typedef struct collided_nearest_watch collided_nearest_watch;
 
 /* COLLIDED_NOTHING is no error: there was no event in that time. The others are those of collided/result.hpp. */
 typedef enum collided_code {
@@ -373,7 +374,7 @@ COLLIDED_API int32_t collided_watch_in_step(const collided_watch* watch);
 /* Waits for a callback under way. */
 COLLIDED_API void collided_watch_close(collided_watch* watch);
 
-/* ---- Fences and margins ---- */
+/* ---- Fences, margins and the nearest ---- */
 
 /* A region; see collided::Fence. Zero, null or an empty text: the default there. */
 typedef struct collided_fence {
@@ -410,6 +411,23 @@ typedef struct collided_margin {
 COLLIDED_API int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error);
 COLLIDED_API int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed,
                                         collided_error* error);
+
+/* A question that stays for the nearest object; see collided::NearestQuestion. */
+typedef struct collided_nearest {
+  uint32_t size;
+  uint32_t left_out_layers; /* as of a fence */
+  const char* name;
+  const char* only;
+  const char* to; /* null or empty: the point counts */
+  const char* skip;
+  double point[3];
+  double within_m;
+  double hysteresis_m;
+  int32_t keep;
+} collided_nearest;
+COLLIDED_API int collided_nearest_add(collided_client* client, const collided_nearest* nearest, collided_error* error);
+COLLIDED_API int collided_nearest_remove(collided_client* client, const char* name, uint64_t* removed,
+                                         collided_error* error);
 
 /* News of an object and a fence; see collided::FenceEvent. Texts are valid until the next call for this watch. */
 typedef struct collided_fence_event {
@@ -461,6 +479,27 @@ typedef struct collided_margin_event {
   double contact_in_high_s;
 } collided_margin_event;
 
+/* News of what is nearest; see collided::NearestEvent. */
+typedef struct collided_nearest_event {
+  uint32_t size;
+  int32_t kind;   /* 0 is, 1 changed */
+  int32_t reason; /* as collided::EndReason */
+  int32_t doubt;  /* as collided::Doubt */
+  int32_t resync;
+  const char* nearest;
+  const char* from; /* empty: nothing was */
+  const char* to;   /* empty: nothing is */
+  uint64_t epoch;
+  uint64_t sequence;
+  int64_t world_time_ns;
+  double bracket_low_s;
+  double bracket_high_s;
+  double distance_m;
+  double distance_error_m;
+  double point[3];
+  double normal[3];
+} collided_nearest_event;
+
 /* only, skip  globs, may be null
  * returns     in *watch, to be given to the function named close */
 COLLIDED_API int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
@@ -479,6 +518,14 @@ COLLIDED_API int collided_margin_watch_next(collided_margin_watch* watch, int64_
 COLLIDED_API uint64_t collided_margin_watch_lost(const collided_margin_watch* watch);
 COLLIDED_API int32_t collided_margin_watch_in_step(const collided_margin_watch* watch);
 COLLIDED_API void collided_margin_watch_close(collided_margin_watch* watch);
+
+COLLIDED_API int collided_nearest_watch_start(collided_client* client, const char* only, const char* skip,
+                                              collided_nearest_watch** watch, collided_error* error);
+COLLIDED_API int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns,
+                                             collided_nearest_event* event, collided_error* error);
+COLLIDED_API uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch);
+COLLIDED_API int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch);
+COLLIDED_API void collided_nearest_watch_close(collided_nearest_watch* watch);
 
 /* ---- Publishing ---- */
 

@@ -10,6 +10,7 @@
 #include "client/library/publishing/publisher.hpp"
 #include "client/library/watching/fences.hpp"
 #include "client/library/watching/margins.hpp"
+#include "client/library/watching/nearest.hpp"
 #include "client/library/watching/probes.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/client.hpp"
@@ -138,6 +139,24 @@ Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
       Watch::State::start(state_->connection, {.capacity = options.capacity}, {}, WatchOf::fences);
   if (!watch) return watch.error();
   return MarginWatch(Watch(std::move(*watch)), options);
+}
+
+Result<void> Client::add_nearest(const NearestQuestion& nearest) {
+  return client::add_nearest(*state_->connection, nearest);
+}
+Result<std::size_t> Client::remove_nearest(const std::string& name) {
+  return client::remove_nearest(*state_->connection, name);
+}
+Result<std::vector<ListedNearest>> Client::nearest(const std::string& name_glob) {
+  return client::list_nearest(*state_->connection, name_glob);
+}
+
+Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
+  // Who was nearest before is matched, too, so not by the watch.
+  Result<std::unique_ptr<Watch::State>> watch =
+      Watch::State::start(state_->connection, {.capacity = options.capacity}, {}, WatchOf::fences);
+  if (!watch) return watch.error();
+  return NearestWatch(std::make_unique<client::NearestWatcher>(Watch(std::move(*watch)), options));
 }
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {

@@ -1,5 +1,6 @@
 // Codes go onto the wire as the engine has them, without a table; these assertions keep the engine's and the wire's
 // numbers the same.
+#include "idl/fence_ids.hpp"
 #include "idl/topics.hpp"
 #include "idl/unit_quaternion.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -14,6 +15,8 @@ constexpr bool same(Own own, Wire wire) {
   return static_cast<std::uint8_t>(own) == static_cast<std::uint8_t>(wire);
 }
 
+static_assert(wire_contract::kNearestBits == (kFenceBit | kNearestBit));
+static_assert(wire_contract::kNearestGoesOn == kNearestGoesOn);
 #define COLLIDED_SAME(Own, Wire, name) static_assert(same(Own::name, wire_contract::Wire::name))
 COLLIDED_SAME(QuestionKind, RequestKind, ray);
 COLLIDED_SAME(QuestionKind, RequestKind, sphere);

@@ -107,8 +107,8 @@ void WorldLoop::keep_time() {
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
-  // What came into a band is told once it has lasted, though nothing moves.
-  if (const Fences* fences = with_.world.fences(); fences != nullptr && fences->is_any_pending()) note_change();
+  // What came into a band is told once it has lasted, and who is nearest once all are known, though nothing moves.
+  if (const Fences* fences = with_.world.fences(); fences != nullptr && fences->waits_for_time()) note_change();
   // What the objects of a lost publisher may have reached grows with time, and with it what is undecided.
   if (!with_.world.newest()->stale_objects.empty()) note_change();
   with_.tick();

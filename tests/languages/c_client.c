@@ -388,6 +388,63 @@ static void margins(collided_client* client) {
   expect(removed == 1, "one margin removed");
 }
 
+/* Which of two balls is nearest to a point; one passes the other. */
+static void nearest(collided_client* client) {
+  collided_error error;
+  collided_part part;
+  collided_object object;
+  collided_nearest asked;
+  collided_nearest_event event;
+  collided_nearest_watch* watch = NULL;
+  collided_publisher* publisher = NULL;
+  uint32_t post, drone;
+  uint64_t removed = 0;
+  int i, code = COLLIDED_NOTHING;
+  error.size = sizeof error;
+  memset(&asked, 0, sizeof asked);
+  asked.size = sizeof asked;
+  asked.name = "c_first";
+  asked.only = "c_near_*";
+  asked.point[0] = 700;
+  expect(collided_nearest_add(client, &asked, &error) != COLLIDED_OK, "a distance is needed");
+  asked.within_m = 50;
+  must(collided_nearest_add(client, &asked, &error), &error, "add a question for the nearest");
+
+  must(collided_publish(client, "c_pilot", &publisher, &error), &error, "publish");
+  memset(&part, 0, sizeof part);
+  part.size = sizeof part;
+  part.kind = COLLIDED_SPHERE;
+  part.numbers[3] = 0.5;
+  collided_object_defaults(&object, sizeof object);
+  object.name = "c_near_post";
+  object.parts = &part;
+  object.part_count = 1;
+  object.position[0] = 705;
+  must(collided_publisher_add(publisher, &object, &post, &error), &error, "add a ball");
+  object.name = "c_near_drone";
+  object.position[0] = 720;
+  must(collided_publisher_add(publisher, &object, &drone, &error), &error, "add another");
+  must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
+  must(collided_nearest_watch_start(client, NULL, NULL, &watch, &error), &error, "watch the nearest");
+  event.size = sizeof event;
+  for (i = 0; i < 200 && code == COLLIDED_NOTHING; ++i) code = collided_nearest_watch_next(watch, 100000000, &event, &error);
+  must(code, &error, "an event of the nearest");
+  expect(!strcmp(event.nearest, "c_first") && !strcmp(event.to, "c_near_post"), "who is nearest at first");
+  for (i = 0; i < 500 && !collided_nearest_watch_in_step(watch); ++i)
+    collided_nearest_watch_next(watch, 10000000, &event, &error);
+  move_to(publisher, drone, 702);
+  code = COLLIDED_NOTHING;
+  for (i = 0; i < 200 && code == COLLIDED_NOTHING; ++i) code = collided_nearest_watch_next(watch, 100000000, &event, &error);
+  must(code, &error, "another event of the nearest");
+  expect(event.kind == 1 && !strcmp(event.from, "c_near_post") && !strcmp(event.to, "c_near_drone"), "from whom to whom");
+  expect(fabs(event.distance_m - 4.5) <= event.distance_error_m + 1e-3, "how near");
+  expect(collided_nearest_watch_lost(watch) == 0, "nothing is lost");
+  collided_nearest_watch_close(watch);
+  collided_publisher_close(publisher);
+  must(collided_nearest_remove(client, "c_first", &removed, &error), &error, "remove a question");
+  expect(removed == 1, "one question removed");
+}
+
 /* One ray of unit direction: its verdict, and in *distance where it hits. */
 static int ray_along_x(collided_client* client, double x, double y, double z, double* distance) {
   collided_error error;
@@ -472,6 +529,7 @@ int main(int count, char** words) {
   groups(client);
   fences(client);
   margins(client);
+  nearest(client);
   voxels(client);
   collided_close(client);
   printf("%d faults\n", faults);

@@ -444,6 +444,37 @@ class World(WithServer):
         self.client.remove("py_post")
         self.client.remove("py_guest")
 
+    def test_the_nearest_is_told_from_whom_to_whom(self):
+        self.client.add("py_lamp_a", collided.Sphere(0.5), (500, 50, 0))
+        self.client.add("py_lamp_b", collided.Sphere(0.5), (510, 50, 0))
+        self.client.add("py_walker", collided.Sphere(0.5), (502, 50, 0))
+        self.client.add_nearest("py_light", "py_lamp_*", "py_walker", 20)
+        self.client.add_nearest("py_corner", "py_lamp_*", (511, 50, 0), 20)
+        with self.client.watch_nearest("py_light") as watch:
+            until = time.monotonic() + 20
+            while not watch.in_step and time.monotonic() < until:
+                time.sleep(0.01)
+            first = watch.next(20)
+            self.assertEqual((first.kind, first.nearest, first.to), ("is", "py_light", "py_lamp_a"))
+            self.assertAlmostEqual(first.distance, 1, delta=1e-9)
+            self.client.move("py_walker", (509, 50, 0))
+            event = watch.next(20)
+            self.assertEqual((event.kind, event.from_object, event.to, event.reason),
+                             ("changed", "py_lamp_a", "py_lamp_b", "separated"))
+            self.assertAlmostEqual(event.distance, 4, delta=1e-3)
+            self.assertGreaterEqual(event.bracket[0], event.bracket[1])
+            self.assertEqual(watch.lost, 0)
+        self.assertEqual({row["nearest"]: row["object"] for row in self.client.nearest_questions("py_*")},
+                         {"py_light": "py_lamp_b", "py_corner": "py_lamp_b"})
+        for wrong in (0, -1, float("nan"), float("inf")):
+            with self.assertRaises(collided.Error):
+                self.client.add_nearest("py_wrong", "a", "b", wrong)
+        with self.assertRaises(collided.BadInput):
+            self.client.add_nearest("py_wrong", "a", "", 1)
+        self.assertEqual(self.client.remove_nearest("py_*"), 2)
+        for name in ("py_lamp_a", "py_lamp_b", "py_walker"):
+            self.client.remove(name)
+
     def test_a_scan_is_an_obstacle_of_cells(self):
         wall = [[702.02, 0.01 * i, 1.05] for i in range(-50, 50)]
         scans = [wall] if numpy is None else [wall, numpy.array(wall), numpy.array(wall, dtype="float32")]

@@ -74,9 +74,10 @@ void set_told(const std::vector<std::string>& words, Fence& fence) {
   }
 }
 
-/// What the first word after the verb says is done: add, ls, rm or watch.
-class FenceCommand : public Command {
+class FenceCommand : public StandingCommand {
  public:
+  FenceCommand() : StandingCommand({"fence", "fence", "fences"}) {}
+
   void declare(CLI::App& app) override {
     app.add_option("words", words_, "add NAME REGION NUMBERS, ls [GLOB], rm GLOB, or watch [GLOB]");
     app.add_option("--to", fence_.to, "add: object that it moves along with; the numbers are in its frame");
@@ -86,79 +87,44 @@ class FenceCommand : public Command {
     app.add_option("--detect", detect_, "add: what it tells, of enter, exit and cross (all)")
         ->allow_extra_args(false)
         ->delimiter(',');
-    app.add_flag("--keep", fence_.keep, "add: it stays, after a crash too, until it is removed");
     declare_mesh_reading(app, reading_);
-    app.add_option("-n", most_events_, "End after so many events");
-    app.add_option("--for", most_time_, "End after this time");
-  }
-
-  Exit run(Session& session, const Globals& globals) override {
-    const std::string action = words_.empty() ? "ls" : words_.front();
-    if (action == "add") return add(session, globals);
-    if (action == "ls") return list(session, globals);
-    if (action == "rm") return remove(session, globals);
-    if (action == "watch") return follow(session, globals, word(1));
-    throw bad_use(fmt::format("'{}' is nothing to do with fences", action), "add, ls, rm or watch");
+    declare_ends(app);
   }
 
  private:
-  std::string word(std::size_t index) const { return index < words_.size() ? words_[index] : std::string(); }
-
-  /// A fence that is not kept goes with the process, so the process stays and tells of it.
-  Exit add(Session& session, const Globals& globals) {
+  Exit add(Session& session, const Globals& globals) override {
     if (words_.size() < 3) throw bad_use("a name and a region are needed", kFenceForms);
     fence_.name = words_[1];
     fence_.only = only_;
     fence_.skip = skip_;
     fence_.mask = parse_bits(mask_);
+    fence_.keep = is_kept_;
     set_told(detect_, fence_);
     set_region({words_.begin() + 2, words_.end()}, reading_, session.io, fence_);
     take(session.client(globals).add_fence(fence_));
-    if (!fence_.keep && !session.has_many_verbs) {
-      only_ = skip_ = {};
-      print_hint(session.io, globals,
-                 fmt::format("fence {} stands until this ends; --keep lets it stand", printable(fence_.name)));
-      return follow(session, globals, fence_.name);
-    }
-    print_standing(session, globals, "fence", fence_.name);
-    return Exit::yes;
+    return stands(session, globals, fence_.name);
   }
 
-  Exit list(Session& session, const Globals& globals) {
-    const std::vector<ListedFence> fences = take(session.client(globals).fences(word(1)));
-    Printer printer = make_printer(session.io, globals);
-    for (const ListedFence& fence : fences) {
-      if (!printer.human()) {
-        printer.record(fence_record(fence));
-        continue;
-      }
-      printer.row({"FENCE", "REGION", "TO", "LOOKS AT", "TELLS", "KEPT", "INSIDE"}, fence_row(fence));
-    }
-    printer.finish();
-    return fences.empty() ? Exit::no : Exit::yes;
+  Exit list(Session& session, const Globals& globals) override {
+    return print_list(
+        session, globals, take(session.client(globals).fences(word(1))),
+        {"FENCE", "REGION", "TO", "LOOKS AT", "TELLS", "KEPT", "INSIDE"},
+        [](const ListedFence& fence) { return fence_record(fence); }, fence_row);
   }
 
-  Exit remove(Session& session, const Globals& globals) {
-    if (words_.size() < 2) throw bad_use("which fence?", "collide fence rm GLOB");
-    return print_removed(session, globals, "fence", take(session.client(globals).remove_fences(words_[1])));
+  std::size_t remove(Session& session, const Globals& globals, const std::string& glob) override {
+    return take(session.client(globals).remove_fences(glob));
   }
 
-  Exit follow(Session& session, const Globals& globals, const std::string& glob) {
-    const Until until = follow_end(most_events_, most_time_);
+  Exit follow(Session& session, const Globals& globals, const std::string& glob) override {
     FenceWatch watch = take(session.client(globals).watch_fences({.only = glob.empty() ? only_ : glob, .skip = skip_}));
-    return follow_events(session, globals, std::move(watch), until, usual_fence_fields(), fence_line,
+    return follow_events(session, globals, std::move(watch), until(), usual_fence_fields(), fence_line,
                          [](const FenceEvent& event) { return fence_record(event); });
   }
 
-  std::vector<std::string> words_;
   Fence fence_;
-  std::string only_;
-  std::string skip_;
-  std::string mask_ = "0xffffffff";
   std::vector<std::string> detect_;
   MeshReading reading_;
-  std::string most_events_;
-  std::string most_time_;
 };
 
 }  // namespace

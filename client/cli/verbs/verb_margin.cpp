@@ -25,9 +25,10 @@ std::vector<double> bands_of(const std::vector<std::string>& words) {
   return bands_m;
 }
 
-/// What the first word after the verb says is done: add, ls, rm or watch.
-class MarginCommand : public Command {
+class MarginCommand : public StandingCommand {
  public:
+  MarginCommand() : StandingCommand({"margin", "margin", "margins"}) {}
+
   void declare(CLI::App& app) override {
     app.add_option("words", words_, "add NAME GLOB GLOB DISTANCE,..., ls [GLOB], rm GLOB, or watch [GLOB]");
     app.add_option("--hysteresis", hysteresis_, "add: who is within a band leaves it so much farther out (0)");
@@ -35,25 +36,11 @@ class MarginCommand : public Command {
     app.add_option("--only", only_, "watch: margins or objects (glob)");
     app.add_option("--skip", skip_, "add: objects that have no part in it; watch: margins or objects (glob)");
     app.add_option("--mask", mask_, "add: layers of the moving objects of the second group: bits (all)");
-    app.add_flag("--keep", margin_.keep, "add: it stays, after a crash too, until it is removed");
-    app.add_option("-n", most_events_, "End after so many events");
-    app.add_option("--for", most_time_, "End after this time");
-  }
-
-  Exit run(Session& session, const Globals& globals) override {
-    const std::string action = words_.empty() ? "ls" : words_.front();
-    if (action == "add") return add(session, globals);
-    if (action == "ls") return list(session, globals);
-    if (action == "rm") return remove(session, globals);
-    if (action == "watch") return follow(session, globals, word(1));
-    throw bad_use(fmt::format("'{}' is nothing to do with margins", action), "add, ls, rm or watch");
+    declare_ends(app);
   }
 
  private:
-  std::string word(std::size_t index) const { return index < words_.size() ? words_[index] : std::string(); }
-
-  /// A margin that is not kept goes with the process, so the process stays and tells of it.
-  Exit add(Session& session, const Globals& globals) {
+  Exit add(Session& session, const Globals& globals) override {
     if (words_.size() < 5)
       throw bad_use("a name, two groups and distances are needed",
                     "collide margin add close 'drone*' 'person*' 5m,2m,50cm");
@@ -62,57 +49,36 @@ class MarginCommand : public Command {
     margin_.only = words_[3];
     margin_.skip = skip_;
     margin_.mask = parse_bits(mask_);
+    margin_.keep = is_kept_;
     margin_.bands_m = bands_of({words_.begin() + 4, words_.end()});
     margin_.hysteresis_m = parse_finite(hysteresis_, Measure::length);
     if (margin_.hysteresis_m < 0) throw bad_use("--hysteresis " + hysteresis_ + ": a distance of 0 or more is needed");
     margin_.dwell = parse_duration(dwell_);
     take(session.client(globals).add_margin(margin_));
-    if (!margin_.keep && !session.has_many_verbs) {
-      skip_ = {};
-      print_hint(session.io, globals,
-                 fmt::format("margin {} stands until this ends; --keep lets it stand", printable(margin_.name)));
-      return follow(session, globals, margin_.name);
-    }
-    print_standing(session, globals, "margin", margin_.name);
-    return Exit::yes;
+    return stands(session, globals, margin_.name);
   }
 
-  Exit list(Session& session, const Globals& globals) {
-    const std::vector<ListedMargin> margins = take(session.client(globals).margins(word(1)));
-    Printer printer = make_printer(session.io, globals);
-    for (const ListedMargin& listed : margins) {
-      if (!printer.human()) {
-        printer.record(margin_record(listed));
-        continue;
-      }
-      printer.row({"MARGIN", "AROUND", "FOR", "BANDS", "HYSTERESIS", "DWELL", "KEPT", "WITHIN"}, margin_row(listed));
-    }
-    printer.finish();
-    return margins.empty() ? Exit::no : Exit::yes;
+  Exit list(Session& session, const Globals& globals) override {
+    return print_list(
+        session, globals, take(session.client(globals).margins(word(1))),
+        {"MARGIN", "AROUND", "FOR", "BANDS", "HYSTERESIS", "DWELL", "KEPT", "WITHIN"},
+        [](const ListedMargin& listed) { return margin_record(listed); }, margin_row);
   }
 
-  Exit remove(Session& session, const Globals& globals) {
-    if (words_.size() < 2) throw bad_use("which margin?", "collide margin rm GLOB");
-    return print_removed(session, globals, "margin", take(session.client(globals).remove_margins(words_[1])));
+  std::size_t remove(Session& session, const Globals& globals, const std::string& glob) override {
+    return take(session.client(globals).remove_margins(glob));
   }
 
-  Exit follow(Session& session, const Globals& globals, const std::string& glob) {
-    const Until until = follow_end(most_events_, most_time_);
+  Exit follow(Session& session, const Globals& globals, const std::string& glob) override {
     MarginWatch watch =
         take(session.client(globals).watch_margins({.only = glob.empty() ? only_ : glob, .skip = skip_}));
-    return follow_events(session, globals, std::move(watch), until, usual_margin_fields(), margin_line,
+    return follow_events(session, globals, std::move(watch), until(), usual_margin_fields(), margin_line,
                          [](const MarginEvent& event) { return margin_record(event); });
   }
 
-  std::vector<std::string> words_;
   Margin margin_;
   std::string hysteresis_ = "0";
   std::string dwell_ = "0";
-  std::string only_;
-  std::string skip_;
-  std::string mask_ = "0xffffffff";
-  std::string most_events_;
-  std::string most_time_;
 };
 
 }  // namespace

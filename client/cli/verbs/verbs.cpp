@@ -87,6 +87,12 @@ constexpr Verb kVerbs[] = {
      "margin add close 'drone*' 'person*' 5m,2m --hysteresis 10cm\nmargin add close 'drone*' 'person*' 5m,2m "
      "--dwell 200ms --keep\nmargin watch close -n 10 --json\nmargin rm close",
      make_margin},
+    {"nearest", "Follow", "which object is nearest to another or to a point, and when that changes",
+     "nearest add NAME GLOB OBJECT DISTANCE\nnearest add NAME GLOB X Y Z DISTANCE\nnearest ls [GLOB]\nnearest rm GLOB\n"
+     "nearest watch [GLOB]",
+     "nearest add escape 'door_*' person_7 20m --hysteresis 10cm\nnearest add yard 'truck_*' 4 0 1 50m --keep\nnearest "
+     "watch escape -n 10 --json\nnearest rm escape",
+     make_nearest},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, an event",

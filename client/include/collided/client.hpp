@@ -18,6 +18,7 @@
 #include <collided/events.hpp>
 #include <collided/fences.hpp>
 #include <collided/margins.hpp>
+#include <collided/nearest.hpp>
 #include <collided/pair.hpp>
 #include <collided/probes.hpp>
 #include <collided/publisher.hpp>
@@ -194,6 +195,17 @@ class Client {
   Result<std::vector<ListedMargin>> margins(const std::string& name_glob = {});
   /// Subscribes to who comes within bands and leaves them.
   Result<MarginWatch> watch_margins(const MarginWatchOptions& options = {});
+
+  // The nearest.
+
+  /// Adds a question that stays for the nearest object. One that is not kept goes when this client does.
+  Result<void> add_nearest(const NearestQuestion& nearest);
+  /// Removes such questions by name or glob, and returns how many there were.
+  Result<std::size_t> remove_nearest(const std::string& name);
+  /// The questions whose names match the glob, and what is nearest; empty: all.
+  Result<std::vector<ListedNearest>> nearest(const std::string& name_glob = {});
+  /// Subscribes to changes of what is nearest.
+  Result<NearestWatch> watch_nearest(const NearestWatchOptions& options = {});
 
   // What to draw.
 

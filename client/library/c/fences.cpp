@@ -13,6 +13,10 @@ struct collided_margin_watch {
   MarginWatch watch;
   std::optional<MarginEvent> newest = {};
 };
+struct collided_nearest_watch {
+  NearestWatch watch;
+  std::optional<NearestEvent> newest = {};
+};
 
 namespace {
 
@@ -90,7 +94,28 @@ collided_margin_event lent_margin(const MarginEvent& event) {
   return told;
 }
 
-/// The next event of a watch of either kind.
+collided_nearest_event lent_nearest(const NearestEvent& event) {
+  collided_nearest_event told{};
+  told.kind = static_cast<std::int32_t>(event.kind);
+  told.reason = static_cast<std::int32_t>(event.reason);
+  told.doubt = static_cast<std::int32_t>(event.doubt);
+  told.resync = event.resync ? 1 : 0;
+  told.nearest = event.nearest.c_str();
+  told.from = event.from.c_str();
+  told.to = event.to.c_str();
+  told.epoch = event.epoch;
+  told.sequence = event.sequence;
+  told.world_time_ns = event.world_time.count();
+  told.bracket_low_s = event.bracket_low_s;
+  told.bracket_high_s = event.bracket_high_s;
+  told.distance_m = event.distance_m;
+  told.distance_error_m = event.distance_error_m;
+  put(event.point, told.point);
+  put(event.normal, told.normal);
+  return told;
+}
+
+/// The next event of a watch of any kind.
 template <class FollowedWatch, class Told, class Lend>
 int next_event(FollowedWatch* watch, std::int64_t wait_ns, Told* event, collided_error* error, const Lend& lend) {
   bool nothing = false;
@@ -104,7 +129,7 @@ int next_event(FollowedWatch* watch, std::int64_t wait_ns, Told* event, collided
   return code == COLLIDED_OK && nothing ? static_cast<int>(COLLIDED_NOTHING) : code;
 }
 
-/// Removes fences or margins by a glob.
+/// Removes fences, margins or questions by a glob.
 int remove_by_glob(collided_client* client, const char* name, std::uint64_t* removed, collided_error* error,
                    Result<std::size_t> (Client::*remove)(const std::string&)) {
   return guarded(error, [&]() -> Result<void> {
@@ -116,7 +141,7 @@ int remove_by_glob(collided_client* client, const char* name, std::uint64_t* rem
   });
 }
 
-/// Starts a watch of either kind.
+/// Starts a watch of any kind.
 template <class FollowedWatch, class Start>
 int start_watch(collided_client* client, FollowedWatch** watch, collided_error* error, const Start& start) {
   return guarded(error, [&]() -> Result<void> {
@@ -170,6 +195,28 @@ int collided_margin_remove(collided_client* client, const char* name, uint64_t* 
   return remove_by_glob(client, name, removed, error, &Client::remove_margins);
 }
 
+int collided_nearest_add(collided_client* client, const collided_nearest* nearest, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!nearest) return missing("nearest");
+    const collided_nearest given = taken(nearest);
+    NearestQuestion asked{.name = text(given.name),
+                          .only = text(given.only),
+                          .to = text(given.to),
+                          .within_m = given.within_m,
+                          .hysteresis_m = given.hysteresis_m,
+                          .skip = text(given.skip),
+                          .mask = ~given.left_out_layers,
+                          .keep = given.keep != 0};
+    if (asked.to.empty()) asked.point = Vec3(given.point[0], given.point[1], given.point[2]);
+    return client->client.add_nearest(asked);
+  });
+}
+
+int collided_nearest_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
+  return remove_by_glob(client, name, removed, error, &Client::remove_nearest);
+}
+
 int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
                                collided_fence_watch** watch, collided_error* error) {
   return start_watch(client, watch, error,
@@ -201,5 +248,21 @@ int32_t collided_margin_watch_in_step(const collided_margin_watch* watch) {
   return watch && watch->watch.in_step() ? 1 : 0;
 }
 void collided_margin_watch_close(collided_margin_watch* watch) { delete watch; }
+
+int collided_nearest_watch_start(collided_client* client, const char* only, const char* skip,
+                                 collided_nearest_watch** watch, collided_error* error) {
+  return start_watch(client, watch, error,
+                     [&](Client& from) { return from.watch_nearest({.only = text(only), .skip = text(skip)}); });
+}
+
+int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns, collided_nearest_event* event,
+                                collided_error* error) {
+  return next_event(watch, wait_ns, event, error, lent_nearest);
+}
+uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch) { return watch ? watch->watch.lost() : 0; }
+int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch) {
+  return watch && watch->watch.in_step() ? 1 : 0;
+}
+void collided_nearest_watch_close(collided_nearest_watch* watch) { delete watch; }
 
 }  // extern "C"

@@ -8,6 +8,7 @@
 #include "client/library/publishing/shape_encoding.hpp"
 #include "client/library/watching/margins.hpp"
 #include "idl/commands.hpp"
+#include "idl/fence_ids.hpp"
 
 namespace collided {
 namespace client {
@@ -156,7 +157,7 @@ Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::
 }
 
 std::vector<FenceEvent> FenceNews::take(const Event& event) {
-  if (is_band_name(event.b)) return {};
+  if (is_band_name(event.b) || wire_contract::is_nearest_id(event.b_id)) return {};
   const std::optional<Event> passing = std::exchange(passing_, std::nullopt);
   const bool is_passage = event.kind == EventKind::ended && event.reason == EndReason::crossed && passing &&
                           passing->episode == event.episode;

@@ -15,7 +15,7 @@ libcollided_client.so.1 where the system looks, or where the environment variabl
 
 from ._answers import Answer, Answers, Hit, Undecided, Verdict
 from ._client import Client, PairAnswer, Status, connect
-from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch
+from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
 from ._groups import Clearance, ClearancePair
 from ._library import (
     BadInput,
@@ -74,6 +74,8 @@ __all__ = [
     "MarginEvent",
     "MarginWatch",
     "Mesh",
+    "NearestEvent",
+    "NearestWatch",
     "NoServer",
     "PairAnswer",
     "Polyline",

@@ -11,7 +11,7 @@ from typing import Any, Sequence
 from . import _numbers
 from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
 from . import _fences
-from ._fences import FenceWatch, MarginWatch
+from ._fences import FenceWatch, MarginWatch, NearestWatch
 from ._groups import Clearance, read_clearance
 from ._library import (
     AskOptions,
@@ -490,6 +490,38 @@ class Client(Owned):
     def watch_margins(self, only: str = "", skip: str = "") -> MarginWatch:
         """Subscribes to who comes within bands and leaves them. Who is near already comes first, as "within"."""
         return MarginWatch(self._handle, only, skip)
+
+    def add_nearest(
+        self,
+        name: str,
+        only: str,
+        to: str | Sequence[float],
+        within: float,
+        *,
+        hysteresis: float = 0.0,
+        skip: str = "",
+        mask: int = 0xFFFFFFFF,
+        keep: bool = False,
+    ) -> None:
+        """Adds a question that stays: which object of the glob `only` is nearest. It goes with this client unless kept.
+
+        to          the name of an object, or a point (x, y, z)
+        within      metres: what is farther away does not count
+        hysteresis  metres: another one must be nearer by more than this
+        """
+        _fences.add_nearest(self._handle, name, only, to, within, hysteresis, skip, mask, keep)
+
+    def remove_nearest(self, name: str) -> int:
+        """Removes questions for the nearest by name or glob and returns how many."""
+        return _fences.remove(self._handle, "nearest", name)
+
+    def nearest_questions(self, name: str = "") -> list[dict[str, Any]]:
+        """The questions for the nearest and their answers, as the command `fences` lists them."""
+        return list(self.command("fences", name=name, nearest=True)["nearest"])
+
+    def watch_nearest(self, only: str = "", skip: str = "") -> NearestWatch:
+        """Subscribes to changes of what is nearest. What is nearest already comes first, as "is"."""
+        return NearestWatch(self._handle, only, skip)
 
     def publish(self, name: str, *, lease: float = 0.5) -> Publisher:
         """Becomes a publisher of objects and their poses. Without a call of its for `lease` seconds (0.1 s to a day) the

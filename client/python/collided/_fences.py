@@ -1,4 +1,4 @@
-"""Fences and margins: who comes into a region, and who comes near whom."""
+"""Fences, margins and the nearest: who comes into a region, who comes near whom, and who is nearest."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from ._library import (
     CFenceEvent,
     CMargin,
     CMarginEvent,
+    CNearest,
+    CNearestEvent,
     CPart,
     Owned,
     call,
@@ -26,6 +28,7 @@ from ._watch import DOUBTS, REASONS, SLICE_S, word
 
 FENCE_KINDS = ("inside", "enter", "exit", "cross")
 MARGIN_KINDS = ("within", "approach", "near", "contact", "leave")
+NEAREST_KINDS = ("is", "changed")
 _TELLS = {"enter": 1, "exit": 2, "cross": 4}
 _ALL_LAYERS = 0xFFFFFFFF
 
@@ -75,6 +78,27 @@ class MarginEvent:
     closing: float  #: how fast the distance shrinks, m/s
     closing_error: float
     contact_in: tuple[float, float] | None  #: when the two would touch if both went on so; None: not within a minute
+
+
+@dataclass(frozen=True)
+class NearestEvent:
+    """News of a question for the nearest. Metres, seconds."""
+
+    kind: str  #: is (was nearest when the watch began), changed
+    reason: str  #: why from_object is not nearest any more: "separated" where another is nearer or it is too far away
+    doubt: str  #: not empty: one of the two is where a lost publisher said last, and there is no distance
+    resync: bool  #: inferred from the state after a gap
+    nearest: str  #: name of the question
+    from_object: str  #: that was nearest; empty: none, or that is not known
+    to: str  #: that is nearest; empty: nothing is near enough
+    epoch: int
+    sequence: int
+    world_time_ns: int  #: of the step that told it, since 1970, by the publishers' clocks
+    bracket: tuple[float, float]  #: the change happened between these, in seconds before world_time_ns
+    distance: float  #: of `to` at the end of the bracket; 0: they touch
+    distance_error: float
+    point: tuple[float, float, float]  #: of `to`; zero where they touch
+    normal: tuple[float, float, float]  #: unit, from there to what it is nearest to; zero where they touch
 
 
 def _triple(values: Any) -> tuple[float, float, float]:
@@ -127,6 +151,26 @@ def _margin_event(told: CMarginEvent) -> MarginEvent:
         told.closing_mps,
         told.closing_error_mps,
         (told.contact_in_low_s, told.contact_in_high_s) if told.has_contact_in else None,
+    )
+
+
+def _nearest_event(told: CNearestEvent) -> NearestEvent:
+    return NearestEvent(
+        word(NEAREST_KINDS, told.kind),
+        word(REASONS, told.reason),
+        word(DOUBTS, told.doubt),
+        bool(told.resync),
+        _text(told.nearest),
+        _text(told.from_object),
+        _text(told.to),
+        told.epoch,
+        told.sequence,
+        told.world_time_ns,
+        (told.bracket_low_s, told.bracket_high_s),
+        told.distance_m,
+        told.distance_error_m,
+        _triple(told.point),
+        _triple(told.normal),
     )
 
 
@@ -198,18 +242,50 @@ def add_margin(
     call("margin_add", client, ctypes.byref(margin))
 
 
+def add_nearest(
+    client: ctypes.c_void_p,
+    name: str,
+    only: str,
+    to: str | Sequence[float],
+    within: float,
+    hysteresis: float,
+    skip: str,
+    mask: int,
+    keep: bool,
+) -> None:
+    """Client.add_nearest."""
+    nearest = CNearest(
+        size=ctypes.sizeof(CNearest),
+        left_out_layers=_left_out(mask),
+        name=encoded(name, "the name"),
+        only=encoded(only, "only"),
+        skip=encoded(skip, "skip"),
+        within_m=within,
+        hysteresis_m=hysteresis,
+        keep=int(keep),
+    )
+    if isinstance(to, str):
+        if not to:
+            raise BadInput("to is empty; the name of an object or a point is needed", "nothing was sent")
+        nearest.to = encoded(to, "to")
+    else:
+        x, y, z = to
+        nearest.point[:] = [float(x), float(y), float(z)]
+    call("nearest_add", client, ctypes.byref(nearest))
+
+
 def remove(client: ctypes.c_void_p, kind: str, name: str) -> int:
-    """Client.remove_fences and remove_margins; kind: fence or margin."""
+    """Client.remove_fences, remove_margins and remove_nearest; kind: fence, margin or nearest."""
     removed = ctypes.c_uint64()
     call(kind + "_remove", client, encoded(name, "the name"), ctypes.byref(removed))
     return removed.value
 
 
-News = TypeVar("News", FenceEvent, MarginEvent)
+News = TypeVar("News", FenceEvent, MarginEvent, NearestEvent)
 
 
 class _Follower(Owned, Generic[News]):
-    """What the watches of fences and of margins have in common."""
+    """What the watches of fences, margins and the nearest have in common."""
 
     _kind = ""
 
@@ -278,3 +354,15 @@ class MarginWatch(_Follower[MarginEvent]):
         event = CMarginEvent(size=ctypes.sizeof(CMarginEvent))
         code = call("margin_watch_next", self._handle, wait_ns, ctypes.byref(event))
         return None if code == NOTHING else _margin_event(event)
+
+
+class NearestWatch(_Follower[NearestEvent]):
+    """A subscription to changes of what is nearest: `for event in watch`, or next(wait)."""
+
+    _what = "the watch of the nearest"
+    _kind = "nearest"
+
+    def _told(self, wait_ns: int) -> NearestEvent | None:
+        event = CNearestEvent(size=ctypes.sizeof(CNearestEvent))
+        code = call("nearest_watch_next", self._handle, wait_ns, ctypes.byref(event))
+        return None if code == NOTHING else _nearest_event(event)

@@ -305,6 +305,21 @@ class CMargin(Structure):
     ]
 
 
+class CNearest(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("left_out_layers", c_uint32),
+        ("name", c_char_p),
+        ("only", c_char_p),
+        ("to", c_char_p),
+        ("skip", c_char_p),
+        ("point", c_double * 3),
+        ("within_m", c_double),
+        ("hysteresis_m", c_double),
+        ("keep", c_int32),
+    ]
+
+
 class CFenceEvent(Structure):
     _fields_ = [
         ("size", c_uint32),
@@ -354,6 +369,28 @@ class CMarginEvent(Structure):
         ("closing_error_mps", c_double),
         ("contact_in_low_s", c_double),
         ("contact_in_high_s", c_double),
+    ]
+
+
+class CNearestEvent(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("kind", c_int32),
+        ("reason", c_int32),
+        ("doubt", c_int32),
+        ("resync", c_int32),
+        ("nearest", c_char_p),
+        ("from_object", c_char_p),
+        ("to", c_char_p),
+        ("epoch", c_uint64),
+        ("sequence", c_uint64),
+        ("world_time_ns", c_int64),
+        ("bracket_low_s", c_double),
+        ("bracket_high_s", c_double),
+        ("distance_m", c_double),
+        ("distance_error_m", c_double),
+        ("point", c_double * 3),
+        ("normal", c_double * 3),
     ]
 
 
@@ -422,6 +459,13 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "margin_watch_lost": (c_uint64, [c_void_p]),
     "margin_watch_in_step": (c_int32, [c_void_p]),
     "margin_watch_close": (None, [c_void_p]),
+    "nearest_add": (c_int32, [c_void_p, POINTER(CNearest), _ERROR]),
+    "nearest_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
+    "nearest_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
+    "nearest_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CNearestEvent), _ERROR]),
+    "nearest_watch_lost": (c_uint64, [c_void_p]),
+    "nearest_watch_in_step": (c_int32, [c_void_p]),
+    "nearest_watch_close": (None, [c_void_p]),
     "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
     "publish_leased": (c_int32, [c_void_p, c_char_p, c_int64, _OUT, _ERROR]),
     "publisher_close": (None, [c_void_p]),

@@ -127,12 +127,15 @@ class Commands {
   nlohmann::json remove_fences(const CommandAsk& ask, const Arguments& arguments);
   void remove_fences(const std::vector<std::string>& chosen);
   void drop_fences_of_gone();
+  void for_each_standing(const std::string& glob,
+                         FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   void for_each_fence(const std::string& glob,
                       FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   void for_each_band(const std::string& glob,
                      FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const;
   void for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const;
   nlohmann::json margins(const Arguments& arguments);
+  nlohmann::json nearest(const Arguments& arguments);
   nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json deny(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json attach(const CommandAsk& ask, const Arguments& arguments);

@@ -18,8 +18,9 @@ namespace {
 constexpr double kEventCostPerObject = 1.0 / 50;
 constexpr double kEventCost = 100;
 
-const char* word_of_kind(EventKind kind, bool is_of_fence) {
+const char* word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) {
   static constexpr const char* kContacts[] = {"began", "persisted", "ended", "contained", "emerged"};
+  if (is_nearest_question(fence)) return kind == EventKind::began ? "nearest" : "no longer nearest";
   if (is_of_fence) return kind == EventKind::began ? "enter" : "exit";
   return kContacts[static_cast<std::size_t>(kind)];
 }
@@ -50,7 +51,7 @@ json described(const EventBody& body, const std::string& publisher_name) {
 json described(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   json row{{"sequence", event.sequence},
-           {"what", word_of_kind(event.kind, is_of_fence)},
+           {"what", word_of_kind(event.kind, is_of_fence, event.of.b)},
            {"why", reason_word(event.reason)},
            {"doubt", doubt_word(event.of.doubt)},
            {"a", recent.a},

@@ -9,6 +9,7 @@
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/fence_prism.hpp"
+#include "server/service/commands/nearest_definition.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/fences/fence_outline.hpp"
@@ -112,6 +113,7 @@ FenceDefinition margin_of(const Arguments& arguments) {
 FenceDefinition fence_of(const Arguments& arguments, std::span<const std::byte> shape_bytes) {
   constexpr std::uint64_t kBits = 0xffffffff;
   if (arguments.has("bands")) return margin_of(arguments);
+  if (arguments.has("within")) return nearest_of(arguments);
   arguments.allow_only({"name", "only", "skip", "mask", "tells", "to", "prism", "keep", "durable"});
   FenceDefinition fence{.name = arguments.text("name"),
                         .carrier = arguments.text("to"),
@@ -210,13 +212,16 @@ void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "remove", "margins", "durable"});
+  arguments.allow_only({"name", "remove", "margins", "nearest", "durable"});
   const std::string glob = arguments.text("name");
   std::vector<std::string> chosen;
   if (arguments.truth("margins", false)) {
     for_each_margin(glob, [&](const FenceDefinition& margin) { chosen.push_back(margin.name); });
   } else {
-    for_each_fence(glob, [&](const FenceTable& table, std::uint32_t slot) { chosen.push_back(table.name(slot)); });
+    const bool is_nearest = arguments.truth("nearest", false);
+    for_each_standing(glob, [&](const FenceTable& table, std::uint32_t slot) {
+      if (table.is_nearest(slot) == is_nearest) chosen.push_back(table.name(slot));
+    });
   }
   for (const std::string& name : chosen) refuse_if_foreign(ask, name, "removed");
   remove_fences(chosen);
@@ -226,7 +231,7 @@ json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) 
 void Commands::remove_fences(const std::vector<std::string>& chosen) {
   std::vector<std::string> kept;
   for (const std::string& name : chosen) {
-    for_each_fence(name, [&](const FenceTable& table, std::uint32_t slot) {
+    for_each_standing(name, [&](const FenceTable& table, std::uint32_t slot) {
       if (table.rule(slot).owner == 0) kept.push_back(name);
     });
     for_each_margin(name, [&](const FenceDefinition& margin) {
@@ -246,7 +251,7 @@ void Commands::drop_fences_of_gone() {
   }
   if (gone.empty()) return;
   std::vector<std::string> chosen;
-  for_each_fence("", [&](const FenceTable& table, std::uint32_t slot) {
+  for_each_standing("", [&](const FenceTable& table, std::uint32_t slot) {
     if (gone.contains(table.rule(slot).owner)) chosen.push_back(table.name(slot));
   });
   for_each_margin("", [&](const FenceDefinition& margin) {
@@ -256,10 +261,18 @@ void Commands::drop_fences_of_gone() {
   for (const std::uint64_t client : gone) fence_owners_.erase(client);
 }
 
-/// Calls visit(table, slot) for the fences whose names match the glob, but not for bands; a name without * ? [ is looked
-/// up.
+/// The same for fences alone.
 void Commands::for_each_fence(const std::string& glob,
                               FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
+  for_each_standing(glob, [&](const FenceTable& table, std::uint32_t slot) {
+    if (!table.is_nearest(slot)) visit(table, slot);
+  });
+}
+
+/// Calls visit(table, slot) for the fences and the questions for the nearest whose names match the glob, but not for
+/// bands; a name without * ? [ is looked up.
+void Commands::for_each_standing(const std::string& glob,
+                                 FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
   const Fences* fences = with_.loop.world().fences();
   if (fences == nullptr) return;
   const FenceTable& table = fences->table();
@@ -340,8 +353,9 @@ json Commands::margins(const Arguments& arguments) {
 
 json Commands::fences(const CommandAsk&, const Arguments& arguments) {
   constexpr std::uint64_t kMostOutlines = 1'000;
-  arguments.allow_only({"name", "limit", "margins", "bands", "outlines"});
+  arguments.allow_only({"name", "limit", "margins", "nearest", "bands", "outlines"});
   if (arguments.truth("margins", false)) return margins(arguments);
+  if (arguments.truth("nearest", false)) return nearest(arguments);
   const World& world = with_.loop.world();
   const bool with_outlines = arguments.truth("outlines", false);
   const bool with_bands = arguments.truth("bands", false);

@@ -254,6 +254,20 @@ void ContactLedger::retell_corrected() {
   }
 }
 
+/// Says of each end whether another object is nearest at once.
+void ContactLedger::mark_nearest() {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    Event& event = events_[i];
+    if (!is_nearest_question(event.of.b)) continue;
+    const auto is_at_once = [&](const Event& next) {
+      return next.of.b == event.of.b && next.kind == EventKind::began && next.bracket_low_s == event.bracket_low_s &&
+             next.bracket_high_s == event.bracket_high_s;
+    };
+    const bool goes_on = event.kind == EventKind::ended && i + 1 < events_.size() && is_at_once(events_[i + 1]);
+    event.of.b_triangle = goes_on ? kNearestGoesOn : 0;
+  }
+}
+
 void ContactLedger::finish_step() {
   // Contacts from before this step end first: an object that was defined anew has another id, and a client that knows
   // it by its name must hear of the old one's end before the new one's beginning. A contact that begins and ends in
@@ -269,9 +283,13 @@ void ContactLedger::finish_step() {
     return (e.kind == EventKind::contained || e.kind == EventKind::emerged) &&
            std::binary_search(ended_episodes_.begin(), ended_episodes_.end(), e.of.episode);
   };
-  std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
-    return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
-  });
+  // Who was nearest, and who came in its place, are told last, each question's in the order in which they were found.
+  const auto place = [&](const Event& e) {
+    const bool is_nearest = is_nearest_question(e.of.b);
+    return std::tuple(is_nearest, is_nearest || !is_old_end(e), is_nearest ? 0 : e.of.a, e.of.b);
+  };
+  std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) { return place(x) < place(y); });
+  if (is_of_fences_) mark_nearest();
   // A pair may begin several times in a step: an end takes the last beginning before it, an open contact the last of
   // all.
   const std::uint64_t last_before = last_sequence_;

@@ -162,6 +162,7 @@ class ContactLedger {
     return index_.find(a, b, [&](std::uint32_t number) { return open_[number].a == a && open_[number].b == b; });
   }
   bool is_doubt(std::uint32_t number) const { return open_[number].doubt != Doubt::none; }
+  void mark_nearest();
   void mark_found(std::uint32_t number);
   void note_found_slot(std::uint32_t slot);
   void end(std::uint32_t number, const ContactEnd& of);

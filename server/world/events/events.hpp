@@ -42,6 +42,9 @@ enum class Doubt : std::uint8_t {
   publisher_lost,  // one object is where its publisher last had it, and may have gone on
 };
 
+/// In b_triangle of the end of who was nearest: another one is at once, which the next event says.
+inline constexpr std::uint32_t kNearestGoesOn = 1;
+
 /// One contact that holds, of objects a < b (by id), from its `began` to its `ended`.
 struct OpenContact {
   ObjectId a = 0;

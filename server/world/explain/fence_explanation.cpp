@@ -147,7 +147,7 @@ class FenceSearch {
 std::optional<FenceLook> look_at_fence(const Fences& fences, std::string_view name) {
   const FenceTable& table = fences.table();
   const std::optional<std::uint32_t> slot = table.find(name);
-  if (!slot || table.is_band(*slot)) return std::nullopt;
+  if (!slot || !table.has_bounds(*slot) || table.is_band(*slot)) return std::nullopt;
   FenceLook look{.id = table.id(*slot),
                  .name = table.name(*slot),
                  .rule = table.rule(*slot),

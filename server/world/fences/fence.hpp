@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/world/fences/margin.hpp"
+#include "server/world/fences/nearest.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
@@ -29,6 +30,9 @@ struct FenceDefinition {
   std::uint64_t owner = 0;                      // for whoever defines it; the world does not read it
   // A margin: instead of a shape that stands in the world, bands about objects; `only` is whom they look at.
   std::optional<MarginBands> margin = {};
+  // A question for the nearest object: about its carrier, or where there is none about the centre of its shape, a sphere
+  // of radius 0; `only` is whom it looks at, whether they move or not.
+  std::optional<NearestRule> nearest = {};
 };
 
 /// What many fences have in common; equal rules are shared.
@@ -39,7 +43,8 @@ struct FenceRule {
   std::uint32_t mask = 0;
   std::uint8_t tells = 0;
   std::uint64_t owner = 0;
-  std::optional<BandRule> band = {};  // it is a band of a margin, about its carrier
+  std::optional<BandRule> band = {};        // it is a band of a margin, about its carrier
+  std::optional<NearestRule> nearest = {};  // it is a question for the nearest object
 
   bool operator==(const FenceRule&) const = default;
 };

@@ -15,7 +15,8 @@ std::size_t hash_of(const FenceRule& rule) {
   const std::hash<std::string> hash;
   return hash(rule.carrier) ^ (3 * hash(rule.only)) ^ (5 * hash(rule.skip)) ^
          (7 * ((std::size_t{rule.mask} << 8) | rule.tells)) ^ rule.owner ^
-         (rule.band ? 11 * hash(rule.band->margin) + std::hash<double>{}(rule.band->within_m) : 0);
+         (rule.band ? 11 * hash(rule.band->margin) + std::hash<double>{}(rule.band->within_m) : 0) ^
+         (rule.nearest ? 13 * std::hash<double>{}(rule.nearest->within_m) : 0);
 }
 
 /// A fence that one primitive describes needs no body of its own.
@@ -87,13 +88,14 @@ ObjectId FenceTable::add(const FenceDefinition& definition) {
                        .skip = definition.skip,
                        .mask = definition.mask,
                        .tells = definition.tells,
-                       .owner = definition.owner});
+                       .owner = definition.owner,
+                       .nearest = definition.nearest});
   fence.body = body_of(definition, id(slot));
   if (!fence.body) fence.primitive = definition.shape.primitives.front();
   scratch_slot_ = kNone;
   by_name_.insert(slot);
   if (is_carried(slot)) carried_.insert(slot);
-  else set_bounds(slot, bounds_of(body(slot), Frame{}));
+  else if (has_bounds(slot)) set_bounds(slot, bounds_of(body(slot), Frame{}));
   return id(slot);
 }
 

@@ -46,14 +46,20 @@ class FenceTable {
   std::optional<std::uint32_t> find(std::string_view name) const;
   /// Of a slot that holds a fence.
   ObjectId id(std::uint32_t slot) const {
-    return kFenceBit | (static_cast<ObjectId>(fences_[slot].generation) << 32) | slot;
+    const FenceRow& fence = fences_[slot];
+    const ObjectId kind = kFenceBit | (fence.rule && fence.rule->nearest ? kNearestBit : 0);
+    return kind | (static_cast<ObjectId>(fence.generation) << 32) | slot;
   }
   const std::string& name(std::uint32_t slot) const { return fences_[slot].name; }
   const FenceRule& rule(std::uint32_t slot) const { return *fences_[slot].rule; }
   bool is_band(std::uint32_t slot) const { return rule(slot).band.has_value(); }
+  /// It has no bounds, and nobody is in it.
+  bool is_nearest(std::uint32_t slot) const { return rule(slot).nearest.has_value(); }
   std::uint32_t widest(std::uint32_t slot) const { return fences_[slot].widest; }
   /// It lies within another band, has no bounds of its own, and is found by that one's.
   bool is_inner_band(std::uint32_t slot) const { return is_band(slot) && widest(slot) != slot; }
+  /// It is found by bounds of its own.
+  bool has_bounds(std::uint32_t slot) const { return !is_inner_band(slot) && !is_nearest(slot); }
   /// How far the fence reaches beyond its body, metres: of a band.
   double beyond_m(std::uint32_t slot) const { return is_band(slot) ? rule(slot).band->reach_m() : 0; }
   /// The fence as an object, whose frame is the world's or its carrier's. Valid until the next call for another fence.

@@ -17,6 +17,7 @@ std::string refusal_of(const FenceDefinition& definition) {
   if (primitives.empty() && !definition.solid) return "it has no shape";
   if (!definition.carrier.empty() && std::any_of(primitives.begin(), primitives.end(), is_endless_primitive))
     return "a half-space has no end, so it cannot move with an object";
+  if (definition.nearest) return refusal_of(*definition.nearest);
   if (definition.tells == 0) return "it tells of nothing; enter, exit and cross are offered";
   return {};
 }
@@ -25,7 +26,7 @@ std::string refusal_of(const FenceDefinition& definition) {
 
 std::string Fences::reason_against(const FenceDefinition& definition) const {
   if (table_.find(definition.name) || margins_.contains(definition.name))
-    return "the name is taken; names are unique among fences and margins";
+    return "the name is taken; names are unique among fences, margins and questions for the nearest";
   if (table_.count() + margins_.size() >= FenceTable::kMost)
     return "it is one more than the limit of " + std::to_string(FenceTable::kMost) + " fences";
   return definition.margin ? refusal_of(*definition.margin) : refusal_of(definition);
@@ -33,7 +34,7 @@ std::string Fences::reason_against(const FenceDefinition& definition) const {
 
 std::variant<ObjectId, Refusal> Fences::add(const FenceDefinition& definition) {
   const std::string reason = reason_against(definition);
-  const char* kind = definition.margin ? "margin" : "fence";
+  const char* kind = definition.margin ? "margin" : definition.nearest ? "nearest" : "fence";
   if (!reason.empty())
     return Refusal{std::string(kind) + " '" + definition.name + "': " + reason + ". Nothing was added"};
   if (definition.margin) {
@@ -42,6 +43,7 @@ std::variant<ObjectId, Refusal> Fences::add(const FenceDefinition& definition) {
     return kFenceBit;
   }
   const ObjectId id = table_.add(definition);
+  if (definition.nearest) nearest_.add(slot_of(id));
   new_.push_back(slot_of(id));
   return id;
 }
@@ -65,6 +67,7 @@ void Fences::remove_row(std::uint32_t fence) {
   removed_.push_back({table_.id(fence), table_.name(fence)});
   std::erase(new_, fence);
   drop_pending(table_.id(fence));
+  nearest_.remove(fence);
   table_.remove(fence);
 }
 
@@ -127,7 +130,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   look_around_.clear();
   std::set_union(new_.begin(), new_.end(), followed_.begin(), followed_.end(), std::back_inserter(look_around_));
   for (const std::uint32_t fence : look_around_) {
-    if (table_.is_inner_band(fence)) continue;
+    if (!table_.has_bounds(fence)) continue;
     with_inner_.clear();
     add_with_inner(fence, with_inner_);
     find_movers_of(step, movers, fence);
@@ -139,6 +142,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
     decide_left_pending(step, decisions);
     decisions.bands().settle();
   }
+  nearest_.decide(step, movers, cost_);
   new_.clear();
 }
 
@@ -184,7 +188,7 @@ void Fences::bind_waiting(const StepView& step) {
 
 void Fences::bind(const StepView& step, std::uint32_t fence, std::uint32_t object) {
   table_.bind(fence, object);
-  table_.set_bounds(fence, bounds_at(step, fence));
+  if (table_.has_bounds(fence)) table_.set_bounds(fence, bounds_at(step, fence));
   if (step.rows[object].is_stale) ledger_.lose(table_.id(fence));
 }
 
@@ -216,16 +220,15 @@ void Fences::follow_carriers(const StepView& step) {
   const std::vector<std::uint32_t> before = std::exchange(followed_, {});
   for (const std::uint32_t mover : movers_) {
     const std::span<const std::uint32_t> carried = table_.carried_by(mover);
-    const auto has_bounds = [&](std::uint32_t fence) { return !table_.is_inner_band(fence); };
+    const auto has_bounds = [&](std::uint32_t fence) { return table_.has_bounds(fence); };
     std::copy_if(carried.begin(), carried.end(), std::back_inserter(followed_), has_bounds);
   }
   // The floor passed a source that is silent: its pairs may begin anew though nothing moved.
   if (step.sources.is_any_behind_floor()) {
     followed_.clear();
-    std::copy_if(table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
-                 [&](std::uint32_t fence) {
-                   return table_.carrier(fence) != FenceTable::kNone && !table_.is_inner_band(fence);
-                 });
+    std::copy_if(
+        table_.carried().begin(), table_.carried().end(), std::back_inserter(followed_),
+        [&](std::uint32_t fence) { return table_.carrier(fence) != FenceTable::kNone && table_.has_bounds(fence); });
   }
   std::sort(followed_.begin(), followed_.end());
   for (const std::uint32_t fence : followed_) table_.set_bounds(fence, bounds_on_the_way(step, fence));
@@ -275,7 +278,7 @@ void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   table_.index().walk_box(step.motion.bounds()[mover], meets, walk_);
   const auto is_in = [&](std::uint32_t number) {
     const std::uint32_t fence = slot_of(ledger_.open()[number].b);
-    if (table_.holds(fence)) found_.push_back(fence);
+    if (table_.holds(fence) && !table_.is_nearest(fence)) found_.push_back(fence);
     return true;
   };
   if (const ObjectInfo* info = step.rows.info(mover)) ledger_.for_each_with(info->id, is_in);

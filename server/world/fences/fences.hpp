@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/world/fences/fence_decisions.hpp"
+#include "server/world/fences/standing_nearest.hpp"
 
 namespace collided::engine {
 
@@ -51,9 +52,9 @@ class Fences {
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
   /// There is a fence to be decided, though nothing moved.
-  bool has_news() const { return !new_.empty() || !new_margins_.empty() || is_any_pending(); }
-  /// Something came into a band, or left it, that is told once it has lasted, though nothing moves.
-  bool is_any_pending() const { return !pending_.empty(); }
+  bool has_news() const { return !new_.empty() || !new_margins_.empty() || waits_for_time(); }
+  /// Something is told once time has gone on, though nothing moves: who came into a band, or left it, or is nearest.
+  bool waits_for_time() const { return is_any_pending() || nearest_.has_news(); }
 
   const std::vector<Event>& events() const { return ledger_.events(); }
   /// Who is in which fence, with the pairs in doubt, in no order.
@@ -63,6 +64,7 @@ class Fences {
   const StepCost& cost() const { return cost_; }
 
  private:
+  bool is_any_pending() const { return !pending_.empty(); }
   std::string reason_against(const FenceDefinition& definition) const;
   void remove_row(std::uint32_t fence);
   void drop_pending(ObjectId id);
@@ -90,6 +92,7 @@ class Fences {
   PendingTurns pending_;
   std::uint64_t step_ = 0;
   ContactLedger ledger_{true};
+  StandingNearest nearest_{table_, ledger_};
   FenceLists lists_;
   StepCost cost_;
   std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step

@@ -14,6 +14,7 @@ struct GapBody {
   const ObjectInfo* info = nullptr;
   BodyMotion motion;
   double reach_m = 0;  // no point of it is farther from the frame's origin; 0 for what never rotates
+  double off_m = 0;    // how far it may be from where the ends of the motion put it
 };
 
 /// How far a search for the time of a distance goes.

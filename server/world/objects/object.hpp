@@ -20,6 +20,9 @@ inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id
 /// In the id of a fence, and of no object; a fence has slots of its own.
 inline constexpr ObjectId kFenceBit = ObjectId{1} << 63;
 inline bool is_fence(ObjectId id) { return (id & kFenceBit) != 0; }
+/// In the id of a fence that is a question that stays for the nearest object; the generation is less.
+inline constexpr ObjectId kNearestBit = ObjectId{1} << 62;
+inline bool is_nearest_question(ObjectId id) { return is_fence(id) && (id & kNearestBit) != 0; }
 
 /// What becomes of the objects of a publisher that is lost.
 enum class LostPolicy : std::uint8_t {

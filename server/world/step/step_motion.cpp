@@ -49,7 +49,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
     if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr)
-      remember(slot, sources[rows_.source(slot)]);
+      history_.add(slot, segment_of(rows_, slot, sources[rows_.source(slot)]));
   }
   if (sources.is_any_over_floor_again()) begin_anew(sources);
   for (const std::uint32_t slot : young_) open_[slot] = 1;
@@ -78,20 +78,20 @@ void StepMotion::end_step(std::int64_t floor_ns) {
   history_.forget_up_to(floor_ns);
 }
 
-void StepMotion::remember(std::uint32_t slot, const Source& source) {
-  const ObjectRow& row = rows_[slot];
-  const MotionTimes times = motion_times(row, rows_.is_new(slot), &source);
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source) {
+  const ObjectRow& row = rows[slot];
+  const MotionTimes times = motion_times(row, rows.is_new(slot), &source);
   MotionSegment segment{
       .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
   if (!segment.is_jump()) {
     const BodyMotion path = motion_between(row.lone_sphere, row.frame_before, row.frame);
     segment.from = path.from;
     segment.to = path.to;
-    segment.bounds = engine::bounds(*rows_.info(slot), path, row.reach_m);
+    segment.bounds = bounds(*rows.info(slot), path, row.reach_m);
   } else {
-    segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
+    segment.bounds.extend(bounds_of(*rows.info(slot), row.frame_before));
   }
-  history_.add(slot, segment);
+  return segment;
 }
 
 bool StepMotion::turns(std::uint32_t slot) const {

@@ -32,6 +32,11 @@ MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source
 /// The motion of any object between two frames; for a lone sphere, the translation of its centre.
 BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now);
 
+/// The motion by which an object got its newest pose.
+///
+/// source  whose time it has
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source);
+
 /// The motion phase of a step: how each object moves from its previous pose to its new one.
 /// threads  the writer's only
 /// Always: bounds()[slot] contains the object's whole motion where it may be swept, and else its pose at the end.
@@ -71,7 +76,6 @@ class StepMotion {
  private:
   bool needs_sweep(std::uint32_t slot) const;
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& motion);
-  void remember(std::uint32_t slot, const Source& source);
   void begin_anew(const Sources& sources);
   void count_motion(std::uint32_t slot, SeparationCache& apart) const;
 

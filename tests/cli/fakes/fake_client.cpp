@@ -264,6 +264,37 @@ std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
 }
 std::uint64_t MarginWatch::lost() const { return 0; }
 
+Result<void> Client::add_nearest(const NearestQuestion& nearest) {
+  fake::server().nearest.push_back(nearest);
+  return {};
+}
+Result<std::size_t> Client::remove_nearest(const std::string& name) {
+  return std::erase_if(fake::server().nearest, [&](const NearestQuestion& nearest) { return nearest.name == name; });
+}
+Result<std::vector<ListedNearest>> Client::nearest(const std::string&) { return fake::server().listed_nearest; }
+namespace client {
+class NearestWatcher {};
+}  // namespace client
+Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
+  fake::server().nearest_watched_with = options;
+  return NearestWatch(std::make_unique<client::NearestWatcher>());
+}
+NearestWatch::NearestWatch(std::unique_ptr<client::NearestWatcher> watcher) : watcher_(std::move(watcher)) {}
+NearestWatch::~NearestWatch() = default;
+NearestWatch::NearestWatch(NearestWatch&&) noexcept = default;
+NearestWatch& NearestWatch::operator=(NearestWatch&&) noexcept = default;
+std::optional<NearestEvent> NearestWatch::next(std::chrono::nanoseconds wait) {
+  std::deque<NearestEvent>& events = fake::server().nearest_events;
+  if (!events.empty()) {
+    NearestEvent event = events.front();
+    events.pop_front();
+    return event;
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+std::uint64_t NearestWatch::lost() const { return 0; }
+
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
   return fake::server().status;

@@ -54,6 +54,10 @@ struct Server {
   std::vector<ListedMargin> listed_margins;
   std::deque<MarginEvent> margin_events;
   MarginWatchOptions margins_watched_with;
+  std::vector<NearestQuestion> nearest;
+  std::vector<ListedNearest> listed_nearest;
+  std::deque<NearestEvent> nearest_events;
+  NearestWatchOptions nearest_watched_with;
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way

@@ -273,13 +273,13 @@ TEST_F(MarginsTest, ADwellIsWaitedForAndAFlickerIsNotTold) {
   pose(b, {3, 0, 0}, 2);
   step();
   EXPECT_EQ(told(), Lines());
-  EXPECT_TRUE(world_.fences()->is_any_pending());
+  EXPECT_TRUE(world_.fences()->waits_for_time());
   pose(b, {3, 0, 0}, 2.25);
   step();
   pose(b, {5, 0, 0}, 3);
   step();
   EXPECT_EQ(told(), Lines());
-  EXPECT_FALSE(world_.fences()->is_any_pending());
+  EXPECT_FALSE(world_.fences()->waits_for_time());
   // In at 5 s, known to be in for the dwell at 5.5 s exactly.
   pose(b, {3, 0, 0}, 5);
   step();
@@ -338,7 +338,7 @@ TEST_F(MarginsTest, WhoIsPutElsewhereIsGoneAtOnce) {
   pose(b, {9, 0, 0}, 1.1, 1, true);
   step();
   EXPECT_EQ(told(), Lines());
-  EXPECT_FALSE(world_.fences()->is_any_pending()) << "it had come in, but not for long";
+  EXPECT_FALSE(world_.fences()->waits_for_time()) << "it had come in, but not for long";
   pose(b, {2.5, 0, 0}, 2);
   step();
   pose(b, {2.5, 0.1, 0}, 3);

@@ -1,0 +1,156 @@
+#include "client/library/watching/nearest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "client/library/commands/command.hpp"
+#include "client/library/commands/json_reading.hpp"
+#include "client/library/connection/errors.hpp"
+#include "idl/commands.hpp"
+#include "idl/fence_ids.hpp"
+#include "idl/glob.hpp"
+
+namespace collided {
+namespace client {
+namespace {
+
+constexpr std::chrono::seconds kNearestTimeout{10};
+
+nlohmann::json nearest_arguments(const NearestQuestion& nearest) {
+  nlohmann::json arguments{{"name", nearest.name},
+                           {"only", nearest.only},
+                           {"within", nearest.within_m},
+                           {"hysteresis", nearest.hysteresis_m},
+                           {"keep", nearest.keep}};
+  if (!nearest.to.empty()) arguments["to"] = nearest.to;
+  if (nearest.point) arguments["point"] = {nearest.point->x(), nearest.point->y(), nearest.point->z()};
+  if (!nearest.skip.empty()) arguments["skip"] = nearest.skip;
+  if (nearest.mask != 0xffffffff) arguments["mask"] = nearest.mask;
+  return arguments;
+}
+
+ListedNearest listed_nearest(const nlohmann::json& row) {
+  ListedNearest listed{.question = {.name = row.at("nearest"),
+                                    .only = row.at("only"),
+                                    .to = row.at("to"),
+                                    .within_m = row.at("within"),
+                                    .hysteresis_m = row.at("hysteresis"),
+                                    .skip = row.at("skip"),
+                                    .mask = row.at("mask"),
+                                    .keep = row.at("keep")},
+                       .object = row.at("object"),
+                       .is_in_doubt = row.at("in_doubt"),
+                       .since = {}};
+  if (row.contains("point")) {
+    const auto point = row.at("point").get<std::vector<double>>();
+    if (point.size() == 3) listed.question.point = Vec3(point[0], point[1], point[2]);
+  }
+  if (row.contains("since_ns")) listed.since = std::chrono::nanoseconds(row.at("since_ns").get<std::int64_t>());
+  return listed;
+}
+
+bool is_wanted_nearest(const NearestEvent& event, const NearestWatchOptions& wanted) {
+  const auto any_is = [&](const std::string& glob) {
+    return wire_contract::glob_matches(glob, event.nearest) || wire_contract::glob_matches(glob, event.from) ||
+           wire_contract::glob_matches(glob, event.to);
+  };
+  return (wanted.only.empty() || any_is(wanted.only)) && (wanted.skip.empty() || !any_is(wanted.skip));
+}
+
+}  // namespace
+
+Result<void> add_nearest(Connection& connection, const NearestQuestion& nearest) {
+  // JSON cannot carry these.
+  if (!std::isfinite(nearest.within_m) || !std::isfinite(nearest.hysteresis_m))
+    return bad_input("nearest '" + nearest.name + "': a distance is not finite");
+  if (nearest.point && !nearest.point->allFinite())
+    return bad_input("nearest '" + nearest.name + "': the point is not finite");
+  return read_answer(command(connection, wire_contract::command::kFence, nearest_arguments(nearest), kNearestTimeout),
+                     "fence", [](const nlohmann::json&) {});
+}
+
+Result<std::size_t> remove_nearest(Connection& connection, const std::string& name) {
+  const nlohmann::json arguments{{"name", name}, {"remove", true}, {"nearest", true}};
+  return read_answer(command(connection, wire_contract::command::kFence, arguments, kNearestTimeout), "fence",
+                     [](const nlohmann::json& answer) { return answer.at("fences").size(); });
+}
+
+Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const std::string& name_glob) {
+  const nlohmann::json arguments{{"name", name_glob}, {"nearest", true}};
+  return read_answer(command(connection, wire_contract::command::kFences, arguments, kNearestTimeout), "fences",
+                     [](const nlohmann::json& answer) {
+                       std::vector<ListedNearest> all;
+                       for (const nlohmann::json& row : answer.at("nearest")) all.push_back(listed_nearest(row));
+                       return all;
+                     });
+}
+
+std::optional<NearestEvent> NearestNews::take(const Event& event) {
+  if (!wire_contract::is_nearest_id(event.b_id)) return std::nullopt;
+  NearestEvent told{.kind = event.kind == EventKind::open ? NearestEventKind::is : NearestEventKind::changed,
+                    .doubt = event.doubt,
+                    .resync = event.resync,
+                    .nearest = event.b,
+                    .from = {},
+                    .to = {},
+                    .epoch = event.epoch,
+                    .sequence = event.sequence,
+                    .world_time = event.world_time,
+                    .bracket_low_s = event.bracket_low_s,
+                    .bracket_high_s = event.bracket_high_s};
+  if (event.kind == EventKind::ended) {
+    const auto newest = newest_.find(event.b_id);
+    // Where messages were lost, who follows may have been told before.
+    if (newest == newest_.end() || newest->second.id != event.a_id) return std::nullopt;
+    if (event.b_triangle == wire_contract::kNearestGoesOn) {
+      newest->second.ended = event.reason;
+      return std::nullopt;
+    }
+    told.reason = event.reason;
+    told.from = newest->second.object;
+    told.doubt = Doubt::none;
+    newest_.erase(newest);
+    return told;
+  }
+  Newest& newest = newest_[event.b_id];
+  told.reason = newest.ended;
+  told.from = newest.object;
+  told.to = event.a;
+  told.to_id = event.a_id;
+  if (event.doubt == Doubt::none) {
+    told.distance_m = 0.0 - event.depth_m;
+    told.distance_error_m = event.depth_error_m;
+    told.point = event.point;
+    told.normal = event.normal;
+  }
+  newest = {event.a, event.a_id, EndReason::none};
+  return told;
+}
+
+std::optional<NearestEvent> NearestWatcher::next(std::chrono::nanoseconds wait) {
+  const Clock::time_point until = Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+  const std::lock_guard lock(mutex_);
+  while (true) {
+    const auto left = std::max<std::chrono::nanoseconds>(until - Clock::now(), std::chrono::nanoseconds(0));
+    const std::optional<Event> event = watch_.next(left);
+    if (!event) return std::nullopt;
+    std::optional<NearestEvent> told = news_.take(*event);
+    if (told && is_wanted_nearest(*told, options_)) return told;
+  }
+}
+
+}  // namespace client
+
+NearestWatch::NearestWatch(std::unique_ptr<client::NearestWatcher> watcher) : watcher_(std::move(watcher)) {}
+NearestWatch::~NearestWatch() = default;
+NearestWatch::NearestWatch(NearestWatch&&) noexcept = default;
+NearestWatch& NearestWatch::operator=(NearestWatch&&) noexcept = default;
+
+std::optional<NearestEvent> NearestWatch::next(std::chrono::nanoseconds wait) { return watcher_->next(wait); }
+std::uint64_t NearestWatch::lost() const { return watcher_->watch().lost(); }
+std::uint64_t NearestWatch::resyncs() const { return watcher_->watch().resyncs(); }
+bool NearestWatch::connected() const { return watcher_->watch().connected(); }
+bool NearestWatch::in_step() const { return watcher_->watch().in_step(); }
+
+}  // namespace collided

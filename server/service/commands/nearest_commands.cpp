@@ -1,0 +1,70 @@
+// Questions that stay for the nearest object, as commands define, list and remove them: a kind of fence.
+#include <fmt/format.h>
+
+#include "idl/commands.hpp"
+#include "server/service/commands/commands.hpp"
+#include "server/service/commands/nearest_definition.hpp"
+#include "server/service/commands/object_description.hpp"
+#include "server/service/questions/validation.hpp"
+#include "server/world/fences/fences.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+
+FenceDefinition nearest_of(const Arguments& arguments) {
+  constexpr std::uint64_t kBits = 0xffffffff;
+  arguments.allow_only({"name", "to", "point", "only", "skip", "mask", "within", "hysteresis", "keep", "durable"});
+  FenceDefinition asked{.name = arguments.text("name"),
+                        .carrier = arguments.text("to"),
+                        .only = arguments.text("only"),
+                        .skip = arguments.text("skip"),
+                        .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                        .nearest = NearestRule{.within_m = arguments.number("within", 0),
+                                               .hysteresis_m = arguments.number("hysteresis", 0)}};
+  if (!is_good_name(asked.name))
+    throw BadCommand(
+        fmt::format("nearest: the name {} is empty, longer than 255 bytes or not text", printable(asked.name)));
+  const std::optional<Vec3> point = arguments.vector("point");
+  if (point.has_value() != asked.carrier.empty())
+    throw BadCommand(fmt::format("nearest {}: an object, 'to', or a point is needed, and not both. Nothing was added",
+                                 printable(asked.name)));
+  if (asked.only.empty())
+    throw BadCommand(fmt::format("nearest {}: the name or glob of the objects is needed, 'only'. Nothing was added",
+                                 printable(asked.name)));
+  if (point && !point->allFinite())
+    throw BadCommand(fmt::format("nearest {}: the point is not finite. Nothing was added", printable(asked.name)));
+  asked.shape.primitives.emplace_back(Sphere{point.value_or(Vec3::Zero()), 0});
+  return asked;
+}
+
+json Commands::nearest(const Arguments& arguments) {
+  const World& world = with_.loop.world();
+  json rows = json::array();
+  for_each_standing(arguments.text("name"), [&](const FenceTable& table, std::uint32_t slot) {
+    if (!table.is_nearest(slot)) return;
+    const FenceRule& rule = table.rule(slot);
+    json row{{"nearest", table.name(slot)},
+             {"to", rule.carrier},
+             {"only", rule.only},
+             {"skip", rule.skip},
+             {"mask", rule.mask},
+             {"within", rule.nearest->within_m},
+             {"hysteresis", rule.nearest->hysteresis_m},
+             {"keep", rule.owner == 0},
+             {"object", ""},
+             {"in_doubt", false}};
+    if (rule.carrier.empty()) row["point"] = numbers(std::get<Sphere>(table.described(slot).primitives.front()).center);
+    for (const OpenContact& open : world.fences()->inside()) {
+      const ObjectInfo* info = open.b == table.id(slot) ? world.info(open.a) : nullptr;
+      if (info == nullptr) continue;
+      row["object"] = info->name;
+      row["since_ns"] = open.began_ns;
+      row["in_doubt"] = open.doubt != Doubt::none;
+    }
+    rows.push_back(std::move(row));
+  });
+  return {{"nearest", rows}, {"count", rows.size()}, {"version", world.newest()->version}};
+}
+
+}  // namespace collided::engine::service
