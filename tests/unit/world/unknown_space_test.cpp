@@ -43,8 +43,7 @@ ObjectDefinition cells_object(const std::string& name, const std::vector<bool>& 
       .cell_m = kCell_m, .low = {kLow, kLow, kLow}, .size = {kSide, kSide, kSide}, .occupied = bytes};
   EXPECT_EQ(flaw_of(voxels), "");
   ObjectDefinition definition = still(name);
-  is_unknown ? add_joined_boxes(voxels, definition.shape.primitives)
-             : add_boxes_of(voxels, definition.shape.primitives);
+  add_boxes_of(voxels, definition.shape.primitives);
   definition.shape.is_unknown = is_unknown;
   return definition;
 }
