@@ -2,6 +2,7 @@
 //   fastdds_peer DOMAIN load PATH        loads a file as a scene, prints the answer's JSON
 //   fastdds_peer DOMAIN ask RAYS         asks rays (seven doubles each, as bytes); prints a line for each answer
 //   fastdds_peer DOMAIN publish COUNT    a ball that goes to and fro, COUNT poses; stays until SIGTERM
+//   fastdds_peer DOMAIN define LAYOUT    a ball by a type that lacks members, has one more or differs; stays until SIGTERM
 //   fastdds_peer DOMAIN watch COUNT      is ready once it has heard of an event; prints COUNT events of fast/ball, then the
 //                                        contacts that hold
 // Numbers are printed in hexadecimal, so that they are those of the wire to the last bit.
@@ -179,6 +180,56 @@ std::vector<std::uint8_t> ball(double radius_m) {
   shape.add_spheres(spheres);
   builder.Finish(shape.Finish());
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
+}
+
+enum class OtherLayout { lacks, more, differs };
+
+/// The type of definitions as another version of the IDL might have it, under the same name: without its last members, with
+/// one more at the end, or with the first of another size.
+template <OtherLayout layout>
+class OtherDefinition : public DefinitionPubSubType {
+ public:
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    if (!DefinitionPubSubType::serialize(data, payload)) return false;
+    constexpr std::uint32_t kHeader = 4, kNumber = 8;
+    if (layout == OtherLayout::lacks) payload->length /= 2;
+    if (payload->length + kNumber > payload->max_size) payload->reserve(payload->length + kNumber);
+    if (layout == OtherLayout::more) std::memset(payload->data + payload->length, 0x7f, kNumber);
+    if (layout == OtherLayout::differs) {
+      std::memmove(payload->data + kHeader + kNumber, payload->data + kHeader, payload->length - kHeader);
+      std::memset(payload->data + kHeader, 0x7f, kNumber);
+    }
+    if (layout != OtherLayout::lacks) payload->length += kNumber;
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [this, data] { return DefinitionPubSubType::getSerializedSizeProvider(data)() + 8; };
+  }
+};
+
+template <OtherLayout layout>
+int define(int domain) {
+  Link link(domain);
+  fast::DataWriter* objects =
+      link.writer<OtherDefinition<layout>>({.suffix = "object_v2", .is_durable = true, .lease_ms = 60'000});
+  wait_for_match(objects, "objects");
+  Definition definition;
+  definition.publisher(0x7000000000000000ULL + static_cast<std::uint64_t>(layout));
+  definition.object_number(1);
+  definition.incarnation(1);
+  definition.sequence_number(1);
+  definition.publisher_name("other");
+  definition.name("other/ball");
+  definition.layers(0xffffffff);
+  definition.mask(0xffffffff);
+  definition.orientation({1, 0, 0, 0});
+  definition.shape(ball(0.1));
+  const bool is_written = objects->write(&definition);
+  std::printf("%s\n", is_written ? "written" : "not written");
+  std::fflush(stdout);
+  if (!is_written) return 1;
+  std::this_thread::sleep_for(std::chrono::seconds(30));  // until the test has seen enough
+  return 0;
 }
 
 /// What the server's status says of one publisher.
@@ -359,10 +410,14 @@ int main(int argc, char** argv) {
     if (command == "ask") return ask(domain, argv[3]);
     if (command == "publish") return publish(domain, std::stoull(argv[3]));
     if (command == "watch") return watch(domain, std::stoull(argv[3]));
+    if (command == "define" && argv[3] == std::string("lacks")) return define<OtherLayout::lacks>(domain);
+    if (command == "define" && argv[3] == std::string("more")) return define<OtherLayout::more>(domain);
+    if (command == "define") return define<OtherLayout::differs>(domain);
   } catch (const std::exception& wrong) {
     std::fprintf(stderr, "fastdds_peer: %s\n", wrong.what());
     return 1;
   }
-  std::fprintf(stderr, "usage: fastdds_peer DOMAIN load PATH | ask RAYS | publish COUNT | watch COUNT\n");
+  std::fprintf(stderr,
+               "usage: fastdds_peer DOMAIN load PATH | ask RAYS | publish COUNT | define LAYOUT | watch COUNT\n");
   return 2;
 }

@@ -180,5 +180,30 @@ TEST_F(Interop, ContactsThatHoldAreTheSame) {
   EXPECT_GT(line.number(), 0.0);
 }
 
+// Programs whose types are those of another version, under the same names.
+TEST_F(Interop, SamplesOfAnotherLayoutAreLeftOutWithACountedWarning) {
+  start({folder_.write("nothing.obj", "v 0 0 -50\nv 1 0 -50\nv 0 1 -50\nf 1 2 3\n")});
+  Client client = connect();
+  std::size_t told = 0;
+  for (const std::string layout : {"lacks", "differs"}) {
+    ChildProcess definer = peer("define", layout);
+    const std::string warning =
+        "Definition was left out: it cannot be read, so the program that wrote it has another "
+        "version of idl/collided.idl. Left out so far: " +
+        std::to_string(++told);
+    EXPECT_TRUE(
+        test::eventually([&] { return servers_.back()->errors().find(warning) != std::string::npos; }, seconds(20)))
+        << layout << ": " << definer.errors() << servers_.back()->errors();
+    EXPECT_FALSE(client.get("other/ball")) << layout;
+    definer.signal(SIGTERM);
+  }
+  // Members after the last one say nothing: what comes before them is as this version has it.
+  ChildProcess longer = peer("define", "more");
+  EXPECT_TRUE(test::eventually([&] { return bool(client.get("other/ball")); }, seconds(20))) << longer.errors();
+  longer.signal(SIGTERM);
+  ASSERT_TRUE(client.add({.name = "wall", .shape = {BoxShape{.half_m = {0.2, 1, 1}}}, .pose = at(0, 9, 0)}));
+  EXPECT_TRUE(client.get("wall")) << "the server goes on";
+}
+
 }  // namespace
 }  // namespace collided
