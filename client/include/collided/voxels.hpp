@@ -59,7 +59,7 @@ struct VoxelScan {
   /// Cells that rays crossed, that no point is in, and for which it made a difference: where unknown is free, occupied
   /// ones; else also those that no scan met before, or none since the last sixteenth of the decay began.
   std::size_t crossed = 0;
-  std::size_t changed = 0;   // blocks whose cells are other than before
+  std::size_t changed = 0;  // blocks whose cells are other than before
 };
 
 /// A cube of cells with one state, as a map has it.
