@@ -14,6 +14,7 @@
 
 #include "server/service/options/options.hpp"
 #include "server/service/questions/time_slice.hpp"
+#include "server/service/runtime/dds_warnings.hpp"
 #include "server/service/runtime/log.hpp"
 #include "server/service/runtime/supervisor.hpp"
 #include "server/service/server.hpp"
@@ -70,7 +71,9 @@ int serve(const Options& options) {
   mallopt(M_ARENA_MAX, 1);
   limit_stacks();
   set_time_slice(kShortSlice);
-  Server server(options, make_log(options.log_level, options.log_json));
+  const std::shared_ptr<spdlog::logger> log = make_log(options.log_level, options.log_json);
+  const DdsWarnings dds_warnings(log);
+  Server server(options, log);
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());
   fmt::print("{}\n", ready);

@@ -586,7 +586,7 @@ typedef struct collided_voxel_scan {
   size_t far_off;  /* beyond reach_m */
   size_t dropped;  /* in a block beyond most_blocks */
   size_t occupied; /* cells that have points */
-  size_t crossed;  /* cells that rays crossed and no point is in */
+  size_t crossed;  /* that rays crossed to an effect; see VoxelScan in voxels.hpp */
   size_t changed;  /* blocks whose cells are other than before */
 } collided_voxel_scan;
 

@@ -48,11 +48,11 @@ class BlockGrowth {
 
   template <class Take>
   void run(Take&& take) {
-    for (std::uint32_t z = 0; z < size_[2]; ++z) {
-      for (std::uint32_t y = 0; y < size_[1]; ++y) {
-        for (std::uint32_t x = 0; x < size_[0]; ++x) {
-          if (is_left(x, y, z)) take(grown_from({x, y, z}));
-        }
+    // What grows from a cell takes only cells that come later.
+    for (std::size_t byte = 0; byte < left_.size(); ++byte) {
+      while (left_[byte] != 0) {
+        const auto at = static_cast<std::uint32_t>(8 * byte + static_cast<std::size_t>(std::countr_zero(left_[byte])));
+        take(grown_from({at % size_[0], at / size_[0] % size_[1], at / size_[0] / size_[1]}));
       }
     }
   }
@@ -130,17 +130,6 @@ std::uint64_t occupied_count(const VoxelCells& cells) {
 }
 
 void add_boxes_of(const VoxelCells& cells, std::vector<Primitive>& boxes) {
-  boxes.reserve(boxes.size() + occupied_count(cells));
-  for (std::uint32_t z = 0, at = 0; z < cells.size[2]; ++z) {
-    for (std::uint32_t y = 0; y < cells.size[1]; ++y) {
-      for (std::uint32_t x = 0; x < cells.size[0]; ++x, ++at) {
-        if ((cells.occupied[at / 8] >> (at % 8) & 1) != 0) boxes.emplace_back(box_of(cells, {{x, y, z}, {1, 1, 1}}));
-      }
-    }
-  }
-}
-
-void add_joined_boxes(const VoxelCells& cells, std::vector<Primitive>& boxes) {
   BlockGrowth(cells).run([&](const CellBlock& block) { boxes.emplace_back(box_of(cells, block)); });
 }
 

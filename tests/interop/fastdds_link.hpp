@@ -91,8 +91,11 @@ class Link {
     }
     if (settings.lease_ms > 0) {
       qos.liveliness().kind = fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-      qos.liveliness().lease_duration = {0, static_cast<std::uint32_t>(settings.lease_ms) * 1'000'000U};
-      qos.liveliness().announcement_period = {0, static_cast<std::uint32_t>(settings.lease_ms) * 300'000U};
+      const auto milliseconds = [](int count) {
+        return eprosima::fastrtps::Duration_t(count / 1'000, static_cast<std::uint32_t>(count % 1'000) * 1'000'000U);
+      };
+      qos.liveliness().lease_duration = milliseconds(settings.lease_ms);
+      qos.liveliness().announcement_period = milliseconds(settings.lease_ms / 3);
     }
     qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
     // Every 3 s otherwise, and only after one does a reader say what it has.

@@ -2,7 +2,9 @@
 //   fastdds_peer DOMAIN load PATH        loads a file as a scene, prints the answer's JSON
 //   fastdds_peer DOMAIN ask RAYS         asks rays (seven doubles each, as bytes); prints a line for each answer
 //   fastdds_peer DOMAIN publish COUNT    a ball that goes to and fro, COUNT poses; stays until SIGTERM
-//   fastdds_peer DOMAIN watch COUNT      prints COUNT events, then the contacts that hold
+//   fastdds_peer DOMAIN define LAYOUT    a ball by a type that lacks members, has one more or differs; stays until SIGTERM
+//   fastdds_peer DOMAIN watch COUNT      is ready once it has heard of an event; prints COUNT events of fast/ball, then the
+//                                        contacts that hold
 // Numbers are printed in hexadecimal, so that they are those of the wire to the last bit.
 
 #include <signal.h>
@@ -180,13 +182,90 @@ std::vector<std::uint8_t> ball(double radius_m) {
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
+enum class OtherLayout { lacks, more, differs };
+
+/// The type of definitions as another version of the IDL might have it, under the same name: without its last members, with
+/// one more at the end, or with the first of another size.
+template <OtherLayout layout>
+class OtherDefinition : public DefinitionPubSubType {
+ public:
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    if (!DefinitionPubSubType::serialize(data, payload)) return false;
+    constexpr std::uint32_t kHeader = 4, kNumber = 8;
+    if (layout == OtherLayout::lacks) payload->length /= 2;
+    if (payload->length + kNumber > payload->max_size) payload->reserve(payload->length + kNumber);
+    if (layout == OtherLayout::more) std::memset(payload->data + payload->length, 0x7f, kNumber);
+    if (layout == OtherLayout::differs) {
+      std::memmove(payload->data + kHeader + kNumber, payload->data + kHeader, payload->length - kHeader);
+      std::memset(payload->data + kHeader, 0x7f, kNumber);
+    }
+    if (layout != OtherLayout::lacks) payload->length += kNumber;
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [this, data] { return DefinitionPubSubType::getSerializedSizeProvider(data)() + 8; };
+  }
+};
+
+template <OtherLayout layout>
+int define(int domain) {
+  Link link(domain);
+  fast::DataWriter* objects =
+      link.writer<OtherDefinition<layout>>({.suffix = "object_v2", .is_durable = true, .lease_ms = 60'000});
+  wait_for_match(objects, "objects");
+  Definition definition;
+  definition.publisher(0x7000000000000000ULL + static_cast<std::uint64_t>(layout));
+  definition.object_number(1);
+  definition.incarnation(1);
+  definition.sequence_number(1);
+  definition.publisher_name("other");
+  definition.name("other/ball");
+  definition.layers(0xffffffff);
+  definition.mask(0xffffffff);
+  definition.orientation({1, 0, 0, 0});
+  definition.shape(ball(0.1));
+  const bool is_written = objects->write(&definition);
+  std::printf("%s\n", is_written ? "written" : "not written");
+  std::fflush(stdout);
+  if (!is_written) return 1;
+  std::this_thread::sleep_for(std::chrono::seconds(30));  // until the test has seen enough
+  return 0;
+}
+
+/// What the server's status says of one publisher.
+class AppliedSequence {
+ public:
+  AppliedSequence(fast::DataReader* status, std::uint64_t publisher) : status_(status), publisher_(publisher) {}
+
+  /// The number up to which its samples are in the world.
+  std::uint64_t newest() {
+    fast::SampleInfo info;
+    while (status_->take_next_sample(&heard_, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      for (std::size_t i = 0; i < heard_.publishers().size(); ++i) {
+        if (heard_.publishers()[i] == publisher_) applied_ = heard_.applied_sequences()[i];
+      }
+    }
+    return applied_;
+  }
+  void wait_for(std::uint64_t sequence) {
+    wait_until([&] { return newest() >= sequence; }, "sample " + std::to_string(sequence) + " to be applied");
+  }
+
+ private:
+  fast::DataReader* status_;
+  std::uint64_t publisher_;
+  Status heard_;
+  std::uint64_t applied_ = 0;
+};
+
 int publish(int domain, std::uint64_t count) {
   sigset_t ends;
   sigemptyset(&ends);
   sigaddset(&ends, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before there are threads that would take it
   Link link(domain);
-  constexpr int kLease_ms = 500;
+  constexpr int kLease_ms = 60'000;  // a program that does not run for a while on a crowded machine is not lost
   fast::DataWriter* objects =
       link.writer<DefinitionPubSubType>({.suffix = "object_v2", .is_durable = true, .lease_ms = kLease_ms});
   fast::DataWriter* poses = link.writer<PoseBatchPubSubType>({.suffix = "pose_v2", .lease_ms = kLease_ms});
@@ -197,7 +276,7 @@ int publish(int domain, std::uint64_t count) {
     while (!is_over.stop_requested()) {
       objects->assert_liveliness();
       poses->assert_liveliness();
-      std::this_thread::sleep_for(std::chrono::milliseconds(kLease_ms / 5));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   });
 
@@ -226,6 +305,7 @@ int publish(int domain, std::uint64_t count) {
   definition.shape(ball(0.1));
   if (!objects->write(&definition)) throw std::runtime_error("the object was not taken");
 
+  AppliedSequence applied(status, publisher);
   PoseBatch batch;
   batch.publisher(publisher);
   batch.incarnation(incarnation);
@@ -237,22 +317,16 @@ int publish(int domain, std::uint64_t count) {
     batch.source_time_ns(now_ns());
     batch.positions({place(step), 1e-3 * std::cos(static_cast<double>(step)), 0});
     if (!poses->write(&batch)) throw std::runtime_error("pose " + std::to_string(step) + " was not taken");
+    constexpr std::uint64_t kRound = kSamplesKept / 2;
+    if (step % kRound != 0) continue;
     // A full history refuses instead of waiting where the topic has keys.
-    if (step % (kSamplesKept / 2) == 0 && poses->wait_for_acknowledgments({10, 0}) != ReturnCode_t::RETCODE_OK)
+    if (poses->wait_for_acknowledgments({10, 0}) != ReturnCode_t::RETCODE_OK)
       throw std::runtime_error("pose " + std::to_string(step) + " was not acknowledged within 10 s");
+    // An acknowledged sample is not yet in the world: of those that wait the server keeps some hundreds, and of more than
+    // that each object's newest pose alone.
+    applied.wait_for(1 + step - kRound);
   }
-  // Applied is what the server's status says of this publisher.
-  const auto is_applied = [&] {
-    Status heard;
-    fast::SampleInfo info;
-    while (status->take_next_sample(&heard, &info) == ReturnCode_t::RETCODE_OK) {
-      for (std::size_t i = 0; info.valid_data && i < heard.publishers().size(); ++i) {
-        if (heard.publishers()[i] == publisher && heard.applied_sequences()[i] == count + 1) return true;
-      }
-    }
-    return false;
-  };
-  wait_until(is_applied, "all poses to be applied");
+  applied.wait_for(1 + count);
   std::printf("published %llu poses, the last at %a %a\n", static_cast<unsigned long long>(count), place(count),
               1e-3 * std::cos(static_cast<double>(count)));
   std::fflush(stdout);
@@ -278,32 +352,37 @@ int watch(int domain, std::uint64_t count) {
   fast::DataReader* contacts = link.reader<ContactShardPubSubType>({.suffix = "contact_v2", .is_durable = true});
   wait_for_match(events, "events");
   wait_for_match(contacts, "contacts");
-  std::printf("ready\n");
-  std::fflush(stdout);
 
   std::map<std::uint64_t, std::string> names;
   std::uint64_t told = 0, last = 0;
-  const auto is_enough = [&] {
-    EventFrame frame;
-    fast::SampleInfo info;
-    while (told < count && events->take_next_sample(&frame, &info) == ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
-      read_names(frame, names);
-      for (std::size_t i = 0; i < frame.kinds().size() && told < count; ++i, ++told) {
-        last = frame.first_sequence() + i;
-        std::printf("event %llu %u %u %s %s %a %a %a %a\n", static_cast<unsigned long long>(last), frame.kinds()[i],
-                    frame.reasons()[i], names[frame.a()[i]].c_str(), names[frame.b()[i]].c_str(), frame.depths()[i],
-                    frame.depth_errors()[i], frame.bracket_lows()[i], frame.bracket_highs()[i]);
-      }
-    }
-    return told >= count;
+  EventFrame frame;
+  fast::SampleInfo info;
+  const auto wait_for_frame = [&](const std::string& what) {
+    const auto has_come = [&] {
+      return events->take_next_sample(&frame, &info) == ReturnCode_t::RETCODE_OK && info.valid_data;
+    };
+    wait_until(has_come, what);
   };
-  wait_until(is_enough, std::to_string(count) + " events");
+  // That this reader knows of the server's writer does not say that the writer knows of it.
+  wait_for_frame("a first event");
+  std::printf("ready\n");
+  std::fflush(stdout);
+  while (told < count) {
+    wait_for_frame("event " + std::to_string(told + 1) + " of " + std::to_string(count));
+    read_names(frame, names);
+    for (std::size_t i = 0; i < frame.kinds().size() && told < count; ++i) {
+      if (names[frame.a()[i]] != "fast/ball" && names[frame.b()[i]] != "fast/ball") continue;
+      ++told;
+      last = frame.first_sequence() + i;
+      std::printf("event %llu %u %u %s %s %a %a %a %a\n", static_cast<unsigned long long>(last), frame.kinds()[i],
+                  frame.reasons()[i], names[frame.a()[i]].c_str(), names[frame.b()[i]].c_str(), frame.depths()[i],
+                  frame.depth_errors()[i], frame.bracket_lows()[i], frame.bracket_highs()[i]);
+    }
+  }
 
   std::map<int, ContactShard> shards;
   const auto is_current = [&] {
     ContactShard shard;
-    fast::SampleInfo info;
     while (contacts->take_next_sample(&shard, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) shards[shard.shard()] = shard;
     }
@@ -331,10 +410,14 @@ int main(int argc, char** argv) {
     if (command == "ask") return ask(domain, argv[3]);
     if (command == "publish") return publish(domain, std::stoull(argv[3]));
     if (command == "watch") return watch(domain, std::stoull(argv[3]));
+    if (command == "define" && argv[3] == std::string("lacks")) return define<OtherLayout::lacks>(domain);
+    if (command == "define" && argv[3] == std::string("more")) return define<OtherLayout::more>(domain);
+    if (command == "define") return define<OtherLayout::differs>(domain);
   } catch (const std::exception& wrong) {
     std::fprintf(stderr, "fastdds_peer: %s\n", wrong.what());
     return 1;
   }
-  std::fprintf(stderr, "usage: fastdds_peer DOMAIN load PATH | ask RAYS | publish COUNT | watch COUNT\n");
+  std::fprintf(stderr,
+               "usage: fastdds_peer DOMAIN load PATH | ask RAYS | publish COUNT | define LAYOUT | watch COUNT\n");
   return 2;
 }

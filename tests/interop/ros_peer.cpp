@@ -4,6 +4,7 @@
 //   ros_peer DOMAIN odd                        transforms that cannot be meant, then a good one
 //   ros_peer DOMAIN joints                     a robot's description and one state of its joints
 //   ros_peer DOMAIN pose                       a PoseStamped in a frame that stands still, best effort
+//   ros_peer DOMAIN big_cloud COUNT            a cloud of so many points, twice a second
 //   ros_peer DOMAIN clouds                     clouds of points of several layouts, and some that cannot be meant
 //   ros_peer DOMAIN octomap                    a map of an occupied, a free and an unknown cell
 //   ros_peer DOMAIN markers                    markers that are things, and some that are not
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -27,6 +29,7 @@
 #include <vector>
 
 #include "rosPubSubTypes.h"
+#include "tests/interop/big_cloud.hpp"
 #include "tests/interop/fastdds_link.hpp"
 
 namespace collided::interop {
@@ -292,6 +295,27 @@ void clouds(int domain) {
   stay();
 }
 
+/// A large cloud, again and again until it is told to stop: readers of sensors take what comes, and ask for nothing again.
+void big_cloud(int domain, int count) {
+  Link link(domain);
+  fast::DataWriter* writer = link.writer<PointCloud2_PubSubType>({.suffix = "points", .prefix = "rt/"});
+  std::vector<std::array<float, 3>> points;
+  for (int i = 0; i < count; ++i) points.push_back(big_cloud_point(i));
+  wait_for_go(writer, "/points");
+  std::atomic<bool> is_over = false;
+  std::thread sending([&] {
+    while (!is_over) {
+      PointCloud2_ message = cloud<float>("world", now_ns(), 7, points, false);
+      writer->write(&message);
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+  });
+  std::printf("sent %d points\n", count);
+  stay();
+  is_over = true;
+  sending.join();
+}
+
 void octomap(int domain) {
   using octomap_msgs::msg::dds_::Octomap_;
   using octomap_msgs::msg::dds_::Octomap_PubSubType;
@@ -438,6 +462,7 @@ int run(const std::vector<std::string>& words) {
   else if (what == "pose") pose(domain);
   else if (what == "contacts") contacts(domain);
   else if (what == "clouds") clouds(domain);
+  else if (what == "big_cloud") big_cloud(domain, std::stoi(words.at(2)));
   else if (what == "octomap") octomap(domain);
   else if (what == "markers") markers(domain);
   else if (what == "clock") simulated(domain);

@@ -11,6 +11,7 @@
 
 #include <collided/client.hpp>
 
+#include "tests/interop/big_cloud.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -51,6 +52,34 @@ class Ros : public ServerTest {
     const Result<Added> added =
         client.add({.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = pose, .group = 7});
     ASSERT_TRUE(added) << added.error().message;
+  }
+  static constexpr int kBigCloud = 300'000;
+  static constexpr double kBigCell_m = 0.10000000149011612;  // 0.1, rounded to 24 bits
+  /// Which rays from above do not meet the top of the cell that the large cloud has there, to their bound; every seventh is
+  /// asked. At most ten sentences.
+  static std::vector<std::string> wrong_in_big_cloud(Client& client) {
+    std::vector<RayQuestion> rays;
+    std::vector<int> numbers;
+    for (int number = 0; number < kBigCloud; number += 7) {
+      const std::array<float, 3> point = interop::big_cloud_point(number);
+      rays.push_back({.origin = {point[0], point[1], 5}, .direction = {0, 0, -1}});
+      numbers.push_back(number);
+    }
+    const Result<Answers> answers = client.ask(rays, {.timeout = seconds(60)});
+    if (!answers) return {answers.error().message};
+    std::vector<std::string> wrong;
+    for (std::size_t i = 0; i < rays.size() && wrong.size() < 10; ++i) {
+      const Answer& answer = answers->answers[i];
+      const double wanted_m = 5 - kBigCell_m * (numbers[i] * 7 % 13 + 1);
+      const bool is_right = answer.verdict == Verdict::hit &&
+                            std::abs(answer.hits.at(0).distance_m - wanted_m) <= answer.hits.at(0).error_m;
+      if (!is_right) {
+        wrong.push_back("point " + std::to_string(numbers[i]) + ": verdict " +
+                        std::to_string(static_cast<int>(answer.verdict)) + ", wanted is a hit at " +
+                        std::to_string(wanted_m));
+      }
+    }
+    return wrong;
   }
   static bool is_at(Client& client, const std::string& name, const Vec3& where, double within_m) {
     const Result<ObjectDetails> object = client.get(name);
@@ -212,6 +241,41 @@ TEST_F(Ros, CloudsOfAnyLayoutBecomeCellsAndOthersAreCounted) {
   EXPECT_EQ(counts["unstamped"], 1);
   EXPECT_EQ(counts["ahead"], 1);
   EXPECT_EQ(counts["not_finite"], 1);
+}
+
+TEST_F(Ros, ALargeCloudArrivesWholeAndIsAnsweredExactly) {
+  start({nothing()});
+  Client client = connect();
+  ChildProcess ros = bridge({"--cloud", "/points=scan", "--voxels", "0.1"});
+  ChildProcess points = peer({"big_cloud", std::to_string(kBigCloud)});
+  send(points, ros);
+  std::vector<std::string> wrong;
+  const auto is_there = [&] { return (wrong = wrong_in_big_cloud(client)).empty(); };
+  EXPECT_TRUE(test::eventually(is_there, seconds(60))) << (wrong.empty() ? "" : wrong.front()) << ros.errors();
+  const nlohmann::json counts = end(ros);
+  EXPECT_GE(counts["clouds"], 1);
+  EXPECT_EQ(counts["points"], kBigCloud * counts["clouds"].get<int>()) << "a cloud that came in part";
+  EXPECT_EQ(counts["occupied"], kBigCloud);
+  EXPECT_EQ(counts["dropped"], 0);
+}
+
+TEST_F(Ros, ALargeScanOfAFileIsAnsweredExactly) {
+  start({nothing()});
+  Client client = connect();
+  std::string file = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+                     std::to_string(kBigCloud) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " +
+                     std::to_string(kBigCloud) + "\nDATA binary\n";
+  for (int number = 0; number < kBigCloud; ++number) {
+    const std::array<float, 3> point = interop::big_cloud_point(number);
+    file.append(reinterpret_cast<const char*>(point.data()), sizeof point);
+  }
+  ASSERT_EQ(::setenv("COLLIDED_FILES", COLLIDED_FILES_BUILT, 1), 0);  // it is not beside `collide` where both are built
+  ChildProcess published({COLLIDED_CLI, "publish", folder_.write("scan.pcd", file), "--voxels", "0.1", "--domain",
+                          std::to_string(domain_), "--for", "120s"},
+                         folder_.path(), "publish");
+  std::vector<std::string> wrong;
+  const auto is_there = [&] { return (wrong = wrong_in_big_cloud(client)).empty(); };
+  EXPECT_TRUE(test::eventually(is_there, seconds(60))) << (wrong.empty() ? "" : wrong.front()) << published.errors();
 }
 
 TEST_F(Ros, AMapsCellsAreObstaclesAndADamagedMapChangesNothing) {

@@ -125,7 +125,7 @@ int main(int argument_count, char** arguments) {
     scans.push_back(scan_from(origins.back(), things, random));
   }
   Client client = need(Client::connect({.domain = std::atoi(arguments[1])}));
-  Publisher publisher = need(client.publish("cloud_rate"));
+  Publisher publisher = need(client.publish("cloud_rate", {.lease = std::chrono::seconds(60)}));
   const auto choice = unknown == "undecided"  ? UnknownCells::undecided
                       : unknown == "occupied" ? UnknownCells::occupied
                                               : UnknownCells::free;
@@ -152,9 +152,15 @@ int main(int argument_count, char** arguments) {
     }
     const Clock::time_point before = Clock::now();
     const std::size_t number = frames % kScans;
-    const VoxelScan scan = need(voxels.insert(
-        publisher, std::span<const float>(scans[number]), origins[number],
-        std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * static_cast<double>(frames) / kRate_hz))));
+    const std::chrono::nanoseconds time(static_cast<std::int64_t>(1e9 * static_cast<double>(frames) / kRate_hz));
+    Result<VoxelScan> inserted = voxels.insert(publisher, std::span<const float>(scans[number]), origins[number], time);
+    // What was not sent, for a silent server, the next call sends.
+    for (int tries = 0; !inserted && inserted.error().code == ErrorCode::disconnected && tries < 20; ++tries) {
+      silences += 1;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (const Result<std::size_t> sent = voxels.decay(publisher, time); sent) inserted = VoxelScan{};
+    }
+    const VoxelScan scan = need(std::move(inserted));
     const double took_s = std::chrono::duration<double>(Clock::now() - before).count();
     // A server that is out of breath is silent for a moment; then its time counts.
     for (int tries = 0;; ++tries) {

@@ -6,9 +6,11 @@
 #include <limits>
 #include <set>
 
-#include "client/library/voxels/cell_walk.hpp"
+#include "client/library/voxels/cell_ray.hpp"
+#include "client/library/voxels/tile_table.hpp"
 #include "collided/voxels.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/oracle/voxel_grid_oracle.hpp"
 #include "tests/oracle/voxel_oracle.hpp"
 
 namespace collided {
@@ -47,6 +49,40 @@ TEST(Voxels, APointIsInTheCellThatHoldsItExactly) {
   }
 }
 
+/// The place within 2^10 of 0 whose number it is.
+constexpr client::BlockNumbering kNumbering{.origin = 0, .x = 1, .y = 1 << 10, .z = 1 << 20};
+std::int64_t number_of(const VoxelNumber& place) {
+  return place[0] * kNumbering.x + place[1] * kNumbering.y + place[2] * kNumbering.z;
+}
+
+/// The blocks that a ray meets from a time on, and when it comes to each.
+template <int kBits>
+std::vector<std::pair<std::int64_t, std::int64_t>> blocks_met(const client::CellRay& ray, std::int64_t from) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> met;
+  for (client::BlockWalk<kBits> walk(ray, from, kNumbering);; walk.step()) {
+    met.emplace_back(walk.at(), from);
+    if (walk.leaves() >= ray.end) return met;
+    from = walk.leaves();
+  }
+}
+
+/// What a walk by blocks is to meet, from the cells in order.
+template <int kBits>
+void expect_same_blocks(const client::CellRay& ray, const std::vector<VoxelNumber>& cells) {
+  std::vector<std::int64_t> wanted, met;
+  for (const VoxelNumber& cell : cells) {
+    const std::int64_t block = number_of({cell[0] >> kBits, cell[1] >> kBits, cell[2] >> kBits});
+    if (wanted.empty() || wanted.back() != block) wanted.push_back(block);
+  }
+  const auto walked = blocks_met<kBits>(ray, 0);
+  for (const auto& [block, time] : walked) met.push_back(block);
+  EXPECT_EQ(met, wanted) << "blocks of " << (1 << kBits);
+  // Begun within, it goes on as it would have.
+  for (std::size_t i = 0; i < walked.size(); ++i)
+    EXPECT_EQ(blocks_met<kBits>(ray, walked[i].second),
+              std::vector(walked.begin() + static_cast<long>(i), walked.end()));
+}
+
 TEST(Voxels, ARayCrossesTheCellsWhoseInsideItMeets) {
   std::mt19937_64 random = oracle::seeded(26);
   std::uniform_int_distribution<std::int64_t> unit(0, 31);
@@ -65,42 +101,43 @@ TEST(Voxels, ARayCrossesTheCellsWhoseInsideItMeets) {
       from[axis] = start.cell[axis] + cpp_rational(start.units[axis], client::kUnitsPerCell);
       to[axis] = end[axis] + cpp_rational(1, 2);
     }
-    std::set<VoxelNumber> crossed{end};
+    const std::set<VoxelNumber> wanted = oracle::cells_met(from, to);
+    const client::CellRay ray(start, end);
+    std::set<std::int64_t> wanted_numbers, met;
+    for (const VoxelNumber& cell : wanted) wanted_numbers.insert(number_of(cell));
+    const auto walked = blocks_met<0>(ray, 0);
+    for (const auto& [cell, time] : walked) EXPECT_TRUE(met.insert(cell).second) << "once each";
+    EXPECT_EQ(met, wanted_numbers);
+    EXPECT_EQ(walked.back().first, number_of(end));
     std::vector<VoxelNumber> in_order;
-    for (client::CellWalk walk(start, end); !walk.is_at_end(); walk.step()) {
-      EXPECT_TRUE(crossed.insert(walk.cell()).second) << "once each";
-      in_order.push_back(walk.cell());
-    }
-    in_order.push_back(end);
-    EXPECT_EQ(crossed, oracle::cells_met(from, to));
-    // Leaving a block goes to the first cell beyond it, as step by step.
-    for (const std::int32_t side : {2, 4, 16}) {
-      const auto block = [&](const VoxelNumber& cell) {
-        return VoxelNumber{cell[0] & -side, cell[1] & -side, cell[2] & -side};
-      };
-      client::CellWalk walk(start, end);
-      for (std::size_t at = 0; !walk.is_at_end();) {
-        ASSERT_EQ(walk.cell(), in_order.at(at));
-        walk.leave_block(side);
-        const VoxelNumber left = block(in_order[at]);
-        while (at + 1 < in_order.size() && block(in_order[at]) == left) ++at;
-        if (walk.is_at_end()) { EXPECT_EQ(walk.cell(), end); }
-      }
-    }
+    for (const auto& [cell, time] : walked)
+      in_order.push_back(*std::find_if(wanted.begin(), wanted.end(),
+                                       [&, at = cell](const VoxelNumber& one) { return number_of(one) == at; }));
+    expect_same_blocks<0>(ray, in_order);
+    expect_same_blocks<1>(ray, in_order);
+    expect_same_blocks<2>(ray, in_order);
+    expect_same_blocks<4>(ray, in_order);
   }
 }
 
 TEST(Voxels, TheLongestRayDoesNotOverflow) {
   const client::RayStart start{.cell = {0, 0, 0}, .units = {1, 63, 31}};
   const std::int32_t far = client::kLongestRayCells;
-  std::size_t steps = 0;
-  VoxelNumber last{};
-  for (client::CellWalk walk(start, {far, -far, far}); !walk.is_at_end(); walk.step()) {
-    ++steps;
-    last = walk.cell();
+  for (const VoxelNumber& end : {VoxelNumber{far, -far, far}, VoxelNumber{-far, far, -far}, VoxelNumber{far, 0, 1}}) {
+    const client::CellRay ray(start, end);
+    const client::BlockNumbering by = client::TileTable::kKeys;
+    std::size_t steps = 0;
+    std::int64_t time = 0;
+    client::BlockWalk<0> walk(ray, 0, by);
+    for (; walk.leaves() < ray.end; walk.step()) {
+      ASSERT_GT(walk.leaves(), time);
+      time = walk.leaves();
+      // One in a thousand is as one that begins there.
+      if (++steps % 1'000 == 0) { ASSERT_GT(client::BlockWalk<0>(ray, time, by).leaves(), time); }
+    }
+    EXPECT_GE(steps, static_cast<std::size_t>(far));
+    EXPECT_EQ(client::TileTable::place_of(walk.at()), end);
   }
-  EXPECT_GT(steps, static_cast<std::size_t>(far));
-  EXPECT_LE(std::abs(last[0] - far) + std::abs(last[1] + far) + std::abs(last[2] - far), 3);
 }
 
 TEST(Voxels, TheOriginIsMovedByAtMostASixtyFourth) {
@@ -116,6 +153,82 @@ TEST(Voxels, TheOriginIsMovedByAtMostASixtyFourth) {
     // The place within the cell is a rounded difference, hence the last term.
     EXPECT_LE(abs(at - cpp_rational(x)), cpp_rational(cell_m) / 64 + cpp_rational(0x1p-45));
     EXPECT_EQ(start->units[0] % 2, 1);
+  }
+}
+
+/// Scans from a sensor that moves about between a few walls, so that blocks are met again and again.
+void expect_as_plain(UnknownCells unknown, std::uint64_t seed, const std::optional<std::chrono::nanoseconds>& decay) {
+  std::mt19937_64 random = oracle::seeded(seed);
+  const VoxelOptions options{.cell_m = 1, .unknown = unknown, .decay = decay.value_or(seconds(0))};
+  VoxelGrid grid = grid_of(options);
+  oracle::PlainGrid plain(options);
+  std::uniform_int_distribution<int> in_room(-8, 8), near(-2, 2), wall(11, 13), one_of(0, 5), unit(0, 31);
+  for (int scan = 0; scan < 30; ++scan) {
+    std::array<std::int64_t, 3> sensor_64ths{};
+    Vec3 origin;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sensor_64ths[axis] = 64 * near(random) + 2 * unit(random) + 1;
+      origin[static_cast<int>(axis)] = static_cast<double>(sensor_64ths[axis]) / 64;
+    }
+    std::vector<oracle::CellNumbers> cells;
+    std::vector<double> points;
+    for (int i = 0; i < 40; ++i) {
+      oracle::CellNumbers cell{in_room(random), in_room(random), in_room(random)};
+      // Most are on walls; some of them beside it, now and then.
+      if (i % 4 != 0) cell[static_cast<std::size_t>(i % 3)] = (one_of(random) % 2 == 0 ? 1 : -1) * wall(random);
+      cells.push_back(cell);
+      for (const std::int32_t number : cell) points.push_back(number + 0.25);
+    }
+    const bool has_origin = one_of(random) != 0;
+    insert(grid, points, has_origin ? std::optional(origin) : std::nullopt, seconds(scan));
+    // A sixteenth of the decay is half a second.
+    plain.insert(cells, has_origin ? std::optional(sensor_64ths) : std::nullopt, decay ? 2 * scan : 0);
+    std::size_t known = 0;
+    for (std::int32_t z = -14; z < 14; ++z) {
+      for (std::int32_t y = -14; y < 14; ++y) {
+        for (std::int32_t x = -14; x < 14; ++x) {
+          const VoxelNumber cell{x, y, z};
+          ASSERT_EQ(grid.state(cell), plain.state(cell)) << "scan " << scan << ", cell " << x << ' ' << y << ' ' << z;
+          known += grid.state(cell) != VoxelState::unknown ? 1 : 0;
+        }
+      }
+    }
+    ASSERT_EQ(known, plain.size()) << "a cell beyond the walls";
+  }
+  EXPECT_GT(grid.occupied_count(), 20U);
+}
+
+// Rays that change nothing more are left out, block by block: the cells are to be as if none were.
+TEST(Voxels, ScansMakeOfCellsWhatEachRayWouldAlone) {
+  expect_as_plain(UnknownCells::free, 28, {});
+  expect_as_plain(UnknownCells::free, 29, seconds(8));
+  expect_as_plain(UnknownCells::undecided, 30, {});
+  expect_as_plain(UnknownCells::undecided, 31, seconds(8));
+  expect_as_plain(UnknownCells::occupied, 32, seconds(8));
+}
+
+TEST(Voxels, WhereUnknownIsFreeACellIsOccupiedOrUnknown) {
+  VoxelGrid grid = grid_of({.cell_m = 0.5});
+  insert(grid, {3.2, 0.2, 0.2});
+  EXPECT_EQ(insert(grid, {5.2, 0.2, 0.2}, Vec3(0.2, 0.2, 0.2)).crossed, 1U) << "only the cell that may change";
+  EXPECT_EQ(grid.state({5, 0, 0}), VoxelState::unknown);
+  for (int i = 0; i < 2; ++i) insert(grid, {5.2, 0.2, 0.2}, Vec3(0.2, 0.2, 0.2));
+  EXPECT_EQ(grid.state({6, 0, 0}), VoxelState::unknown);
+}
+
+/// Rays farther than the table of a scan's blocks reaches.
+TEST(Voxels, AScanOfFarPointsIsAsOneOfNearOnes) {
+  const std::vector<double> far{15'000.5, 0.5, 0.5, 0.5, 15'000.5, 0.5, 0.5, 0.5, 15'000.5};
+  for (const UnknownCells unknown : {UnknownCells::free, UnknownCells::undecided}) {
+    VoxelGrid grid = grid_of({.cell_m = 1, .unknown = unknown});
+    insert(grid, {700.5, 0.5, 0.5, 5.5, 0.5, 0.5});
+    for (int i = 0; i < 3; ++i) insert(grid, far, Vec3(0.5, 0.5, 0.5));
+    const VoxelState cleared = unknown == UnknownCells::free ? VoxelState::unknown : VoxelState::free;
+    EXPECT_EQ(grid.state({700, 0, 0}), cleared);
+    EXPECT_EQ(grid.state({5, 0, 0}), cleared);
+    EXPECT_EQ(grid.state({0, 14'999, 0}), cleared);
+    EXPECT_EQ(grid.state({0, 0, 15'000}), VoxelState::occupied);
+    EXPECT_EQ(grid.state({1, 1, 1}), VoxelState::unknown);
   }
 }
 

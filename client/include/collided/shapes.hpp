@@ -79,8 +79,9 @@ struct PolylineShape {
   double radius_m = 0;
 };
 
-/// Cells of a regular grid that stands along the axes of the object's frame; each occupied cell is a box of its own. Cell
-/// (i, j, k) reaches from (low + (i, j, k)) * cell_m to one cell more.
+/// Cells of a regular grid that stands along the axes of the object's frame. Cell (i, j, k) reaches from
+/// (low + (i, j, k)) * cell_m to one cell more. Occupied cells that fill a box become one: distances and hits are those of the
+/// cells, depths and where a ray leaves those of such boxes.
 struct VoxelShape {
   double cell_m = 0;                     // above 0, of at most 24 significant bits: then all corners are exact
   std::array<std::int32_t, 3> low{};     // within 2^26

@@ -23,8 +23,8 @@ struct VoxelTiles;   // the insides of a VoxelGrid ...
 struct ShownVoxels;  // ... and of PublishedVoxels
 }  // namespace client
 
-/// What the world is told of cells that are unknown: nothing, so that they are free; that they are, so that a question
-/// that reaches into them is undecided with not_covered; or that they are occupied.
+/// What the world is told of cells that are unknown: nothing, so that they are free, and the two are one state, unknown; that
+/// they are, so that a question that reaches into them is undecided with not_covered; or that they are occupied.
 enum class UnknownCells { free, undecided, occupied };
 
 /// A grid of cubes that stands along the world's axes, a corner of one at the origin.
@@ -56,8 +56,10 @@ struct VoxelScan {
   std::size_t far = 0;       // beyond reach_m: they only clear what lies before
   std::size_t dropped = 0;   // in a block beyond most_blocks
   std::size_t occupied = 0;  // cells that have points
-  std::size_t crossed = 0;   // cells that rays crossed and no point is in
-  std::size_t changed = 0;   // blocks whose cells are other than before
+  /// Cells that rays crossed, that no point is in, and for which it made a difference: where unknown is free, occupied
+  /// ones; else also those that no scan met before, or none since the last sixteenth of the decay began.
+  std::size_t crossed = 0;
+  std::size_t changed = 0;  // blocks whose cells are other than before
 };
 
 /// A cube of cells with one state, as a map has it.
@@ -69,7 +71,7 @@ struct VoxelBlock {
 
 /// The cells alone, without a server. A scan counts once for a cell, however many points or rays meet it: a cell with
 /// points becomes more surely occupied, one that rays cross and that has no point less so. A free cell with a point is occupied
-/// at once.
+/// at once; all free cells are equally free.
 ///
 /// source   Hornung et al., "OctoMap: an efficient probabilistic 3D mapping framework", 2013, with its usual weights: log
 ///          odds of 0.85 and -0.4, kept below 3.5 and, so that no obstacle comes late, above -0.4; occupied from 0 on
@@ -112,7 +114,7 @@ class VoxelGrid {
 };
 
 /// A grid in the world. Each block of 16 x 16 x 16 cells with an occupied one is an object NAME/i_j_k that stands still,
-/// and each occupied cell a box of it. What is unknown is objects NAME/unknown/..., where asked for.
+/// made of its occupied cells (VoxelShape). What is unknown is objects NAME/unknown/..., where asked for.
 ///
 /// A change arrives block by block, not all at once; in between a cell may count as occupied or unknown for longer than
 /// it is, never as free. A contact with a block that changes ends with geometry_changed and begins again.

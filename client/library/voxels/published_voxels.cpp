@@ -20,8 +20,10 @@ VoxelShape shape_of(const VoxelTile& tile, const TileBits& bits, double cell_m) 
   VoxelShape shape{.cell_m = cell_m, .size = {kSide, kSide, kSide}};
   for (std::size_t axis = 0; axis < 3; ++axis) shape.low[axis] = tile.place[axis] * client::kTileSide;
   shape.occupied.reserve(client::kTileCells / 8);
-  for (const std::uint64_t word : bits) {
-    for (int byte = 0; byte < 8; ++byte) shape.occupied.push_back(static_cast<std::uint8_t>(word >> (8 * byte)));
+  for (std::size_t row = 0; row < client::kTileCells / kSide; ++row) {
+    const std::uint32_t cells = client::row_of(bits, row);
+    shape.occupied.push_back(static_cast<std::uint8_t>(cells));
+    shape.occupied.push_back(static_cast<std::uint8_t>(cells >> 8));
   }
   return shape;
 }

@@ -16,9 +16,21 @@ class TileTable {
  public:
   explicit TileTable(std::size_t most) : most_(most), recent_(kRecent) {}
 
+  /// Keys of places; those are within 2^19 of 0.
+  static constexpr BlockNumbering kKeys{.origin = 0, .x = std::int64_t{1} << 42, .y = std::int64_t{1} << 21, .z = 1};
+  static std::int64_t key_of(const VoxelNumber& place) {
+    return place[0] * kKeys.x + place[1] * kKeys.y + place[2] * kKeys.z;
+  }
+  static VoxelNumber place_of(std::int64_t key) {
+    // Each sum may have borrowed from the ones above.
+    const auto z = static_cast<std::int32_t>(key << 43 >> 43);
+    const auto y = static_cast<std::int32_t>((key - z) << 22 >> 43);
+    return {static_cast<std::int32_t>((key - z - y * kKeys.y) >> 42), y, z};
+  }
+
   /// Null: there is none.
-  VoxelTile* find(const VoxelNumber& place) {
-    const std::uint64_t key = key_of(place);
+  VoxelTile* find(const VoxelNumber& place) { return find(key_of(place)); }
+  VoxelTile* find(std::int64_t key) {
     Recent& recent = recent_[slot_of(key)];
     if (recent.tile != nullptr && recent.key == key) return recent.tile;
     const auto found = tiles_.find(key);
@@ -34,7 +46,7 @@ class TileTable {
   VoxelTile* found_or_made(const VoxelNumber& place) {
     if (VoxelTile* known = find(place); known != nullptr) return known;
     if (tiles_.size() >= most_) return nullptr;
-    const std::uint64_t key = key_of(place);
+    const std::int64_t key = key_of(place);
     std::unique_ptr<VoxelTile>& made = tiles_[key];
     made = std::make_unique<VoxelTile>();
     made->place = place;
@@ -42,7 +54,7 @@ class TileTable {
     return made.get();
   }
   void remove(const VoxelNumber& place) {
-    const std::uint64_t key = key_of(place);
+    const std::int64_t key = key_of(place);
     if (recent_[slot_of(key)].key == key) recent_[slot_of(key)] = {};
     tiles_.erase(key);
   }
@@ -63,22 +75,17 @@ class TileTable {
  private:
   static constexpr std::size_t kRecent = 4'096;
   struct Recent {
-    std::uint64_t key = 0;
+    std::int64_t key = 0;
     VoxelTile* tile = nullptr;
   };
 
-  /// Places are within 2^22 of 0: 21 bits and a sign each would collide nowhere below 2^63.
-  static std::uint64_t key_of(const VoxelNumber& place) {
-    constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
-    std::uint64_t key = 0;
-    for (const std::int32_t at : place) key = key << 21 | (static_cast<std::uint64_t>(std::int64_t{at}) & kMask);
-    return key;
+  static std::size_t slot_of(std::int64_t key) {
+    return (static_cast<std::uint64_t>(key) * 0x9e3779b97f4a7c15ULL) >> 52;
   }
-  static std::size_t slot_of(std::uint64_t key) { return (key * 0x9e3779b97f4a7c15ULL) >> 52; }
 
   std::size_t most_;
   std::vector<Recent> recent_;
-  std::unordered_map<std::uint64_t, std::unique_ptr<VoxelTile>> tiles_;
+  std::unordered_map<std::int64_t, std::unique_ptr<VoxelTile>> tiles_;
 };
 
 }  // namespace collided::client

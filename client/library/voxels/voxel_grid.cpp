@@ -3,22 +3,17 @@
 #include <cmath>
 
 #include "client/library/connection/errors.hpp"
+#include "client/library/voxels/byte_lanes.hpp"
 #include "client/library/voxels/voxel_tiles.hpp"
 
 namespace collided {
 
 using client::bad_input;
-using client::RayStart;
 using client::VoxelTile;
 using client::words;
 
 namespace {
 
-// Log odds, in steps of 0.05.
-constexpr int kHit = 17;
-constexpr int kMiss = 8;
-constexpr int kLeast = -kMiss;
-constexpr int kMost = 70;
 constexpr std::int64_t kTicksOfDecay = 16;
 
 double rounded_to_24_bits(double value) {
@@ -86,143 +81,6 @@ std::optional<VoxelNumber> VoxelGrid::cell_of(const Vec3& point) const {
   return cell;
 }
 
-template <class Number>
-VoxelScan client::VoxelTiles::insert(std::span<const Number> points, const std::optional<Vec3>& origin,
-                                     std::chrono::nanoseconds time) {
-  VoxelScan scan;
-  tick_ = std::max(tick_, tick_of(time));
-  met_.clear();
-  ends_.clear();
-  clear_ends_.clear();
-  const std::optional<RayStart> start = origin ? client::ray_start(*origin, cell_m) : std::nullopt;
-  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
-    const Vec3 point(points[i], points[i + 1], points[i + 2]);
-    take_point(point, start ? &*start : nullptr, origin.value_or(Vec3::Zero()), scan);
-  }
-  scan.occupied = ends_.size();
-  if (start) {
-    for (const VoxelNumber& end : ends_) clear_way(*start, end, true);
-    std::sort(clear_ends_.begin(), clear_ends_.end());
-    clear_ends_.erase(std::unique(clear_ends_.begin(), clear_ends_.end()), clear_ends_.end());
-    for (const VoxelNumber& end : clear_ends_) clear_way(*start, end, false);
-  }
-  apply(scan);
-  scan.changed += decay(time);
-  return scan;
-}
-
-void client::VoxelTiles::take_point(const Vec3& point, const RayStart* start, const Vec3& origin, VoxelScan& scan) {
-  const double longest_m = std::min(options.reach_m, client::kLongestRayCells * cell_m);
-  Vec3 at = point;
-  bool is_far = false;
-  if (start != nullptr) {
-    const double length_m = (point - origin).norm();
-    is_far = length_m > longest_m;
-    if (is_far && std::isfinite(length_m)) at = origin + (point - origin) * (longest_m / length_m);
-  }
-  VoxelNumber cell{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::optional<std::int32_t> number = client::cell_number(at[axis], cell_m);
-    if (!number) {
-      ++scan.refused;
-      return;
-    }
-    cell[static_cast<std::size_t>(axis)] = *number;
-  }
-  if (is_far) {
-    ++scan.far;
-    clear_ends_.push_back(cell);
-    return;
-  }
-  VoxelTile* tile = met(tiles.found_or_made(client::tile_of(cell)));
-  if (tile == nullptr) {
-    ++scan.dropped;
-    return;
-  }
-  ++scan.points;
-  const std::size_t bit = client::cell_in_tile(cell);
-  if (client::has_bit(tile->hit, bit)) return;
-  client::set_bit(tile->hit, bit);
-  ends_.push_back(cell);
-}
-
-VoxelTile* client::VoxelTiles::met(VoxelTile* tile) {
-  if (tile == nullptr || tile->is_met) return tile;
-  tile->is_met = true;
-  met_.push_back(tile);
-  return tile;
-}
-
-/// Whether a ray through the tile may change something. Free cells are kept only where unknown ones are something else;
-/// there, one scan a tick keeps what is free from decay.
-bool client::VoxelTiles::can_change(const VoxelTile& tile) const {
-  if (tile.has_occupied) return true;
-  return options.unknown != UnknownCells::free && !(tile.is_all_known && tile.applied_tick == tick_);
-}
-
-void client::VoxelTiles::clear_way(const RayStart& start, const VoxelNumber& end, bool has_point) {
-  const bool makes_tiles = options.unknown != UnknownCells::free;
-  client::CellWalk walk(start, end);
-  while (!walk.is_at_end()) {
-    const VoxelNumber place = client::tile_of(walk.cell());
-    VoxelTile* tile = makes_tiles ? tiles.found_or_made(place) : tiles.find(place);
-    if (tile == nullptr || !can_change(*tile)) {
-      walk.leave_block(client::kTileSide);
-      continue;
-    }
-    met(tile);
-    do {
-      client::set_bit(tile->crossed, client::cell_in_tile(walk.cell()));
-      walk.step();
-    } while (!walk.is_at_end() && client::tile_of(walk.cell()) == place);
-  }
-  if (has_point) return;
-  VoxelTile* tile = met(makes_tiles ? tiles.found_or_made(client::tile_of(end)) : tiles.find(client::tile_of(end)));
-  if (tile != nullptr) client::set_bit(tile->crossed, client::cell_in_tile(end));
-}
-
-void client::VoxelTiles::note_changed(VoxelTile& tile) {
-  if (!is_watched || tile.is_changed) return;
-  tile.is_changed = true;
-  changed.push_back(&tile);
-}
-
-/// A point counts more than a ray through its cell: those of one scan graze the cells of each other's points.
-void client::VoxelTiles::apply(VoxelScan& scan) {
-  const auto tick = static_cast<std::uint8_t>(tick_);
-  for (VoxelTile* tile : met_) {
-    bool is_changed = false;
-    for (std::size_t word = 0; word < client::kTileWords; ++word) {
-      const std::uint64_t hit = tile->hit[word];
-      const std::uint64_t crossed = tile->crossed[word] & ~hit;
-      if ((hit | crossed) == 0) continue;
-      scan.crossed += static_cast<std::size_t>(std::popcount(crossed));
-      const std::uint64_t known = tile->known[word];
-      std::uint64_t occupied = tile->occupied[word];
-      for (std::uint64_t rest = hit | crossed; rest != 0; rest &= rest - 1) {
-        const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
-        const std::uint64_t mask = std::uint64_t{1} << bit;
-        const std::size_t cell = 64 * word + bit;
-        const int before = (known & mask) != 0 ? tile->odds[cell] : 0;
-        const int after = (hit & mask) != 0 ? std::min(before + kHit, kMost) : std::max(before - kMiss, kLeast);
-        tile->odds[cell] = static_cast<std::int8_t>(after);
-        tile->seen[cell] = tick;
-        occupied = after >= 0 ? occupied | mask : occupied & ~mask;
-      }
-      is_changed = is_changed || occupied != tile->occupied[word] || (known | hit | crossed) != known;
-      tile->occupied[word] = occupied;
-      tile->known[word] = known | hit | crossed;
-      tile->hit[word] = tile->crossed[word] = 0;
-    }
-    tile->is_met = false;
-    tile->applied_tick = tick_;
-    if (!is_changed) continue;
-    tile->note_bits();
-    ++scan.changed;
-    note_changed(*tile);
-  }
-}
-
 VoxelScan client::VoxelTiles::assign(std::span<const VoxelBlock> blocks, std::chrono::nanoseconds time) {
   VoxelScan scan;
   tick_ = std::max(tick_, tick_of(time));
@@ -239,8 +97,8 @@ VoxelScan client::VoxelTiles::assign(std::span<const VoxelBlock> blocks, std::ch
       tile.hit[word] = tile.crossed[word] = 0;
     }
     tile.is_met = false;
+    tile.fresh = {};
     if (!is_changed) return;
-    tile.note_bits();
     ++scan.changed;
     note_changed(tile);
   });
@@ -289,7 +147,7 @@ void client::VoxelTiles::set_cells(VoxelTile& tile, const VoxelBlock& block, con
       for (std::int32_t x = low[0]; x < end[0]; ++x) {
         const std::size_t cell = client::cell_in_tile({x, y, z});
         client::set_bit(is_occupied ? tile.hit : tile.crossed, cell);
-        tile.odds[cell] = static_cast<std::int8_t>(is_occupied ? kMost : kLeast);
+        if (is_occupied) tile.odds[cell] = client::kMostOdds;
         tile.seen[cell] = static_cast<std::uint8_t>(tick_);
         ++(is_occupied ? scan.occupied : scan.crossed);
       }
@@ -324,27 +182,25 @@ std::size_t client::VoxelTiles::decay(std::chrono::nanoseconds time) {
 
 bool client::VoxelTiles::forget_old(VoxelTile& tile, std::int64_t passed) const {
   constexpr std::int64_t kAllOld = 256 - kTicksOfDecay - 2;
-  const auto tick = static_cast<std::uint8_t>(tick_);
+  const auto oldest = static_cast<std::uint8_t>(passed >= kAllOld ? 0 : kTicksOfDecay);
   bool is_changed = false;
+  if (tile.fresh_tick != tick_) tile.fresh = {};
+  tile.fresh_tick = tick_;
   for (std::size_t word = 0; word < client::kTileWords; ++word) {
-    std::uint64_t old = 0;
-    for (std::uint64_t rest = tile.known[word]; rest != 0; rest &= rest - 1) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
-      const auto age = static_cast<std::uint8_t>(tick - tile.seen[64 * word + bit]);
-      if (age > kTicksOfDecay || (passed >= kAllOld && age != 0)) old |= std::uint64_t{1} << bit;
-    }
+    const std::uint64_t stale = tile.known[word] & ~tile.fresh[word];
+    if (stale == 0) continue;
+    const std::uint64_t old =
+        stale & client::lanes_older(&tile.seen[64 * word], static_cast<std::uint8_t>(tick_), oldest);
     is_changed = is_changed || old != 0;
     tile.known[word] &= ~old;
     tile.occupied[word] &= ~old;
   }
-  if (is_changed) tile.note_bits();
   return is_changed;
 }
 
 void client::VoxelTiles::forget_all() {
   tiles.for_each([&](VoxelTile& tile) {
-    tile.known = tile.occupied = {};
-    tile.note_bits();
+    tile.known = tile.occupied = tile.fresh = {};
     note_changed(tile);
   });
   if (!is_watched) tiles.clear();

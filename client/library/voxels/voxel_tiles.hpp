@@ -4,10 +4,14 @@
 #include <span>
 #include <vector>
 
-#include "client/library/voxels/cell_walk.hpp"
+#include "client/library/voxels/cell_ray.hpp"
+#include "client/library/voxels/scan_window.hpp"
 #include "client/library/voxels/tile_table.hpp"
 
 namespace collided::client {
+
+/// Log odds at most, in steps of 0.05.
+inline constexpr int kMostOdds = 70;
 
 /// The tiles of a grid, and the scan at work.
 struct [[gnu::visibility("hidden")]] VoxelTiles {
@@ -28,11 +32,18 @@ struct [[gnu::visibility("hidden")]] VoxelTiles {
   std::vector<VoxelTile*> changed;
 
  private:
-  void take_point(const Vec3& point, const RayStart* start, const Vec3& origin, VoxelScan& scan);
-  bool can_change(const VoxelTile& tile) const;
-  void clear_way(const RayStart& start, const VoxelNumber& end, bool has_point);
+  /// What is free is kept only where what is unknown is something else.
+  bool keeps_free() const { return options.unknown != UnknownCells::free; }
+  template <class Number>
+  void take_points(std::span<const Number> points, const std::optional<Vec3>& origin, VoxelScan& scan);
+  bool number_cell(const Vec3& point, VoxelNumber& cell) const;
   VoxelTile* met(VoxelTile * tile);
+  void clear_ways(const RayStart& start);
+  void open(VoxelTile & tile) const;
+  VoxelTile* in_table(const VoxelNumber& place);
+  VoxelTile* in_window(std::int64_t number);
   void apply(VoxelScan & scan);
+  bool apply_brick(VoxelTile & tile, std::size_t word, std::uint64_t crossed) const;
   void set_block(const VoxelBlock& block, VoxelScan& scan);
   void set_cells(VoxelTile & tile, const VoxelBlock& block, const VoxelNumber& high, VoxelScan& scan);
   bool forget_old(VoxelTile & tile, std::int64_t passed) const;
@@ -40,8 +51,9 @@ struct [[gnu::visibility("hidden")]] VoxelTiles {
   std::int64_t tick_of(std::chrono::nanoseconds time) const;
 
   std::vector<VoxelTile*> met_;          // by the scan at work
-  std::vector<VoxelNumber> ends_;        // cells with points of the scan at work, once each
   std::vector<VoxelNumber> clear_ends_;  // where rays end that are longer than the reach
+  ScanWindow window_;                    // of the scan at work
+  VoxelTile nothing_;                    // stands in the window for tiles in which rays change nothing
   std::int64_t tick_ = 0;                // of the newest time
   std::int64_t looked_at_tick_ = 0;      // when all cells were last looked at
 };

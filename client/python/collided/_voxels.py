@@ -24,7 +24,7 @@ class VoxelScan(NamedTuple):
     far: int  #: beyond `reach`: they only clear what lies before
     dropped: int  #: in a block beyond the limit
     occupied: int  #: cells that have points
-    crossed: int  #: cells that rays crossed and no point is in
+    crossed: int  #: cells without a point that rays crossed to an effect: occupied ones; unless unknown is free, also new ones
     changed: int  #: blocks whose cells are other than before
 
 

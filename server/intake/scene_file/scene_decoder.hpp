@@ -404,7 +404,7 @@ class SceneDecoder {
       if (const std::string flaw = flaw_of(cells); !flaw.empty()) throw Flaw{name + flaw};
       // Each box takes far more memory than its bit, so that bits do not count as the bytes that pay for it.
       spend_primitives(occupied_count(cells));
-      from.is_unknown() ? add_joined_boxes(cells, shape.primitives) : add_boxes_of(cells, shape.primitives);
+      add_boxes_of(cells, shape.primitives);
     }
   }
 

@@ -43,8 +43,7 @@ ObjectDefinition cells_object(const std::string& name, const std::vector<bool>& 
       .cell_m = kCell_m, .low = {kLow, kLow, kLow}, .size = {kSide, kSide, kSide}, .occupied = bytes};
   EXPECT_EQ(flaw_of(voxels), "");
   ObjectDefinition definition = still(name);
-  is_unknown ? add_joined_boxes(voxels, definition.shape.primitives)
-             : add_boxes_of(voxels, definition.shape.primitives);
+  add_boxes_of(voxels, definition.shape.primitives);
   definition.shape.is_unknown = is_unknown;
   return definition;
 }
@@ -292,7 +291,7 @@ TEST(UnknownSpace, MoversMeetItWithoutAContact) {
   EXPECT_TRUE(unknown_near(*world.newest(), std::vector{Aabb{Vec3::Constant(-0.4), Vec3::Constant(-0.3)}}, 0.21));
 }
 
-TEST(UnknownSpace, JoinedBoxesHoldTheSameCells) {
+TEST(UnknownSpace, BoxesHoldTheirCellsOnceEach) {
   std::mt19937_64 random = oracle::seeded(254);
   std::bernoulli_distribution is_set(0.6);
   for (int i = 0; i < 50; ++i) {
@@ -301,7 +300,7 @@ TEST(UnknownSpace, JoinedBoxesHoldTheSameCells) {
     const std::vector<std::uint8_t> bytes = bits_of(cells);
     const VoxelCells voxels{.cell_m = 1, .low = {0, 0, 0}, .size = {kSide, kSide, kSide}, .occupied = bytes};
     std::vector<Primitive> boxes;
-    add_joined_boxes(voxels, boxes);
+    add_boxes_of(voxels, boxes);
     std::vector<int> filled(cells.size(), 0);
     for (const Primitive& any : boxes) {
       const Box& box = std::get<Box>(any);
