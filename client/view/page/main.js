@@ -8,7 +8,7 @@ class Page {
     this.fences = new Fences();
     this.flashes = [];        // when each new contact was first drawn, for measurements
     this.chosen = this.hovered = this.followed = null;
-    this.picture = new Picture(byId("scene"), byId("overlay"));
+    this.picture = new Picture(byId("scene"), byId("overlay"), { failed: (error) => this.showDrawing(error) });
     this.world = new World(this.picture.renderer);
     this.panels = new Panels();
     this.matrix = new Matrix(byId("matrix"));
