@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "client/view/assets.hpp"
+#include "client/view/page_answers.hpp"
 #include "client/view/page_messages.hpp"
 
 namespace collided::view {

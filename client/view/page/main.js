@@ -34,6 +34,15 @@ class Page {
       choose: (slot) => this.choose(slot),
       drawn: () => this.changed(),
     });
+    this.tools = new Tools(this.world, this.camera, this.picture.marks, {
+      ask: (question) => this.asking.askShown(question),
+      ray: (x, y) => this.asking.ray(x, y),
+      pick: (x, y) => this.picture.renderer?.pick((x + 1) / 2, (y + 1) / 2) ?? null,
+      choose: (slot) => this.choose(slot),
+      chosen: () => objectOf(this.chosen),
+      name: (slot) => objectOf(slot).name,
+      drawn: () => this.changed(),
+    });
   }
 
   setUpThings() {
@@ -45,6 +54,7 @@ class Page {
       follow: (slot) => this.follow(this.followed === slot ? null : slot),
       isolate: (slot) => this.things.isolate(this.things.isolated === slot ? null : slot),
       hide: (object) => this.things.hide([object], !object.isHidden),
+      nearest: (line) => this.showNearest(line),
     });
     this.selected.contactsOf = (name) => this.contacts.of(name);
     byId("color").addEventListener("input", () => this.colorObjects());
@@ -89,8 +99,13 @@ class Page {
     };
     this.controls = new Controls(canvas, this.camera, {
       changed: () => this.changed(),
-      click: (x, y) => this.asking.ray(...place(x, y)),
-      clickMiddle: () => this.asking.ray(0, 0),
+      click: (x, y) => this.tools.click(...place(x, y)),
+      clickMiddle: () => this.tools.click(0, 0),
+      isDragged: () => this.tools.drags(),
+      beginDrag: (x, y) => this.tools.beginDrag(...place(x, y)),
+      drag: (x, y) => this.tools.drag(...place(x, y)),
+      endDrag: (x, y) => this.tools.endDrag(...place(x, y)),
+      cancelDrag: () => this.tools.cancel(),
       point: (pointer) => {
         this.pointer = pointer;
         if (!pointer) this.hover(null);
@@ -128,6 +143,7 @@ class Page {
 
   hearAnswer(answer) {
     if (answer.ask === "object") this.selected.hear(answer);
+    else if (answer.ask === "nearest") this.selected.hearNearest(answer);
     else if (answer.ask === "owners") {
       this.things.setOwners(answer.owners);
       this.colorObjects();
@@ -196,6 +212,7 @@ class Page {
   draw(now) {
     requestAnimationFrame((next) => this.draw(next));
     this.timeline.tick(now);
+    this.selected.tickNearest(now, this.timeline.isLive);
     if (this.pendingPoses) this.applyPoses();
     const isDrawn = this.picture.draw(now, {
       world: this.world, camera: this.camera, contacts: this.contacts, fences: this.fences,
@@ -285,13 +302,15 @@ class Page {
       "?": () => this.toggleHelp(),
       Escape: () => this.escape(),
     };
-    const action = keys[event.key];
+    const tool = kTools[Number(event.key) - 1];
+    const action = tool ? () => this.tools.take(tool) : keys[event.key];
     if (!action || (event.target.matches("button, summary") && event.key === " ")) return;
     action();
     event.preventDefault();
     this.changed();
   }
   escape() {
+    this.tools.cancel();
     this.asking.hideAnswer();
     this.panels.closeSheet();
     this.choose(null);
@@ -369,6 +388,11 @@ class Page {
     this.frame([small, large].filter((one) => one && one.own.radius() <= 4 * small.own.radius()));
   }
 
+  showNearest(line) {
+    if (!line && !this.picture.marks.nearest) return;
+    this.picture.marks.nearest = line;
+    this.changed();
+  }
   follow(slot) {
     this.followed = slot;
     byId("follow").setAttribute("aria-pressed", slot !== null);

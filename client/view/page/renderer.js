@@ -435,8 +435,8 @@ class Renderer {
     this.fill(this.grid, data, data.length / 10);
   }
 
-  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance,
-  /// or null.
+  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot, distance and
+  /// normal, or null.
   pick(x, y) {
     const gl = this.gl;
     if (!this.whole) return null;
@@ -444,7 +444,8 @@ class Renderer {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.whole.buffer);
     gl.readPixels(Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1]), 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
     if (numbers[0] === 0) return null;
-    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0] };
+    const normal = [0, 1, 2].map((axis) => ((numbers[2] << (24 - 8 * axis)) >> 24) / 127);
+    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0], normal: normalized(normal) };
   }
 }
 
