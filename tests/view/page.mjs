@@ -320,6 +320,36 @@ async function thingsAreChosenFollowedAndHidden() {
   await shut(page);
 }
 
+async function partsAreListed() {
+  const world = hall();
+  world.sphere("robot", [0, -2, 0.5], 0.3);
+  world.objects.at(-1).parts.push([1, 0, 0, 1, 1, 0, 0, 0, 0.5, 0.25, 1], [2, 0, 0, 0, 0, 0, 2, 0.125]);
+  const page = await open(world);
+  await page.focus("#things");
+  for (const key of ["Home", "ArrowDown", "ArrowDown", "ArrowDown", "ArrowRight"]) await page.keyboard.press(key);
+  await until("its parts are told", async () => /sphere, radius 300 mmbox 1 m × 500 mm × 2 mcapsule, radius 125 mm, 2 m long/.test(await textOf(page, "#things")));
+  for (const key of ["ArrowDown", "ArrowLeft", "ArrowLeft"]) await page.keyboard.press(key);
+  await until("they are folded", async () => !/capsule/.test(await textOf(page, "#things")));
+  await shut(page);
+}
+
+async function coloursTellWhoHasMoved() {
+  const world = hall();
+  const page = await open(world);
+  await page.selectOption("#color", "age");
+  const colorOf = (name) => page.evaluate((which) => [...collidedPage.world.tints.subarray(4 * collidedPage.world.byName.get(which).slot)].slice(0, 3).join(), name);
+  world.objects[world.slotOf("ball_1")].pose[0] = 0.25;
+  world.move(10);
+  world.move(10.1);
+  await until("what has just moved is warm", async () => (await colorOf("ball_1")) === "213,94,0");
+  check((await colorOf("ball_2")) === "86,180,233", `what has never moved is ${await colorOf("ball_2")}`);
+  check((await colorOf("floor")) === "120,120,120", "what cannot move has an age");
+  world.move(11.5);
+  await until("it cools", async () => (await colorOf("ball_1")) === "230,159,0");
+  check(/moved within 200 ms.*longer ago.*does not move/.test(await textOf(page, "#color-legend")), await textOf(page, "#color-legend"));
+  await shut(page);
+}
+
 // ---- asking, time
 
 async function commandsHaveAllDigitsAndTheWay() {
@@ -575,7 +605,7 @@ function isSmall() {
 
 const tests = [
   isSmall, restsAtFullResolution, coincidingFacesDoNotFlicker, smallRoundThingsAreTheSame, tenThousandMove, contactsAreClustered, fencesAreLitWhileEntered, overlapsThatAreNoContactsAreSaidSo, hostileNamesAreOnlyNames, aHundredThousandScroll,
-  thingsAreChosenFollowedAndHidden, commandsHaveAllDigitsAndTheWay, toolsAskWhatIsDrawn, theNearestIsShown, timeGoesBack, fitsEveryScreen, labelsStayInThePicture, textIsLegible,
+  thingsAreChosenFollowedAndHidden, partsAreListed, coloursTellWhoHasMoved, commandsHaveAllDigitsAndTheWay, toolsAskWhatIsDrawn, theNearestIsShown, timeGoesBack, fitsEveryScreen, labelsStayInThePicture, textIsLegible,
 ];
 try {
   browser = await launch();

@@ -267,6 +267,7 @@ class Page {
     if (now - (this.openedAt ?? -Infinity) < every_ms) return;
     this.openedAt = now;
     this.world.openShells();
+    if (byId("color").value === "age") this.colorObjects();
   }
 
   /// Without WebGL: shows the drawing that the viewer makes, a new one every other second.
@@ -405,11 +406,11 @@ class Page {
   colorObjects() {
     const { colorOf, legend } = coloring(byId("color").value, this.world);
     this.world.tint(colorOf);
-    byId("color-legend").replaceChildren(...legend.map(([color, text]) => {
+    keepChildren(byId("color-legend"), legend.map(([color, text]) => [`${color} ${text}`, () => {
       const mark = element("i");
       mark.style.background = `rgb(${color.join()})`;
       return element("li", {}, mark, nameElement(text));
-    }));
+    }]));
     this.changed();
   }
 

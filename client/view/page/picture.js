@@ -138,7 +138,7 @@ class Picture {
     const recent = this.frames.slice(-20);
     if (!this.renderer) return "";
     const took = recent.length ? recent.reduce((sum, one) => sum + one, 0) / recent.length : 0;
-    const time = took ? `${Number(took.toPrecision(2))} ms a picture` : "";
+    const time = took ? `${Math.round(took)} ms a picture` : "";
     const coarse = this.renderer.sharpness < 0.995 ? `outlines from ${Math.round(100 * this.renderer.sharpness)} % of the pixels, to keep up` : "full resolution";
     return [coarse, time].filter(Boolean).join(" · ");
   }

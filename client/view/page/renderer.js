@@ -435,17 +435,18 @@ class Renderer {
     this.fill(this.grid, data, data.length / 10);
   }
 
-  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot, distance and
-  /// normal, or null.
+  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot, distance,
+  /// normal, and the middle of the pixel that was looked at, or null.
   pick(x, y) {
     const gl = this.gl;
     if (!this.whole) return null;
     const numbers = new Uint32Array(4);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.whole.buffer);
-    gl.readPixels(Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1]), 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
+    const [column, row] = [Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1])];
+    gl.readPixels(column, row, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
     if (numbers[0] === 0) return null;
     const normal = [0, 1, 2].map((axis) => ((numbers[2] << (24 - 8 * axis)) >> 24) / 127);
-    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0], normal: normalized(normal) };
+    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0], normal: normalized(normal), middle: [(column + 0.5) / this.seenSize[0], (row + 0.5) / this.seenSize[1]] };
   }
 }
 

@@ -7,7 +7,7 @@ const kNearestAsked = 3;
 
 /// Turns clicks and drags into questions, and shows their shapes while they are drawn.
 class Tools {
-  /// on: {ask(question), ray(x, y), pick(x, y) -> {slot, range, normal} or null, choose(slot), chosen(), name(slot), drawn()};
+  /// on: {ask(question), ray(x, y), pick(x, y) (as Renderer.pick), choose(slot), chosen(), name(slot), drawn()};
   /// x and y from -1 to 1, y up
   constructor(world, camera, marks, on) {
     this.world = world;
@@ -52,9 +52,12 @@ class Tools {
   /// What is seen there, or the ground behind it, or a place as far away as what one looks at: {point, normal, slot}.
   placeAt(x, y) {
     const eye = this.camera.eye();
-    const direction = this.camera.direction(x, y);
     const seen = this.on.pick(x, y);
-    if (seen) return { point: add(eye, scale(normalized(direction), seen.range)), normal: seen.normal, slot: seen.slot };
+    if (seen) {
+      const direction = this.camera.direction(...seen.middle.map((part) => 2 * part - 1));
+      return { point: add(eye, scale(normalized(direction), seen.range)), normal: seen.normal, slot: seen.slot };
+    }
+    const direction = this.camera.direction(x, y);
     const axis = this.upAxis();
     const up = [0, 0, 0];
     up[axis] = 1;

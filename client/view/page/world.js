@@ -50,6 +50,7 @@ class World {
       if (known && known.name === object.name) {
         object.isHidden = known.isHidden;
         object.publisher = known.publisher;
+        object.movedAt = known.movedAt;
         // A frame that is newer than the table may have come already.
         if (known.frame > table.version) {
           object.position = known.position;
@@ -154,8 +155,19 @@ class World {
       if (!object || !object.moving) continue;
       const at = 7 * i;
       const { position, turn } = object;
-      for (let axis = 0; axis < 3; ++axis) position[axis] = origin[axis] + numbers[at + axis];
-      for (let part = 0; part < 4; ++part) turn[part] = numbers[at + 3 + part];
+      let isElsewhere = false;
+      for (let axis = 0; axis < 3; ++axis) {
+        const value = origin[axis] + numbers[at + axis];
+        // The origin may have changed, and floats about it are rounded otherwise.
+        isElsewhere ||= Math.abs(position[axis] - value) > 1e-6 * Math.abs(numbers[at + axis]);
+        position[axis] = value;
+      }
+      for (let part = 0; part < 4; ++part) {
+        isElsewhere ||= turn[part] !== numbers[at + 3 + part];
+        turn[part] = numbers[at + 3 + part];
+      }
+      // Also where the page goes back in time.
+      if (isElsewhere || object.movedAt > frame.worldTime) object.movedAt = frame.worldTime;
       object.frame = frame.version;
       if (Boolean(this.states[object.slot] & kStale) !== Boolean(stale[i])) this.setState(object.slot, kStale, Boolean(stale[i]));
     }
@@ -232,10 +244,12 @@ class World {
 
   /// colorOf(object): [red, green, blue, how much], 0 to 255; null for none.
   tint(colorOf) {
+    const before = this.tints.slice();
     this.tints.fill(0);
     if (colorOf) for (const object of this.objects.values()) this.tints.set(colorOf(object), 4 * object.slot);
+    if (this.tints.every((part, i) => part === before[i])) return;
     if (this.renderer) this.renderer.setTints(this.tints);
-    ++this.stillVersion;
+    this.statesChanged = this.stillStatesChanged = true;
   }
 }
 
