@@ -6,7 +6,7 @@
 
 namespace collided::view {
 
-Asker::Asker(Client& client) : client_(client) {
+Asker::Asker(Client& client, ServerMemory& memory) : client_(client), memory_(memory) {
   for (std::size_t i = 0; i < kThreads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -47,6 +47,7 @@ namespace {
 /// Asks each kind of question. As the command line asks: a batch of one.
 struct AskServer {
   Client& client;
+  ServerMemory& memory;
   double id;
 
   std::string operator()(const RayQuestion& ray) const {
@@ -77,6 +78,10 @@ struct AskServer {
     options.deadline = std::chrono::milliseconds(50);
     return nearest_answer_text(id, object.name, client.clearance(object.name, options));
   }
+  std::string operator()(const Remembered& wanted) const {
+    const std::chrono::duration<double> last(wanted.last_s);
+    return memory_answer_text(id, memory.fetch(client, std::chrono::duration_cast<std::chrono::nanoseconds>(last)));
+  }
   std::string operator()(const Owners&) const {
     constexpr std::uint64_t kMostListed = 100'000;
     return owners_answer_text(id, client.list({.moving = true, .limit = kMostListed}));
@@ -86,7 +91,7 @@ struct AskServer {
 }  // namespace
 
 std::string Asker::answer(const PageQuestion& question) {
-  return std::visit(AskServer{client_, question.id}, question.what);
+  return std::visit(AskServer{client_, memory_, question.id}, question.what);
 }
 
 }  // namespace collided::view

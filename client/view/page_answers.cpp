@@ -162,6 +162,12 @@ std::string owners_answer_text(double id, const Result<ObjectList>& moving) {
                   {"left_out", moving->count - std::min<std::uint64_t>(moving->count, moving->objects.size())}});
 }
 
+std::string memory_answer_text(double id, const Result<std::uint64_t>& number) {
+  if (!number) return refused_text(id, number.error().message);
+  return text_of(
+      {{"type", "answer"}, {"ask", "memory"}, {"id", id}, {"path", "memory?number=" + std::to_string(*number)}});
+}
+
 std::string refused_text(double id, std::string_view why) {
   return text_of({{"type", "refused"}, {"id", id}, {"why", why}});
 }

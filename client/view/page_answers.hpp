@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,9 @@ std::string object_answer_text(double id, const Result<ObjectDetails>& object);
 /// {type "answer", id, ask "owners", owners [{publisher, slots []}], left_out}: the moving objects by their publishers;
 /// "" is the publisher of those that a client added.
 std::string owners_answer_text(double id, const Result<ObjectList>& moving);
+
+/// {type "answer", id, ask "memory", path}: where the page finds what the server remembers, an MCAP file.
+std::string memory_answer_text(double id, const Result<std::uint64_t>& number);
 
 /// {type "refused", id, why}
 std::string refused_text(double id, std::string_view why);

@@ -97,6 +97,11 @@ What named_of(const json& question) {
 
 What owners_of(const json&) { return Owners{}; }
 
+What memory_of(const json& question) {
+  const std::optional<double> last_s = finite(question, "seconds");
+  return last_s && *last_s > 0 && *last_s <= kMostRemembered_s ? What(Remembered{*last_s}) : std::nullopt;
+}
+
 struct Kind {
   std::string_view ask;
   What (*parse)(const json& question);
@@ -109,6 +114,7 @@ constexpr Kind kKinds[] = {{"ray", ray_of},
                            {"sweep", sweep_of},
                            {"pair", pair_of},
                            {"owners", owners_of},
+                           {"memory", memory_of},
                            {"object", named_of<ObjectOfName>},
                            {"nearest", named_of<NearestToObject>}};
 

@@ -41,7 +41,13 @@ struct NearestToObject {
   std::string name;
 };
 
+/// What the server remembers of its last seconds.
+struct Remembered {
+  double last_s = 0;  // above 0, at most kMostRemembered_s
+};
+
 inline constexpr std::uint32_t kMostNearest = 20;
+inline constexpr double kMostRemembered_s = 300;
 
 /// A question of the page, an object of these members beside `ask` and `id`:
 /// ray      origin [3], direction [3]
@@ -53,10 +59,11 @@ inline constexpr std::uint32_t kMostNearest = 20;
 /// object   name
 /// nearest  name
 /// owners
+/// memory   seconds
 struct PageQuestion {
   double id = 0;  // the page's number for it, repeated in the answer
   std::variant<RayQuestion, SphereQuestion, BoxQuestion, NearestToPoint, BallSweep, PairOfNames, ObjectOfName,
-               NearestToObject, Owners>
+               NearestToObject, Owners, Remembered>
       what;
 };
 

@@ -232,6 +232,32 @@ async function savedRunsPlay(browser) {
   await page.close();
 }
 
+/// Recordings, of a file and of the server's own memory, show the objects and shapes that the server showed.
+async function opensRecordings(page) {
+  const told = () => page.evaluate(() => Object.fromEntries([...collidedPage.world.objects.values()].map(({ name, parts, moving, runs }) => [name, JSON.stringify([moving, runs.length, parts.map((part) => part.map((n) => Number(n.toFixed(9))))])])));
+  const live = await told();
+  const file = join(scratch, "run.mcap");
+  const said = collide("record", file, "--for", "1500ms");
+  check(said.status === 0, `record: ${said.stderr}`);
+  const shows = async (which) => {
+    await until(`${which} is shown`, async () => (await page.locator("#recording").textContent()).includes(which) && (await page.locator("#recording").isVisible()), 30);
+    await until("its objects are there", () => page.evaluate((count) => collidedPage.world.objects.size === count, Object.keys(live).length));
+    const shown = await told();
+    for (const [name, text] of Object.entries(live)) check(shown[name] === text, `${which}: ${name} is ${shown[name]}, the server says ${text}`);
+    await moves(page);
+    check(await page.evaluate(() => collidedPage.timeline.history.eventsUntil(Infinity, 5).length > 0), `${which}: no events`);
+  };
+  await page.setInputFiles("#file", file);
+  await shows("run.mcap");
+  await page.click("#live");
+  await until("the page is live again", async () => (await page.locator("#recording").isHidden()) && (await isReady(page)));
+  await page.click("#memory");
+  await shows("last 30 s");
+  console.log(`recordings: a file, and ${await page.evaluate(() => collidedPage.timeline.history.end.toFixed(1))} s of the server's memory`);
+  await page.click("#live");
+  await moves(page);
+}
+
 async function drawsWithoutWebGL(url) {
   const browser = await launch(["--disable-3d-apis"]);
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 } });
@@ -266,6 +292,7 @@ async function run() {
   await moves(page);
   await picture(page, "night");
   await page.keyboard.press("t");
+  await opensRecordings(page);
   await survivesAStall(page, server, isLong ? 10 : 1);
   server = await survivesARestart(page, server);
   await savedRunsPlay(browser);

@@ -323,10 +323,15 @@ TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
   const auto nearest = parse_page_question(R"({"ask":"nearest","id":1,"name":"arm"})");
   ASSERT_TRUE(nearest);
   EXPECT_EQ(std::get<NearestToObject>(nearest->what).name, "arm");
+  const auto memory = parse_page_question(R"({"ask":"memory","id":1,"seconds":30})");
+  ASSERT_TRUE(memory);
+  EXPECT_EQ(std::get<Remembered>(memory->what).last_s, 30);
   for (const char* bad :
-       {R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":-1})", R"({"ask":"sphere","id":1,"center":[1,2,3]})",
-        R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,-1,2]})", R"({"ask":"near","id":1,"point":[1,2,3]})",
-        R"({"ask":"near","id":1,"point":[1,2,3],"count":0})", R"({"ask":"near","id":1,"point":[1,2,3],"count":1e9})",
+       {R"({"ask":"memory","id":1,"seconds":0})", R"({"ask":"memory","id":1,"seconds":1e6})",
+        R"({"ask":"memory","id":1})", R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":-1})",
+        R"({"ask":"sphere","id":1,"center":[1,2,3]})", R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,-1,2]})",
+        R"({"ask":"near","id":1,"point":[1,2,3]})", R"({"ask":"near","id":1,"point":[1,2,3],"count":0})",
+        R"({"ask":"near","id":1,"point":[1,2,3],"count":1e9})",
         R"({"ask":"sweep","id":1,"radius":0,"from":[0,0,1],"to":[2,0,1]})",
         R"({"ask":"sweep","id":1,"radius":1,"from":[0,0,1]})", R"({"ask":"nearest","id":1})"}) {
     EXPECT_FALSE(parse_page_question(bad)) << bad;

@@ -23,7 +23,7 @@ class Asking {
   askShown(question) {
     this.clicked = this.ask(question);
     this.shown = { question, at: performance.now() };
-    if (this.clicked === null) this.showAnswer(["nobody answers: the page shows a saved run, or the viewer is gone"], "", "");
+    if (this.clicked === null) this.showAnswer(["nobody answers: the page shows the past or a recording, or the viewer is gone"], "", "");
   }
 
   /// Asks a ray from the eye. The command line shows the numbers that were sent: all their digits.
@@ -77,12 +77,12 @@ class Asking {
     this.on.drawn();
   }
 
-  showAnswer(parts, cost, command) {
+  showAnswer(parts, cost, command, isHidden = false) {
     byId("answer-text").replaceChildren(...parts);
     setText(byId("answer-cost"), cost);
     byId("answer-command").textContent = command;
     byId("copy").hidden = !command;
-    byId("answer").hidden = false;
+    byId("answer").hidden = isHidden;
   }
   hideAnswer() {
     byId("answer").hidden = true;

@@ -28,7 +28,7 @@ class Page {
   setUpAsking() {
     const objectOf = (slot) => this.world.objects.get(slot);
     this.asking = new Asking(this.world, this.camera, this.picture.marks, {
-      send: (question) => this.source.ask(question),
+      send: (question) => (this.timeline.isLive || question.ask === "memory") && this.source.ask(question),
       chosen: () => objectOf(this.chosen),
       hovered: () => objectOf(this.hovered),
       choose: (slot) => this.choose(slot),
@@ -75,7 +75,18 @@ class Page {
       events: (events) => this.hearEvents(events),
       message: (kind, value) => this.hear(kind, value),
       goTo: (event) => this.goToEvent(event),
+      closed: () => this.showRecording(null),
     }, Boolean(run));
+    this.opening = new Opening({
+      surroundings: () => standingOf(this.timeline.tableShown()),
+      ask: (question) => this.asking.ask(question),
+      opened: (recorded, name) => {
+        this.camera.isTouched = false;
+        this.timeline.open(recorded);
+        this.showRecording(name);
+      },
+      say: (text) => this.asking.showAnswer([text], "", "", !text),
+    });
     if (!run) {
       this.source = new LiveSource((kind, value) => this.timeline.hear(kind, value));
       return;
@@ -132,7 +143,10 @@ class Page {
       this.changed();
     } else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
     else if (kind === "answer") this.hearAnswer(value);
-    else if (kind === "refused") this.asking.refused(value);
+    else if (kind === "refused") {
+      this.opening.refused(value);
+      this.asking.refused(value);
+    }
   }
 
   hearStatus(status) {
@@ -143,6 +157,7 @@ class Page {
 
   hearAnswer(answer) {
     if (answer.ask === "object") this.selected.hear(answer);
+    else if (answer.ask === "memory") this.opening.hear(answer);
     else if (answer.ask === "nearest") this.selected.hearNearest(answer);
     else if (answer.ask === "owners") {
       this.things.setOwners(answer.owners);
@@ -173,6 +188,11 @@ class Page {
       this.asking.ask({ ask: "owners" });
     }, this.ownersAsked ? 2000 : 100);
     this.ownersAsked = true;
+  }
+
+  showRecording(name) {
+    byId("recording").hidden = name === null;
+    if (name !== null) byId("recording").replaceChildren("recording: ", nameElement(name));
   }
 
   setPoses(frame) {

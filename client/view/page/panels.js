@@ -66,7 +66,7 @@ class Panels {
     this.publishersAt = now;
     const doubt = status.in_doubt ? ` · ${countText(status.in_doubt)} undecided` : "";
     setText(byId("contact-count"), status.contacts_truncated ? `${countText(status.contacts)}, more are not told` : `${countText(status.contacts)} hold${doubt}`);
-    if (status.recent) this.showRecent(status.recent);
+    this.showRecent(status.recent || { asked: [], stages: [], steps: null });
   }
 
   showState(text, isWrong) {
@@ -75,7 +75,7 @@ class Panels {
   }
 
   showRecent(recent) {
-    setText(byId("step"), `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
+    setText(byId("step"), recent.steps === null ? "not told" : `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
     const busy = recent.stages.reduce((sum, { share }) => sum + share, 0) || 1;
     keepChildren(byId("stages"), recent.stages.map(({ stage, share }) => {
       const width = `${((100 * share) / busy).toFixed(1)}%`;
