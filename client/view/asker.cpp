@@ -64,7 +64,7 @@ struct AskServer {
     options.max_hits = nearest.count;
     return hits_answer_text(id, "near", client.ask(std::span<const NearQuestion>(&nearest.near, 1), options));
   }
-  std::string operator()(const BallSweep& sweep) const {
+  std::string operator()(const SweptBall& sweep) const {
     const Shape ball{SphereShape{.radius_m = sweep.radius_m}};
     return hits_answer_text(id, "sweep", client.sweep(ball, std::span<const SweepQuestion>(&sweep.motion, 1)));
   }

@@ -78,7 +78,7 @@ What sweep_of(const json& question) {
   const std::optional<Vec3> from = vector(question, "from");
   const std::optional<Vec3> to = vector(question, "to");
   if (!radius_m || *radius_m == 0 || !from || !to) return std::nullopt;
-  return BallSweep{*radius_m, {.from = {.position = *from}, .to = {.position = *to}}};
+  return SweptBall{*radius_m, {.from = {.position = *from}, .to = {.position = *to}}};
 }
 
 What pair_of(const json& question) {

@@ -31,7 +31,7 @@ struct NearestToPoint {
 };
 
 /// A ball that moves in a straight line.
-struct BallSweep {
+struct SweptBall {
   double radius_m = 0;
   SweepQuestion motion;
 };
@@ -62,7 +62,7 @@ inline constexpr double kMostRemembered_s = 300;
 /// memory   seconds
 struct PageQuestion {
   double id = 0;  // the page's number for it, repeated in the answer
-  std::variant<RayQuestion, SphereQuestion, BoxQuestion, NearestToPoint, BallSweep, PairOfNames, ObjectOfName,
+  std::variant<RayQuestion, SphereQuestion, BoxQuestion, NearestToPoint, SweptBall, PairOfNames, ObjectOfName,
                NearestToObject, Owners, Remembered>
       what;
 };

@@ -319,7 +319,7 @@ TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
   EXPECT_EQ(std::get<NearestToPoint>(near->what).count, 3);
   const auto sweep = parse_page_question(R"({"ask":"sweep","id":1,"radius":0.5,"from":[0,0,1],"to":[2,0,1]})");
   ASSERT_TRUE(sweep);
-  EXPECT_EQ(std::get<BallSweep>(sweep->what).motion.to.position, Vec3(2, 0, 1));
+  EXPECT_EQ(std::get<SweptBall>(sweep->what).motion.to.position, Vec3(2, 0, 1));
   const auto nearest = parse_page_question(R"({"ask":"nearest","id":1,"name":"arm"})");
   ASSERT_TRUE(nearest);
   EXPECT_EQ(std::get<NearestToObject>(nearest->what).name, "arm");

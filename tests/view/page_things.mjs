@@ -6,6 +6,7 @@ import { bring, hall, kHostile, open, shut, textOf } from "./page_fixture.mjs";
 export async function hostileNamesAreOnlyNames() {
   const world = hall();
   kHostile.forEach((name, i) => world.sphere(name, [i - 2, -2, 0.5], 0.3));
+  world.box("hall/shelf/upper/with/a/name/as/long/as/this", [-3, -1, 0.75], [0.5, 0.3, 0.75], { scene: "hall" });
   const page = await open(world);
   world.tell({ type: "events", left_out: 0, events: kHostile.map((name) => world.event("began", name, "floor")) });
   world.tell(world.status({ scenes: [kHostile[0]], publishers: kHostile.map((name) => ({ name, messages: 1, silent: 0.1, lost: false })) }));
@@ -17,6 +18,8 @@ export async function hostileNamesAreOnlyNames() {
   check((await textOf(page, "#events")).includes("\\u202egnp.exe"), "a sign that turns others around is not written out");
   const wide = await page.evaluate(() => [...document.querySelectorAll("aside, aside *")].filter((one) => one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).overflowX === "visible" && one.clientWidth > 0).map((one) => one.id || one.className || one.tagName));
   check(wide.length === 0, `runs over: ${wide.join(", ")}`);
+  const broken = await page.evaluate(() => [...document.querySelectorAll("#things [role=treeitem]")].filter((row) => row.scrollHeight > row.clientHeight + 2).map((row) => row.textContent));
+  check(broken.length === 0, `more than one line in the tree: ${broken.join("; ")}`);
   await picture(page, "hostile");
   await shut(page);
 }

@@ -76,7 +76,8 @@ class Panels {
 
   showRecent(recent) {
     setText(byId("step"), recent.steps === null ? "not told" : `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
-    const busy = recent.stages.reduce((sum, { share }) => sum + share, 0) || 1;
+    const least = 0.01;  // of a core: what does less has short bars
+    const busy = Math.max(least, recent.stages.reduce((sum, { share }) => sum + share, 0));
     keepChildren(byId("stages"), recent.stages.map(({ stage, share }) => {
       const width = `${((100 * share) / busy).toFixed(1)}%`;
       const text = `${(100 * share).toFixed(1)} %`;

@@ -2,15 +2,6 @@
 // around it, seen from behind, so that an eye inside it sees it too; what is small by a point, a square of pixels, which
 // costs a twelfth of the triangles: without a graphics card these, not pixels, are what ten thousand small ones cost.
 
-const kRoundInstance = `
-layout(location = 1) in vec3 i_position;
-layout(location = 2) in vec4 i_turn;
-layout(location = 3) in vec3 i_half;
-layout(location = 4) in vec2 i_kind_slot;
-uniform mat4 u_matrix;
-uniform vec3 u_anchor_from_eye;
-`;
-
 // How wide a point must be to cover what reaches so far about its middle. The image of a ball is an ellipse, which reaches
 // farthest away from the middle of the picture; 2 more pixels are for rounding.
 const kPointSize = `
@@ -43,7 +34,7 @@ float depth_of(float depth) {
 
 const kBallPointVertex = `#version 300 es
 precision highp float;
-${kRoundInstance}${kStates}${kPointSize}
+${kSolidInstance}${kStates}${kPointSize}
 flat out vec4 v_ball;  // middle from the eye, radius
 flat out float v_slot;
 void main() {
@@ -76,15 +67,21 @@ flat ${way} vec4 v_turn;
 flat ${way} vec2 v_kind_slot;
 `;
 
-const kRoundPointVertex = `#version 300 es
-precision highp float;
-${kRoundInstance}${kRoundVaryings("out")}${kTurn}${kStates}${kPointSize}
-void main() {
-  vec3 center = i_position + u_anchor_from_eye;
+const kRoundTold = `${kRoundVaryings("out")}
+void tell_fragments(vec3 center) {
   v_eye = turned_back(i_turn, -center);
   v_half = i_half;
   v_turn = i_turn;
   v_kind_slot = i_kind_slot;
+}
+`;
+
+const kRoundPointVertex = `#version 300 es
+precision highp float;
+${kSolidInstance}${kTurn}${kStates}${kPointSize}${kRoundTold}
+void main() {
+  vec3 center = i_position + u_anchor_from_eye;
+  tell_fragments(center);
   gl_Position = placed_at(u_matrix * vec4(center, 1.0), state_of(uint(i_kind_slot.y)) & 255u, 0.0);
   gl_PointSize = point_size(center, gl_Position.w, length(i_half));
 }`;
@@ -92,13 +89,10 @@ void main() {
 const kRoundBoxVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here
-${kRoundInstance}${kRoundVaryings("out")}${kTurn}${kStates}
+${kSolidInstance}${kTurn}${kStates}${kRoundTold}
 void main() {
   vec3 center = i_position + u_anchor_from_eye;
-  v_eye = turned_back(i_turn, -center);
-  v_half = i_half;
-  v_turn = i_turn;
-  v_kind_slot = i_kind_slot;
+  tell_fragments(center);
   vec3 corner = a_corner.xyz * i_half * 1.001;
   gl_Position = placed_at(u_matrix * vec4(turned(i_turn, corner) + center, 1.0), state_of(uint(i_kind_slot.y)) & 255u, 0.0);
 }`;

@@ -87,17 +87,21 @@ void main() {
   write_seen(uint(v_slot_opening.x), length(v_from_eye), normal, -normalize(v_from_eye), 0u);
 }`;
 
-// Boxes, as the triangles that they are: an impostor's pixels each cost a ray.
-const kBoxVertex = `#version 300 es
-precision highp float;
-layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here
+// A primitive, as solids.js writes it.
+const kSolidInstance = `
 layout(location = 1) in vec3 i_position;
 layout(location = 2) in vec4 i_turn;
 layout(location = 3) in vec3 i_half;
 layout(location = 4) in vec2 i_kind_slot;
 uniform mat4 u_matrix;
 uniform vec3 u_anchor_from_eye;
-out vec3 v_from_eye;
+`;
+
+// Boxes, as the triangles that they are: an impostor's pixels each cost a ray.
+const kBoxVertex = `#version 300 es
+precision highp float;
+layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here
+${kSolidInstance}out vec3 v_from_eye;
 flat out vec3 v_normal;
 flat out vec3 v_slot_side_opening;
 ${kTurn}${kStates}

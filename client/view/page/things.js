@@ -109,7 +109,7 @@ class Things {
         row.setAttribute("aria-expanded", isOpen);
         row.append(element("i", { class: "fold", onclick: (event) => { event.stopPropagation(); this.openParts(i, !isOpen); } }, isOpen ? "▾" : "▸"));
       }
-      row.append(mark, element("span", { class: "name", title: object.name }, nameElement(object.name)), eye);
+      row.append(mark, element("span", { class: "name", title: object.name }, nameElement(nameWithin(group, object))), eye);
     } else {
       const isFolded = this.folded.has(group.key);
       row.setAttribute("aria-expanded", !isFolded);
@@ -213,6 +213,12 @@ class Things {
     for (const { publisher, slots } of owners) for (const slot of slots) if (this.world.objects.has(slot)) this.world.objects.get(slot).publisher = publisher;
     this.build();
   }
+}
+
+/// A scene's name stands before those of its objects; below the scene it says nothing.
+function nameWithin({ kind, name }, object) {
+  const isPrefix = kind === "scene" && object.name.startsWith(`${name}/`) && object.name.length > name.length + 1;
+  return isPrefix ? object.name.slice(name.length + 1) : object.name;
 }
 
 const partCount = ({ parts, runs }) => parts.length + runs.length;
