@@ -2,7 +2,7 @@ const kSolidLayout = [[1, 3], [2, 4], [3, 3], [4, 2]];  // [location, floats]: p
 const kMostPoint_px = 48;  // what is wider is drawn as a box, whose corners then cost less than the pixels beside the ball
 const kPrograms = {
   standing: [kStillVertex, kTriangleFragment], placed: [kPlacedVertex, kTriangleFragment], box: [kBoxVertex, kBoxFragment],
-  ballPoint: [kBallPointVertex, kBallPointFragment], roundPoint: [kRoundPointVertex, kRoundFragment], roundBox: [kRoundBoxVertex, kRoundFragment],
+  boxPoint: [kRoundPointVertex, kBoxPointFragment], ballPoint: [kBallPointVertex, kBallPointFragment], roundPoint: [kRoundPointVertex, kRoundFragment], roundBox: [kRoundBoxVertex, kRoundFragment],
   ink: [kWholeVertex, kInkFragment], mark: [kMarkVertex, kMarkFragment],
 };
 const focalPixels = (camera, [, height]) => height / (2 * camera.halfHeight);
@@ -22,7 +22,7 @@ class Renderer {
     this.nothing = gl.createVertexArray();
     this.corners = this.buffer(gl.ARRAY_BUFFER, boxStrip());
     this.quad = this.buffer(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    const solids = () => ({ boxes: this.instances(kSolidLayout, this.corners, 4), balls: this.roundInstances(), round: this.roundInstances() });
+    const solids = () => ({ boxes: this.sizedInstances(), balls: this.sizedInstances(), round: this.sizedInstances() });
     this.stillSolids = solids();
     this.movingSolids = solids();
     this.marks = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
@@ -44,7 +44,7 @@ class Renderer {
     const needed = {
       ink: true, mark: true,
       standing: this.meshes.some(({ stands }) => stands), placed: this.meshes.some(({ stands }) => !stands),
-      box: counts("boxes").some(({ count }) => count > 0),
+      box: counts("boxes").some(({ count }) => count > 0), boxPoint: counts("boxes").some(({ small }) => small > 0),
       ballPoint: counts("balls").some(({ small }) => small > 0), roundPoint: counts("round").some(({ small }) => small > 0),
       roundBox: [...counts("balls"), ...counts("round")].some(({ count }) => count > 0),
     };
@@ -118,8 +118,8 @@ class Renderer {
     return { array, buffer, floats, count: 0, room: 0 };
   }
 
-  /// Of what is round: the large ones first, as instances of a box, the small ones last, as points.
-  roundInstances() {
+  /// Of primitives: the large ones first, as instances of a box, the small ones last, as points.
+  sizedInstances() {
     const gl = this.gl;
     const instances = this.instances(kSolidLayout, this.corners, 4);
     instances.points = gl.createVertexArray();
@@ -155,8 +155,8 @@ class Renderer {
     instances.count = count;
   }
 
-  /// data: of RoundInstances (solids.js)
-  fillRound(instances, { data, all, large, small }) {
+  /// data: of SizedInstances (solids.js)
+  fillSized(instances, { data, all, large, small }) {
     this.fill(instances, data, all);
     Object.assign(instances, { all, count: large, small });
   }
@@ -344,6 +344,7 @@ class Renderer {
     const { boxes, balls, round } = isStill ? this.stillSolids : this.movingSolids;
     const values = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_focal: focal, ...rays };
     this.drawBoxes("box", boxes, values);
+    this.drawPoints("boxPoint", boxes, values);
     this.drawPoints("ballPoint", balls, values);
     this.drawPoints("roundPoint", round, values);
     gl.enable(gl.CULL_FACE);

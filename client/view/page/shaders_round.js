@@ -1,4 +1,4 @@
-// First pass, of what is round: rays are cast inside what covers it in the picture. What is large there is covered by the box
+// First pass, of what is round or small: rays are cast inside what covers it in the picture. What is large there is covered by the box
 // around it, seen from behind, so that an eye inside it sees it too; what is small by a point, a square of pixels, which
 // costs a twelfth of the triangles: without a graphics card these, not pixels, are what ten thousand small ones cost.
 
@@ -84,6 +84,25 @@ void main() {
   tell_fragments(center);
   gl_Position = placed_at(u_matrix * vec4(center, 1.0), state_of(uint(i_kind_slot.y)) & 255u, 0.0);
   gl_PointSize = point_size(center, gl_Position.w, length(i_half));
+}`;
+
+const kBoxPointFragment = `${kSeenOutput}${kRay}${kRoundVaryings("in")}${kTurn}
+void main() {
+  vec3 ray = ray_here();
+  float whole = length(ray);
+  vec3 d = turned_back(v_turn, ray / whole);
+  // Where the ray enters the slabs between opposite sides, and leaves them.
+  vec3 a = (-v_half - v_eye) / d;
+  vec3 b = (v_half - v_eye) / d;
+  vec3 enter = min(a, b);
+  vec3 leave = max(a, b);
+  float range = max(max(enter.x, enter.y), enter.z);
+  if (range > min(min(leave.x, leave.y), leave.z)) discard;
+  int axis = range == enter.x ? 0 : range == enter.y ? 1 : 2;
+  vec3 normal = vec3(0.0);
+  normal[axis] = d[axis] > 0.0 ? -1.0 : 1.0;
+  gl_FragDepth = depth_of(range / whole);
+  write_seen(uint(v_kind_slot.y), range, turned(v_turn, normal), -ray / whole, uint(2 * axis + (d[axis] > 0.0 ? 1 : 2)));
 }`;
 
 const kRoundBoxVertex = `#version 300 es

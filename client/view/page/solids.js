@@ -13,26 +13,39 @@ function viewOf(camera, size, mostPoint) {
 
 /// The primitives of objects that all move, or all stand still.
 class SolidSet {
-  constructor(solids) {
-    this.boxes = solids.filter(({ kind }) => kind === 1);
-    this.boxData = new Float32Array(kSolidFloats * this.boxes.length);
-    this.balls = new RoundInstances(solids.filter(({ kind }) => kind === 0));
-    this.round = new RoundInstances(solids.filter(({ kind }) => kind > 1));
+  /// Boxes that stand still are always triangles: where faces coincide, these know which is in front (placed_at in the shaders).
+  constructor(solids, isStill) {
+    const boxes = solids.filter(({ kind }) => kind === 1);
+    this.boxes = isStill ? new StillInstances(boxes) : new SizedInstances(boxes);
+    this.balls = new SizedInstances(solids.filter(({ kind }) => kind === 0));
+    this.round = new SizedInstances(solids.filter(({ kind }) => kind > 1));
   }
 
   send(renderer, to, anchor, view) {
-    this.boxes.forEach((solid, i) => writeInstance(solid, anchor, this.boxData, kSolidFloats * i));
-    renderer.fill(to.boxes, this.boxData, this.boxes.length);
-    for (const of of ["balls", "round"]) {
-      this[of].place(anchor, view);
-      renderer.fillRound(to[of], this[of]);
-    }
+    for (const of of ["boxes", "balls", "round"]) if (this[of].place(anchor, view)) renderer.fillSized(to[of], this[of]);
   }
 }
 
-/// Instances of round primitives: those that are large in the picture from the beginning of the data, the small ones up to
+/// Instances that are written once, all as large ones.
+class StillInstances {
+  constructor(solids) {
+    this.solids = solids;
+    this.all = this.large = solids.length;
+    this.small = 0;
+    this.data = new Float32Array(kSolidFloats * this.all);
+  }
+  /// Returns whether the data are others than before.
+  place(anchor) {
+    if (this.isPlaced) return false;
+    this.solids.forEach((solid, i) => writeInstance(solid, anchor, this.data, kSolidFloats * i));
+    this.isPlaced = true;
+    return true;
+  }
+}
+
+/// Instances of primitives: those that are large in the picture from the beginning of the data, the small ones up to
 /// its end; what is out of the picture is in between, where nobody looks.
-class RoundInstances {
+class SizedInstances {
   constructor(solids) {
     this.solids = solids;
     this.all = solids.length;
@@ -51,6 +64,7 @@ class RoundInstances {
       const at = seen === kLarge ? this.large++ : this.all - ++this.small;
       this.data.set(spare, kSolidFloats * at);
     }
+    return true;
   }
 }
 

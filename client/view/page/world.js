@@ -28,7 +28,7 @@ class World {
     this.tableVersion = null;
     this.version = 0;       // of the table as it is shown
     this.stillVersion = 0;  // changes with what stands still in the picture
-    this.solids = { still: new SolidSet([]), moving: new SolidSet([]) };
+    this.solids = { still: new SolidSet([], true), moving: new SolidSet([], false) };
     this.placedMeshes = [];  // {mesh, objects, data}
     this.worldTime = 0;
   }
@@ -142,7 +142,7 @@ class World {
         if (solid) solids[object.moving ? "moving" : "still"].push(solid);
       }
     }
-    this.solids = { still: new SolidSet(solids.still), moving: new SolidSet(solids.moving) };
+    this.solids = { still: new SolidSet(solids.still, true), moving: new SolidSet(solids.moving, false) };
     for (const { mesh, objects, data } of this.placedMeshes) if (!objects[0].moving) this.placeMesh(mesh, objects, data);
   }
 
