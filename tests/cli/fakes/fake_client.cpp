@@ -300,7 +300,7 @@ bool Watch::connected() const { return true; }
 std::size_t Watch::open_contacts() const { return 0; }
 std::chrono::nanoseconds Watch::tells_since() const { return fake::server().tells_since; }
 
-Result<Publisher> Client::publish(const std::string& publisher_name) {
+Result<Publisher> Client::publish(const std::string& publisher_name, const PublishOptions&) {
   auto state = std::make_unique<Publisher::State>();
   state->index = fake::server().publishers.size();
   fake::server().publishers.push_back({publisher_name, {}, {}, {}});
