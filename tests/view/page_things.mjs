@@ -20,6 +20,8 @@ export async function hostileNamesAreOnlyNames() {
   check(wide.length === 0, `runs over: ${wide.join(", ")}`);
   const broken = await page.evaluate(() => [...document.querySelectorAll("#things [role=treeitem]")].filter((row) => row.scrollHeight > row.clientHeight + 2).map((row) => row.textContent));
   check(broken.length === 0, `more than one line in the tree: ${broken.join("; ")}`);
+  const tall = await page.evaluate(() => [...document.querySelectorAll("#events li, #publishers tr")].map((row) => row.offsetHeight).filter((high) => high > 90));
+  check(tall.length === 0, `a row of a list is ${tall.join(", ")} pixels high`);
   await picture(page, "hostile");
   await shut(page);
 }

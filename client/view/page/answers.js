@@ -78,7 +78,7 @@ function hitList({ ask }, { hits, left_out }) {
   const mostShown = 6;
   const rows = hits.slice(0, mostShown).map(({ object, distance, error, inside }) => {
     const size = ask !== "near" ? depthText({ depth: distance, error }) : inside ? "inside" : lengthText(Number(distance));
-    return element("li", {}, element("span", { class: "depth" }, size), element("span", {}, nameElement(object), element("small", {}, ` ${boundText(error)}`)));
+    return element("li", {}, element("span", { class: "depth" }, size), element("span", {}, shortNameElement(object), element("small", {}, ` ${boundText(error)}`)));
   });
   const more = hits.length + left_out - rows.length;
   if (more > 0) rows.push(element("li", { class: "quiet" }, `and ${countText(more)} more`));

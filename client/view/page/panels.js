@@ -1,7 +1,7 @@
 /// Rows of a table: [name, text, text ..., isWrong]; names are isolated, the others are numbers at the right.
 function fillTable(table, rows) {
   keepChildren(table, rows.map(({ name, cells, isWrong }) => [`${name}\n${cells.join("\n")}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" },
-    element("th", { scope: "row" }, nameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
+    element("th", { scope: "row" }, shortNameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
 }
 
 /// Remembers a few choices in the browser, where it lets a page do so.

@@ -74,7 +74,7 @@ class Selected {
     const late = nearest.late ? ", but there was no time to look at all" : "";
     if (!nearest.other) return [["nearest", nearest.late ? "not found in time" : "nothing else is there"]];
     const gap = nearest.answer === "undecided" && !nearest.late ? "undecided" : nearest.clearance > 0 ? `${lengthText(nearest.clearance)} (${boundText(nearest.error)})${late}` : nearest.clearance < 0 ? `${lengthText(-nearest.clearance)} deep${late}` : "touching";
-    return [["nearest", element("button", { type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(nearest.other)?.slot ?? null) }, nameElement(nearest.other))], ["clearance", gap]];
+    return [["nearest", element("button", { type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(nearest.other)?.slot ?? null) }, shortNameElement(nearest.other))], ["clearance", gap]];
   }
 
   /// Speed from the poses of the last quarter of a second or so.
@@ -120,7 +120,7 @@ class Selected {
       const other = contact.a === object.name ? contact.b : contact.a;
       return element("li", {}, element("span", { class: "depth" }, depthText(contact)), element("button", {
         type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(other)?.slot ?? null),
-      }, nameElement(other)));
+      }, shortNameElement(other)));
     });
     if (contacts.length > mostShown) rows.push(element("li", {}, `and ${contacts.length - mostShown} more`));
     byId("selected-contacts").replaceChildren(...(rows.length ? rows : [element("li", { class: "quiet" }, "touches nothing")]));
