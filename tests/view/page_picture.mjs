@@ -20,6 +20,31 @@ export async function restsAtFullResolution() {
   await shut(page);
 }
 
+/// Another theme is drawn everywhere, also where nothing moves.
+export async function nightFallsEverywhere() {
+  const world = hall();
+  const page = await open(world);
+  let x = 0;
+  const moveOn = async () => {
+    const at = (x += 0.1);
+    world.objects[world.slotOf("ball_1")].pose[0] = at;
+    world.move(at);
+    await until("it is drawn", () => page.evaluate((place) => Math.abs(collidedPage.world.byName.get("ball_1").position[0] - place) < 1e-6 && !collidedPage.picture.isDirty, at));
+  };
+  for (let i = 0; i < 3; ++i) await moveOn();
+  await page.keyboard.press("t");
+  for (let i = 0; i < 3; ++i) await moveOn();
+  const corner = await page.evaluate(() => {
+    const { gl } = collidedPage.picture.renderer;
+    const color = new Uint8Array(4);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.readPixels(3, 3, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, color);
+    return [...color];
+  });
+  check(corner[0] < 80 && corner[1] < 80, `the corner is still ${corner}`);
+  await shut(page);
+}
+
 /// Of two floors with the same upper side the smaller one is seen, wherever one looks.
 export async function coincidingFacesDoNotFlicker() {
   const page = await open(hall());

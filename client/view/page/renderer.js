@@ -213,6 +213,7 @@ class Renderer {
       const text = style.getPropertyValue(name).trim();
       return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
     };
+    this.stillKey = "";  // all of the picture has other colors, not only where things move
     this.theme = { paper: color("--paper"), ink: color("--ink"), accent: color("--accent") };
   }
 
