@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "client/view/page_messages.hpp"
+#include "client/view/page_answers.hpp"
 
 namespace collided::view {
 
-Asker::Asker(Client& client) : client_(client) {
+Asker::Asker(Client& client, ServerMemory& memory) : client_(client), memory_(memory) {
   for (std::size_t i = 0; i < kThreads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -42,21 +42,56 @@ void Asker::work() {
   }
 }
 
-std::string Asker::answer(const PageQuestion& question) {
-  if (const auto* ray = std::get_if<RayQuestion>(&question.what)) {
-    // As a batch of one ray, as the command line asks.
-    const Result<Answers> answers = client_.ask(std::span<const RayQuestion>(ray, 1));
-    if (!answers) return refused_text(question.id, answers.error().message);
-    return ray_answer_text(question.id, *ray, answers->answers.front());
+namespace {
+
+/// Asks each kind of question. As the command line asks: a batch of one.
+struct AskServer {
+  Client& client;
+  ServerMemory& memory;
+  double id;
+
+  std::string operator()(const RayQuestion& ray) const {
+    return ray_answer_text(id, ray, client.ask(std::span<const RayQuestion>(&ray, 1)));
   }
-  if (const auto* object = std::get_if<ObjectOfName>(&question.what))
-    return object_answer_text(question.id, client_.get(object->name));
-  if (std::holds_alternative<Owners>(question.what)) {
+  std::string operator()(const SphereQuestion& sphere) const {
+    return hits_answer_text(id, "sphere", client.ask(std::span<const SphereQuestion>(&sphere, 1)));
+  }
+  std::string operator()(const BoxQuestion& box) const {
+    return hits_answer_text(id, "box", client.ask(std::span<const BoxQuestion>(&box, 1)));
+  }
+  std::string operator()(const NearestToPoint& nearest) const {
+    AskOptions options;
+    options.max_hits = nearest.count;
+    return hits_answer_text(id, "near", client.ask(std::span<const NearQuestion>(&nearest.near, 1), options));
+  }
+  std::string operator()(const SweptBall& sweep) const {
+    const Shape ball{SphereShape{.radius_m = sweep.radius_m}};
+    return hits_answer_text(id, "sweep", client.sweep(ball, std::span<const SweepQuestion>(&sweep.motion, 1)));
+  }
+  std::string operator()(const PairOfNames& pair) const {
+    return pair_answer_text(id, pair.a, pair.b, client.pair(pair.a, pair.b));
+  }
+  std::string operator()(const ObjectOfName& object) const { return object_answer_text(id, client.get(object.name)); }
+  /// It is asked again and again while an object is chosen, so it may not keep the server busy for long.
+  std::string operator()(const NearestToObject& object) const {
+    ClearanceOptions options;
+    options.deadline = std::chrono::milliseconds(50);
+    return nearest_answer_text(id, object.name, client.clearance(object.name, options));
+  }
+  std::string operator()(const Remembered& wanted) const {
+    const std::chrono::duration<double> last(wanted.last_s);
+    return memory_answer_text(id, memory.fetch(client, std::chrono::duration_cast<std::chrono::nanoseconds>(last)));
+  }
+  std::string operator()(const Owners&) const {
     constexpr std::uint64_t kMostListed = 100'000;
-    return owners_answer_text(question.id, client_.list({.moving = true, .limit = kMostListed}));
+    return owners_answer_text(id, client.list({.moving = true, .limit = kMostListed}));
   }
-  const auto& pair = std::get<PairOfNames>(question.what);
-  return pair_answer_text(question.id, pair.a, pair.b, client_.pair(pair.a, pair.b));
+};
+
+}  // namespace
+
+std::string Asker::answer(const PageQuestion& question) {
+  return std::visit(AskServer{client_, memory_, question.id}, question.what);
 }
 
 }  // namespace collided::view

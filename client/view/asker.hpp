@@ -9,18 +9,19 @@
 #include <vector>
 
 #include "client/view/page_question.hpp"
+#include "client/view/server_memory.hpp"
 #include "collided/client.hpp"
 
 namespace collided::view {
 
 /// Asks the server the questions of pages. It has threads of its own, since answers may take long and the web server's
-/// thread must not wait. The destructor ends them. The client must outlive it.
+/// thread must not wait. The destructor ends them. Both arguments must outlive it.
 class Asker {
  public:
   /// Called with the answer as the page reads it, on one of the asker's threads.
   using Done = std::function<void(std::string text)>;
 
-  explicit Asker(Client& client);
+  Asker(Client& client, ServerMemory& memory);
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
@@ -40,6 +41,7 @@ class Asker {
   std::string answer(const PageQuestion& question);
 
   Client& client_;
+  ServerMemory& memory_;
   std::mutex mutex_;
   std::condition_variable came_;
   std::deque<Job> waiting_;

@@ -25,7 +25,7 @@ WebMessage warning(const std::string& text) {
   return text_message({{"op", "status"}, {"level", 1}, {"message", text}});
 }
 
-std::optional<std::uint32_t> number(const json& object, const char* key) {
+std::optional<std::uint32_t> whole_number(const json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_unsigned() || found->get<std::uint64_t>() > 0xffffffff)
     return std::nullopt;
@@ -105,8 +105,8 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
     return answers;
   }
   for (const json& wish : list(message, "subscriptions")) {
-    const std::optional<std::uint32_t> id = wish.is_object() ? number(wish, "id") : std::nullopt;
-    const std::optional<std::uint32_t> channel = wish.is_object() ? number(wish, "channelId") : std::nullopt;
+    const std::optional<std::uint32_t> id = wish.is_object() ? whole_number(wish, "id") : std::nullopt;
+    const std::optional<std::uint32_t> channel = wish.is_object() ? whole_number(wish, "channelId") : std::nullopt;
     const bool is_known = id && std::any_of(subscriptions.begin(), subscriptions.end(),
                                             [&](const Subscription& known) { return known.number == *id; });
     if (!id || !channel || *channel < kScene || *channel >= kChannelEnd || is_known ||

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -14,21 +13,6 @@ namespace {
 using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
-
-/// A number; infinity is a text, since JSON has none, as in the command line's output.
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : value < 0 ? "-inf" : "nan");
-}
-
-json numbers(const Vec3& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
-
-void append(json& list, const Vec3& v) {
-  for (int axis = 0; axis < 3; ++axis) list.push_back(number(v[axis]));
-}
-
-void append(json& list, const Quat& q) {
-  for (const double part : {q.w(), q.x(), q.y(), q.z()}) list.push_back(number(part));
-}
 
 template <class Ends>
 json between_ends(int kind, const Ends& a, const Ends& b, double radius_m) {
@@ -153,19 +137,6 @@ std::string_view name_of(Doubt doubt) {
   return kNames[static_cast<std::size_t>(doubt)];
 }
 
-std::string_view name_of(Verdict verdict) {
-  constexpr std::string_view kNames[] = {"miss", "hit", "undecided", "invalid"};
-  return kNames[static_cast<std::size_t>(verdict)];
-}
-
-std::string_view name_of(UndecidedReason reason) {
-  constexpr std::string_view kNames[] = {"",          "numeric",  "stale_object", "recovering",
-                                         "truncated", "deadline", "not_covered"};
-  return kNames[static_cast<std::size_t>(reason)];
-}
-
-double seconds(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
-
 json event_text(const Event& event) {
   json text{{"what", name_of(event.kind)},
             {"a", event.a},
@@ -224,16 +195,6 @@ json recent_text(const Figures& recent) {
       {"candidates",
        recent.steps > 0 ? static_cast<double>(recent.candidates) / static_cast<double>(recent.steps) : 0.0},
       {"filtered", recent.steps > 0 ? static_cast<double>(recent.filtered) / static_cast<double>(recent.steps) : 0.0}};
-}
-
-void add_hit(json& text, const Hit& hit) {
-  text["object"] = hit.object;
-  text["distance"] = number(hit.distance_m);
-  text["error"] = number(hit.error_m);
-  text["point"] = numbers(hit.point);
-  text["normal"] = numbers(hit.normal);
-  if (hit.triangle != kNoTriangle) text["triangle"] = hit.triangle;
-  text["point_error"] = number(hit.point_error_m);
 }
 
 }  // namespace
@@ -346,88 +307,9 @@ std::string table_text(const ShownObjects& shown) {
   return text_of({{"type", "table"}, {"epoch", shown.epoch}, {"table_version", shown.table_version}});
 }
 
-std::string ray_answer_text(double id, const RayQuestion& asked, const Result<Answer>& answer) {
-  if (!answer) return refused_text(id, answer.error().message);
-  json text{{"type", "answer"},
-            {"ask", "ray"},
-            {"id", id},
-            {"origin", numbers(asked.origin)},
-            {"direction", numbers(asked.direction)},
-            {"answer", name_of(answer->verdict)}};
-  if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
-  if (!answer->hits.empty()) add_hit(text, answer->hits.front());
-  return text_of(text);
-}
-
-std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer) {
-  if (!answer) return refused_text(id, answer.error().message);
-  json text{{"type", "answer"},
-            {"ask", "pair"},
-            {"id", id},
-            {"a", a},
-            {"b", b},
-            {"answer", name_of(answer->verdict)},
-            {"error", number(answer->error_m)}};
-  if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
-  if (answer->verdict == Verdict::hit) {
-    text["depth"] = number(answer->depth_m);
-    text["point"] = numbers(answer->point);
-  } else if (answer->verdict == Verdict::miss) {
-    text["distance"] = number(answer->distance_m);
-    text["on_a"] = numbers(answer->on_a);
-    text["on_b"] = numbers(answer->on_b);
-  }
-  return text_of(text);
-}
-
-std::string object_answer_text(double id, const Result<ObjectDetails>& object) {
-  if (!object) return refused_text(id, object.error().message);
-  json text{{"type", "answer"},
-            {"ask", "object"},
-            {"id", id},
-            {"name", object->name},
-            {"kind", object->kind},
-            {"moving", object->moving},
-            {"scene", object->scene},
-            {"publisher", object->publisher},
-            {"layers", object->layers},
-            {"mask", object->mask},
-            {"group", object->group},
-            {"triangles", object->triangles},
-            {"stale", object->stale},
-            {"solid", object->solid},
-            {"bounds", {numbers(object->bounds[0]), numbers(object->bounds[1])}},
-            {"contacts", object->contacts}};
-  if (object->age) text["age"] = seconds(*object->age);
-  if (object->pose) {
-    json pose = json::array();
-    append(pose, object->pose->position);
-    append(pose, object->pose->rotation);
-    text["pose"] = std::move(pose);
-  }
-  return text_of(text);
-}
-
-std::string owners_answer_text(double id, const Result<ObjectList>& moving) {
-  if (!moving) return refused_text(id, moving.error().message);
-  std::map<std::string_view, json> slots;
-  for (const ListedObject& object : moving->objects) slots[object.publisher].push_back(slot_of(object.id));
-  json owners = json::array();
-  for (auto& [publisher, of] : slots) owners.push_back({{"publisher", publisher}, {"slots", std::move(of)}});
-  return text_of({{"type", "answer"},
-                  {"ask", "owners"},
-                  {"id", id},
-                  {"owners", owners},
-                  {"left_out", moving->count - std::min<std::uint64_t>(moving->count, moving->objects.size())}});
-}
-
 std::string hello_text(bool y_is_up, std::string_view connection) {
   return text_of(
       {{"type", "hello"}, {"version", library_version()}, {"up", y_is_up ? "y" : "z"}, {"connection", connection}});
-}
-
-std::string refused_text(double id, std::string_view why) {
-  return text_of({{"type", "refused"}, {"id", id}, {"why", why}});
 }
 
 }  // namespace collided::view

@@ -53,24 +53,7 @@ std::string silent_text(double seconds);
 /// {type "table", epoch, table_version}: objects or shapes have changed.
 std::string table_text(const ShownObjects& shown);
 
-/// {type "answer", id, ask "ray", answer ...}: the members that `collide ray --json` prints, and the ray.
-std::string ray_answer_text(double id, const RayQuestion& asked, const Result<Answer>& answer);
-
-/// {type "answer", id, ask "pair", a, b, answer, distance or depth, error, on_a, on_b}.
-std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer);
-
-/// {type "answer", id, ask "object", name, kind, moving, scene, publisher, layers, mask, group, triangles, stale, solid,
-///  pose [7], bounds [low, high], age (s), contacts [names]}; pose and age only where there are any.
-std::string object_answer_text(double id, const Result<ObjectDetails>& object);
-
-/// {type "answer", id, ask "owners", owners [{publisher, slots []}], left_out}: the moving objects by their publishers;
-/// "" is the publisher of those that a client added.
-std::string owners_answer_text(double id, const Result<ObjectList>& moving);
-
 /// {type "hello", version, up ("y" or "z"), connection (options of `collide` that lead to this server)}
 std::string hello_text(bool y_is_up, std::string_view connection);
-
-/// {type "refused", id, why}
-std::string refused_text(double id, std::string_view why);
 
 }  // namespace collided::view

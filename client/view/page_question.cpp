@@ -37,6 +37,87 @@ std::optional<std::string> name(const json& object, const char* key) {
   return !text.empty() && text.size() <= kMostNameBytes ? std::optional(std::move(text)) : std::nullopt;
 }
 
+/// Nothing where it is negative.
+std::optional<double> size_in(const json& object, const char* key) {
+  const std::optional<double> value = finite(object, key);
+  return value && *value >= 0 ? value : std::nullopt;
+}
+
+using What = std::optional<decltype(PageQuestion::what)>;
+
+What ray_of(const json& question) {
+  const std::optional<Vec3> origin = vector(question, "origin");
+  const std::optional<Vec3> direction = vector(question, "direction");
+  if (!origin || !direction || direction->isZero(0)) return std::nullopt;
+  return RayQuestion{.origin = *origin, .direction = *direction};
+}
+
+What sphere_of(const json& question) {
+  const std::optional<Vec3> center = vector(question, "center");
+  const std::optional<double> radius_m = size_in(question, "radius");
+  if (!center || !radius_m) return std::nullopt;
+  return SphereQuestion{.center = *center, .radius_m = *radius_m};
+}
+
+What box_of(const json& question) {
+  const std::optional<Vec3> center = vector(question, "center");
+  const std::optional<Vec3> half_m = vector(question, "half");
+  if (!center || !half_m || (half_m->array() < 0).any()) return std::nullopt;
+  return BoxQuestion{.center = *center, .half_m = *half_m};
+}
+
+What near_of(const json& question) {
+  const std::optional<Vec3> point = vector(question, "point");
+  const std::optional<double> count = finite(question, "count");
+  if (!point || !count || !(*count >= 1 && *count <= kMostNearest)) return std::nullopt;
+  return NearestToPoint{{.point = *point}, static_cast<std::uint32_t>(*count)};
+}
+
+What sweep_of(const json& question) {
+  const std::optional<double> radius_m = size_in(question, "radius");
+  const std::optional<Vec3> from = vector(question, "from");
+  const std::optional<Vec3> to = vector(question, "to");
+  if (!radius_m || *radius_m == 0 || !from || !to) return std::nullopt;
+  return SweptBall{*radius_m, {.from = {.position = *from}, .to = {.position = *to}}};
+}
+
+What pair_of(const json& question) {
+  std::optional<std::string> a = name(question, "a");
+  std::optional<std::string> b = name(question, "b");
+  if (!a || !b) return std::nullopt;
+  return PairOfNames{std::move(*a), std::move(*b)};
+}
+
+template <class Named>
+What named_of(const json& question) {
+  std::optional<std::string> of = name(question, "name");
+  if (!of) return std::nullopt;
+  return Named{std::move(*of)};
+}
+
+What owners_of(const json&) { return Owners{}; }
+
+What memory_of(const json& question) {
+  const std::optional<double> last_s = finite(question, "seconds");
+  return last_s && *last_s > 0 && *last_s <= kMostRemembered_s ? What(Remembered{*last_s}) : std::nullopt;
+}
+
+struct Kind {
+  std::string_view ask;
+  What (*parse)(const json& question);
+};
+
+constexpr Kind kKinds[] = {{"ray", ray_of},
+                           {"sphere", sphere_of},
+                           {"box", box_of},
+                           {"near", near_of},
+                           {"sweep", sweep_of},
+                           {"pair", pair_of},
+                           {"owners", owners_of},
+                           {"memory", memory_of},
+                           {"object", named_of<ObjectOfName>},
+                           {"nearest", named_of<NearestToObject>}};
+
 }  // namespace
 
 std::optional<PageQuestion> parse_page_question(std::string_view text) {
@@ -45,24 +126,11 @@ std::optional<PageQuestion> parse_page_question(std::string_view text) {
   const auto ask = question.find("ask");
   const std::optional<double> id = finite(question, "id");
   if (ask == question.end() || !id) return std::nullopt;
-  if (*ask == "ray") {
-    const std::optional<Vec3> origin = vector(question, "origin");
-    const std::optional<Vec3> direction = vector(question, "direction");
-    if (!origin || !direction || direction->isZero(0)) return std::nullopt;
-    return PageQuestion{*id, RayQuestion{.origin = *origin, .direction = *direction}};
+  for (const Kind& kind : kKinds) {
+    if (*ask != kind.ask) continue;
+    What what = kind.parse(question);
+    return what ? std::optional(PageQuestion{*id, std::move(*what)}) : std::nullopt;
   }
-  if (*ask == "pair") {
-    std::optional<std::string> a = name(question, "a");
-    std::optional<std::string> b = name(question, "b");
-    if (!a || !b) return std::nullopt;
-    return PageQuestion{*id, PairOfNames{std::move(*a), std::move(*b)}};
-  }
-  if (*ask == "object") {
-    std::optional<std::string> of = name(question, "name");
-    if (!of) return std::nullopt;
-    return PageQuestion{*id, ObjectOfName{std::move(*of)}};
-  }
-  if (*ask == "owners") return PageQuestion{*id, Owners{}};
   return std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,15 +24,51 @@ struct ObjectOfName {
 /// Which publisher moves what.
 struct Owners {};
 
-/// A question of the page: {"ask": "ray", "id", "origin": [3], "direction": [3]}, {"ask": "pair", "id", "a", "b"},
-/// {"ask": "object", "id", "name"} or {"ask": "owners", "id"}.
+/// The objects nearest to a point.
+struct NearestToPoint {
+  NearQuestion near;
+  std::uint32_t count = 1;  // 1 to kMostNearest
+};
+
+/// A ball that moves in a straight line.
+struct SweptBall {
+  double radius_m = 0;
+  SweepQuestion motion;
+};
+
+/// What is nearest to an object.
+struct NearestToObject {
+  std::string name;
+};
+
+/// What the server remembers of its last seconds.
+struct Remembered {
+  double last_s = 0;  // above 0, at most kMostRemembered_s
+};
+
+inline constexpr std::uint32_t kMostNearest = 20;
+inline constexpr double kMostRemembered_s = 300;
+
+/// A question of the page, an object of these members beside `ask` and `id`:
+/// ray      origin [3], direction [3]
+/// sphere   center [3], radius
+/// box      center [3], half [3]
+/// near     point [3], count
+/// sweep    radius, from [3], to [3]
+/// pair     a, b
+/// object   name
+/// nearest  name
+/// owners
+/// memory   seconds
 struct PageQuestion {
   double id = 0;  // the page's number for it, repeated in the answer
-  std::variant<RayQuestion, PairOfNames, ObjectOfName, Owners> what;
+  std::variant<RayQuestion, SphereQuestion, BoxQuestion, NearestToPoint, SweptBall, PairOfNames, ObjectOfName,
+               NearestToObject, Owners, Remembered>
+      what;
 };
 
 /// Reads a question from untrusted text. Nothing where it is not JSON, a member is missing or of another type, a number
-/// is not finite, the direction is zero, or a name is empty or longer than 255 bytes.
+/// is not finite, a size is negative, the direction is zero, or a name is empty or longer than 255 bytes.
 std::optional<PageQuestion> parse_page_question(std::string_view text);
 
 }  // namespace collided::view

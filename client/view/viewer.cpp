@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "client/view/assets.hpp"
+#include "client/view/page_answers.hpp"
 #include "client/view/page_messages.hpp"
 
 namespace collided::view {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::string_view kLive = "/live";
 constexpr std::string_view kMetrics = "/metrics";
+constexpr std::string_view kMemory = "/memory";
 constexpr std::string_view kDrawing = "/drawing.svg";
 
 RequestRules rules_of(const ViewerOptions& options) {
@@ -38,7 +40,7 @@ Viewer::Viewer(Client& client, const ViewerOptions& options)
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
   for (const Asset& asset : assets())
     assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
-  asker_ = std::make_unique<Asker>(client);
+  asker_ = std::make_unique<Asker>(client, memory_);
   drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
   web_ = std::make_unique<WebServer>(options.address, rules_, options.limits, handlers());
 }
@@ -66,6 +68,7 @@ std::optional<WebPage> Viewer::page(std::string_view target) const {
   const auto found = assets_.find(target);
   if (found != assets_.end()) return found->second;
   if (target == kMetrics) return WebPage{"text/plain; version=0.0.4", make_bytes(metrics_.text())};
+  if (target.starts_with(kMemory)) return memory_.page(target);
   if (!target.starts_with(kDrawing)) return feed_.page(target);
   Bytes drawing = drawer_->newest();
   return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;

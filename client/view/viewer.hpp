@@ -13,6 +13,7 @@
 #include "client/view/foxglove.hpp"
 #include "client/view/metrics.hpp"
 #include "client/view/page_feed.hpp"
+#include "client/view/server_memory.hpp"
 #include "client/view/web_server.hpp"
 
 namespace collided::view {
@@ -88,6 +89,7 @@ class Viewer {
   Foxglove foxglove_;
   Metrics metrics_;
   Both both_{feed_, foxglove_, metrics_};
+  ServerMemory memory_;
   std::unique_ptr<Drawer> drawer_;
   std::unique_ptr<WebServer> web_;
   std::unique_ptr<Asker> asker_;

@@ -9,6 +9,7 @@
 #include "tests/studies/plot/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "client/view/foxglove_scene.hpp"
+#include "client/view/page_answers.hpp"
 #include "client/view/page_messages.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"

@@ -48,7 +48,8 @@ TEST_F(ToldToPages, SixtyFourQuestionsWaitAndNoMore) {
     gate.wait();
     return PairAnswer{};
   };
-  Asker asker(*client);
+  ServerMemory memory;
+  Asker asker(*client, memory);
   const auto ask = [&] { return asker.ask({1, PairOfNames{"a", "b"}}, [&](const std::string&) { ++answered; }); };
   EXPECT_TRUE(ask());
   EXPECT_TRUE(ask());

@@ -1,5 +1,7 @@
+#include <cmath>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "client/view/figures.hpp"
 #include "client/view/foxglove.hpp"
@@ -9,19 +11,44 @@
 
 using namespace collided;
 
+namespace {
+
+bool is_name(const std::string& name) { return !name.empty() && name.size() <= 255; }
+
+/// Whether a question of each kind can be asked as it is.
+struct CanBeAsked {
+  bool operator()(const RayQuestion& ray) const {
+    return ray.origin.allFinite() && ray.direction.allFinite() && !ray.direction.isZero(0);
+  }
+  bool operator()(const SphereQuestion& ball) const {
+    return ball.center.allFinite() && std::isfinite(ball.radius_m) && ball.radius_m >= 0;
+  }
+  bool operator()(const BoxQuestion& box) const {
+    return box.center.allFinite() && box.half_m.allFinite() && (box.half_m.array() >= 0).all();
+  }
+  bool operator()(const view::NearestToPoint& nearest) const {
+    return nearest.near.point.allFinite() && nearest.count >= 1 && nearest.count <= view::kMostNearest;
+  }
+  bool operator()(const view::SweptBall& sweep) const {
+    return std::isfinite(sweep.radius_m) && sweep.radius_m > 0 && sweep.motion.from.position.allFinite() &&
+           sweep.motion.to.position.allFinite();
+  }
+  bool operator()(const view::PairOfNames& pair) const { return is_name(pair.a) && is_name(pair.b); }
+  bool operator()(const view::ObjectOfName& object) const { return is_name(object.name); }
+  bool operator()(const view::NearestToObject& object) const { return is_name(object.name); }
+  bool operator()(const view::Remembered& wanted) const {
+    return wanted.last_s > 0 && wanted.last_s <= view::kMostRemembered_s;
+  }
+  bool operator()(const view::Owners&) const { return true; }
+};
+
+}  // namespace
+
 /// What clients of the viewer say, and what a server's figures might be.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  if (const auto question = view::parse_page_question(text)) {
-    if (const auto* ray = std::get_if<RayQuestion>(&question->what)) {
-      fuzz::require(ray->origin.allFinite() && ray->direction.allFinite() && !ray->direction.isZero(0),
-                    "a ray that can be asked");
-    } else {
-      const auto& pair = std::get<view::PairOfNames>(question->what);
-      fuzz::require(!pair.a.empty() && pair.a.size() <= 255 && !pair.b.empty() && pair.b.size() <= 255,
-                    "names that can be asked");
-    }
-  }
+  if (const auto question = view::parse_page_question(text))
+    fuzz::require(std::visit(CanBeAsked(), question->what), "a question that can be asked");
   std::size_t answers = 0;
   view::Foxglove foxglove([&](view::Foxglove::Connection, const view::WebMessage& message) {
     ++answers;

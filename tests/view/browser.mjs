@@ -90,20 +90,23 @@ async function flashesInTime(page) {
   check(median <= 200, `a contact flashes after ${median} ms; allowed 200`);
 }
 
+/// Places of the picture, from its upper left, where something that stands still is seen.
+const standingPlaces = (page) => page.evaluate(() => {
+  const found = [];
+  for (let x = 0.1; x < 0.7; x += 0.03) {
+    for (let y = 0.45; y < 0.85; y += 0.03) {
+      const seen = collidedPage.picture.renderer.pick(x, y);
+      const object = seen && collidedPage.world.objects.get(seen.slot);
+      if (object && !object.moving) found.push([x, 1 - y, object.name]);
+    }
+  }
+  return found;
+});
+
 /// A click on something that stands still; the same ray asked by the command line gives the same numbers.
 async function clicksAreAnswered(page) {
   const canvas = await page.locator("#scene").boundingBox();
-  const places = await page.evaluate(() => {
-    const found = [];
-    for (let x = 0.1; x < 0.7; x += 0.03) {
-      for (let y = 0.45; y < 0.85; y += 0.03) {
-        const seen = collidedPage.picture.renderer.pick(x, y);
-        const object = seen && collidedPage.world.objects.get(seen.slot);
-        if (object && !object.moving) found.push([x, 1 - y, object.name]);
-      }
-    }
-    return found;
-  });
+  const places = await standingPlaces(page);
   check(places.length > 0, "nothing that stands still is in the picture");
   let equal = 0;
   for (const [x, y] of places.filter((_, i) => i % Math.ceil(places.length / 5) === 0)) {
@@ -124,6 +127,47 @@ async function clicksAreAnswered(page) {
   }
   check(equal >= 3, `only ${equal} clicks could be compared`);
   console.log(`clicks: ${equal} answers equal to the command line's, member by member`);
+}
+
+/// The command that the page shows beside an answer gives the same numbers, whatever was asked.
+async function commandsGiveTheSame(page) {
+  const canvas = await page.locator("#scene").boundingBox();
+  const places = await standingPlaces(page);
+  const isMoving = (name) => page.evaluate((which) => collidedPage.world.byName.get(which)?.moving, name);
+  const comparedOf = {};
+  for (const [tool, clicks] of [["sphere", 1], ["box", 1], ["near", 1], ["sweep", 2], ["pair", 2]]) {
+    await page.selectOption("#tool", tool);
+    if (tool !== "near" && tool !== "pair") await page.fill("#tool-size", "0.3");
+    comparedOf[tool] = 0;
+    for (let i = 0; i + 1 < places.length && comparedOf[tool] < 2; i += Math.ceil(places.length / 8)) {
+      await page.evaluate(() => {
+        collidedPage.asking.lastAnswer = null;
+        collidedPage.choose(null);
+      });
+      const spots = [places[i], places.find(([, , name]) => name !== places[i][2])].slice(0, clicks);
+      for (const [x, y] of spots) await page.mouse.click(canvas.x + x * canvas.width, canvas.y + y * canvas.height);
+      // Where something moves in between, two clicks may mean one thing, of which nothing is asked.
+      const answer = await until(`the ${tool} is answered`, () => page.evaluate(() => collidedPage.asking.lastAnswer), 10).catch(() => null);
+      if (!answer) continue;
+      const command = await page.locator("#answer-command").textContent();
+      const said = spawnSync("bash", ["-c", `collide() { "$COLLIDE" "$@"; }; ${command} --json`], { env: { ...environment, COLLIDE: words.collide }, encoding: "utf8", timeout: 20000 });
+      const theirs = said.stdout.trim().split("\n").map((line) => JSON.parse(line));
+      const ours = answer.hits ?? [answer];
+      const movers = await Promise.all([...ours, ...theirs].map(({ object }) => object && isMoving(object)));
+      if (movers.some(Boolean) || (!answer.hits?.length && tool !== "pair")) continue;
+      const number = (one) => one.depth ?? one.distance ?? one.time_low;
+      const isSweep = tool === "sweep";
+      ours.forEach((hit, k) => {
+        const [a, b] = [hit, theirs[k]].map((one) => JSON.stringify([one.object, isSweep ? [one.time_low, one.time_high] : number(one), isSweep ? 0 : one.error, one.point]));
+        check(a === b, `${command}: the page says ${a}, the command ${b}`);
+      });
+      ++comparedOf[tool];
+    }
+    check(comparedOf[tool] > 0, `no ${tool} could be compared`);
+  }
+  await page.selectOption("#tool", "ray");
+  await page.keyboard.press("Escape");
+  console.log(`commands: as the page says (${Object.entries(comparedOf).map(([tool, count]) => `${tool} ${count}`).join(", ")})`);
 }
 
 async function namesWhatIsUnderThePointer(page) {
@@ -232,6 +276,43 @@ async function savedRunsPlay(browser) {
   await page.close();
 }
 
+/// Recordings, of a file and of the server's own memory, show the objects and shapes that the server showed.
+async function opensRecordings(page) {
+  const told = () => page.evaluate(() => Object.fromEntries([...collidedPage.world.objects.values()].map(({ name, parts, moving, runs }) => [name, JSON.stringify([moving, runs.length, parts.map((part) => part.map((n) => Number(n.toFixed(9))))])])));
+  const live = await told();
+  const file = join(scratch, "run.mcap");
+  const said = collide("record", file, "--for", "1500ms");
+  check(said.status === 0, `record: ${said.stderr}`);
+  const shows = async (which) => {
+    await until(`${which} is shown`, async () => (await page.locator("#recording").textContent()).includes(which) && (await page.locator("#recording").isVisible()), 30);
+    await until("its objects are there", () => page.evaluate((count) => collidedPage.world.objects.size === count, Object.keys(live).length));
+    const shown = await told();
+    for (const [name, text] of Object.entries(live)) check(shown[name] === text, `${which}: ${name} is ${shown[name]}, the server says ${text}`);
+    // A short one may have come to its end by now: its instants are compared.
+    const places = [];
+    for (const part of [0.1, 0.9]) {
+      await page.evaluate((fraction) => {
+        const { timeline } = collidedPage;
+        timeline.pause();
+        timeline.goTo(timeline.begin() + fraction * (timeline.end() - timeline.begin()));
+      }, part);
+      await until("its poses are applied", () => page.evaluate(() => !collidedPage.pendingPoses));
+      places.push((await positions(page)).join(" "));
+    }
+    check(places[0] !== places[1], `${which}: nothing moves`);
+    check(await page.evaluate(() => collidedPage.timeline.history.eventsUntil(Infinity, 5).length > 0), `${which}: no events`);
+  };
+  await page.setInputFiles("#file", file);
+  await shows("run.mcap");
+  await page.click("#live");
+  await until("the page is live again", async () => (await page.locator("#recording").isHidden()) && (await isReady(page)));
+  await page.click("#memory");
+  await shows("last 30 s");
+  console.log(`recordings: a file, and ${await page.evaluate(() => collidedPage.timeline.history.end.toFixed(1))} s of the server's memory`);
+  await page.click("#live");
+  await moves(page);
+}
+
 async function drawsWithoutWebGL(url) {
   const browser = await launch(["--disable-3d-apis"]);
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 } });
@@ -260,12 +341,14 @@ async function run() {
   await flashesInTime(page);
   await namesWhatIsUnderThePointer(page);
   await clicksAreAnswered(page);
+  await commandsGiveTheSame(page);
   await picture(page, "paper");
   await turnsAndZooms(page);
   await page.keyboard.press("t");
   await moves(page);
   await picture(page, "night");
   await page.keyboard.press("t");
+  await opensRecordings(page);
   await survivesAStall(page, server, isLong ? 10 : 1);
   server = await survivesARestart(page, server);
   await savedRunsPlay(browser);

@@ -1,3 +1,4 @@
+#include "client/view/page_answers.hpp"
 #include "client/view/page_messages.hpp"
 
 #include <gtest/gtest.h>
@@ -251,7 +252,14 @@ TEST(PageMessages, AnAnswerHasTheCommandLinesMembers) {
   hit.distance_m = 0.1 + 0.2;
   hit.point = {1, 2, std::numeric_limits<double>::infinity()};
   answer.hits = {hit};
-  const json told = json::parse(ray_answer_text(7, {.origin = {0, 0, 5}, .direction = {0, 0, -1}}, answer));
+  answer.cost = {.nodes = 7, .exact_tests = 2};
+  Answers answers;
+  answers.answers = {answer};
+  answers.compute = std::chrono::microseconds(41);
+  answers.oldest_pose_age = std::chrono::milliseconds(2);
+  const json told = json::parse(ray_answer_text(7, {.origin = {0, 0, 5}, .direction = {0, 0, -1}}, answers));
+  EXPECT_EQ(told["cost"], (json{{"nodes", 7}, {"exact_tests", 2}, {"compute", 41e-6}}));
+  EXPECT_EQ(told["age"], 2e-3);
   EXPECT_EQ(told["id"], 7);
   EXPECT_EQ(told["distance"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(told["point"][2], "inf");
@@ -259,6 +267,75 @@ TEST(PageMessages, AnAnswerHasTheCommandLinesMembers) {
   const json refused = json::parse(ray_answer_text(7, {}, Error{ErrorCode::timeout, "no answer", ""}));
   EXPECT_EQ(refused["type"], "refused");
   EXPECT_EQ(refused["why"], "no answer");
+}
+
+TEST(PageMessages, AnswersWithManyHitsTellTheFirstHundred) {
+  Answers answers;
+  Answer& answer = answers.answers.emplace_back();
+  answer.verdict = Verdict::hit;
+  answer.hits.resize(130);
+  answer.hits[0].object = "wall";
+  answer.hits[0].time_low = 0.25;
+  answer.hits[0].time_high = 0.5;
+  const json sphere = json::parse(hits_answer_text(3, "sphere", answers));
+  EXPECT_EQ(sphere["ask"], "sphere");
+  EXPECT_EQ(sphere["hits"].size(), 100);
+  EXPECT_EQ(sphere["left_out"], 30);
+  EXPECT_FALSE(sphere["hits"][0].contains("time_low")) << "only of sweeps";
+  const json sweep = json::parse(hits_answer_text(3, "sweep", answers));
+  EXPECT_EQ(sweep["hits"][0]["time_low"], 0.25);
+  EXPECT_EQ(sweep["hits"][0]["time_high"], 0.5);
+  answer.verdict = Verdict::undecided;
+  answer.reason = UndecidedReason::stale_object;
+  EXPECT_EQ(json::parse(hits_answer_text(3, "box", answers))["reason"], "stale_object");
+}
+
+TEST(PageMessages, TheNearestIsToldWithItsLine) {
+  ClearanceAnswer answer;
+  EXPECT_FALSE(json::parse(nearest_answer_text(4, "arm", answer)).contains("other")) << "nothing else is there";
+  ClearancePair& pair = answer.pairs.emplace_back();
+  pair.a = "arm";
+  pair.b = "shelf";
+  pair.clearance_m = 0.1 + 0.2;
+  pair.on_b = {1, 2, 3};
+  answer.late = true;
+  const json told = json::parse(nearest_answer_text(4, "arm", answer));
+  EXPECT_EQ(told["name"], "arm");
+  EXPECT_EQ(told["other"], "shelf");
+  EXPECT_EQ(told["clearance"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(told["on_b"], json({1.0, 2.0, 3.0}));
+  EXPECT_TRUE(told["late"]) << "a nearer one may be missing";
+}
+
+TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
+  const auto sphere = parse_page_question(R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":0.25})");
+  ASSERT_TRUE(sphere);
+  EXPECT_EQ(std::get<SphereQuestion>(sphere->what).radius_m, 0.25);
+  const auto box = parse_page_question(R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,1,2]})");
+  ASSERT_TRUE(box);
+  EXPECT_EQ(std::get<BoxQuestion>(box->what).half_m, Vec3(0, 1, 2));
+  const auto near = parse_page_question(R"({"ask":"near","id":1,"point":[1,2,3],"count":3})");
+  ASSERT_TRUE(near);
+  EXPECT_EQ(std::get<NearestToPoint>(near->what).count, 3);
+  const auto sweep = parse_page_question(R"({"ask":"sweep","id":1,"radius":0.5,"from":[0,0,1],"to":[2,0,1]})");
+  ASSERT_TRUE(sweep);
+  EXPECT_EQ(std::get<SweptBall>(sweep->what).motion.to.position, Vec3(2, 0, 1));
+  const auto nearest = parse_page_question(R"({"ask":"nearest","id":1,"name":"arm"})");
+  ASSERT_TRUE(nearest);
+  EXPECT_EQ(std::get<NearestToObject>(nearest->what).name, "arm");
+  const auto memory = parse_page_question(R"({"ask":"memory","id":1,"seconds":30})");
+  ASSERT_TRUE(memory);
+  EXPECT_EQ(std::get<Remembered>(memory->what).last_s, 30);
+  for (const char* bad :
+       {R"({"ask":"memory","id":1,"seconds":0})", R"({"ask":"memory","id":1,"seconds":1e6})",
+        R"({"ask":"memory","id":1})", R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":-1})",
+        R"({"ask":"sphere","id":1,"center":[1,2,3]})", R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,-1,2]})",
+        R"({"ask":"near","id":1,"point":[1,2,3]})", R"({"ask":"near","id":1,"point":[1,2,3],"count":0})",
+        R"({"ask":"near","id":1,"point":[1,2,3],"count":1e9})",
+        R"({"ask":"sweep","id":1,"radius":0,"from":[0,0,1],"to":[2,0,1]})",
+        R"({"ask":"sweep","id":1,"radius":1,"from":[0,0,1]})", R"({"ask":"nearest","id":1})"}) {
+    EXPECT_FALSE(parse_page_question(bad)) << bad;
+  }
 }
 
 TEST(PageQuestion, IsWhatItSaysOrNothing) {

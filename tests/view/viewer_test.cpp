@@ -78,8 +78,30 @@ TEST_F(Viewing, APageHearsOfEverything) {
   EXPECT_NE(page.read_until("\"type\":\"answer\"").find("\"id\":17"), std::string::npos);
   page.send(LoudClient::frame(R"({"ask":"pair","id":18,"a":"warehouse/floor","b":"nobody"})"));
   EXPECT_NE(page.read_until("\"type\":\"refused\"").find("nobody"), std::string::npos);
+  page.send(LoudClient::frame(R"({"ask":"sphere","id":19,"center":[0,0,0],"radius":0.5})"));
+  EXPECT_NE(page.read_until("\"ask\":\"sphere\"").find("\"hits\":["), std::string::npos);
+  page.send(LoudClient::frame(R"({"ask":"nearest","id":20,"name":"warehouse/wall_north"})"));
+  EXPECT_NE(page.read_until("\"ask\":\"nearest\"").find("\"other\":\""), std::string::npos);
+  page.send(LoudClient::frame(R"({"ask":"sweep","id":21,"radius":0.1,"from":[0,0,1],"to":[0,0,-1]})"));
+  EXPECT_NE(page.read_until("\"ask\":\"sweep\"").find("\"time_high\":"), std::string::npos);
   page.send(LoudClient::frame("drop table"));
   EXPECT_NE(page.read_until("no question").find("no question"), std::string::npos);
+}
+
+// What the flight recorder holds is fetched by its number, an MCAP file, for as long as nothing newer was asked for.
+TEST_F(Viewing, ThePageGetsWhatTheServerRemembers) {
+  ASSERT_NO_FATAL_FAILURE(start());
+  const LoudClient page = open("/live");
+  page.read_until("\"what\":\"began\"", 20s);
+  for (const char* number : {"1", "2"}) {
+    page.send(LoudClient::frame(R"({"ask":"memory","id":7,"seconds":30})"));
+    const std::string path = std::string("memory?number=") + number;
+    ASSERT_NE(page.read_until(path, 20s).find(path), std::string::npos);
+    EXPECT_NE(eventually_fetched("/" + path, "\x89MCAP0\r\n").find("\x89MCAP0\r\n"), std::string::npos);
+  }
+  const LoudClient late(port);
+  late.send(LoudClient::get("/memory?number=1", host));
+  EXPECT_NE(late.read_until("\r\n\r\n").find("404"), std::string::npos);
 }
 
 TEST_F(Viewing, PrometheusReadsTheSameFigures) {

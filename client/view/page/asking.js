@@ -1,6 +1,6 @@
-/// What the page asks the server, and how it shows the answers: rays of clicks, distances to what is under the pointer.
+/// What the page asks the server, and how it shows the answers: to clicks and drags, and distances to what is under the pointer.
 class Asking {
-  /// on: {send(question), chosen(), hovered(), choose(slot), drawn()}
+  /// on: {send(question) -> whether it was sent, chosen(), hovered(), choose(slot), drawn()}
   constructor(world, camera, marks, on) {
     this.world = world;
     this.camera = camera;
@@ -19,12 +19,19 @@ class Asking {
     return this.on.send({ ...question, id }) ? id : null;
   }
 
+  /// Asks what the user wants to know; the answer is shown with the command that gives it.
+  askShown(question) {
+    this.clicked = this.ask(question);
+    this.shown = { question, at: performance.now() };
+    if (this.clicked === null) this.showAnswer(["nobody answers: the page shows the past or a recording, or the viewer is gone"], "", "");
+  }
+
   /// Asks a ray from the eye. The command line shows the numbers that were sent: all their digits.
   ray(x, y) {
     const digits = Math.min(9, Math.max(0, 5 - Math.floor(Math.log10(this.camera.distance))));
     const origin = this.camera.eye().map((part) => Number(part.toFixed(digits)));
     const direction = this.camera.direction(x, y).map((part) => Number(part.toFixed(6)));
-    this.clicked = this.ask({ ask: "ray", origin, direction });
+    this.askShown({ ask: "ray", origin, direction });
   }
 
   /// Asks for the distance from the chosen object to the one under the pointer. One question at a time.
@@ -41,14 +48,15 @@ class Asking {
   }
 
   hear(answer) {
-    if (answer.ask === "ray") this.showRay(answer);
+    if (answer.ask === "ray") this.drawRay(answer);
+    if (answer.id === this.clicked) this.showClicked(answer);
     else if (answer.ask === "pair") this.showGap(answer);
   }
   refused({ id, why }) {
-    if (id === this.clicked) this.showAnswer([why], "");
+    if (id === this.clicked) this.showAnswer([why], "", commandText(this.connection, this.shown.question));
   }
 
-  showRay(answer) {
+  drawRay(answer) {
     const unit = normalized(answer.direction);
     const met = answer.answer === "hit";
     const to = met ? answer.point : add(answer.origin, scale(unit, this.camera.distance * 3));
@@ -58,20 +66,29 @@ class Asking {
     this.marks.rays.push({ from, to, met, normal: answer.normal || unit, at: performance.now() });
     this.marks.rays = this.marks.rays.slice(-50);
     this.on.drawn();
-    if (answer.id !== this.clicked) return;
-    this.lastAnswer = answer;
-    this.on.choose(met ? this.world.byName.get(answer.object)?.slot ?? null : null);
-    const command = `collide ${this.connection}ray ${answer.origin.map(fullText).join(" ")}  ${answer.direction.map(fullText).join(" ")}`;
-    this.showAnswer(answerParts(answer), command);
   }
 
-  showAnswer(parts, command) {
+  showClicked(answer) {
+    this.lastAnswer = answer;
+    const { question, at } = this.shown;
+    if (answer.ask === "ray") this.on.choose(answer.answer === "hit" ? this.world.byName.get(answer.object)?.slot ?? null : null);
+    this.marks.asked = answerPieces(question, answer);
+    this.showAnswer(answerParts(question, answer), costText(answer, performance.now() - at), commandText(this.connection, question));
+    this.on.drawn();
+  }
+
+  showAnswer(parts, cost, command, isHidden = false) {
     byId("answer-text").replaceChildren(...parts);
+    setText(byId("answer-cost"), cost);
     byId("answer-command").textContent = command;
     byId("copy").hidden = !command;
-    byId("answer").hidden = false;
+    byId("answer").hidden = isHidden;
   }
-  hideAnswer() { byId("answer").hidden = true; }
+  hideAnswer() {
+    byId("answer").hidden = true;
+    this.marks.asked = null;
+    this.on.drawn();
+  }
 
   async copy() {
     const text = byId("answer-command").textContent;
@@ -101,16 +118,4 @@ class Asking {
     } else this.gap = "undecided against the chosen one";
     this.on.drawn();
   }
-}
-
-/// A number so that it reads back as the same double, without an exponent that a shell user would stumble over.
-const fullText = (value) => (Object.is(value, -0) ? "0" : String(value));
-
-/// Rounded for reading; the bound says how far that may be off from what the server decided exactly.
-function answerParts(answer) {
-  if (answer.answer === "miss") return ["miss: nothing along the ray"];
-  if (answer.answer !== "hit") return [`${answer.answer} ${answer.reason || ""}`];
-  const bound = Number(answer.error);
-  const boundText = bound === 0 ? "exact" : `± ${bound < 1e-9 ? "less than 1 nm" : lengthText(bound)}`;
-  return ["hit ", nameElement(answer.object), ` at ${lengthText(Number(answer.distance))} (${boundText}), point ${pointText(answer.point)} m, normal ${answer.normal.map((part) => roundedText(part, 3)).join(" ")}`];
 }

@@ -58,7 +58,10 @@ class Marks {
     this.count = 0;
     this.texts = [];  // {point, text}, for the overlay
     this.rays = [];
-    this.line = null;  // {from, to, text}: a clearance
+    this.line = null;     // {from, to, text}: the clearance of what is under the pointer
+    this.nearest = null;  // likewise, of what is nearest to the chosen object
+    this.asked = null;    // {pieces, texts} of the newest answer (tools.js)
+    this.preview = [];    // pieces of a question that is being drawn
     this.isCalm = matchMedia("(prefers-reduced-motion: reduce)");
   }
 
@@ -98,17 +101,21 @@ class Marks {
     }
     for (const cluster of clusters.values()) this.putCluster(cluster);
     this.placeRays(camera, now);
-    if (this.line) {
-      this.put(this.line.from, this.line.to, 1.5, 0, 1, 1);
-      for (const end of [this.line.from, this.line.to]) this.put(end, end, 5, 2, 1, 1);
-      this.texts.push({ point: scale(add(this.line.from, this.line.to), 0.5), text: this.line.text });
-    }
+    for (const clearance of [this.line, this.nearest]) if (clearance) this.placeClearance(clearance);
+    for (const piece of [...this.preview, ...(this.asked?.pieces || [])]) this.put(...piece);
+    if (this.asked) this.texts.push(...this.asked.texts);
     return isFlashing || this.rays.length > 0;
+  }
+
+  placeClearance({ from, to, text }) {
+    this.put(from, to, 1.5, 0, 1, 1);
+    for (const end of [from, to]) this.put(end, end, 5, 2, 1, 1);
+    this.texts.push({ point: scale(add(from, to), 0.5), text });
   }
 
   /// A region of the picture (world.js) grown so that it holds all marks; null where they may be anywhere.
   region(region, camera, width, height) {
-    if (!region || this.rays.length > 0 || this.line || this.areFencesElsewhere) return null;
+    if (!region || this.rays.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areFencesElsewhere) return null;
     const reach_px = 30;
     for (const [x, y] of this.places) extendRegion(region, (x + 1) / 2, (y + 1) / 2, reach_px / width, reach_px / height);
     return region;

@@ -1,6 +1,7 @@
 /// Turns what the user does with the picture into motions of the camera and clicks.
 class Controls {
-  /// on: {changed(), click(x, y) (client coordinates), point({x, y} or null), follow stops (moved())}
+  /// on: {changed(), click(x, y) (client coordinates), clickMiddle(), point({x, y} or null), isDragged() (whether drags are a
+  /// tool's), beginDrag(x, y) -> whether this one is, drag(x, y), endDrag(x, y), cancelDrag()}
   constructor(canvas, camera, on) {
     this.canvas = canvas;
     this.camera = camera;
@@ -10,7 +11,11 @@ class Controls {
     canvas.addEventListener("pointerdown", (event) => this.down(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", (event) => this.up(event));
-    canvas.addEventListener("pointercancel", (event) => { this.touches.delete(event.pointerId); this.held = null; });
+    canvas.addEventListener("pointercancel", (event) => {
+      if (this.held?.isTool) on.cancelDrag();
+      this.touches.delete(event.pointerId);
+      this.held = null;
+    });
     canvas.addEventListener("pointerleave", () => on.point(null));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("wheel", (event) => {
@@ -24,7 +29,11 @@ class Controls {
   down(event) {
     this.canvas.setPointerCapture(event.pointerId);
     this.touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    this.held = { x: event.clientX, y: event.clientY, travelled: this.touches.size > 1 ? Infinity : 0, slides: event.shiftKey || event.button !== 0 };
+    if (this.held?.isTool) this.on.cancelDrag();
+    // While drags are a tool's, the right button turns.
+    const turns = event.button === 0 || (event.button === 2 && this.on.isDragged());
+    this.held = { x: event.clientX, y: event.clientY, travelled: this.touches.size > 1 ? Infinity : 0, slides: event.shiftKey || !turns };
+    this.held.isTool = event.button === 0 && !event.shiftKey && this.touches.size === 1 && this.on.beginDrag(event.clientX, event.clientY);
   }
 
   move(event) {
@@ -37,7 +46,8 @@ class Controls {
     else if (this.touches.size === 1) {
       this.held.travelled += Math.abs(here.x - before.x) + Math.abs(here.y - before.y);
       const least = event.pointerType === "touch" ? 10 : 4;
-      if (this.held.travelled >= least) this.drag((here.x - before.x) * unit, (here.y - before.y) * unit);
+      if (this.held.travelled >= least && this.held.isTool) this.on.drag(here.x, here.y);
+      else if (this.held.travelled >= least) this.drag((here.x - before.x) * unit, (here.y - before.y) * unit);
     }
     this.touches.set(event.pointerId, here);
     this.on.changed();
@@ -59,6 +69,7 @@ class Controls {
     this.touches.delete(event.pointerId);
     const least = event.pointerType === "touch" ? 10 : 4;
     if (this.held && this.held.travelled < least && event.button === 0 && this.touches.size === 0) this.on.click(event.clientX, event.clientY);
+    else if (this.held?.isTool && this.touches.size === 0) this.on.endDrag(event.clientX, event.clientY);
     if (this.touches.size === 0) this.held = null;
   }
 

@@ -35,7 +35,7 @@ class EventList {
     const why = ends ? (event.why === "separated" ? "apart" : event.why.replaceAll("_", " ")) : "";
     return element("li", { class: event.what }, element("button", { type: "button", onclick: () => this.on.goTo(t, event) },
       element("span", { class: "depth" }, depth || why),
-      element("span", { class: "pair" }, nameElement(event.a), " × ", nameElement(event.b)),
+      element("span", { class: "pair" }, shortNameElement(event.a), " × ", shortNameElement(event.b)),
       element("time", {}, clockText(event.time))));
   }
 }

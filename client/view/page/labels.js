@@ -55,4 +55,3 @@ class Labels {
 }
 
 const middleOf = (object) => (object.own.isEmpty() ? object.position : add(object.position, rotate(object.turn, object.own.center())));
-const shortName = (name) => ([...name].length > 40 ? `${[...name].slice(0, 18).join("")}…${[...name].slice(-18).join("")}` : name);

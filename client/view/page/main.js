@@ -8,7 +8,7 @@ class Page {
     this.fences = new Fences();
     this.flashes = [];        // when each new contact was first drawn, for measurements
     this.chosen = this.hovered = this.followed = null;
-    this.picture = new Picture(byId("scene"), byId("overlay"));
+    this.picture = new Picture(byId("scene"), byId("overlay"), { failed: (error) => this.showDrawing(error) });
     this.world = new World(this.picture.renderer);
     this.panels = new Panels();
     this.matrix = new Matrix(byId("matrix"));
@@ -28,10 +28,19 @@ class Page {
   setUpAsking() {
     const objectOf = (slot) => this.world.objects.get(slot);
     this.asking = new Asking(this.world, this.camera, this.picture.marks, {
-      send: (question) => this.source.ask(question),
+      send: (question) => (this.timeline.isLive || question.ask === "memory") && this.source.ask(question),
       chosen: () => objectOf(this.chosen),
       hovered: () => objectOf(this.hovered),
       choose: (slot) => this.choose(slot),
+      drawn: () => this.changed(),
+    });
+    this.tools = new Tools(this.world, this.camera, this.picture.marks, {
+      ask: (question) => this.asking.askShown(question),
+      ray: (x, y) => this.asking.ray(x, y),
+      pick: (x, y) => this.picture.renderer?.pick((x + 1) / 2, (y + 1) / 2) ?? null,
+      choose: (slot) => this.choose(slot),
+      chosen: () => objectOf(this.chosen),
+      name: (slot) => objectOf(slot).name,
       drawn: () => this.changed(),
     });
   }
@@ -45,6 +54,7 @@ class Page {
       follow: (slot) => this.follow(this.followed === slot ? null : slot),
       isolate: (slot) => this.things.isolate(this.things.isolated === slot ? null : slot),
       hide: (object) => this.things.hide([object], !object.isHidden),
+      nearest: (line) => this.showNearest(line),
     });
     this.selected.contactsOf = (name) => this.contacts.of(name);
     byId("color").addEventListener("input", () => this.colorObjects());
@@ -65,7 +75,18 @@ class Page {
       events: (events) => this.hearEvents(events),
       message: (kind, value) => this.hear(kind, value),
       goTo: (event) => this.goToEvent(event),
+      closed: () => this.showRecording(null),
     }, Boolean(run));
+    this.opening = new Opening({
+      surroundings: () => standingOf(this.timeline.tableShown()),
+      ask: (question) => this.asking.ask(question),
+      opened: (recorded, name) => {
+        this.camera.isTouched = false;
+        this.timeline.open(recorded);
+        this.showRecording(name);
+      },
+      say: (text) => this.asking.showAnswer([text], "", "", !text),
+    });
     if (!run) {
       this.source = new LiveSource((kind, value) => this.timeline.hear(kind, value));
       return;
@@ -89,8 +110,13 @@ class Page {
     };
     this.controls = new Controls(canvas, this.camera, {
       changed: () => this.changed(),
-      click: (x, y) => this.asking.ray(...place(x, y)),
-      clickMiddle: () => this.asking.ray(0, 0),
+      click: (x, y) => this.tools.click(...place(x, y)),
+      clickMiddle: () => this.tools.click(0, 0),
+      isDragged: () => this.tools.drags(),
+      beginDrag: (x, y) => this.tools.beginDrag(...place(x, y)),
+      drag: (x, y) => this.tools.drag(...place(x, y)),
+      endDrag: (x, y) => this.tools.endDrag(...place(x, y)),
+      cancelDrag: () => this.tools.cancel(),
       point: (pointer) => {
         this.pointer = pointer;
         if (!pointer) this.hover(null);
@@ -117,7 +143,10 @@ class Page {
       this.changed();
     } else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
     else if (kind === "answer") this.hearAnswer(value);
-    else if (kind === "refused") this.asking.refused(value);
+    else if (kind === "refused") {
+      this.opening.refused(value);
+      this.asking.refused(value);
+    }
   }
 
   hearStatus(status) {
@@ -128,6 +157,8 @@ class Page {
 
   hearAnswer(answer) {
     if (answer.ask === "object") this.selected.hear(answer);
+    else if (answer.ask === "memory") this.opening.hear(answer);
+    else if (answer.ask === "nearest") this.selected.hearNearest(answer);
     else if (answer.ask === "owners") {
       this.things.setOwners(answer.owners);
       this.colorObjects();
@@ -157,6 +188,11 @@ class Page {
       this.asking.ask({ ask: "owners" });
     }, this.ownersAsked ? 2000 : 100);
     this.ownersAsked = true;
+  }
+
+  showRecording(name) {
+    byId("recording").hidden = name === null;
+    if (name !== null) byId("recording").replaceChildren("recording: ", nameElement(name));
   }
 
   setPoses(frame) {
@@ -196,6 +232,7 @@ class Page {
   draw(now) {
     requestAnimationFrame((next) => this.draw(next));
     this.timeline.tick(now);
+    this.selected.tickNearest(now, this.timeline.isLive);
     if (this.pendingPoses) this.applyPoses();
     const isDrawn = this.picture.draw(now, {
       world: this.world, camera: this.camera, contacts: this.contacts, fences: this.fences,
@@ -250,6 +287,7 @@ class Page {
     if (now - (this.openedAt ?? -Infinity) < every_ms) return;
     this.openedAt = now;
     this.world.openShells();
+    if (byId("color").value === "age") this.colorObjects();
   }
 
   /// Without WebGL: shows the drawing that the viewer makes, a new one every other second.
@@ -285,13 +323,15 @@ class Page {
       "?": () => this.toggleHelp(),
       Escape: () => this.escape(),
     };
-    const action = keys[event.key];
+    const tool = kTools[Number(event.key) - 1];
+    const action = tool ? () => this.tools.take(tool) : keys[event.key];
     if (!action || (event.target.matches("button, summary") && event.key === " ")) return;
     action();
     event.preventDefault();
     this.changed();
   }
   escape() {
+    this.tools.cancel();
     this.asking.hideAnswer();
     this.panels.closeSheet();
     this.choose(null);
@@ -369,6 +409,11 @@ class Page {
     this.frame([small, large].filter((one) => one && one.own.radius() <= 4 * small.own.radius()));
   }
 
+  showNearest(line) {
+    if (!line && !this.picture.marks.nearest) return;
+    this.picture.marks.nearest = line;
+    this.changed();
+  }
   follow(slot) {
     this.followed = slot;
     byId("follow").setAttribute("aria-pressed", slot !== null);
@@ -381,11 +426,11 @@ class Page {
   colorObjects() {
     const { colorOf, legend } = coloring(byId("color").value, this.world);
     this.world.tint(colorOf);
-    byId("color-legend").replaceChildren(...legend.map(([color, text]) => {
+    keepChildren(byId("color-legend"), legend.map(([color, text]) => [`${color} ${text}`, () => {
       const mark = element("i");
       mark.style.background = `rgb(${color.join()})`;
       return element("li", {}, mark, nameElement(text));
-    }));
+    }]));
     this.changed();
   }
 

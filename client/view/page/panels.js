@@ -1,7 +1,7 @@
 /// Rows of a table: [name, text, text ..., isWrong]; names are isolated, the others are numbers at the right.
 function fillTable(table, rows) {
   keepChildren(table, rows.map(({ name, cells, isWrong }) => [`${name}\n${cells.join("\n")}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" },
-    element("th", { scope: "row" }, nameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
+    element("th", { scope: "row" }, shortNameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
 }
 
 /// Remembers a few choices in the browser, where it lets a page do so.
@@ -66,7 +66,7 @@ class Panels {
     this.publishersAt = now;
     const doubt = status.in_doubt ? ` · ${countText(status.in_doubt)} undecided` : "";
     setText(byId("contact-count"), status.contacts_truncated ? `${countText(status.contacts)}, more are not told` : `${countText(status.contacts)} hold${doubt}`);
-    if (status.recent) this.showRecent(status.recent);
+    this.showRecent(status.recent || { asked: [], stages: [], steps: null });
   }
 
   showState(text, isWrong) {
@@ -75,8 +75,9 @@ class Panels {
   }
 
   showRecent(recent) {
-    setText(byId("step"), `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
-    const busy = recent.stages.reduce((sum, { share }) => sum + share, 0) || 1;
+    setText(byId("step"), recent.steps === null ? "not told" : `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
+    const least = 0.01;  // of a core: what does less has short bars
+    const busy = Math.max(least, recent.stages.reduce((sum, { share }) => sum + share, 0));
     keepChildren(byId("stages"), recent.stages.map(({ stage, share }) => {
       const width = `${((100 * share) / busy).toFixed(1)}%`;
       const text = `${(100 * share).toFixed(1)} %`;

@@ -5,8 +5,10 @@ const kCoarsest = 0.7;
 
 /// The picture: draws the world when something has changed, as sharp as there is time for.
 class Picture {
-  constructor(canvas, overlay) {
+  /// on: {failed(error)}: there is no picture from now on
+  constructor(canvas, overlay, on) {
     this.canvas = canvas;
+    this.on = on;
     this.frames = [];        // time that each of the newest pictures took, ms
     this.labels = new Labels(overlay);
     this.marks = new Marks();
@@ -35,19 +37,35 @@ class Picture {
     if (isNew) this.movedAt = now;
     const isSharper = !isNew && this.wantsSharper(now);
     if (!isNew && !isSharper) return false;
-    this.renderer.sharpness = isSharper ? this.stillSharpness() : this.motionSharpness;
+    const { renderer } = this;
+    renderer.sharpness = isSharper ? this.stillSharpness() : this.motionSharpness;
+    renderer.resize();
+    camera.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    const isStillChanged = world.stillStatesChanged;
+    world.send(camera, renderer.seenSize);
+    this.isDirty = true;
+    if (!this.isPrepared()) return false;
     this.isSharper = isSharper;
     this.hasDrawn = isNew;
     this.isDirty = false;
     this.marksBefore = this.marks.count;
-    this.render(world, camera, labelled);
+    this.render(world, camera, labelled, isStillChanged);
     return true;
   }
 
-  render(world, camera, labelled) {
-    const isStillChanged = world.stillStatesChanged;
-    world.sendStates();
-    camera.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+  /// Whether the shaders are there; without WebGL's word that they are good there is no picture.
+  isPrepared() {
+    try {
+      return this.renderer.prepare();
+    } catch (failed) {
+      this.failed = failed;
+      this.renderer = null;
+      this.on.failed(failed);
+      return false;
+    }
+  }
+
+  render(world, camera, labelled, isStillChanged) {
     this.renderer.fill(this.renderer.marks, this.marks.data, this.marks.count);
     const { near, far } = this.depths(world, camera);
     this.grid = 10 ** Math.round(Math.log10(Math.max(1e-6, camera.distance) / 12));
@@ -120,7 +138,7 @@ class Picture {
     const recent = this.frames.slice(-20);
     if (!this.renderer) return "";
     const took = recent.length ? recent.reduce((sum, one) => sum + one, 0) / recent.length : 0;
-    const time = took ? `${Number(took.toPrecision(2))} ms a picture` : "";
+    const time = took ? `${Math.round(took)} ms a picture` : "";
     const coarse = this.renderer.sharpness < 0.995 ? `outlines from ${Math.round(100 * this.renderer.sharpness)} % of the pixels, to keep up` : "full resolution";
     return [coarse, time].filter(Boolean).join(" · ");
   }

@@ -1,3 +1,12 @@
+const kSolidLayout = [[1, 3], [2, 4], [3, 3], [4, 2]];  // [location, floats]: position, turn, half size, kind and slot
+const kMostPoint_px = 48;  // what is wider is drawn as a box, whose corners then cost less than the pixels beside the ball
+const kPrograms = {
+  standing: [kStillVertex, kTriangleFragment], placed: [kPlacedVertex, kTriangleFragment], box: [kBoxVertex, kBoxFragment],
+  boxPoint: [kRoundPointVertex, kBoxPointFragment], ballPoint: [kBallPointVertex, kBallPointFragment], roundPoint: [kRoundPointVertex, kRoundFragment], roundBox: [kRoundBoxVertex, kRoundFragment],
+  ink: [kWholeVertex, kInkFragment], mark: [kMarkVertex, kMarkFragment],
+};
+const focalPixels = (camera, [, height]) => height / (2 * camera.halfHeight);
+
 /// Draws a World with WebGL 2. The constructor throws where the browser has none.
 class Renderer {
   constructor(canvas) {
@@ -6,18 +15,16 @@ class Renderer {
     this.canvas = canvas;
     this.gl = gl;
     this.sharpness = 1;  // pixels of the first pass for each one of the screen; above 1 the whole picture has more
-    this.standing = this.program(kStillVertex, kTriangleFragment);
-    this.placed = this.program(kPlacedVertex, kTriangleFragment);
-    this.box = this.program(kBoxVertex, kBoxFragment);
-    this.solid = this.program(kSolidVertex, kSolidFragment);
-    this.ink = this.program(kWholeVertex, kInkFragment);
-    this.mark = this.program(kMarkVertex, kMarkFragment);
+    this.parallel = gl.getExtension("KHR_parallel_shader_compile");
+    this.sources = kPrograms;
+    this.programs = {};  // those begun, by name: {program, places}; places only once it is ready
+    this.mostPoint = Math.min(kMostPoint_px, gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1]);
     this.nothing = gl.createVertexArray();
     this.corners = this.buffer(gl.ARRAY_BUFFER, boxStrip());
     this.quad = this.buffer(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-    const solids = () => this.instances([[1, 3], [2, 4], [3, 3], [4, 2]], this.corners, 4);
-    this.stillSolids = { boxes: solids(), round: solids() };
-    this.movingSolids = { boxes: solids(), round: solids() };
+    const solids = () => ({ boxes: this.sizedInstances(), balls: this.sizedInstances(), round: this.sizedInstances() });
+    this.stillSolids = solids();
+    this.movingSolids = solids();
     this.marks = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
     this.grid = this.instances([[1, 3], [2, 3], [3, 4]], this.quad, 2);
     this.states = this.texture(gl.R16UI, 1024, 1, gl.RED_INTEGER, gl.UNSIGNED_SHORT, null);
@@ -29,18 +36,43 @@ class Renderer {
     this.readTheme();
   }
 
-  program(vertex, fragment) {
+  /// Whether all shaders that the next picture needs are there. They are made when there is something to draw with them, all
+  /// at once and beside this thread where the browser can. Throws where one is refused.
+  prepare() {
+    const { stillSolids, movingSolids } = this;
+    const counts = (of) => [stillSolids[of], movingSolids[of]];
+    const needed = {
+      ink: true, mark: true,
+      standing: this.meshes.some(({ stands }) => stands), placed: this.meshes.some(({ stands }) => !stands),
+      box: counts("boxes").some(({ count }) => count > 0), boxPoint: counts("boxes").some(({ small }) => small > 0),
+      ballPoint: counts("balls").some(({ small }) => small > 0), roundPoint: counts("round").some(({ small }) => small > 0),
+      roundBox: [...counts("balls"), ...counts("round")].some(({ count }) => count > 0),
+    };
+    const names = Object.keys(needed).filter((name) => needed[name]);
+    for (const name of names) this.programs[name] ||= this.begun(...kPrograms[name]);
+    return names.every((name) => this.programs[name].places || this.finish(this.programs[name]));
+  }
+
+  begun(vertex, fragment) {
     const gl = this.gl;
     const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shaders = [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]].map(([kind, text]) => {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
       gl.attachShader(program, shader);
-    }
+      return shader;
+    });
     gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+    return { program, shaders, places: null };
+  }
+
+  /// Takes a program into use once it is complete; returns whether it is.
+  finish(begun) {
+    const gl = this.gl;
+    const { program, shaders } = begun;
+    if (gl.isContextLost() || (this.parallel && !gl.getProgramParameter(program, this.parallel.COMPLETION_STATUS_KHR))) return false;
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program) || shaders.map((shader) => gl.getShaderInfoLog(shader)).join(" "));
     const places = {};
     const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
     for (let i = 0; i < count; ++i) {
@@ -49,7 +81,8 @@ class Renderer {
     }
     gl.useProgram(program);
     for (const [name, unit] of [["u_seen", 0], ["u_states", 1], ["u_tints", 2]]) if (places[name]) gl.uniform1i(places[name], unit);
-    return { program, places };
+    begun.places = places;
+    return true;
   }
 
   buffer(kind, data) {
@@ -85,14 +118,26 @@ class Renderer {
     return { array, buffer, floats, count: 0, room: 0 };
   }
 
-  attributes(layout) {
+  /// Of primitives: the large ones first, as instances of a box, the small ones last, as points.
+  sizedInstances() {
+    const gl = this.gl;
+    const instances = this.instances(kSolidLayout, this.corners, 4);
+    instances.points = gl.createVertexArray();
+    gl.bindVertexArray(instances.points);
+    gl.bindBuffer(gl.ARRAY_BUFFER, instances.buffer);
+    this.attributes(kSolidLayout, 0);
+    gl.bindVertexArray(null);
+    return Object.assign(instances, { small: 0, all: 0 });
+  }
+
+  attributes(layout, divisor = 1) {
     const gl = this.gl;
     const floats = layout.reduce((sum, [, size]) => sum + size, 0);
     let at = 0;
     for (const [place, size] of layout) {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, size, gl.FLOAT, false, floats * 4, at * 4);
-      gl.vertexAttribDivisor(place, 1);
+      gl.vertexAttribDivisor(place, divisor);
       at += size;
     }
     return floats;
@@ -108,6 +153,12 @@ class Renderer {
       gl.bufferSubData(gl.ARRAY_BUFFER, 0, data.subarray(0, count * instances.floats));
     }
     instances.count = count;
+  }
+
+  /// data: of SizedInstances (solids.js)
+  fillSized(instances, { data, all, large, small }) {
+    this.fill(instances, data, all);
+    Object.assign(instances, { all, count: large, small });
   }
 
   /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they stand where they are;
@@ -162,6 +213,7 @@ class Renderer {
       const text = style.getPropertyValue(name).trim();
       return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
     };
+    this.stillKey = "";  // all of the picture has other colors, not only where things move
     this.theme = { paper: color("--paper"), ink: color("--ink"), accent: color("--accent") };
   }
 
@@ -204,8 +256,9 @@ class Renderer {
     this.gl.deleteFramebuffer(frame.buffer);
   }
 
-  use({ program, places }, values) {
+  use(name, values) {
     const gl = this.gl;
+    const { program, places } = this.programs[name];
     gl.useProgram(program);
     for (const [name, value] of Object.entries(values)) {
       const place = places[name];
@@ -216,18 +269,18 @@ class Renderer {
       else if (value.length === 4) gl.uniform4fv(place, value);
       else gl.uniformMatrix4fv(place, false, value);
     }
-    return places;
   }
 
   /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height
   /// along `up`; stillVersion: changes with what stands still; region: [low x, low y, high x, high y], from 0 to 1, outside of
-  /// which nothing has changed, or null.
+  /// which nothing has changed, or null. Call resize() and prepare() before.
   draw(camera, { near, far, anchor, ground, grid, stillVersion, region }) {
-    this.resize();
     const gl = this.gl;
     const eye = camera.eye();
     const matrix = camera.matrix(near, far);
-    const scene = { matrix, eye, near, far, anchorFromEye: subtract(anchor, eye) };
+    const { back, right, up } = camera.axes();
+    const rays = { u_seen_size: this.seenSize, u_forward: scale(back, -1), u_half_right: scale(right, camera.halfHeight * camera.aspect), u_half_up: scale(up, camera.halfHeight), u_depth_range: [near, far] };
+    const scene = { matrix, eye, anchorFromEye: subtract(anchor, eye), rays, focal: focalPixels(camera, this.seenSize) };
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, this.states);
     gl.activeTexture(gl.TEXTURE0);
@@ -275,34 +328,45 @@ class Renderer {
   }
 
   /// Draws what stands still, or what moves.
-  drawPart({ matrix, eye, near, far, anchorFromEye }, isStill) {
+  drawPart({ matrix, eye, anchorFromEye, rays, focal }, isStill) {
     const gl = this.gl;
     gl.disable(gl.CULL_FACE);
     for (const mesh of this.meshes) {
       if (mesh.isStill !== isStill || (!mesh.stands && mesh.count === 0)) continue;
       gl.bindVertexArray(mesh.array);
       if (mesh.stands) {
-        this.use(this.standing, { u_matrix: matrix, u_from_eye: subtract(mesh.origin, eye) });
+        this.use("standing", { u_matrix: matrix, u_from_eye: subtract(mesh.origin, eye) });
         gl.drawElements(gl.TRIANGLES, mesh.corners, gl.UNSIGNED_INT, 0);
       } else {
-        this.use(this.placed, { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_origin: mesh.origin });
+        this.use("placed", { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_origin: mesh.origin });
         gl.drawElementsInstanced(gl.TRIANGLES, mesh.corners, gl.UNSIGNED_INT, 0, mesh.count);
       }
     }
-    const { boxes, round } = isStill ? this.stillSolids : this.movingSolids;
-    const values = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_depth_range: [near, far] };
-    if (boxes.count > 0) {
-      this.use(this.box, values);
-      gl.bindVertexArray(boxes.array);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, boxes.count);
-    }
-    if (round.count === 0) return;
+    const { boxes, balls, round } = isStill ? this.stillSolids : this.movingSolids;
+    const values = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_focal: focal, ...rays };
+    this.drawBoxes("box", boxes, values);
+    this.drawPoints("boxPoint", boxes, values);
+    this.drawPoints("ballPoint", balls, values);
+    this.drawPoints("roundPoint", round, values);
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);
-    this.use(this.solid, values);
-    gl.bindVertexArray(round.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, round.count);
+    this.drawBoxes("roundBox", balls, values);
+    this.drawBoxes("roundBox", round, values);
     gl.disable(gl.CULL_FACE);
+  }
+
+  drawBoxes(program, { array, count }, values) {
+    if (count === 0) return;
+    this.use(program, values);
+    this.gl.bindVertexArray(array);
+    this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 14, count);
+  }
+
+  drawPoints(program, { points, all, small }, values) {
+    if (small === 0) return;
+    this.use(program, values);
+    this.gl.bindVertexArray(points);
+    this.gl.drawArrays(this.gl.POINTS, all - small, small);
   }
 
   drawInk(camera, { matrix, eye, anchorFromEye }, ground, grid) {
@@ -324,7 +388,7 @@ class Renderer {
       u_pixel_angle: (2 * camera.halfHeight) / seenSize[1],
     };
     gl.bindVertexArray(this.nothing);
-    this.use(this.ink, values);
+    this.use("ink", values);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     const markValues = { u_matrix: matrix, u_anchor_from_eye: anchorFromEye, u_size: size, u_seen_scale: seenSize.map((part, axis) => part / size[axis]), u_pixels: this.pixels, u_ink: ink, u_accent: accent };
     this.placeGrid(camera, eye, add(eye, anchorFromEye), ground, grid);
@@ -341,7 +405,7 @@ class Renderer {
     if (marks.count === 0) return;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    this.use(this.mark, values);
+    this.use("mark", values);
     gl.bindVertexArray(marks.array);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, marks.count);
     gl.disable(gl.BLEND);
@@ -373,16 +437,18 @@ class Renderer {
     this.fill(this.grid, data, data.length / 10);
   }
 
-  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot and distance,
-  /// or null.
+  /// The object at a point of the picture (fractions of its width and height, from the lower left): slot, distance,
+  /// normal, and the middle of the pixel that was looked at, or null.
   pick(x, y) {
     const gl = this.gl;
     if (!this.whole) return null;
     const numbers = new Uint32Array(4);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.whole.buffer);
-    gl.readPixels(Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1]), 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
+    const [column, row] = [Math.floor(x * this.seenSize[0]), Math.floor(y * this.seenSize[1])];
+    gl.readPixels(column, row, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, numbers);
     if (numbers[0] === 0) return null;
-    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0] };
+    const normal = [0, 1, 2].map((axis) => ((numbers[2] << (24 - 8 * axis)) >> 24) / 127);
+    return { slot: numbers[0] - 1, range: new Float32Array(numbers.buffer, 4, 1)[0], normal: normalized(normal), middle: [(column + 0.5) / this.seenSize[0], (row + 0.5) / this.seenSize[1]] };
   }
 }
 

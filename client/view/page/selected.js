@@ -1,8 +1,10 @@
 const kAskEvery_ms = 500;
+const kNearestEvery_ms = 100;  // at most so often, and seldom enough that the server works on it a fifth of the time
 
 /// The panel about the chosen object: what the server says of it, and what may be done.
 class Selected {
-  /// on: {ask(question) -> id or null, choose(slot), frame(object), follow(slot), isolate(slot), hide(object)}
+  /// on: {ask(question) -> id or null, choose(slot), frame(object), follow(slot), isolate(slot), hide(object),
+  /// nearest({from, to, text} or null)}
   constructor(world, on) {
     this.world = world;
     this.on = on;
@@ -21,7 +23,8 @@ class Selected {
     this.slot = slot;
     this.details = null;
     this.trail = this.speed = null;
-    this.askedAt = -Infinity;
+    this.askedAt = this.nearestDue = -Infinity;
+    this.forgetNearest();
     this.show();
   }
 
@@ -39,6 +42,39 @@ class Selected {
   }
   hear(answer) {
     if (answer.name === this.object()?.name) this.details = answer;
+  }
+
+  // ---- what is nearest
+
+  /// Asks again after a pause that the last answer's time decides; called for each picture.
+  tickNearest(now, isLive) {
+    const object = this.object();
+    if (!object || !isLive) return this.forgetNearest();
+    if (now < this.nearestDue) return;
+    const patience_ms = 2000;  // an answer that has not come by then is not coming
+    this.nearestDue = now + patience_ms;
+    this.nearestAskedAt = now;
+    this.on.ask({ ask: "nearest", name: object.name });
+  }
+  hearNearest(answer) {
+    if (answer.name !== this.object()?.name) return;
+    const now = performance.now();
+    this.nearestDue = now + Math.max(kNearestEvery_ms, 4 * (now - this.nearestAskedAt));
+    this.nearest = answer;
+    const isApart = answer.clearance > 0 && [...answer.on_a, ...answer.on_b].every(Number.isFinite);
+    this.on.nearest(isApart ? { from: answer.on_a, to: answer.on_b, text: lengthText(answer.clearance) } : null);
+  }
+  forgetNearest() {
+    if (this.nearest) this.on.nearest(null);
+    this.nearest = null;
+  }
+  nearestRows() {
+    const { nearest } = this;
+    if (!nearest) return [];
+    const late = nearest.late ? ", but there was no time to look at all" : "";
+    if (!nearest.other) return [["nearest", nearest.late ? "not found in time" : "nothing else is there"]];
+    const gap = nearest.answer === "undecided" && !nearest.late ? "undecided" : nearest.clearance > 0 ? `${lengthText(nearest.clearance)} (${boundText(nearest.error)})${late}` : nearest.clearance < 0 ? `${lengthText(-nearest.clearance)} deep${late}` : "touching";
+    return [["nearest", element("button", { type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(nearest.other)?.slot ?? null) }, shortNameElement(nearest.other))], ["clearance", gap]];
   }
 
   /// Speed from the poses of the last quarter of a second or so.
@@ -68,6 +104,7 @@ class Selected {
     if (known.bounds?.flat().every(Number.isFinite)) rows.push(["size", `${subtract(known.bounds[1], known.bounds[0]).map((part) => roundedText(part, 3)).join(" × ")} m`]);
     if (known.triangles) rows.push(["triangles", countText(known.triangles)]);
     rows.push(["layers, mask", `${object.layers.toString(2)}, ${object.mask === 0xffffffff ? "all" : object.mask.toString(2)}`]);
+    rows.push(...this.nearestRows());
     if (this.gap) rows.push(["under the pointer", this.gap]);
     keepChildren(byId("selected-facts"), rows.map(([label, value, isWrong]) => [`${label}\n${value.textContent ?? value}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" }, element("th", { scope: "row" }, label), element("td", {}, value))]));
     this.showContacts(object);
@@ -83,7 +120,7 @@ class Selected {
       const other = contact.a === object.name ? contact.b : contact.a;
       return element("li", {}, element("span", { class: "depth" }, depthText(contact)), element("button", {
         type: "button", class: "link", onclick: () => this.on.choose(this.world.byName.get(other)?.slot ?? null),
-      }, nameElement(other)));
+      }, shortNameElement(other)));
     });
     if (contacts.length > mostShown) rows.push(element("li", {}, `and ${contacts.length - mostShown} more`));
     byId("selected-contacts").replaceChildren(...(rows.length ? rows : [element("li", { class: "quiet" }, "touches nothing")]));

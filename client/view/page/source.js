@@ -7,6 +7,21 @@ function readSurface(bytes) {
   const origin = [8, 16, 24].map((at) => view.getFloat64(at, true));
   const positions = new Float32Array(bytes, 32, 3 * vertices);
   const corners = new Uint32Array(bytes, 32 + 12 * vertices, 3 * triangles);
+  return measuredSurface(origin, positions, corners);
+}
+
+/// A surface of vertices and their numbers, as it came with a recording.
+function surfaceOfMesh(vertices, corners) {
+  const bounds = new Bounds();
+  for (const vertex of vertices) bounds.extend(vertex);
+  // In the middle, so that coordinates far from 0 keep their digits.
+  const origin = bounds.center().map(Math.round);
+  const positions = new Float32Array(3 * vertices.length);
+  vertices.forEach((vertex, i) => positions.set(subtract(vertex, origin), 3 * i));
+  return measuredSurface(origin, positions, corners);
+}
+
+function measuredSurface(origin, positions, corners) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < positions.length; ++i) {
@@ -30,6 +45,13 @@ function readPoses(bytes) {
     slots: new Uint32Array(bytes, 56 + 28 * count, count),
     stale: new Uint8Array(bytes, 56 + 32 * count, count),
   };
+}
+
+/// What stands still in a table that the page was told of: {objects, surfaceOf}, for recordings, which have no scenes.
+function standingOf(told) {
+  const still = told ? told.table.objects.filter(({ moving }) => !moving) : [];
+  const objects = still.map(({ name, scene, layers, mask, group, pose, parts, runs }) => ({ name, scene, layers, mask, group, pose, parts, runs, moving: false, stale: false }));
+  return { objects, surfaceOf: told ? told.surfaceOf : () => undefined };
 }
 
 /// Surfaces by number. Each is fetched once and kept for as long as the newest table has it.

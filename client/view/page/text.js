@@ -64,7 +64,17 @@ function element(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
-const nameElement = (name) => element("bdi", {}, visible(name));
+/// A long name breaks after its slashes where it can.
+const nameElement = (name) => element("bdi", {}, ...visible(name).split("/").flatMap((part, i, all) => (i + 1 < all.length ? [`${part}/`, element("wbr")] : [part])));
+
+/// The beginning and the end of a long name: in lists, one name must not push all others away.
+const shortName = (name) => ([...name].length > 40 ? `${[...name].slice(0, 18).join("")}…${[...name].slice(-18).join("")}` : name);
+function shortNameElement(name) {
+  const made = nameElement(shortName(name));
+  if (shortName(name) !== name) made.title = visible(name);
+  return made;
+}
+
 /// Makes an element's children those of a list, each made anew only where its key has changed: what stays as it is need not
 /// be laid out and painted again. items: [[key, make()]].
 function keepChildren(parent, items) {

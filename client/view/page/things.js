@@ -1,11 +1,12 @@
-/// The objects as a tree: scenes and publishers, and what belongs to each. Only the rows that are seen exist, so a hundred
+/// The objects as a tree: scenes and publishers, what belongs to each, and the parts of that. Only the rows that are seen exist, so a hundred
 /// thousand objects scroll like ten.
 class Things {
   /// on: {choose(slot), frame(object), changed()}
   constructor(world, on) {
     this.world = world;
     this.on = on;
-    this.folded = new Set();
+    this.folded = new Set();  // groups, by key
+    this.opened = new Set();  // objects whose parts are listed, by name
     this.rows = [];
     this.cursor = 0;
     this.chosen = null;
@@ -50,7 +51,10 @@ class Things {
       this.rows.push({ group });
       if (this.folded.has(group.key) && !expression) continue;
       group.objects.sort((a, b) => compare(a.name, b.name));
-      for (const object of group.objects) this.rows.push({ object, group });
+      for (const object of group.objects) {
+        this.rows.push({ object, group });
+        if (this.opened.has(object.name)) for (const text of partTexts(object)) this.rows.push({ object, group, part: text });
+      }
     }
     byId("thing-count").textContent = expression ? `${countText(count)} of ${countText(this.world.objects.size)}` : countText(count);
     byId("no-things").hidden = count > 0;
@@ -75,15 +79,17 @@ class Things {
 
   /// Changes with what a row shows.
   rowKey(i, height, isFocused) {
-    const { group, object } = this.rows[i];
+    const { group, object, part } = this.rows[i];
     const cursor = isFocused && i === this.cursor;
+    if (part) return `${i} ${height} ${cursor} ${object.name} ${part}`;
     if (!object) return `${i} ${height} ${cursor} ${group.key} ${this.folded.has(group.key)} ${group.objects.length} ${group.objects.every((one) => one.isHidden)}`;
     const shown = this.world.states[object.slot] & (kInContact | kInDoubt | kStale | kHidden);
-    return `${i} ${height} ${cursor} ${object.name} ${shown} ${object.slot === this.chosen}`;
+    return `${i} ${height} ${cursor} ${object.name} ${shown} ${object.slot === this.chosen} ${this.opened.has(object.name)}`;
   }
 
   row(i, height) {
-    const { group, object } = this.rows[i];
+    const { group, object, part } = this.rows[i];
+    if (part) return this.partRow(i, height, part);
     const isHidden = object ? object.isHidden : group.objects.every((one) => one.isHidden);
     const eye = element("button", {
       type: "button", class: "eye", tabindex: -1, "aria-pressed": !isHidden, "aria-label": isHidden ? "Show" : "Hide",
@@ -94,18 +100,38 @@ class Things {
       "aria-level": object ? 2 : 1, "aria-selected": Boolean(object && object.slot === this.chosen), onclick: () => this.open(i),
       ondblclick: () => { if (object) this.on.frame(object); },
     });
-    row.style.top = `${i * height}px`;
-    row.style.height = `${height}px`;
+    this.place(row, i, height);
     if (object) {
       const state = this.world.states[object.slot];
       const mark = element("i", { class: state & kInDoubt ? "doubt" : state & kInContact ? "touching" : state & kStale ? "stale" : object.moving ? "moving" : "still" });
-      row.append(mark, element("span", { class: "name", title: object.name }, nameElement(object.name)), eye);
+      const isOpen = this.opened.has(object.name);
+      if (partCount(object) > 1) {
+        row.setAttribute("aria-expanded", isOpen);
+        row.append(element("i", { class: "fold", onclick: (event) => { event.stopPropagation(); this.openParts(i, !isOpen); } }, isOpen ? "▾" : "▸"));
+      }
+      row.append(mark, element("span", { class: "name", title: object.name }, nameElement(nameWithin(group, object))), eye);
     } else {
       const isFolded = this.folded.has(group.key);
       row.setAttribute("aria-expanded", !isFolded);
       row.append(element("i", { class: "fold" }, isFolded ? "▸" : "▾"), element("span", { class: "name", title: group.name }, element("small", {}, group.kind === "publisher" || group.kind === "scene" ? `${group.kind} ` : ""), nameElement(group.name)), element("small", {}, countText(group.objects.length)), eye);
     }
     return row;
+  }
+
+  partRow(i, height, part) {
+    const isCursor = i === this.cursor && document.activeElement === this.list;
+    const row = element("div", { role: "treeitem", id: `thing-${i}`, class: `part${isCursor ? " cursor" : ""}`, "aria-level": 3, onclick: () => this.open(i) }, element("span", { class: "name", title: part }, part));
+    this.place(row, i, height);
+    return row;
+  }
+  place(row, i, height) {
+    row.style.top = `${i * height}px`;
+    row.style.height = `${height}px`;
+  }
+  openParts(i, isOpen) {
+    const { object } = this.rows[i];
+    isOpen ? this.opened.add(object.name) : this.opened.delete(object.name);
+    this.build();
   }
 
   /// Chooses the row's object, or folds its group.
@@ -134,7 +160,10 @@ class Things {
   }
 
   fold(row, isFolded) {
-    if (row.object && isFolded) this.cursor = this.rows.findIndex(({ group, object }) => group === row.group && !object);
+    const hasParts = row.object && !row.part && partCount(row.object) > 1;
+    if (row.part && isFolded) this.cursor = this.rows.findIndex(({ object, part }) => object === row.object && !part);
+    else if (hasParts && isFolded !== !this.opened.has(row.object.name)) this.openParts(this.cursor, !isFolded);
+    else if (row.object && isFolded) this.cursor = this.rows.findIndex(({ group, object }) => group === row.group && !object);
     else if (!row.object && isFolded !== this.folded.has(row.group.key)) this.open(this.cursor);
   }
 
@@ -146,7 +175,7 @@ class Things {
   /// Marks an object as the chosen one and brings its row into view.
   setChosen(slot) {
     this.chosen = slot;
-    const row = slot === null ? -1 : this.rows.findIndex(({ object }) => object?.slot === slot);
+    const row = slot === null ? -1 : this.rows.findIndex(({ object, part }) => object?.slot === slot && !part);
     if (row >= 0) {
       this.cursor = row;
       this.scrollTo(row);
@@ -186,24 +215,28 @@ class Things {
   }
 }
 
-// Colors that people who confuse some still tell apart: Okabe and Ito, "Color Universal Design", 2008.
-const kPalette = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66], [120, 120, 120]];
+/// A scene's name stands before those of its objects; below the scene it says nothing.
+function nameWithin({ kind, name }, object) {
+  const isPrefix = kind === "scene" && object.name.startsWith(`${name}/`) && object.name.length > name.length + 1;
+  return isPrefix ? object.name.slice(name.length + 1) : object.name;
+}
 
-/// A function from an object to its color by a property, and what each color means: {colorOf, legend [[color, text]]}.
-function coloring(property, world) {
-  const valueOf = {
-    scene: (object) => object.scene || "no scene",
-    publisher: (object) => (object.moving ? object.publisher || "no publisher told" : "does not move"),
-    layer: (object) => `layers ${object.layers.toString(2)}`,
-    state: (object) => (object.stale || world.hasState(object.slot, kStale) ? "stale" : object.moving ? "moves" : "does not move"),
-  }[property];
-  if (!valueOf) return { colorOf: null, legend: [] };
-  const strength = 110;
-  const colors = new Map();
-  const of = (value) => {
-    if (!colors.has(value)) colors.set(value, kPalette[Math.min(colors.size, kPalette.length - 1)]);
-    return colors.get(value);
-  };
-  for (const object of world.objects.values()) of(valueOf(object));
-  return { colorOf: (object) => [...of(valueOf(object)), strength], legend: [...colors].slice(0, 12).map(([text, color]) => [color, text]) };
+const partCount = ({ parts, runs }) => parts.length + runs.length;
+
+/// What an object consists of, a text for each part, the first thousand.
+function partTexts({ parts, runs }) {
+  const mostTold = 1000;
+  const told = [...runs.map(([, , triangles]) => `mesh, ${countText(triangles)} triangles`), ...parts.map(partText)];
+  return told.length > mostTold ? [...told.slice(0, mostTold), `and ${countText(told.length - mostTold)} more`] : told;
+}
+
+/// part: as in page_messages.hpp
+function partText([kind, ...n]) {
+  const sides = (half) => half.map((part) => lengthText(2 * part)).join(" × ");
+  const between = () => lengthText(length(subtract(n.slice(3, 6), n.slice(0, 3))));
+  if (kind === 0) return `sphere, radius ${lengthText(n[3])}`;
+  if (kind === 1) return `box ${sides(n.slice(7, 10))}`;
+  if (kind === 5) return `ellipsoid ${sides(n.slice(7, 10))}`;
+  if (kind === kHalfSpace) return "half-space";
+  return `${{ 2: "capsule", 3: "cylinder", 4: "cone" }[kind]}, radius ${lengthText(n[6])}, ${between()} long`;
 }

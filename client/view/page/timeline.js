@@ -5,7 +5,8 @@ const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 /// The time that is shown: now, or an instant of what the page remembers. Passes on to the page what holds then, and runs
 /// the bar below the picture.
 ///
-/// show: {table({table, surfaceOf}), poses(frame), contacts(Contacts), events(events), message(kind, value), goTo(event)}
+/// show: {table({table, surfaceOf}), poses(frame), contacts(Contacts), events(events), message(kind, value), goTo(event),
+/// closed() (a recording)}
 class Timeline {
   constructor(show, isSaved) {
     this.show = show;
@@ -26,9 +27,12 @@ class Timeline {
 
   /// t: when it was heard; for what comes live, now.
   hear(kind, value, t = this.now()) {
-    if (kind === "restart") this.history.clear();
-    else if (["poses", "table", "contacts", "events", "status", "fences"].includes(kind)) this.history.add(t, kind, value);
-    if (!this.isLive) return;
+    const history = this.closed?.history ?? this.history;
+    const isKept = ["poses", "table", "contacts", "events", "status", "fences"].includes(kind);
+    if (isKept) history.add(t, kind, value);
+    // While a recording is open, slots and names mean its objects, not the server's.
+    if (this.closed && !["hello", "connected"].includes(kind) && value.ask !== "memory") return;
+    if (!this.isLive && isKept) return;
     if (kind === "table") this.shownTable = value;
     if (kind === "fences") this.shownFences = value;
     if (kind === "contacts") this.show.contacts(this.history.contactsAt(t));
@@ -60,11 +64,31 @@ class Timeline {
     else this.play();
   }
   live() {
+    if (this.closed && !this.closed.isSaved) {
+      Object.assign(this, this.closed);
+      this.closed = null;
+      this.show.closed();
+    }
     if (this.isSaved) return;
     this.isLive = this.isPlaying = true;
     this.showAll(Infinity);
     this.update();
   }
+
+  /// Shows a recording (RecordedRun) instead of what comes in, which is kept meanwhile; live() goes back to it.
+  open({ entries, end }) {
+    this.closed ||= { history: this.history, isSaved: this.isSaved };
+    this.history = new History(Infinity, Infinity);
+    for (const { t, kind, value } of entries) this.history.add(t, kind, value);
+    this.history.end = end;
+    this.isSaved = this.isPlaying = true;
+    this.isLive = false;
+    byId("live").hidden = this.closed.isSaved;
+    this.goTo(this.begin());
+  }
+  /// The newest table that came in; null before the first.
+  tableShown() { return (this.closed?.history ?? this.history).tables.at(-1)?.value ?? null; }
+
   step(by) {
     this.pause();
     this.goTo(this.history.stepFrom(this.at, by));

@@ -11,9 +11,7 @@ const kLevelShift = 8;
 const kOpen = 1 << 12;
 const kOpenInsideOut = 1 << 13;
 const kMostLevels = 15;
-const kSolidFloats = 12;
 const kPlacedFloats = 8;
-const kHalfSpace = 6;
 
 /// The server's objects, as what the renderer draws. Without a renderer it only keeps the objects.
 class World {
@@ -30,8 +28,7 @@ class World {
     this.tableVersion = null;
     this.version = 0;       // of the table as it is shown
     this.stillVersion = 0;  // changes with what stands still in the picture
-    this.solids = { still: { boxes: [], round: [] }, moving: { boxes: [], round: [] } };
-    this.movingData = { boxes: new Float32Array(0), round: new Float32Array(0) };
+    this.solids = { still: new SolidSet([], true), moving: new SolidSet([], false) };
     this.placedMeshes = [];  // {mesh, objects, data}
     this.worldTime = 0;
   }
@@ -53,6 +50,7 @@ class World {
       if (known && known.name === object.name) {
         object.isHidden = known.isHidden;
         object.publisher = known.publisher;
+        object.movedAt = known.movedAt;
         // A frame that is newer than the table may have come already.
         if (known.frame > table.version) {
           object.position = known.position;
@@ -74,7 +72,7 @@ class World {
     this.renderer.setTints(this.tints);
     this.buildMeshes(table, surfaceOf);
     this.buildSolids(table);
-    this.place();
+    this.arePlacesNew = true;
     ++this.stillVersion;
   }
 
@@ -137,21 +135,14 @@ class World {
   }
 
   buildSolids(table) {
-    this.solids = { still: { boxes: [], round: [] }, moving: { boxes: [], round: [] } };
+    const solids = { still: [], moving: [] };
     for (const object of table.objects) {
-      const of = object.moving ? this.solids.moving : this.solids.still;
       for (const part of object.parts) {
         const solid = solidOf(part, object, this.bounds.radius());
-        if (solid) (solid.kind === 1 ? of.boxes : of.round).push(solid);
+        if (solid) solids[object.moving ? "moving" : "still"].push(solid);
       }
     }
-    for (const kind of ["boxes", "round"]) {
-      this.movingData[kind] = new Float32Array(kSolidFloats * this.solids.moving[kind].length);
-      const list = this.solids.still[kind];
-      const data = new Float32Array(kSolidFloats * list.length);
-      placeSolids(list, this.anchor, data);
-      this.renderer.fill(this.renderer.stillSolids[kind], data, list.length);
-    }
+    this.solids = { still: new SolidSet(solids.still, true), moving: new SolidSet(solids.moving, false) };
     for (const { mesh, objects, data } of this.placedMeshes) if (!objects[0].moving) this.placeMesh(mesh, objects, data);
   }
 
@@ -164,23 +155,38 @@ class World {
       if (!object || !object.moving) continue;
       const at = 7 * i;
       const { position, turn } = object;
-      for (let axis = 0; axis < 3; ++axis) position[axis] = origin[axis] + numbers[at + axis];
-      for (let part = 0; part < 4; ++part) turn[part] = numbers[at + 3 + part];
+      let isElsewhere = false;
+      for (let axis = 0; axis < 3; ++axis) {
+        const value = origin[axis] + numbers[at + axis];
+        // The origin may have changed, and floats about it are rounded otherwise.
+        isElsewhere ||= Math.abs(position[axis] - value) > 1e-6 * Math.abs(numbers[at + axis]);
+        position[axis] = value;
+      }
+      for (let part = 0; part < 4; ++part) {
+        isElsewhere ||= turn[part] !== numbers[at + 3 + part];
+        turn[part] = numbers[at + 3 + part];
+      }
+      // Also where the page goes back in time.
+      if (isElsewhere || object.movedAt > frame.worldTime) object.movedAt = frame.worldTime;
       object.frame = frame.version;
       if (Boolean(this.states[object.slot] & kStale) !== Boolean(stale[i])) this.setState(object.slot, kStale, Boolean(stale[i]));
     }
-    this.place();
+    this.arePlacesNew = true;
   }
 
-  /// Moves the instances to where their objects are.
-  place() {
-    if (!this.renderer) return;
-    for (const kind of ["boxes", "round"]) {
-      const list = this.solids.moving[kind];
-      placeSolids(list, this.anchor, this.movingData[kind]);
-      this.renderer.fill(this.renderer.movingSolids[kind], this.movingData[kind], list.length);
-    }
-    for (const { mesh, objects, data } of this.placedMeshes) if (objects[0].moving) this.placeMesh(mesh, objects, data);
+  /// Sends what has changed since the last picture: where what moves is, and, with another view, what is small in it. size: of
+  /// the first pass, in pixels.
+  send(camera, size) {
+    const { renderer } = this;
+    const view = viewOf(camera, size, renderer.mostPoint);
+    const isOtherView = view.key !== this.viewKey;
+    if (isOtherView || this.sentVersion !== this.version) this.solids.still.send(renderer, renderer.stillSolids, this.anchor, view);
+    if (isOtherView || this.arePlacesNew) this.solids.moving.send(renderer, renderer.movingSolids, this.anchor, view);
+    if (this.arePlacesNew) for (const { mesh, objects, data } of this.placedMeshes) if (objects[0].moving) this.placeMesh(mesh, objects, data);
+    this.viewKey = view.key;
+    this.sentVersion = this.version;
+    this.arePlacesNew = false;
+    this.sendStates();
   }
 
   placeMesh(mesh, objects, data) {
@@ -212,7 +218,7 @@ class World {
   }
   hasState(slot, bit) { return Boolean(this.states[slot] & bit); }
   sendStates() {
-    if (this.statesChanged && this.renderer) this.renderer.setStates(this.states);
+    if (this.statesChanged) this.renderer.setStates(this.states);
     this.statesChanged = this.stillStatesChanged = false;
   }
 
@@ -238,10 +244,12 @@ class World {
 
   /// colorOf(object): [red, green, blue, how much], 0 to 255; null for none.
   tint(colorOf) {
+    const before = this.tints.slice();
     this.tints.fill(0);
     if (colorOf) for (const object of this.objects.values()) this.tints.set(colorOf(object), 4 * object.slot);
+    if (this.tints.every((part, i) => part === before[i])) return;
     if (this.renderer) this.renderer.setTints(this.tints);
-    ++this.stillVersion;
+    this.statesChanged = this.stillStatesChanged = true;
   }
 }
 
@@ -309,58 +317,6 @@ function mayCoincide(a, b) {
   const near = (x, y) => Math.abs(x - y) <= 1e-4;
   return [0, 1, 2].every((axis) => a.low[axis] <= b.high[axis] + 1e-4 && b.low[axis] <= a.high[axis] + 1e-4) &&
     [0, 1, 2].some((axis) => near(a.low[axis], b.low[axis]) || near(a.high[axis], b.high[axis]));
-}
-
-/// Writes the floats of instances, without making anything new: ten thousand of them move in each picture.
-function placeSolids(solids, anchor, data) {
-  const [anchorX, anchorY, anchorZ] = anchor;
-  for (let i = 0; i < solids.length; ++i) {
-    const { object, kind, position: [px, py, pz], turn: b, half } = solids[i];
-    const [w, x, y, z] = object.turn;
-    const at = kSolidFloats * i;
-    const tx = 2 * (y * pz - z * py);
-    const ty = 2 * (z * px - x * pz);
-    const tz = 2 * (x * py - y * px);
-    data[at] = object.position[0] - anchorX + px + w * tx + y * tz - z * ty;
-    data[at + 1] = object.position[1] - anchorY + py + w * ty + z * tx - x * tz;
-    data[at + 2] = object.position[2] - anchorZ + pz + w * tz + x * ty - y * tx;
-    data[at + 3] = w * b[0] - x * b[1] - y * b[2] - z * b[3];
-    data[at + 4] = w * b[1] + x * b[0] + y * b[3] - z * b[2];
-    data[at + 5] = w * b[2] - x * b[3] + y * b[0] + z * b[1];
-    data[at + 6] = w * b[3] + x * b[2] - y * b[1] + z * b[0];
-    data[at + 7] = half[0];
-    data[at + 8] = half[1];
-    data[at + 9] = half[2];
-    data[at + 10] = kind;
-    data[at + 11] = object.slot;
-  }
-}
-
-/// Half the size of the box around a solid, along the object's axes.
-function reachOf({ turn, half }) {
-  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => rotate(turn, axis));
-  return [0, 1, 2].map((part) => axes.reduce((sum, axis, i) => sum + Math.abs(axis[part]) * half[i], 0));
-}
-
-/// The box around a primitive, with z along its axis, and its kind; null for a kind without a box.
-function solidOf(part, object, reach = 1) {
-  const [kind, ...n] = part;
-  const center = n.slice(0, 3);
-  if (kind === 0) return { object, kind, position: center, turn: [1, 0, 0, 0], half: [n[3], n[3], n[3]] };
-  if (kind === 1 || kind === 5) return { object, kind, position: center, turn: n.slice(3, 7), half: n.slice(7, 10) };
-  if (kind === kHalfSpace) {
-    // A half-space is drawn as a slab as wide as everything else, with its upper side in the plane.
-    const thickness = reach * 1e-3;
-    const normal = normalized(n.slice(3, 6));
-    return { object, kind: 1, position: subtract(center, scale(normal, thickness)), turn: turnFromZ(normal), half: [3 * reach, 3 * reach, thickness] };
-  }
-  // Two ends and a radius; a cone's first end is its tip.
-  const far = kind === 4 ? center : n.slice(3, 6);
-  const near = kind === 4 ? n.slice(3, 6) : center;
-  const along = subtract(far, near);
-  const radius = n[6];
-  const half = length(along) / 2 + (kind === 2 ? radius : 0);
-  return { object, kind, position: scale(add(far, near), 0.5), turn: turnFromZ(along), half: [radius, radius, half] };
 }
 
 /// The vertices of runs, copied where runs of several objects share them, so that each vertex belongs to one object.

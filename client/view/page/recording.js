@@ -1,0 +1,219 @@
+// Recordings: MCAP files (https://mcap.dev/spec, version 0) that `collide record` or the server's flight recorder has written.
+const kFrameBytes = 33;  // of an object in History
+const kMostHistoryBytes = 256e6;
+const kPoseKinds = ["began", "persisted", "ended", "contained", "emerged"];
+const kEndReasons = ["", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided", "crossed", "fence_removed", "allowed"];
+const kServerStates = ["starting", "recovering", "ready", "stopping"];
+
+/// Calls hear(type, topic, t, view) with each message: the name of its type without a module, seconds since 1970, its bytes.
+/// Returns what is wrong with the file, empty where nothing is. Throws where it is no MCAP file.
+function readMcap(buffer, hear) {
+  const whole = new DataView(buffer);
+  const magic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
+  if (buffer.byteLength < 8 || magic.some((byte, i) => whole.getUint8(i) !== byte)) throw new Error("this is no MCAP file");
+  const schemas = new Map();
+  const channels = new Map();
+  let compressed = 0;
+  const text = (view, at) => [new TextDecoder().decode(new Uint8Array(view.buffer, view.byteOffset + at + 4, view.getUint32(at, true))), at + 4 + view.getUint32(at, true)];
+  const record = {
+    3: (view) => schemas.set(view.getUint16(0, true), text(view, 2)[0].split("::").at(-1)),
+    4: (view) => channels.set(view.getUint16(0, true), { type: schemas.get(view.getUint16(2, true)), topic: text(view, 4)[0] }),
+    5: (view) => {
+      const channel = channels.get(view.getUint16(0, true));
+      if (channel) hear(channel.type, channel.topic, wideNumber(view, 6) / 1e9, new DataView(view.buffer, view.byteOffset + 22, view.byteLength - 22));
+    },
+    6: (view) => {
+      const [compression, after] = text(view, 28);
+      if (compression) ++compressed;
+      else records(new DataView(view.buffer, view.byteOffset + after + 8, wideNumber(view, after)));
+    },
+  };
+  const records = (view) => {
+    let at = 0;
+    while (at + 9 <= view.byteLength) {
+      const bytes = wideNumber(view, at + 1);
+      if (at + 9 + bytes > view.byteLength) return false;
+      record[view.getUint8(at)]?.(new DataView(view.buffer, view.byteOffset + at + 9, bytes));
+      at += 9 + bytes;
+    }
+    return true;
+  };
+  const isWhole = records(new DataView(buffer, 8));
+  if (compressed) return `${countText(compressed)} chunks are compressed and left out`;
+  return isWhole || buffer.byteLength < 17 ? "" : "the file breaks off";
+}
+
+/// A recording as the page would have heard it: entries for History, in seconds from its beginning.
+class RecordedRun {
+  /// surroundings: {objects, surfaceOf}: what stands still and is in no recording, such as the server's scenes
+  constructor(buffer, surroundings) {
+    this.surroundings = surroundings;
+    this.objects = new Map();  // by "publisher number", or by name for what commands added
+    this.slots = new Map();    // by name
+    this.surfaces = new Map();
+    this.entries = [];         // {t, kind, value}
+    this.shards = new Map();
+    this.leftOut = this.broken = 0;
+    const span = this.measure(buffer);
+    this.begin = span.begin;
+    this.every_s = Math.max(1 / 60, ((span.end - span.begin) * span.movers * kFrameBytes) / kMostHistoryBytes);
+    this.frameAt = this.tableAt = -Infinity;
+    this.damage = readMcap(buffer, (type, topic, t, view) => this.hear(type, topic, t - this.begin, view));
+    this.end = span.end - span.begin;
+    this.flush(this.end);
+    this.tellContacts();
+  }
+
+  measure(buffer) {
+    const span = { begin: Infinity, end: -Infinity, movers: 0 };
+    readMcap(buffer, (type, _, t) => {
+      span.begin = Math.min(span.begin, t);
+      span.end = Math.max(span.end, t);
+      if (type === "Definition" || type === "Query") ++span.movers;
+    });
+    if (!(span.end >= span.begin)) throw new Error("the recording has no messages");
+    return span;
+  }
+
+  hear(type, topic, t, view) {
+    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, EventFrame: this.happen, ContactShard: this.hold, Status: this.state }[type];
+    if (!hearing || (type === "Status" && /step/.test(topic)) || (type === "EventFrame" && /persisted|fence/.test(topic)) || (type === "ContactShard" && /fence/.test(topic))) return;
+    if (t - this.frameAt >= this.every_s) this.flush(t);
+    try {
+      hearing.call(this, readSample(type, view), t);
+    } catch {
+      ++this.broken;  // bytes of another version, or damaged ones
+    }
+  }
+
+  // ---- what is there
+
+  define({ publisher, object_number, publisher_name, name, removed, moving, layers, mask, group, position, orientation, shape }) {
+    const key = `${publisher} ${object_number}`;
+    if (removed) this.objects.delete(key);
+    else if (shape.length === 0) {
+      // It claims what is there already.
+      const claimed = [...this.objects].find(([, object]) => object.name === name);
+      if (!claimed) return;
+      this.objects.delete(claimed[0]);
+      this.objects.set(key, { ...claimed[1], publisher: publisher_name });
+    } else this.add(key, { name, moving: Boolean(moving), layers, mask, group, publisher: publisher_name, pose: [...position, ...orientation] }, shape);
+    this.isTableNew = true;
+  }
+
+  add(key, object, bytes) {
+    const { parts, meshes, left_out } = readShape(bytes);
+    this.leftOut += left_out;
+    const runs = meshes.map((surface) => {
+      const number = `recorded ${this.surfaces.size}`;
+      this.surfaces.set(number, surface);
+      return [number, 0, surface.corners.length / 3];
+    });
+    this.objects.set(key, { scene: "", stale: false, ...object, slot: this.slotOf(object.name), parts, runs });
+  }
+  slotOf(name) {
+    if (!this.slots.has(name)) this.slots.set(name, this.slots.size);
+    return this.slots.get(name);
+  }
+
+  pose({ publisher, object_numbers, positions, orientations, source_time_ns }) {
+    if (source_time_ns > 0) this.worldTime = source_time_ns / 1e9;
+    object_numbers.forEach((number, i) => {
+      const object = this.objects.get(`${publisher} ${number}`);
+      if (!object) return;
+      object.pose = [...positions.subarray(3 * i, 3 * i + 3), ...orientations.subarray(4 * i, 4 * i + 4)];
+      this.arePosesNew = true;
+    });
+  }
+
+  command({ kind, text, blob }) {
+    const command = 5;
+    if (kind !== command) return;
+    const { command: what, name, pose, moving = true, layers = 1, mask = 0xffffffff, group = 0 } = JSON.parse(text);
+    const unturned = [0, 0, 0, 1, 0, 0, 0];
+    if (what === "add") this.add(name, { name, moving, layers, mask, group, publisher: "", pose: pose || unturned }, blob);
+    else if (what === "move" && this.objects.has(name)) this.objects.get(name).pose = pose;
+    else if (what !== "remove" || !this.objects.delete(name)) return;
+    this.isTableNew = this.isTableNew || what !== "move";
+    this.arePosesNew = true;
+  }
+
+  // ---- what happened
+
+  happen(frame, t) {
+    this.tellContacts();
+    const nameOf = namesOf(frame);
+    const events = Array.from(frame.kinds, (kind, i) => {
+      const what = kPoseKinds[kind];
+      const event = { what, ...this.pair(frame, i, nameOf), sequence: frame.first_sequence + i, episode: frame.episodes[i], time: frame.world_time_ns / 1e9 - (frame.bracket_highs[i] || 0) };
+      if (what === "ended") Object.assign(event, { why: kEndReasons[frame.reasons[i]] ?? "" });
+      return event;
+    });
+    if (events.length) this.entries.push({ t, kind: "events", value: { events, left_out: 0 } });
+  }
+  hold(shard) {
+    if (this.shards) this.shards.set(shard.shard, shard);
+  }
+  /// The contacts that held before the first event.
+  tellContacts() {
+    if (!this.shards) return;
+    const contacts = [...this.shards.values()].flatMap((shard) => {
+      const nameOf = namesOf(shard);
+      return Array.from(shard.a, (_, i) => ({ what: "open", ...this.pair(shard, i, nameOf), time: shard.began_ns[i] / 1e9, episode: shard.episodes[i] }));
+    });
+    this.entries.unshift({ t: 0, kind: "contacts", value: { contacts, left_out: 0 } });
+    this.shards = null;
+  }
+  pair(columns, i, nameOf) {
+    const [a, b] = [nameOf.get(columns.a[i]) ?? "?", nameOf.get(columns.b[i]) ?? "?"];
+    const vector = (of) => [...columns[of].subarray(3 * i, 3 * i + 3)];
+    const told = columns.points.length > 3 * i ? { point: vector("points"), normal: vector("normals"), depth: columns.depths[i], error: columns.depth_errors[i] } : {};
+    return { a, b, a_slot: this.slotOf(a), b_slot: this.slotOf(b), ...told, ...(columns.doubts[i] ? { doubt: "numeric" } : {}) };
+  }
+
+  state(status, t) {
+    if (t - (this.statusAt ?? -Infinity) < 0.5) return;
+    this.statusAt = t;
+    const names = zeroTerminated(status.publisher_names);
+    const publishers = names.map((name, i) => ({ name, messages: status.applied_sequences[i], silent: status.silent_ns[i] / 1e9, lost: status.publisher_states[i] === 2 }));
+    this.entries.push({ t, kind: "status", value: {
+      type: "status", state: kServerStates[status.state] ?? "?", version_text: status.server_version, pid: status.pid, epoch: status.epoch, scenes: status.scenes.split("\n").filter(Boolean),
+      objects: status.object_count, moving: status.moving_count, contacts: status.contact_count, contacts_truncated: Boolean(status.contacts_truncated), publishers,
+    } });
+  }
+
+  // ---- what the page hears of it
+
+  flush(t) {
+    // Definitions come one by one; a table for each would be far too many.
+    const tableEvery_s = 0.1;
+    if (this.isTableNew && (t - this.tableAt >= tableEvery_s || t >= this.end)) this.tellTable(t);
+    if (!this.arePosesNew || !this.table) return;
+    this.arePosesNew = false;
+    this.frameAt = t;
+    const movers = [...this.objects.values()].filter(({ moving }) => moving);
+    const origin = (movers[0]?.pose.slice(0, 3) ?? [0, 0, 0]).map(Math.round);
+    const numbers = new Float32Array(7 * movers.length);
+    movers.forEach(({ pose }, i) => numbers.set([pose[0] - origin[0], pose[1] - origin[1], pose[2] - origin[2], ...pose.slice(3)], 7 * i));
+    const version = this.entries.length;
+    this.entries.push({ t, kind: "poses", value: {
+      count: movers.length, worldTime: this.worldTime ?? this.begin + t, tableVersion: version, version, origin, numbers, slots: Uint32Array.from(movers, ({ slot }) => slot), stale: new Uint8Array(movers.length),
+    } });
+  }
+  tellTable(t) {
+    this.isTableNew = false;
+    this.tableAt = t;
+    const recorded = [...this.objects.values()].map((object) => ({ ...object, pose: [...object.pose] }));
+    const names = new Set(recorded.map(({ name }) => name));
+    const around = this.surroundings.objects.filter(({ name }) => !names.has(name)).map((object) => ({ ...object, slot: this.slotOf(object.name) }));
+    const version = this.entries.length;
+    this.table = { epoch: 0, version, table_version: version, objects: [...around, ...recorded] };
+    this.entries.push({ t, kind: "table", value: { table: this.table, surfaceOf: (number) => this.surfaces.get(number) ?? this.surroundings.surfaceOf(number) } });
+    this.arePosesNew = true;
+  }
+}
+
+function namesOf({ named_ids, names }) {
+  const texts = zeroTerminated(names);
+  return new Map(named_ids.map((id, i) => [id, texts[i]]));
+}
