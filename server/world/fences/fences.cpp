@@ -28,7 +28,7 @@ std::string Fences::reason_against(const FenceDefinition& definition) const {
   if (table_.find(definition.name) || margins_.contains(definition.name))
     return "the name is taken; names are unique among fences, margins and questions for the nearest";
   if (table_.count() + margins_.size() >= FenceTable::kMost)
-    return "it is one more than the limit of " + std::to_string(FenceTable::kMost) + " fences";
+    return std::string("it is one more than the limit of ").append(std::to_string(FenceTable::kMost)).append(" fences");
   return definition.margin ? refusal_of(*definition.margin) : refusal_of(definition);
 }
 
