@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "collided/geometry.hpp"
+
 namespace collided::client {
 
 namespace {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/service/commands/awaited_jobs-inl.hpp"
+#include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/world/query/nearest_approach.hpp"

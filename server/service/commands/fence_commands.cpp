@@ -15,6 +15,7 @@
 #include "server/world/fences/fence_outline.hpp"
 #include "server/world/fences/fences.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/solids/declared.hpp"
 #include "server/world/solids/solid.hpp"
 
 namespace collided::engine::service {

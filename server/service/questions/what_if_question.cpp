@@ -11,6 +11,7 @@
 #include "server/service/questions/group_names.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
 namespace {
