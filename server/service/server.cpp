@@ -326,9 +326,9 @@ void Server::write_flight_recorder() {
 void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
+  p.presence.reset();
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.
-  p.presence.reset();
   p.commands.stop();
   p.let_jobs_end();
   if (p.durable) p.durable->finish();

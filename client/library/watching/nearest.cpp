@@ -77,7 +77,7 @@ Result<std::size_t> remove_nearest(Connection& connection, const std::string& na
 }
 
 Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const std::string& name_glob) {
-  const nlohmann::json arguments{{"name", name_glob}, {"nearest", true}};
+  const nlohmann::json arguments{{"name", name_glob}, {"nearest", true}, {"limit", 1'000'000}};
   return read_answer(command(connection, wire_contract::command::kFences, arguments, kNearestTimeout), "fences",
                      [](const nlohmann::json& answer) {
                        std::vector<ListedNearest> all;

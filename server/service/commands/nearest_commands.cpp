@@ -1,6 +1,8 @@
 // Questions that stay for the nearest object, as commands define, list and remove them: a kind of fence.
 #include <fmt/format.h>
 
+#include <map>
+
 #include "idl/commands.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/nearest_definition.hpp"
@@ -40,9 +42,15 @@ FenceDefinition nearest_of(const Arguments& arguments) {
 
 json Commands::nearest(const Arguments& arguments) {
   const World& world = with_.loop.world();
+  const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
+  std::map<ObjectId, const OpenContact*> open_of;
+  if (world.fences() != nullptr) {
+    for (const OpenContact& open : world.fences()->inside()) open_of[open.b] = &open;
+  }
   json rows = json::array();
+  std::uint64_t count = 0;
   for_each_standing(arguments.text("name"), [&](const FenceTable& table, std::uint32_t slot) {
-    if (!table.is_nearest(slot)) return;
+    if (!table.is_nearest(slot) || count++ >= limit) return;
     const FenceRule& rule = table.rule(slot);
     json row{{"nearest", table.name(slot)},
              {"to", rule.carrier},
@@ -55,16 +63,16 @@ json Commands::nearest(const Arguments& arguments) {
              {"object", ""},
              {"in_doubt", false}};
     if (rule.carrier.empty()) row["point"] = numbers(std::get<Sphere>(table.described(slot).primitives.front()).center);
-    for (const OpenContact& open : world.fences()->inside()) {
-      const ObjectInfo* info = open.b == table.id(slot) ? world.info(open.a) : nullptr;
-      if (info == nullptr) continue;
+    const auto open = open_of.find(table.id(slot));
+    const ObjectInfo* info = open == open_of.end() ? nullptr : world.info(open->second->a);
+    if (info != nullptr) {
       row["object"] = info->name;
-      row["since_ns"] = open.began_ns;
-      row["in_doubt"] = open.doubt != Doubt::none;
+      row["since_ns"] = open->second->began_ns;
+      row["in_doubt"] = open->second->doubt != Doubt::none;
     }
     rows.push_back(std::move(row));
   });
-  return {{"nearest", rows}, {"count", rows.size()}, {"version", world.newest()->version}};
+  return {{"nearest", rows}, {"count", count}, {"version", world.newest()->version}};
 }
 
 }  // namespace collided::engine::service
