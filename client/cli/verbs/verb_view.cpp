@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <tuple>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -7,6 +7,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
