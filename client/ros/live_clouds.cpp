@@ -7,8 +7,8 @@
 namespace collided::ros {
 namespace {
 
-constexpr std::size_t kMostWaiting = 8;
-constexpr std::int64_t kLongestWaitNs = 1'000'000'000;
+constexpr std::size_t kMostCloudsWaiting = 8;
+constexpr std::int64_t kLongestCloudWaitNs = 1'000'000'000;
 
 /// A rotation that maps the grid onto itself would do too; clouds of maps are mostly not turned at all.
 bool is_upright(const Pose& pose) { return std::abs(std::abs(pose.rotation.w()) - 1) <= 1e-9; }
@@ -40,7 +40,7 @@ void LiveClouds::refuse(const std::string& flaw) {
 }
 
 void LiveClouds::put_off(Waiting message) {
-  if (waiting_.size() >= kMostWaiting) {
+  if (waiting_.size() >= kMostCloudsWaiting) {
     ++counts_.frameless;
     waiting_.pop_front();
   }
@@ -77,7 +77,7 @@ void LiveClouds::go_on(const FrameTree& frames, std::int64_t now_ns) {
     waiting_.pop_front();
     const PlacedFrame placed = place_frame(frames, options_.fixed, message.frame, message.stamp_ns, message.came_ns);
     if (placed.placing == FramePlacing::not_yet) {
-      if (now_ns - message.came_ns > kLongestWaitNs) ++counts_.frameless;
+      if (now_ns - message.came_ns > kLongestCloudWaitNs) ++counts_.frameless;
       else waiting_.push_back(std::move(message));
       continue;
     }

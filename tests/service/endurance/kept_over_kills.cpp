@@ -96,18 +96,27 @@ class KeptOverKills {
   }
 
   int run(int kills, int damages) {
-    for (int i = 0; i < kills; ++i) kill_once();
+    for (int i = 0; i < kills; ++i) {
+      kill_once();
+      tell_progress("kills", i + 1, kills);
+    }
     const std::string kept = folder_.path() + "/kept";
     server_->signal(SIGKILL);
     server_->wait(5s);
     std::filesystem::copy(state_dir(), kept, std::filesystem::copy_options::recursive);
-    for (int i = 0; i < damages; ++i) damage_once(kept);
+    for (int i = 0; i < damages; ++i) {
+      damage_once(kept);
+      tell_progress("damages", i + 1, damages);
+    }
     std::printf("kills=%d acknowledged=%d lost=%d back=%d undone=%d damages=%d told=%d silent=%d\n", kills,
                 acknowledged_, lost_, back_, undone_, damages, told_, silent_);
     return lost_ + back_ + undone_ + silent_ + slow_ == 0 ? 0 : 1;
   }
 
  private:
+  static void tell_progress(const char* what, int done, int all) {
+    if (done % 100 == 0 && done < all) std::fprintf(stderr, "%d of %d %s\n", done, all, what);
+  }
   std::string state_dir() const { return folder_.path() + "/state"; }
   void start() {
     client_.reset();
