@@ -2,44 +2,14 @@
 //   node browser.mjs --collided PATH --collide PATH --modules DIR --pictures DIR [--long]
 // DIR of --modules holds node_modules/playwright-core (npm install --prefix DIR playwright-core); CHROMIUM names the browser.
 // Prints what was measured; exits 0, 1 on the first thing that is wrong, 77 where there is no browser.
-import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { cpus, loadavg, tmpdir } from "node:os";
+import { spawnSync } from "node:child_process";
+import { readFileSync } from "node:fs";
+import { cpus, loadavg } from "node:os";
 import { join } from "node:path";
 import { check, launch, picture, until, words } from "./chromium.mjs";
+import { collide, environment, runAndStop, scratch, start, startServer, startViewer } from "./processes.mjs";
 
 const isLong = process.argv.includes("--long");
-const scratch = mkdtempSync(join(tmpdir(), "collided_view_"));
-const environment = { ...process.env, COLLIDED_DOMAIN: String(201 + (process.pid % 30)), COLLIDED_STATE_DIR: scratch, NO_COLOR: "1" };
-const started = [];
-
-function start(program, args) {
-  const child = spawn(program, args, { env: environment, stdio: ["ignore", "pipe", "pipe"] });
-  child.said = "";
-  child.stdout.on("data", (text) => { child.said += text; });
-  child.stderr.on("data", (text) => { child.said += text; });
-  child.ended = new Promise((done) => child.on("exit", done));
-  started.push(child);
-  return child;
-}
-async function stopAll() {
-  for (const child of started.reverse()) {
-    child.kill("SIGCONT");
-    child.kill("SIGTERM");
-    const timer = setTimeout(() => child.kill("SIGKILL"), 8000);
-    await child.ended;
-    clearTimeout(timer);
-  }
-  rmSync(scratch, { recursive: true, force: true });
-}
-
-async function startServer() {
-  const server = start(words.collided, []);
-  await until("the server is ready", () => server.said.includes("ready:") || server.exitCode !== null);
-  check(server.exitCode === null, server.said);
-  return server;
-}
-const collide = (...args) => spawnSync(words.collide, args, { env: environment, encoding: "utf8", timeout: 20000 });
 
 // ---- what the page shows, read from the page itself
 
@@ -328,8 +298,7 @@ async function run() {
   let server = await startServer();
   start(words.collide, ["publish", "--spheres", "16", "--side", "3", "--size", "0.18", "--speed", "1.5", "--round", "--bounce", "--rate", "60", "--as", "homework", "--name", "ball"]);
   start(words.collide, ["publish", "--waypoints", "6,-3,0.8 6,3,0.8 2,3,1.5 2,-3,0.5", "--loop", "--speed", "2", "--shape", "capsule:0.3,1", "--name", "visitor", "--as", "pilot"]);
-  const viewer = start(words.collide, ["view", "--port", "0", "--plain"]);
-  const url = await until("the viewer says where it is", () => viewer.said.match(/http:\/\/\S+/)?.[0]);
+  const { url } = await startViewer();
   const browser = await launch();
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   const wrong = [];
@@ -364,14 +333,4 @@ async function run() {
   await browser.close();
 }
 
-try {
-  await run();
-  console.log("view: all as it should be");
-} catch (failed) {
-  console.error(`view: ${failed.message}`);
-  for (const child of started) console.error(`--- ${child.spawnargs.slice(0, 3).join(" ")}\n${child.said.slice(-600)}`);
-  process.exitCode = 1;
-} finally {
-  await stopAll();
-  process.exit();
-}
+await runAndStop("view", run);

@@ -1,15 +1,12 @@
-// What both tests of the page need: the browser, waiting, checking. Where there is no browser a test is skipped, exit code 77.
+// Chromium, for the tests of the page. Where it is not installed a test is skipped.
 import { existsSync, mkdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { skip, words } from "./waiting.mjs";
 
-export const words = Object.fromEntries(process.argv.slice(2).map((word, at, all) => [word.replace(/^--/, ""), all[at + 1] ?? true]));
+export { check, until, words } from "./waiting.mjs";
 const chromiumPath = process.env.CHROMIUM || "/usr/bin/chromium";
 
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
 if (!existsSync(chromiumPath)) skip(`no browser at ${chromiumPath}; apt-get install chromium`);
 let playwright;
 try {
@@ -24,20 +21,6 @@ export function launch(more = []) {
     args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
       ...(more.length ? more : ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"])],
   });
-}
-
-/// Waits for a condition; its value. Throws with what was waited for when the time is over.
-export async function until(what, condition, seconds = 20) {
-  const end = Date.now() + 1000 * seconds;
-  for (;;) {
-    const value = await condition();
-    if (value) return value;
-    if (Date.now() > end) throw new Error(`${what}: not within ${seconds} s`);
-    await new Promise((done) => setTimeout(done, 25));
-  }
-}
-export function check(holds, what) {
-  if (!holds) throw new Error(what);
 }
 
 export async function picture(page, name) {

@@ -3,6 +3,7 @@
 import { check, words } from "./chromium.mjs";
 import * as asking from "./page_asking.mjs";
 import { closeAll, files, startBrowser, stopBrowser, wrong } from "./page_fixture.mjs";
+import * as memory from "./page_memory.mjs";
 import * as picture from "./page_picture.mjs";
 import * as recording from "./page_recording.mjs";
 import * as screens from "./page_screens.mjs";
@@ -15,7 +16,7 @@ function isSmall() {
   console.log(`size: ${(bytes / 1e3).toFixed(0)} kB`);
 }
 
-const tests = [isSmall, ...[picture, things, asking, recording, screens].flatMap((all) => Object.values(all))];
+const tests = [isSmall, ...[picture, things, asking, recording, screens, memory].flatMap((all) => Object.values(all))];
 try {
   await startBrowser();
   for (const test of tests.filter(({ name }) => !words.only || name === words.only)) {

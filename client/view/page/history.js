@@ -15,8 +15,9 @@ class History {
     this.base = new Contacts();  // before the first change
     this.bytes = 0;
     this.end = 0;
+    this.trimmedAt = this.most_s < Infinity ? -Infinity : Infinity;
   }
-  get begin() { return this.frames.length ? this.frames[0].t : this.end; }
+  get begin() { return this.frames.length ? Math.max(this.frames[0].t, this.end - this.most_s) : this.end; }
 
   add(t, kind, value) {
     this.end = Math.max(this.end, t);
@@ -27,18 +28,19 @@ class History {
     else if (kind === "fences") this.fences.push({ t, value });
     else if (kind === "contacts" || kind === "events") this.changes.push({ t, kind, value });
     else this.others.push({ t, kind, value });
-    if (this.end - this.begin > this.most_s + 1 || this.bytes > this.mostBytes) this.trim();
+    if (this.end - this.trimmedAt > 1 || this.bytes > this.mostBytes) this.trim();
   }
 
-  /// Forgets what is too old, or the older half of the frames' bytes that are too many.
+  /// Forgets what is too old, also where nothing moves, and the frames whose bytes are too many. Of what holds until it is
+  /// replaced, poses too, the last one before the beginning stays.
   trim() {
-    let kept = firstAfter(this.frames, this.end - this.most_s);
+    this.trimmedAt = this.end;
+    let kept = Math.max(0, firstAfter(this.frames, this.end - this.most_s) - 1);
     let bytes = this.frames.slice(kept).reduce((sum, { value }) => sum + value.numbers.buffer.byteLength, 0);
     while (bytes > 0.9 * this.mostBytes && kept < this.frames.length - 1) bytes -= this.frames[kept++].value.numbers.buffer.byteLength;
     this.frames.splice(0, kept);
     this.bytes = bytes;
-    const begin = this.begin;
-    // Of what holds until it is replaced, the last one before the beginning stays.
+    const begin = this.frames.length ? this.begin : this.end - this.most_s;
     this.tables.splice(0, Math.max(0, firstAfter(this.tables, begin) - 1));
     this.others.splice(0, Math.max(0, firstAfter(this.others, begin) - 1));
     this.fences.splice(0, Math.max(0, firstAfter(this.fences, begin) - 1));

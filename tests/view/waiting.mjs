@@ -1,0 +1,21 @@
+// Arguments, waiting and checking, for tests with and without a browser. What a test needs and is not there makes it skipped: exit code 77.
+export const words = Object.fromEntries(process.argv.slice(2).map((word, at, all) => [word.replace(/^--/, ""), all[at + 1] ?? true]));
+
+export function skip(why) {
+  console.log(`skipped: ${why}`);
+  process.exit(77);
+}
+
+/// Waits for a condition; its value. Throws with what was waited for when the time is over.
+export async function until(what, condition, seconds = 20) {
+  const end = Date.now() + 1000 * seconds;
+  for (;;) {
+    const value = await condition();
+    if (value) return value;
+    if (Date.now() > end) throw new Error(`${what}: not within ${seconds} s`);
+    await new Promise((done) => setTimeout(done, 25));
+  }
+}
+export function check(holds, what) {
+  if (!holds) throw new Error(what);
+}
