@@ -3,7 +3,7 @@
 // DIR of --modules holds node_modules/playwright-core (npm install --prefix DIR playwright-core); CHROMIUM names the browser.
 // Prints what was measured; exits 0, 1 on the first thing that is wrong, 77 where there is no browser.
 import { spawnSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
 import { join } from "node:path";
 import { check, launch, picture, until, words } from "./chromium.mjs";
@@ -246,9 +246,40 @@ async function savedRunsPlay(browser) {
   await page.close();
 }
 
+/// Shapes that recordings have in another form than the server shows them: a hull, a height field, voxels.
+async function addEveryKind(page) {
+  const write = (name, text) => {
+    writeFileSync(join(scratch, name), text);
+    return join(scratch, name);
+  };
+  const tent = write("tent.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 2 1 0\nv 0 0.5 1\nv 2 0.5 1\nv 1 0.5 0.4\nf 1 2 3\nf 4 5 6\nf 1 2 7\n");
+  const hills = write("hills.txt", "0 0.1 0.2 0\n0.3 0.4 0.1 0\n0 0.2 0 0.1\n");
+  for (const [name, shape, at] of [["tent", ["hull", tent], "-6"], ["hills", ["heights", hills, "0.5", "0.7"], "-4"]]) {
+    const said = collide("add", name, ...shape, "--at", at, "-4", "0.5");
+    check(said.status === 0, `add ${name}: ${said.stderr}`);
+  }
+  const points = Array.from({ length: 400 }, (_, i) => `${3 + 0.9 * Math.sin(i)} ${-4 + 0.9 * Math.sin(1.7 * i)} ${1 + 0.4 * Math.sin(2.3 * i)}`);
+  start(words.collide, ["publish", write("scan.xyz", `${points.join("\n")}\n`), "--voxels", "0.25", "--as", "scan"]);
+  await until("they are shown", () => page.evaluate(() => ["tent", "hills"].every((name) => collidedPage.world.byName.has(name)) && [...collidedPage.world.objects.values()].some(({ publisher, name, parts }) => /^scan/.test(publisher ?? name) && parts.length > 1)), 30);
+}
+
 /// Recordings, of a file and of the server's own memory, show the objects and shapes that the server showed.
 async function opensRecordings(page) {
-  const told = () => page.evaluate(() => Object.fromEntries([...collidedPage.world.objects.values()].map(({ name, parts, moving, runs }) => [name, JSON.stringify([moving, runs.length, parts.map((part) => part.map((n) => Number(n.toFixed(9))))])])));
+  const told = () => page.evaluate(() => {
+    // Of the triangles of a surface from a number on: a hull may be cut into others.
+    const area = ([number, first, count]) => {
+      const { positions, corners } = collidedPage.timeline.shownTable.surfaceOf(number);
+      let sum = 0;
+      for (let i = 3 * first; i < 3 * (first + count); i += 3) {
+        const [a, b, c] = [0, 1, 2].map((k) => positions.subarray(3 * corners[i + k], 3 * corners[i + k] + 3));
+        const [u, v] = [b, c].map((corner) => [0, 1, 2].map((axis) => corner[axis] - a[axis]));
+        sum += Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+      }
+      return Number(sum.toPrecision(5));
+    };
+    return Object.fromEntries([...collidedPage.world.objects.values()].map(({ name, parts, moving, runs }) => [name, JSON.stringify([moving, runs.map(area), parts.map((part) => part.map((n) => Number(n.toFixed(9))))])]));
+  });
+  await addEveryKind(page);
   const live = await told();
   const file = join(scratch, "run.mcap");
   const said = collide("record", file, "--for", "1500ms");

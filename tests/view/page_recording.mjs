@@ -1,5 +1,5 @@
 // Tests of the page: files that are no recordings. browser.mjs opens real ones.
-import { check, until } from "./chromium.mjs";
+import { check, picture, until } from "./chromium.mjs";
 import { hall, open, shut, textOf } from "./page_fixture.mjs";
 
 const text = (words) => {
@@ -20,6 +20,49 @@ const number = (value, bytes) => {
   out.writeUIntLE(value, 0, Math.min(6, bytes));
   return out;
 };
+/// A FlatBuffers table whose members come one after the other: numbers as bytes, or {table}, {list (bytes), count} and {tables}, which
+/// follow it. Every member has room for three doubles, and its alignment.
+function flatTable(members) {
+  const count = 1 + Math.max(...Object.keys(members).map(Number));
+  const head = Buffer.alloc(8 * Math.ceil((4 + 2 * count) / 8));
+  head.writeUInt16LE(4 + 2 * count, 0);
+  const fields = Buffer.alloc(8 + 24 * count);
+  fields.writeInt32LE(head.length, 0);
+  const after = [];
+  let at = head.length + fields.length;
+  const append = (bytes) => {
+    const start = at;
+    const padded = Buffer.concat([bytes, Buffer.alloc((8 - (bytes.length % 8)) % 8)]);
+    after.push(padded);
+    at += padded.length;
+    return start;
+  };
+  const listOf = (size, content) => {
+    // Its elements are aligned, its count stands before them.
+    const start = append(Buffer.concat([number(0, 4), number(size, 4), content]));
+    return start + 4;
+  };
+  for (const [member, value] of Object.entries(members)) {
+    const place = 8 + 24 * member;
+    head.writeUInt16LE(place, 4 + 2 * member);
+    const here = head.length + place;
+    if (Buffer.isBuffer(value)) value.copy(fields, place);
+    else if (value.list) fields.writeUInt32LE(listOf(value.count, value.list) - here, place);
+    else if (value.table) fields.writeUInt32LE(append(value.table.bytes) + value.table.start - here, place);
+    else {
+      const list = listOf(value.tables.length, Buffer.alloc(4 * value.tables.length));
+      const offsets = after.at(-1);
+      fields.writeUInt32LE(list - here, place);
+      value.tables.forEach((table, i) => offsets.writeUInt32LE(append(table.bytes) + table.start - (list + 4 + 4 * i), 8 + 4 * i));
+    }
+  }
+  return { bytes: Buffer.concat([head, fields, ...after]), start: head.length };
+}
+const rooted = ({ bytes, start }) => Buffer.concat([number(8 + start, 4), number(0, 4), bytes]);
+const doubles = (...values) => Buffer.from(new Float64Array(values).buffer);
+const wholes = (...values) => Buffer.from(new Uint32Array(values).buffer);
+const listOfDoubles = (values) => ({ list: doubles(...values), count: values.length });
+
 const kMagic = Buffer.from([0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a]);
 const described = (type, topic) => [record(3, number(1, 2), text(`collided::wire_v2::${type}`), text("omgidl"), text("")), record(4, number(1, 2), number(1, 2), text(topic), text("cdr"), number(0, 4))];
 const message = (bytes) => record(5, number(1, 2), number(1, 4), number(1000, 8), number(1000, 8), bytes);
@@ -30,6 +73,87 @@ const drop = (page, name, bytes) => page.evaluate(([called, numbers]) => {
   data.items.add(new File([new Uint8Array(numbers)], called));
   window.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
 }, [name, [...bytes]]);
+
+/// A definition as it is recorded; numbers before the shape are as in idl/collided.idl.
+function definition(objectNumber, name, shape) {
+  const parts = [];
+  let at = 0;
+  const put = (bytes, alignment = 1) => {
+    const gap = (alignment - (at % alignment)) % alignment;
+    parts.push(Buffer.alloc(gap), bytes);
+    at += gap + bytes.length;
+  };
+  const putText = (words) => {
+    put(wholes(words.length + 1), 4);
+    put(Buffer.from(`${words}\0`));
+  };
+  put(number(7, 8), 8);
+  put(wholes(objectNumber), 4);
+  put(number(1, 8), 8);
+  put(number(objectNumber, 8), 8);
+  put(Buffer.from([0, 1, 0]));
+  putText("robot");
+  putText(name);
+  for (const filter of [1, 0xffffffff, 0]) put(wholes(filter), 4);
+  put(doubles(0, 0, 0, 1, 0, 0, 0), 8);
+  put(wholes(shape.length), 4);
+  put(shape);
+  return Buffer.concat([Buffer.from([0, 1, 0, 0]), ...parts]);
+}
+
+/// Hulls, height fields, voxels and vertex buffers of recordings are drawn as what the server makes of them.
+export async function everyKindOfShapeIsDrawn() {
+  const page = await open(hall());
+  const cube = [0, 1, 2, 3, 4, 5, 6, 7].flatMap((bits) => [bits & 1, (bits >> 1) & 1, bits >> 2]);
+  const inside = Array.from({ length: 30 }, (_, i) => [0.1 + 0.027 * i, 0.5, 0.9 - 0.025 * i]).flat();
+  const buffer = (kind, values, more = {}) => flatTable({ 0: Buffer.from([kind]), 1: Buffer.from([1]), 2: wholes(32), 3: wholes(8), 4: { list: Buffer.concat(values.map((point) => doubles(0, ...point))), count: 32 * values.length }, 7: doubles(0.1), ...more });
+  const square = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]];
+  const noCorners = { list: Buffer.alloc(0), count: 0 };
+  const shapes = {
+    hull: flatTable({ 8: { tables: [flatTable({ 0: listOfDoubles([...inside, ...cube]), 1: noCorners })] }, 13: doubles(2, 2, 2) }),
+    heights: flatTable({ 10: { table: flatTable({ 0: wholes(3), 1: doubles(0.5), 2: doubles(1), 3: listOfDoubles([0, 0, 0, 0, 0, 0]) }) } }),
+    // An L of five cells along x and y, and one above its corner.
+    voxels: flatTable({ 17: { tables: [flatTable({ 0: doubles(0.5), 1: wholes(2 ** 32 - 1), 2: wholes(0), 3: wholes(4), 4: wholes(3), 5: wholes(3), 6: wholes(2), 7: { list: Buffer.from([0b01001111, 0b00000010, 0]), count: 3 } })] } }),
+    points: flatTable({ 14: { tables: [buffer(0, square)] } }),
+    segments: flatTable({ 14: { tables: [buffer(1, square)] } }),
+    polyline: flatTable({ 14: { tables: [buffer(2, square, { 5: wholes(2), 6: { list: Buffer.from([0, 0, 1, 0, 3, 0]), count: 6 } })] } }),
+    triangles: flatTable({ 14: { tables: [buffer(3, square, { 5: wholes(4), 6: { list: wholes(0, 1, 3, 0, 3, 2), count: 24 } })] } }),
+    fan: flatTable({ 14: { tables: [buffer(4, [square[0], square[1], square[3], square[2]])] } }),
+    strip: flatTable({ 14: { tables: [buffer(5, square)] } }),
+  };
+  const bytes = Buffer.concat([kMagic, ...described("Definition", "collided/object_v2"), ...Object.entries(shapes).map(([name, shape], i) => message(definition(i, name, rooted(shape))))]);
+  await drop(page, "shapes.mcap", bytes);
+  await until("they are there", () => page.evaluate((names) => names.every((name) => collidedPage.world.byName.has(name)), Object.keys(shapes)), 10);
+  const found = await page.evaluate((names) => Object.fromEntries(names.map((name) => {
+    const { parts, runs } = collidedPage.world.byName.get(name);
+    let [area, volume] = [0, 0];
+    for (const [number] of runs) {
+      const { positions, corners, origin } = collidedPage.timeline.shownTable.surfaceOf(number);
+      const at = (i) => [0, 1, 2].map((axis) => origin[axis] + positions[3 * corners[i] + axis]);
+      const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+      for (let i = 0; i < corners.length; i += 3) {
+        const [a, b, c] = [at(i), at(i + 1), at(i + 2)];
+        const normal = cross(b.map((part, axis) => part - a[axis]), c.map((part, axis) => part - a[axis]));
+        area += Math.hypot(...normal) / 2;
+        volume += a.reduce((sum, part, axis) => sum + part * normal[axis], 0) / 6;
+      }
+    }
+    return [name, { parts: parts.map((part) => part.map((n) => Number(n.toFixed(6)))), area: Number(area.toFixed(6)), volume: Number(volume.toFixed(6)) }];
+  })), Object.keys(shapes));
+  const expect = (name, expected) => check(JSON.stringify(found[name]) === JSON.stringify(expected), `${name} is ${JSON.stringify(found[name])}, not ${JSON.stringify(expected)}`);
+  const flat = { parts: [], area: 1, volume: 0 };
+  expect("hull", { parts: [], area: 24, volume: 8 });
+  for (const name of ["heights", "triangles", "fan", "strip"]) expect(name, flat);
+  const box = (center, half) => [1, ...center, 1, 0, 0, 0, ...half];
+  expect("voxels", { parts: [box([0.25, 0.25, 2.25], [0.75, 0.25, 0.25]), box([-0.25, 1, 2.25], [0.25, 0.5, 0.25]), box([-0.25, 0.25, 2.75], [0.25, 0.25, 0.25])], area: 0, volume: 0 });
+  const ball = (point) => [0, ...point, 0.1];
+  const rod = (a, b) => [2, ...a, ...b, 0.1];
+  expect("points", { ...flat, area: 0, parts: square.map(ball) });
+  expect("segments", { ...flat, area: 0, parts: [rod(square[0], square[1]), rod(square[2], square[3])] });
+  expect("polyline", { ...flat, area: 0, parts: [rod(square[0], square[1]), rod(square[1], square[3])] });
+  await picture(page, "recorded_shapes");
+  await shut(page);
+}
 
 /// What is wrong with a file is said, and the page goes on as before.
 export async function filesThatAreNoRecordingsAreRefused() {

@@ -50,7 +50,7 @@ class Opening {
       const run = new RecordedRun(await bytes(), this.on.surroundings());
       if (!run.entries.some(({ kind }) => kind === "poses")) throw new Error("nothing in it has a place");
       this.on.opened(run, name);
-      const notes = [run.damage, run.leftOut ? `${countText(run.leftOut)} parts of shapes are of kinds that the page does not draw` : "", run.broken ? `${countText(run.broken)} samples could not be read` : ""].filter(Boolean);
+      const notes = [run.damage, run.broken ? `${countText(run.broken)} samples could not be read` : ""].filter(Boolean);
       this.on.say(notes.length ? `${visible(name)}: ${notes.join("; ")}` : "");
     } catch (failed) {
       this.on.say(`${visible(name)}: ${failed.message}`);

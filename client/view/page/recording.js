@@ -53,7 +53,7 @@ class RecordedRun {
     this.surfaces = new Map();
     this.entries = [];         // {t, kind, value}
     this.shards = new Map();
-    this.leftOut = this.broken = 0;
+    this.broken = 0;
     const span = this.measure(buffer);
     this.begin = span.begin;
     this.every_s = Math.max(1 / 60, ((span.end - span.begin) * span.movers * kFrameBytes) / kMostHistoryBytes);
@@ -102,8 +102,7 @@ class RecordedRun {
   }
 
   add(key, object, bytes) {
-    const { parts, meshes, left_out } = readShape(bytes);
-    this.leftOut += left_out;
+    const { parts, meshes } = readShape(bytes);
     const runs = meshes.map((surface) => {
       const number = `recorded ${this.surfaces.size}`;
       this.surfaces.set(number, surface);
