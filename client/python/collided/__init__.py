@@ -14,19 +14,12 @@ libcollided_client.so.1 where the system looks, or where the environment variabl
 """
 
 from ._answers import Answer, Answers, Hit, Undecided, Verdict
-from ._client import Client, PairAnswer, Status, connect
+from ._asking import PairAnswer
+from ._client import Client, Status, connect
+from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
 from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
 from ._groups import Clearance, ClearancePair
-from ._library import (
-    BadInput,
-    Disconnected,
-    Error,
-    InternalError,
-    NoServer,
-    Refused,
-    Timeout,
-    version,
-)
+from ._library import version
 from ._publisher import Publisher
 from ._shapes import (
     Box,

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Iterator
 
 from . import _numbers
-from ._library import AnswersInfo, Columns, Owned, library
+from ._library import Owned, library
+from ._structs import AnswersInfo, Columns
 
 
 class Undecided(Exception):

@@ -5,25 +5,12 @@ from __future__ import annotations
 import ctypes
 import time
 from dataclasses import dataclass
-from typing import Any, Generic, Iterator, Sequence, TypeVar
+from typing import Any, Callable, Generic, Iterator, Sequence, TypeVar, cast
 
-from ._library import (
-    NOTHING,
-    BadInput,
-    CFence,
-    CFenceEvent,
-    CMargin,
-    CMarginEvent,
-    CNearest,
-    CNearestEvent,
-    CPart,
-    Owned,
-    call,
-    encoded,
-    library,
-    nanoseconds,
-)
+from ._errors import BadInput
+from ._library import NOTHING, Owned, call, encoded, library, nanoseconds
 from ._shapes import Shape, encode_parts
+from ._structs import CFence, CFenceEvent, CMargin, CMarginEvent, CNearest, CNearestEvent, CPart
 from ._watch import DOUBTS, REASONS, SLICE_S, word
 
 FENCE_KINDS = ("inside", "enter", "exit", "cross")
@@ -288,6 +275,8 @@ class _Follower(Owned, Generic[News]):
     """What the watches of fences, margins and the nearest have in common."""
 
     _kind = ""
+    _event: type[Any]  # the struct, and how it is read
+    _read: Callable[[Any], Any]
 
     def __init__(self, client: ctypes.c_void_p, only: str, skip: str) -> None:
         handle = ctypes.c_void_p()
@@ -295,7 +284,9 @@ class _Follower(Owned, Generic[News]):
         super().__init__(handle, self._kind + "_watch_close")
 
     def _told(self, wait_ns: int) -> News | None:
-        raise NotImplementedError
+        event = self._event(size=ctypes.sizeof(self._event))
+        code = call(self._kind + "_watch_next", self._handle, wait_ns, ctypes.byref(event))
+        return None if code == NOTHING else cast(News, type(self)._read(event))
 
     def next(self, wait: float | None = None) -> News | None:
         """The next event; None where none comes within `wait` seconds (None: however long it takes)."""
@@ -337,11 +328,8 @@ class FenceWatch(_Follower[FenceEvent]):
 
     _what = "the watch of fences"
     _kind = "fence"
-
-    def _told(self, wait_ns: int) -> FenceEvent | None:
-        event = CFenceEvent(size=ctypes.sizeof(CFenceEvent))
-        code = call("fence_watch_next", self._handle, wait_ns, ctypes.byref(event))
-        return None if code == NOTHING else _fence_event(event)
+    _event = CFenceEvent
+    _read = staticmethod(_fence_event)
 
 
 class MarginWatch(_Follower[MarginEvent]):
@@ -349,11 +337,8 @@ class MarginWatch(_Follower[MarginEvent]):
 
     _what = "the watch of margins"
     _kind = "margin"
-
-    def _told(self, wait_ns: int) -> MarginEvent | None:
-        event = CMarginEvent(size=ctypes.sizeof(CMarginEvent))
-        code = call("margin_watch_next", self._handle, wait_ns, ctypes.byref(event))
-        return None if code == NOTHING else _margin_event(event)
+    _event = CMarginEvent
+    _read = staticmethod(_margin_event)
 
 
 class NearestWatch(_Follower[NearestEvent]):
@@ -361,8 +346,5 @@ class NearestWatch(_Follower[NearestEvent]):
 
     _what = "the watch of the nearest"
     _kind = "nearest"
-
-    def _told(self, wait_ns: int) -> NearestEvent | None:
-        event = CNearestEvent(size=ctypes.sizeof(CNearestEvent))
-        code = call("nearest_watch_next", self._handle, wait_ns, ctypes.byref(event))
-        return None if code == NOTHING else _nearest_event(event)
+    _event = CNearestEvent
+    _read = staticmethod(_nearest_event)

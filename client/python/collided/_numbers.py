@@ -6,7 +6,7 @@ import array
 import ctypes
 from typing import TYPE_CHECKING, Any, Sequence, Union
 
-from ._library import BadInput
+from ._errors import BadInput
 
 try:
     import numpy as numpy

@@ -6,7 +6,8 @@ import ctypes
 from typing import Sequence
 
 from . import _numbers, _voxels
-from ._library import BadInput, Owned, call, encoded, library, nanoseconds
+from ._errors import BadInput
+from ._library import Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
 from ._shapes import LOST_POLICIES, Shape, Solid, encode_object
 from ._voxels import Voxels

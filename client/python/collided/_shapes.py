@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Sequence, Union
 
 from . import _numbers
-from ._library import BadInput, CObject, CPart, encoded, library
+from ._errors import BadInput
+from ._library import encoded, library
 from ._numbers import Row, Rows
+from ._structs import CObject, CPart
 
 #: Whether a mesh holds what lies in it. True: refused where it does not close; "winding": then it is solid by its winding
 #: number.

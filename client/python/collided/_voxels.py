@@ -6,9 +6,11 @@ import ctypes
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _numbers
-from ._library import BadInput, CVoxelScan, Owned, VoxelOptions, call, encoded, library, nanoseconds
+from ._errors import BadInput
+from ._library import Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
 from ._shapes import LOST_POLICIES
+from ._structs import CVoxelScan, VoxelOptions
 
 if TYPE_CHECKING:
     from ._publisher import Publisher

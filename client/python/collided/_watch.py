@@ -8,7 +8,8 @@ import time
 from dataclasses import dataclass
 from typing import AsyncIterator, Iterator
 
-from ._library import NOTHING, CEvent, Owned, call, library, nanoseconds
+from ._library import NOTHING, Owned, call, library, nanoseconds
+from ._structs import CEvent
 
 KINDS = ("open", "began", "persisted", "ended", "contained", "emerged")
 CONTAINED = ("", "a_in_b", "b_in_a")

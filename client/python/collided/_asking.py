@@ -1,0 +1,259 @@
+"""The questions that a Client asks: rays, spheres, boxes, nearest points, pairs, groups, and what if."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass
+from typing import Any, Sequence
+
+from . import _numbers
+from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
+from ._commands import Commanding
+from ._errors import BadInput
+from ._groups import Clearance, read_clearance
+from ._library import call, encoded, library, nanoseconds
+from ._numbers import Row, Rows
+from ._structs import AskOptions, CPairAnswer
+
+_MODES = {"closest": 0, "any": 1, "all": 2}
+_IMPORTANCES = {"normal": 0, "low": 1, "high": 2}
+
+
+@dataclass(frozen=True)
+class PairAnswer:
+    """How two objects stand to each other. As a truth value it is its verdict's: they touch, or they do not."""
+
+    verdict: Verdict
+    reason: str
+    stale: bool
+    contained: str  #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
+    distance: float  #: of a miss; |truth - distance| <= error
+    depth: float  #: of a hit; |truth - depth| <= error
+    error: float
+    normal: tuple[float, float, float]  #: unit, from a to b
+    on_a: tuple[float, float, float]
+    on_b: tuple[float, float, float]
+    point: tuple[float, float, float]
+    a_triangle: int | None
+    b_triangle: int | None
+    version: int
+
+    def __bool__(self) -> bool:
+        return bool(self.verdict)
+
+
+def _triple(values: ctypes.Array[ctypes.c_double]) -> tuple[float, float, float]:
+    return values[0], values[1], values[2]
+
+
+def _chosen(value: str, known: dict[str, int], what: str) -> int:
+    if value not in known:
+        raise BadInput(f"{what} is {value!r}; known are {', '.join(known)}", "nothing was sent")
+    return known[value]
+
+
+def _set_instant(options: AskOptions, as_of: str | int) -> None:
+    if as_of == "latest":
+        return
+    if as_of == "settled":
+        options.instant = 1
+    elif isinstance(as_of, int) and not isinstance(as_of, bool):
+        options.instant, options.instant_ns = (2, as_of) if as_of >= 0 else (3, -as_of)
+    else:
+        raise BadInput(
+            f"as_of is {as_of!r}; known are 'latest', 'settled', nanoseconds since 1970, and minus the nanoseconds before now",
+            "nothing was sent",
+        )
+
+
+def _ask_options(
+    mode: str = "closest",
+    only: str = "",
+    skip: str = "",
+    mask: int = 0xFFFFFFFF,
+    max_hits: int | None = None,
+    error: float = 0.0,
+    deadline: float = 0.0,
+    timeout: float = 2.0,
+    fresh: bool = False,
+    as_of: str | int = "latest",
+    importance: str = "normal",
+) -> AskOptions:
+    options = AskOptions()
+    library.collided_ask_defaults(ctypes.byref(options), ctypes.sizeof(AskOptions))
+    options.mode = _chosen(mode, _MODES, "mode")
+    options.importance = _chosen(importance, _IMPORTANCES, "importance")
+    options.only = encoded(only, "only")
+    options.skip = encoded(skip, "skip")
+    if not 0 <= mask <= 0xFFFFFFFF:
+        raise BadInput(f"mask is {mask}; allowed are 0 to 4294967295", "nothing was sent")
+    options.mask = mask
+    if max_hits is not None:
+        if not 1 <= max_hits <= 0xFFFFFFFF:
+            raise BadInput(f"max_hits is {max_hits}; allowed from 1 on", "nothing was sent")
+        options.max_hits = max_hits
+    options.error_m = error
+    options.deadline_ns = nanoseconds(deadline, "deadline")
+    options.timeout_ns = nanoseconds(timeout, "timeout")
+    if options.timeout_ns == 0:
+        raise BadInput("timeout is 0 s; allowed above 0", "nothing was sent")
+    options.fresh = 1 if fresh else 0
+    _set_instant(options, as_of)
+    return options
+
+
+class Asking(Commanding):
+    """The questions of a Client, which says what their keywords mean."""
+
+    def _ask(self, name: str, arrays: Sequence[_numbers.Numbers | None], count: int, keywords: dict[str, Any]) -> Answers:
+        out = keywords.pop("out", None)
+        try:
+            options = _ask_options(**keywords)
+        except TypeError as cause:
+            raise BadInput(str(cause).replace("_ask_options()", name), "help(collided.Client) lists the keywords") from None
+        answers: Answers = Answers() if out is None else out
+        pointers = [None if numbers is None else numbers.pointer for numbers in arrays]
+        kept = answers._empty()
+        call(name, self._handle, count, *pointers, ctypes.byref(options), ctypes.byref(kept))
+        answers._refill()
+        return answers
+
+    def rays(self, origins: Rows, directions: Rows, lengths: Rows | Row | float | None = None, **options: Any) -> Answers:
+        """What do rays hit? origins and directions (n, 3), directions of any length but 0; lengths (n,) or one number in
+        metres, None: unlimited. 1 to 100,000 rays."""
+        first = _numbers.rows(origins, 3, "origins")
+        second = _numbers.rows(directions, 3, "directions")
+        third = None if lengths is None else _numbers.repeated(lengths, first.count, "lengths")
+        _numbers.same_length(first, "origins", second, "directions")
+        _numbers.same_length(first, "origins", third, "lengths")
+        return self._ask("ask_rays", (first, second, third), first.count, options)
+
+    def spheres(self, centers: Rows, radii: Rows | Row | float, **options: Any) -> Answers:
+        """What touches spheres, and how deep? centers (n, 3); radii (n,) or one number."""
+        first = _numbers.rows(centers, 3, "centers")
+        second = _numbers.repeated(radii, first.count, "radii")
+        _numbers.same_length(first, "centers", second, "radii")
+        return self._ask("ask_spheres", (first, second), first.count, options)
+
+    def boxes(self, centers: Rows, half: Rows, orientations: Rows | None = None, **options: Any) -> Answers:
+        """What touches boxes, and how deep? centers and half edges (n, 3); orientations (n, 4), w first, from each box's
+        axes to the world."""
+        first = _numbers.rows(centers, 3, "centers")
+        second = _numbers.rows(half, 3, "half")
+        third = None if orientations is None else _numbers.rows(orientations, 4, "orientations")
+        _numbers.same_length(first, "centers", second, "halves")
+        _numbers.same_length(first, "centers", third, "orientations")
+        return self._ask("ask_boxes", (first, second, third), first.count, options)
+
+    def nearest(self, points: Rows, within: Rows | Row | float | None = None, **options: Any) -> Answers:
+        """Which objects are nearest to points? points (n, 3); within (n,) or one number: the largest distance, None:
+        unlimited; max_hits: how many objects, 1 where it is not given."""
+        first = _numbers.rows(points, 3, "points")
+        second = None if within is None else _numbers.repeated(within, first.count, "within")
+        _numbers.same_length(first, "points", second, "within")
+        return self._ask("ask_nearest", (first, second), first.count, options)
+
+    def inside(self, points: Rows, **options: Any) -> Answers:
+        """Which solids hold points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
+        hit is the depth below the surface."""
+        first = _numbers.rows(points, 3, "points")
+        return self._ask("ask_inside", (first,), first.count, options)
+
+    def ray(self, origin: Row, direction: Row, length: float = math.inf, **options: Any) -> Answer:
+        """What does one ray hit?"""
+        return self.rays([list(origin)], [list(direction)], [length], **options)[0]  # type: ignore[arg-type]
+
+    def sphere(self, center: Row, radius: float, **options: Any) -> Answer:
+        """What touches one sphere?"""
+        return self.spheres([list(center)], [radius], **options)[0]  # type: ignore[arg-type]
+
+    def pair(self, a: str, b: str, timeout: float = 10.0) -> PairAnswer:
+        """Do two objects touch, how deep, or how far apart are they?"""
+        told = CPairAnswer(size=ctypes.sizeof(CPairAnswer))
+        names = encoded(a, "the name"), encoded(b, "the name")
+        call("pair", self._handle, *names, nanoseconds(timeout, "timeout"), ctypes.byref(told))
+        contained = ("", "a_in_b", "b_in_a")
+        return PairAnswer(
+            Verdict(told.verdict),
+            REASONS[told.reason] if told.reason < len(REASONS) else str(told.reason),
+            bool(told.stale),
+            contained[told.contained],
+            told.distance_m,
+            told.depth_m,
+            told.error_m,
+            _triple(told.normal),
+            _triple(told.on_a),
+            _triple(told.on_b),
+            _triple(told.point),
+            None if told.a_triangle == NO_TRIANGLE else told.a_triangle,
+            None if told.b_triangle == NO_TRIANGLE else told.b_triangle,
+            told.version,
+        )
+
+    def clearance(
+        self,
+        group: str,
+        to: str = "",
+        *,
+        most: int = 1,
+        nearer: float = math.inf,
+        skip: str = "",
+        with_filtered: bool = False,
+        deadline: float = 0.0,
+        timeout: float = 10.0,
+    ) -> Clearance:
+        """Which pairs of two groups are nearest to each other, and how near? One search over all pairs, on one state.
+
+        group, to      an object, a scene or a glob each; to "": everything that the first group has not
+        most           pairs told, 1 to 10,000
+        nearer         metres; pairs surely farther apart are not told
+        skip           glob of objects that are left out of both
+        with_filtered  also pairs that masks and groups let pass through each other"""
+        arguments: dict[str, Any] = {"from": group, "to": to, "most": most, "skip": skip, "with_filtered": with_filtered}
+        if nearer != math.inf:
+            arguments["nearer_m"] = nearer
+        if deadline != 0:
+            arguments["deadline_ns"] = nanoseconds(deadline, "deadline")
+        return read_clearance(self.command("clearance", timeout=timeout, **arguments))
+
+    def what_if(
+        self,
+        objects: Sequence[str],
+        poses: Rows,
+        against: str = "",
+        *,
+        clearance: bool = False,
+        nearer: float = math.inf,
+        attached: Sequence[tuple[str, str]] = (),
+        timeout: float = 60.0,
+        **options: Any,
+    ) -> Answers:
+        """Whether configurations would be free, with nothing moved: of each answer a miss is free.
+
+        objects    names of those thought elsewhere
+        poses      (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for each
+                   object, in order
+        against    an object, a scene or a glob; "": everything else
+        clearance  the distance of an answer is its least clearance, negative where something touches, and object names
+                   the moved one; hits() has both of the pair. Without it the first contact found, only its names
+        nearer     metres; with clearance: pairs surely farther apart do not count
+        attached   (name, name of what it moves with)
+        skip, mask, deadline, as_of, importance, fresh: as of other questions"""
+        if _numbers.numpy is not None and getattr(poses, "ndim", 2) == 3:
+            poses = _numbers.numpy.asarray(poses).reshape(-1, 7)
+        numbers = _numbers.rows(poses, 7, "poses")
+        count, left_over = divmod(numbers.count, max(1, len(objects)))
+        if left_over:
+            raise BadInput(f"{numbers.count} poses for {len(objects)} objects", "each configuration has one for each")
+        asked = _ask_options(mode="closest" if clearance else "any", only=against, timeout=timeout, **options)
+        names = (ctypes.c_char_p * len(objects))(*[encoded(name, "the name") for name in objects])
+        tied = (ctypes.c_char_p * (2 * len(attached)))(*[encoded(name, "the name") for pair in attached for name in pair])
+        answers = Answers()
+        kept = answers._empty()
+        call(
+            "what_if", self._handle, names, len(objects), count, numbers.pointer, tied, len(attached), nearer,
+            ctypes.byref(asked), ctypes.byref(kept),
+        )
+        answers._refill()
+        return answers
