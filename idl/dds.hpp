@@ -43,6 +43,7 @@ using EventFrame = ::collided_wire_v2_EventFrame;
 using ContactShard = ::collided_wire_v2_ContactShard;
 using ProbeFrame = ::collided_wire_v2_ProbeFrame;
 using Status = ::collided_wire_v2_Status;
+using Member = ::collided_wire_v2_Member;
 
 }  // namespace collided::wire
 
@@ -110,6 +111,11 @@ template <>
 struct WireType<wire::Status> {
   static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Status_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kStatusTopic;
+};
+template <>
+struct WireType<wire::Member> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Member_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kMemberTopic;
 };
 
 /// One message whose memory is reused: taking into it again keeps its sequences' buffers. It owns what take() filled;

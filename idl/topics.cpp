@@ -63,6 +63,12 @@ std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b) {
   return static_cast<std::uint8_t>(mix(mix(a) ^ b) % kContactShards);
 }
 
+std::uint64_t digest_hash(std::span<const std::uint64_t> sums) {
+  std::uint64_t hash = 0;
+  for (const std::uint64_t sum : sums) hash = mix(hash ^ sum);
+  return hash;
+}
+
 std::uint64_t contact_hash(std::uint64_t a, std::uint64_t b, std::uint64_t episode) {
   return mix(mix(mix(a) ^ b) ^ episode);
 }

@@ -75,6 +75,8 @@ enum class EndReason : std::uint8_t {
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
 /// recovering: after a crash, publishers and what commands added may not all be back.
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
+/// primary: answers, and publishes events. standby: holds the same world, and waits.
+enum class MemberRole : std::uint8_t { primary, standby };
 /// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out.
 enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
@@ -164,6 +166,8 @@ inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Dur
 /// after every step while it has readers. A recording needs it to tell which poses an answer was about.
 inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+/// Which servers there are. A crashed one's instance is not disposed: who reads learns that it has no writer.
+inline constexpr TopicQos kMemberTopic{"member_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// Who is in which fence, in the messages of events, of contacts and of the status.
 inline constexpr TopicQos kFenceEventTopic{
     "fence_event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
@@ -188,6 +192,8 @@ inline const char* name_of(QueryRight right) {
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
 /// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
+/// From one message of a member about itself to the next.
+inline constexpr std::int64_t kMemberPeriodNs = 500'000'000;
 /// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an
 /// overloaded machine seldom looks like a dead server, and a dead server is noticed within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
@@ -219,6 +225,9 @@ std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed)
 
 /// The shard of the contact topic that holds a pair, a < b.
 std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);
+
+/// One number for the sums of a Member's digest, for people and for comparing.
+std::uint64_t digest_hash(std::span<const std::uint64_t> sums);
 
 /// Hash of a contact that holds. The sum of it over all contacts does not depend on their order.
 std::uint64_t contact_hash(std::uint64_t a, std::uint64_t b, std::uint64_t episode);

@@ -17,14 +17,14 @@ void add(std::set<std::string>& topics, std::initializer_list<const TopicQos*> r
 }
 
 void add_server(TopicRights& rights) {
-  add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic});
-  add(rights.write, {&kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic,
-                     &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
+  add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic, &kMemberTopic});
+  add(rights.write, {&kMemberTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic,
+                     &kPersistedTopic, &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
 }
 
 void add_client(TopicRights& rights) {
   rights.queries.insert(QueryRight::greet);
-  add(rights.read, {&kReplyTopic, &kStatusTopic});
+  add(rights.read, {&kReplyTopic, &kStatusTopic, &kMemberTopic});
 }
 
 void add_watching(TopicRights& rights) {

@@ -19,6 +19,7 @@
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
 #include "server/service/events/dds_event_writer.hpp"
+#include "server/service/fleet/membership.hpp"
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/validation.hpp"
@@ -104,6 +105,8 @@ struct Server::Parts {
   std::unique_ptr<FlightRecorder> record();
   /// Whether every publisher from before the crash lives and has sent all its definitions.
   bool has_all_back() const;
+  /// What this server says of itself to the others of its namespace.
+  SelfDescription describe_self();
   /// Keeps which publishers are there, for the case of a crash.
   void note_publishers();
 
@@ -133,6 +136,7 @@ struct Server::Parts {
   std::unique_ptr<Listeners> listeners;
   std::thread world_thread;
   std::optional<wire_contract::Presence> presence;
+  std::unique_ptr<Membership> membership;
 };
 
 Epoch Server::Parts::make_epoch() {
@@ -242,6 +246,15 @@ bool Server::Parts::has_all_back() const {
                      [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
 }
 
+SelfDescription Server::Parts::describe_self() {
+  return {.name = options.member,
+          .state =
+              [this] {
+                return loop.recovering() ? wire_contract::ServerState::recovering : wire_contract::ServerState::ready;
+              },
+          .alarm = [this] { return durable ? durable->problem() : std::string(); }};
+}
+
 void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
@@ -303,6 +316,8 @@ std::string Server::start() {
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const bool is_heard = p.options.keys.empty() && !p.participant.configured_by_environment();
   p.presence.emplace(p.options.domain, p.options.name_space, is_heard ? p.options.interface : std::string());
+  p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
+                                              [&p](const std::string& sentence) { p.log->warn("{}", sentence); });
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
@@ -327,6 +342,7 @@ void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
   p.presence.reset();
+  p.membership->leave();
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.
   p.commands.stop();

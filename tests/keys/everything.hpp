@@ -29,6 +29,7 @@ inline const std::vector<Way>& ways() {
                           {&kPoseTopic, &collided_wire_v2_PoseBatch_desc, ""},
                           {&kReplyTopic, &collided_wire_v2_Reply_desc, "client_00"},
                           {&kStatusTopic, &collided_wire_v2_Status_desc, ""},
+                          {&kMemberTopic, &collided_wire_v2_Member_desc, ""},
                           {&kStepTopic, &collided_wire_v2_Status_desc, ""},
                           {&kEventTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kPersistedTopic, &collided_wire_v2_EventFrame_desc, ""},

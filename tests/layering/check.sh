@@ -53,6 +53,7 @@ declare -A within=(
   [service/events]="recording runtime"
   [service/questions]="events recording roles runtime"
   [service/durability]="questions runtime"
+  [service/fleet]="events runtime"
   [service/ingest]="questions recording roles runtime"
   [service/commands]=". durability ingest questions roles runtime"
   [service/options]="commands questions"

@@ -143,6 +143,8 @@ constexpr Verb kVerbs[] = {
     {"audit", "Look", "answers that the server worked out again, exactly", "audit", "audit", make_audit},
     {"doctor", "Look", "what keeps programs from finding or hearing each other, and what to do about it", "doctor",
      "doctor\ndoctor --domain 3 --json", make_doctor},
+    {"fleet", "Look", "which servers of a namespace there are, and whether they fit together", "fleet",
+     "fleet\nfleet --json", make_fleet},
     {"accept-loss", "Look", "go on without what a crash or a damaged disk took", "accept-loss",
      "accept-loss --show\naccept-loss", make_accept_loss},
     {"check", "Files", "what a file holds and what is wrong with it; needs no server", "check FILE",

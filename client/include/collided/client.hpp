@@ -28,7 +28,7 @@
 #include <collided/what_if.hpp>
 
 /// The client of a collision server: connect, ask, watch, and change what is there. This header includes all the others
-/// except recording.hpp and diagnosis.hpp.
+/// except recording.hpp, diagnosis.hpp and fleet.hpp.
 ///
 /// units    metres, seconds, right-handed frames; quaternions w first; times as std::chrono::nanoseconds
 /// errors   calls return a Result and throw no exceptions of their own

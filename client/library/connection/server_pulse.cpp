@@ -8,11 +8,6 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-std::string state_name(std::uint8_t state) {
-  constexpr const char* kNames[] = {"starting", "recovering", "ready", "stopping"};
-  return state < std::size(kNames) ? kNames[state] : "unknown (" + std::to_string(state) + ')';
-}
-
 std::vector<std::string> lines(const char* text) {
   std::vector<std::string> found;
   std::istringstream stream(text);
@@ -62,6 +57,11 @@ ServerStatus decode_status(const wire::Status& status) {
 }
 
 }  // namespace
+
+std::string state_name(std::uint8_t state) {
+  constexpr const char* kNames[] = {"starting", "recovering", "ready", "stopping"};
+  return state < std::size(kNames) ? kNames[state] : "unknown (" + std::to_string(state) + ')';
+}
 
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   if (server() != status->server && server() != 0 && !silent()) { return; }

@@ -16,6 +16,9 @@ namespace collided::client {
 
 using Clock = std::chrono::steady_clock;
 
+/// The word for a ServerState of the wire.
+std::string state_name(std::uint8_t state);
+
 /// Which server a connection talks to, its newest status, and how long it has been silent.
 ///
 /// threads  any; hear() is for the status reader's callback only

@@ -98,10 +98,19 @@ void DurableState::finish() {
 
 /// Reports each new problem, and the end of one.
 void DurableState::say_problem() {
-  if (journal_.problem() == said_) return;
-  said_ = journal_.problem();
-  notice_(said_.empty() ? "what is added is kept over a crash again"
-                        : said_ + "; what is added now is lost with a crash");
+  const std::string& problem = journal_.problem();
+  {
+    const std::lock_guard lock(said_mutex_);
+    if (problem == said_) return;
+    said_ = problem;
+  }
+  notice_(problem.empty() ? "what is added is kept over a crash again"
+                          : problem + "; what is added now is lost with a crash");
+}
+
+std::string DurableState::problem() const {
+  const std::lock_guard lock(said_mutex_);
+  return said_;
 }
 
 void DurableState::change(std::vector<std::string> erased, std::vector<Journal::Entry> put, Journal::Sync sync) {

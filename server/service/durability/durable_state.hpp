@@ -51,6 +51,8 @@ class DurableState {
   /// What is missing, a sentence each. Any thread.
   std::vector<std::string> losses() const;
   bool has_losses() const { return has_losses_.load(); }
+  /// Why what is added now is lost with a crash, such as a full disk; empty: it is not. Any thread.
+  std::string problem() const;
   /// One of commands_left() could not be carried out again. It stays in the journal until it is accepted, or something
   /// of its name is kept anew. Any thread.
   void not_restored(std::uint64_t request, const std::string& why);
@@ -119,7 +121,8 @@ class DurableState {
   void lose(const std::string& key, const std::string& why);
   void say_problem();
 
-  Journal journal_;   // used by thread_ alone once that runs
+  Journal journal_;  // used by thread_ alone once that runs
+  mutable std::mutex said_mutex_;
   std::string said_;  // the problem reported last
   Notice notice_;
   bool crashed_ = false;

@@ -199,6 +199,14 @@ Allowed apply_interface(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_member(Options& options, Values values) {
+  constexpr std::size_t kMostLetters = 64;
+  if (!values[0].empty() && (values[0].size() > kMostLetters || !is_network_word(values[0])))
+    return "1 to 64 letters, digits and '.', '_', '-'";
+  options.member = values[0];
+  return std::nullopt;
+}
+
 Allowed apply_peers(Options& options, Values values) {
   for (const std::string& peer : values) {
     if (!is_network_word(peer)) return "host names or addresses";
@@ -239,6 +247,8 @@ constexpr Setting kSettings[] = {
      apply_step},
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
      "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
+    {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",
+     "what collide fleet calls this server; default: the machine's name and the process number", false, apply_member},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
     {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
     {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z",

@@ -12,6 +12,7 @@
 
 #include <collided/client.hpp>
 #include <collided/diagnosis.hpp>
+#include <collided/fleet.hpp>
 #include <collided/recording.hpp>
 
 /// A server in memory behind the symbols of collided/client.hpp: what it answers is what a test put here.
@@ -71,6 +72,7 @@ struct Server {
   ReplayOptions replayed_with;
   std::deque<ReplayReport> replays;  // one a call; the last one again and again
   std::vector<Finding> findings;
+  std::vector<FleetMember> members;
   Strangers strangers;
 
   std::uint64_t version = 18204;

@@ -44,4 +44,11 @@ std::vector<Finding> diagnose(const ConnectOptions& options) {
   return fake::server().findings;
 }
 
+Result<Fleet> fleet(const ConnectOptions& options) {
+  fake::Server& server = fake::server();
+  server.connected_with = options;
+  if (server.members.empty()) return Error{ErrorCode::no_server, "no collided heard in 1.5 s", ""};
+  return Fleet{.members = server.members, .findings = fleet_findings(server.members)};
+}
+
 }  // namespace collided

@@ -60,6 +60,19 @@ class DurableStateTest : public ::testing::Test {
 
 using Texts = std::vector<std::string>;
 
+TEST_F(DurableStateTest, WhyNothingIsKeptIsToldForAsLongAsItIsSo) {
+  const auto state = live();
+  EXPECT_EQ(state->problem(), "");
+  std::filesystem::remove_all(folder);
+  state->object_added("crate", asked("add crate"));
+  state->wait(std::chrono::seconds(5));
+  EXPECT_NE(state->problem(), "");
+  std::filesystem::create_directories(folder);
+  state->object_added("ball", asked("add ball"));
+  state->wait(std::chrono::seconds(5));
+  EXPECT_EQ(state->problem(), "");
+}
+
 TEST_F(DurableStateTest, WhatIsLeftOutlivesCrashesInARow) {
   {
     const auto first = live(PastEnd::unknown);

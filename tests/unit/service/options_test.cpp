@@ -92,6 +92,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.threads", "3", [](const Options& o) { return o.threads == 3; }},
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
+      {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
       {"world.scenes", "a.obj,b.obj",
        [](const Options& o) {
          return o.scenes == std::vector<std::string>{"a.obj", "b.obj"};

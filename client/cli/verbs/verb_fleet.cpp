@@ -1,0 +1,78 @@
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+#include <collided/fleet.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+
+namespace collided::cli {
+namespace {
+
+bool is_wrong(const Finding& finding) { return finding.health == Health::fail; }
+
+class FleetCommand : public Command {
+ public:
+  void declare(CLI::App&) override {}
+
+  Exit run(Session& session, const Globals& globals) override {
+    const Fleet found = take(fleet(connect_options(session.io, globals)));
+    Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields({"name", "role", "state", "epoch", "version_text"});
+    if (printer.human()) print_table(printer, found.members);
+    else
+      for (const FleetMember& member : found.members) printer.record(record(member));
+    printer.finish();
+    for (const Finding& finding : found.findings) {
+      if (printer.human()) print_text(printer, finding);
+      else print_warning(session.io, finding.text);
+    }
+    printer.finish();
+    return std::ranges::any_of(found.findings, is_wrong) ? Exit::no : Exit::yes;
+  }
+
+ private:
+  static void print_table(Printer& printer, const std::vector<FleetMember>& members) {
+    static const std::vector<std::string> kHeader{"NAME", "ROLE",    "STATE", "EPOCH", "WORLD",
+                                                  "LAG",  "VERSION", "HOST",  "PID",   "UP"};
+    for (const FleetMember& member : members) {
+      printer.row(kHeader, {printable(member.name), std::string(name_of(member.role)), member.state,
+                            std::to_string(member.epoch), format_count(member.version), format_duration(member.lag),
+                            printable(member.version_text), printable(member.host), std::to_string(member.pid),
+                            format_duration(member.up)});
+    }
+  }
+
+  static void print_text(Printer& printer, const Finding& finding) {
+    const bool wrong = is_wrong(finding);
+    const std::string word = wrong ? "fail" : "warn";
+    printer.line(printer.paint(wrong ? Paint::bad : Paint::doubt, word) + "  " + printable(finding.text));
+    if (!finding.remedy.empty()) printer.line("        " + finding.remedy);
+  }
+
+  static Record record(const FleetMember& member) {
+    return {{"name", member.name},
+            {"role", name_of(member.role)},
+            {"state", member.state},
+            {"epoch", member.epoch},
+            {"version_text", member.version_text},
+            {"host", member.host},
+            {"pid", std::uint64_t{member.pid}},
+            {"up", seconds_of(member.up)},
+            {"world", member.version},
+            {"lag", seconds_of(member.lag)},
+            {"scene_fingerprint", fmt::format("{:016x}", member.scene_fingerprint)},
+            {"world_hash", member.hash_time.count() == 0 ? Value() : Value(fmt::format("{:016x}", member.world_hash))},
+            {"hash_time", member.hash_time.count() == 0 ? Value() : Value(seconds_of(member.hash_time))},
+            {"clock_ahead", seconds_of(member.clock_ahead)},
+            {"alarm", member.alarm}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_fleet() { return std::make_unique<FleetCommand>(); }
+
+}  // namespace collided::cli

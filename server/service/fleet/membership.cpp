@@ -1,0 +1,187 @@
+#include "server/service/fleet/membership.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+#include "idl/clocks.hpp"
+#include "idl/topics.hpp"
+#include "server/service/runtime/named_thread.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+using wire_contract::MemberRole;
+
+/// Clocks that are farther apart are reported: events of objects of two publishers are dated by such clocks.
+constexpr std::int64_t kClocksApartNs = 20'000'000;
+/// More servers of one namespace than anybody runs; others are not looked at.
+constexpr std::size_t kMostOthers = 64;
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
+  return name.data();
+}
+
+std::string name_of(const SelfDescription& self) {
+  return self.name.empty() ? fmt::format("{}-{}", host_name(), getpid()) : self.name;
+}
+
+/// As much of a text as fits into a field.
+template <std::size_t kRoom>
+void set_cut(char (&field)[kRoom], std::string_view text) {
+  static_cast<void>(dds::set_text(field, text.substr(0, kRoom - 1)));
+}
+
+WorldDigest digest_in(const wire::Member& member) {
+  WorldDigest digest;
+  const auto sums = dds::view(member.digest);
+  if (sums.size() == digest.sums.size()) std::ranges::copy(sums, digest.sums.begin());
+  return digest;
+}
+
+/// By how much the other's clock is ahead, by the sample that came quickest; negative: behind.
+std::int64_t clock_ahead_of(const OtherMember& other) {
+  return other.clock_ahead_ns.empty() ? 0 : *std::ranges::max_element(other.clock_ahead_ns);
+}
+
+}  // namespace
+
+Membership::Membership(const dds::Participant& participant, const Identity& identity, SelfDescription self,
+                       const World& world, const WorldClock& clock, Notice notice)
+    : self_(std::move(self)),
+      name_(name_of(self_)),
+      world_(world),
+      clock_(clock),
+      notice_(std::move(notice)),
+      identity_(identity),
+      topic_(participant, identity.name_space),
+      writer_(topic_),
+      reader_(topic_),
+      waitset_(participant),
+      digests_(world) {
+  waitset_.attach(reader_, 1);
+  said_->server = identity.server;
+  said_->epoch = identity.epoch;
+  said_->role = static_cast<std::uint8_t>(self_.role);
+  said_->pid = static_cast<std::uint32_t>(getpid());
+  set_cut(said_->name, name_);
+  set_cut(said_->host, host_name());
+  set_cut(said_->server_version, identity.version);
+  said_->started_ns = wire_contract::since_1970_ns();
+  thread_ = named_thread("fleet", [this] { run(); });
+}
+
+Membership::~Membership() { leave(); }
+
+void Membership::leave() {
+  if (!thread_.joinable()) return;
+  is_over_.store(true);
+  waitset_.wake();
+  thread_.join();
+  try {
+    writer_.dispose(*said_);
+  } catch (const dds::DdsError&) {}  // the others learn by its silence, then
+}
+
+void Membership::run() {
+  std::int64_t next_ns = steady_ns();
+  while (!is_over_.load()) {
+    waitset_.wait(std::max<std::int64_t>(0, next_ns - steady_ns()));
+    take();
+    if (steady_ns() < next_ns) continue;
+    next_ns = steady_ns() + wire_contract::kMemberPeriodNs;
+    if (!others_.empty()) digests_.make(clock_.now_ns());
+    report(findings());
+    write();
+  }
+}
+
+void Membership::take() {
+  while (reader_.take(heard_)) {
+    if (heard_->server == identity_.server) continue;
+    if (heard_.info().instance_state != DDS_ALIVE_INSTANCE_STATE) {
+      others_.erase(heard_->server);
+    } else if (heard_.info().valid_data) {
+      hear(heard_);
+    }
+  }
+}
+
+void Membership::hear(const dds::Sample<wire::Member>& sample) {
+  if (others_.size() >= kMostOthers && !others_.contains(sample->server)) return;
+  const bool is_known = others_.contains(sample->server);
+  OtherMember& other = others_[sample->server];
+  other.server = sample->server;
+  other.epoch = sample->epoch;
+  other.role =
+      sample->role == static_cast<std::uint8_t>(MemberRole::standby) ? MemberRole::standby : MemberRole::primary;
+  other.name = sample->name;
+  other.version = sample->server_version;
+  other.scene_fingerprint = sample->scene_fingerprint;
+  other.digest = {.time_ns = sample->digest_time_ns, .digest = digest_in(*sample)};
+  // What DDS kept for a reader that joins may be old.
+  if (!is_known) return;
+  constexpr std::size_t kMost = 8;
+  other.clock_ahead_ns.push_back(sample->clock_ns - wire_contract::since_1970_ns());
+  if (other.clock_ahead_ns.size() > kMost) other.clock_ahead_ns.pop_front();
+}
+
+/// What does not fit together, a sentence each.
+std::vector<std::string> Membership::findings() const {
+  std::vector<std::string> found;
+  const std::uint64_t fingerprint = said_->scene_fingerprint;
+  for (const auto& [server, other] : others_) {
+    if (other.role == MemberRole::primary && self_.role == MemberRole::primary)
+      found.push_back(
+          fmt::format("two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop "
+                      "one of the two",
+                      other.name, other.epoch));
+    if (other.version != identity_.version)
+      found.push_back(
+          fmt::format("two versions: '{}' is {}, this is {}", other.name, other.version, identity_.version));
+    if (fingerprint != 0 && other.scene_fingerprint != 0 && other.scene_fingerprint != fingerprint)
+      found.push_back(fmt::format("different scenes: those of '{}' are not those that are loaded here", other.name));
+    const std::int64_t ahead_ns = clock_ahead_of(other);
+    if (std::abs(ahead_ns) > kClocksApartNs)
+      found.push_back(fmt::format("clocks apart: that of '{}' is {} ms {}", other.name, std::abs(ahead_ns) / 1'000'000,
+                                  ahead_ns > 0 ? "ahead" : "behind"));
+  }
+  return found;
+}
+
+/// Reports what was found at the last look too: a scene that is being loaded is on one server first.
+void Membership::report(std::vector<std::string> found) {
+  std::set<std::string> now(found.begin(), found.end());
+  std::set<std::string> lasting;
+  for (const std::string& sentence : now) {
+    if (!found_before_.contains(sentence)) continue;
+    lasting.insert(sentence);
+    if (!reported_.contains(sentence)) notice_("fleet: " + sentence);
+  }
+  found_before_ = std::move(now);
+  reported_ = std::move(lasting);
+}
+
+void Membership::write() {
+  const SnapshotRing::Lease newest = world_.newest();
+  said_->state = static_cast<std::uint8_t>(self_.state());
+  said_->version = newest->version;
+  said_->lag_ns = std::max<std::int64_t>(0, newest->world_time_ns - newest->settled_ns);
+  said_->scene_fingerprint = digests_.scene_fingerprint();
+  said_->digest_time_ns = digests_.newest().time_ns;
+  if (said_->digest_time_ns != 0) dds::borrow(said_->digest, digests_.newest().digest.sums);
+  set_cut(said_->alarm, self_.alarm());
+  said_->clock_ns = wire_contract::since_1970_ns();
+  try {
+    static_cast<void>(writer_.write(*said_));
+  } catch (const dds::DdsError&) {}  // said again at the next look
+}
+
+}  // namespace collided::engine::service

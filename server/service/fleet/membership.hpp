@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/events/dds_event_writer.hpp"
+#include "server/service/fleet/instant_digest.hpp"
+#include "server/service/runtime/clock.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::engine::service {
+
+/// What another server of the namespace says of itself.
+struct OtherMember {
+  std::uint64_t server = 0;
+  std::uint64_t epoch = 0;
+  wire_contract::MemberRole role = wire_contract::MemberRole::primary;
+  std::string name;
+  std::string version;
+  std::uint64_t scene_fingerprint = 0;
+  InstantDigest digest;
+  std::deque<std::int64_t> clock_ahead_ns;  // of this machine's clock, when the newest samples came
+};
+
+/// What this server says of itself, beside what the Membership finds out.
+struct SelfDescription {
+  wire_contract::MemberRole role = wire_contract::MemberRole::primary;
+  std::string name;  // empty: the machine's name and the process number
+  std::function<wire_contract::ServerState()> state;
+  std::function<std::string()> alarm;  // what is wrong with this server, one sentence a line; empty: nothing
+};
+
+/// This server among those of its namespace: says twice a second what it is, hears the others, and reports what does not
+/// fit together. The world is compared only while there is somebody to compare it with.
+///
+/// threads  one of its own, on which it calls what it was given; the calls here are for any
+class Membership {
+ public:
+  using Notice = std::function<void(const std::string&)>;
+  /// world and clock must outlive this.
+  Membership(const dds::Participant& participant, const Identity& identity, SelfDescription self, const World& world,
+             const WorldClock& clock, Notice notice);
+  ~Membership();
+  Membership(const Membership&) = delete;
+  Membership& operator=(const Membership&) = delete;
+
+  /// To be called last: the others learn that this one has left rather than fallen silent.
+  void leave();
+
+ private:
+  void run();
+  void take();
+  void hear(const dds::Sample<wire::Member>& sample);
+  std::vector<std::string> findings() const;
+  void report(std::vector<std::string> found);
+  void write();
+
+  const SelfDescription self_;
+  const std::string name_;
+  const World& world_;
+  const WorldClock& clock_;
+  const Notice notice_;
+  const Identity identity_;
+  dds::Topic<wire::Member> topic_;
+  dds::Writer<wire::Member> writer_;
+  dds::Reader<wire::Member> reader_;
+  dds::WaitSet waitset_;
+  dds::Sample<wire::Member> said_;               // of the thread
+  dds::Sample<wire::Member> heard_;              // likewise
+  std::map<std::uint64_t, OtherMember> others_;  // likewise
+  DigestMaker digests_;                          // likewise
+  std::set<std::string> found_before_;           // likewise; at the last look
+  std::set<std::string> reported_;               // likewise
+  std::atomic<bool> is_over_{false};
+  std::thread thread_;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fakes/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+
+class FleetVerb : public testing::Test {
+ protected:
+  void SetUp() override { fake::reset(); }
+
+  static FleetMember member(const std::string& name, FleetRole role = FleetRole::primary) {
+    return {.server = 1,
+            .epoch = 1'795'000'000,
+            .role = role,
+            .state = "ready",
+            .name = name,
+            .host = "hall",
+            .pid = 4711,
+            .version_text = "0.2.0",
+            .started = 1'795'000'000s,
+            .up = 3h,
+            .version = 18'204,
+            .lag = 12ms,
+            .scene_fingerprint = 0xabc,
+            .world_hash = 0x123,
+            .hash_time = 1'795'000'100s,
+            .alarm = ""};
+  }
+  /// What is said of two members of which the second one is changed.
+  template <class Change>
+  static Ran with_second(const Change& change) {
+    fake::server().members = {member("a"), member("b", FleetRole::standby)};
+    change(fake::server().members[1]);
+    return collide("fleet");
+  }
+};
+
+TEST_F(FleetVerb, ListsWhoIsWho) {
+  fake::server().members = {member("a"), member("b", FleetRole::standby)};
+  const Ran ran = at_terminal("fleet");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "NAME  ROLE     STATE  EPOCH       WORLD   LAG    VERSION  HOST  PID   UP\n"
+            "a     primary  ready  1795000000  18 204  12 ms  0.2.0    hall  4711  3 h 0 m\n"
+            "b     standby  ready  1795000000  18 204  12 ms  0.2.0    hall  4711  3 h 0 m\n");
+  EXPECT_EQ(collide("fleet --json --fields name,role,world_hash").out,
+            "{\"name\":\"a\",\"role\":\"primary\",\"world_hash\":\"0000000000000123\"}\n"
+            "{\"name\":\"b\",\"role\":\"standby\",\"world_hash\":\"0000000000000123\"}\n");
+}
+
+TEST_F(FleetVerb, TwoPrimariesAreAFailureWithBothNames) {
+  fake::server().members = {member("a"), member("b")};
+  const Ran ran = at_terminal("fleet");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_TRUE(
+      ran.out.ends_with("fail  2 primaries: 'a' (pid 4711 on hall), 'b' (pid 4711 on hall); answers may differ, "
+                        "and events come twice\n"
+                        "        stop all but one, or give each a --namespace of its own\n"))
+      << ran.out;
+  const Ran piped = collide("fleet --json");
+  EXPECT_EQ(piped.code, 1);
+  EXPECT_TRUE(piped.err.starts_with("warning: 2 primaries: ")) << piped.err;
+}
+
+TEST_F(FleetVerb, NoPrimaryIsAFailure) {
+  fake::server().members = {member("b", FleetRole::standby)};
+  const Ran ran = collide("fleet");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.err, "warning: no primary: nobody answers\n");
+}
+
+TEST_F(FleetVerb, DifferentVersionsAndClocksAreWarnings) {
+  const Ran versions = with_second([](FleetMember& b) { b.version_text = "0.3.0"; });
+  EXPECT_EQ(versions.code, 0);
+  EXPECT_EQ(versions.err, "warning: different versions: 'a' is 0.2.0; 'b' is 0.3.0\n");
+  const Ran clocks = with_second([](FleetMember& b) { b.clock_ahead = 1'200ms; });
+  EXPECT_EQ(clocks.code, 0);
+  EXPECT_EQ(clocks.err,
+            "warning: clocks apart: that of 'b' (pid 4711 on hall) is 1.2 s ahead of that of 'a' (pid 4711 on hall)\n");
+  EXPECT_EQ(with_second([](FleetMember& b) { b.clock_ahead = -19ms; }).err, "");
+}
+
+TEST_F(FleetVerb, DifferentScenesAndWorldsAreFailures) {
+  const Ran scenes = with_second([](FleetMember& b) { b.scene_fingerprint = 0xabd; });
+  EXPECT_EQ(scenes.code, 1);
+  EXPECT_TRUE(scenes.err.starts_with("warning: different scenes: 'a'")) << scenes.err;
+  EXPECT_EQ(with_second([](FleetMember& b) { b.scene_fingerprint = 0; }).code, 0)
+      << "it has said nothing of its scenes yet";
+  const Ran worlds = with_second([](FleetMember& b) { b.world_hash = 0x124; });
+  EXPECT_EQ(worlds.code, 1);
+  EXPECT_TRUE(worlds.err.starts_with("warning: different worlds: 'a'")) << worlds.err;
+  const auto at_another_instant = [](FleetMember& b) { b.world_hash = 0x124, b.hash_time += 1s; };
+  EXPECT_EQ(with_second(at_another_instant).code, 0) << "worlds of two instants differ";
+}
+
+TEST_F(FleetVerb, WhatAMemberSaysIsWrongWithItIsAFailure) {
+  const Ran ran = with_second([](FleetMember& b) { b.alarm = "the disk is full\nball differs"; });
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.err,
+            "warning: 'b' (pid 4711 on hall): the disk is full\nwarning: 'b' (pid 4711 on hall): ball differs\n");
+}
+
+TEST_F(FleetVerb, NobodyIsNoServer) { EXPECT_EQ(collide("fleet").code, 4); }
+
+}  // namespace
+}  // namespace collided
