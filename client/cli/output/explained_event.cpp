@@ -43,6 +43,10 @@ void print_body(Printer& printer, const nlohmann::json& body) {
 
 }  // namespace
 
+std::vector<std::string> usual_explained_event_fields() {
+  return {"sequence", "of", "what", "a", "b", "margin", "within", "why", "doubt", "low_ns", "high_ns"};
+}
+
 Record explained_event_record(const nlohmann::json& answer) {
   const Value none = std::monostate{};
   const auto text_or_none = [&](const char* key) {
@@ -65,7 +69,7 @@ Record explained_event_record(const nlohmann::json& answer) {
   for (const char* key : {"point", "normal", "bodies", "before", "after", "why_wide"})
     record.push_back({key, raw(key)});
   record.push_back({"episode", count_of(answer, "episode")});
-  record.push_back({"world", count_of(answer, "version")});
+  record.push_back({"world", version_of(answer)});
   return record;
 }
 

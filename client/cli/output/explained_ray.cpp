@@ -110,6 +110,15 @@ double number_or_inf(const nlohmann::json& answer, const char* key) {
   return value.is_number() ? value.get<double>() : std::numeric_limits<double>::infinity();
 }
 
+Value version_of(const nlohmann::json& answer) {
+  return answer.contains("version") ? Value(count_of(answer, "version")) : Value(std::monostate{});
+}
+
+std::vector<std::string> usual_explained_ray_fields() {
+  return {"answer",  "reason",    "object",         "distance", "error", "level",
+          "objects", "boxes_met", "left_out_count", "cut",      "late"};
+}
+
 Record explained_ray_record(const nlohmann::json& answer) {
   const Value none = std::monostate{};
   const nlohmann::json& met = answer.at("met");
@@ -135,7 +144,7 @@ Record explained_ray_record(const nlohmann::json& answer) {
           {"cut", flag_of(answer, "cut") ? Value(true) : none},
           {"late", flag_of(answer, "late") ? Value(true) : none},
           {"time_ns", answer.value("time_ns", std::int64_t{0})},
-          {"world", count_of(answer, "version")}};
+          {"world", version_of(answer)}};
 }
 
 void print_explained_ray(Printer& printer, const nlohmann::json& answer) {

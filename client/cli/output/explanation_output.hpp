@@ -2,10 +2,13 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "client/cli/output/output.hpp"
 
-// The answers to the command explain (idl/commands.hpp), for people as lines and for machines as one record.
+// The answers to the command explain (idl/commands.hpp), for people as lines and for machines as one record. The usual
+// fields are those of plain output, without the lists.
 namespace collided::cli {
 
 /// A number that the server writes as "inf" where it is.
@@ -13,12 +16,22 @@ double number_or_inf(const nlohmann::json& answer, const char* key);
 /// A time in nanoseconds; 0 where there is none.
 std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key);
 
+/// The world's version; of a recording's nothing.
+Value version_of(const nlohmann::json& answer);
+
+std::vector<std::string> usual_explained_ray_fields();
 Record explained_ray_record(const nlohmann::json& answer);
 void print_explained_ray(Printer& printer, const nlohmann::json& answer);
 
+std::vector<std::string> usual_explained_fence_fields();
 Record explained_fence_record(const nlohmann::json& answer);
 void print_explained_fence(Printer& printer, const nlohmann::json& answer);
 
+std::vector<std::string> usual_explained_nearest_fields();
+Record explained_nearest_record(const nlohmann::json& answer);
+void print_explained_nearest(Printer& printer, const nlohmann::json& answer);
+
+std::vector<std::string> usual_explained_event_fields();
 Record explained_event_record(const nlohmann::json& answer);
 void print_explained_event(Printer& printer, const nlohmann::json& answer);
 

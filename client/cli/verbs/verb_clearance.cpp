@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,7 +11,7 @@
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/output/readable.hpp"
-#include "client/cli/own_server.hpp"
+#include "client/cli/server_aside.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/clearance_output.hpp"
 
@@ -74,25 +72,11 @@ class GroupCommand : public Command {
 
   /// Asks a server of its own, which reads the file and ends with the answer: the other one's world stays as it is.
   Exit ask_file(Session& session, const Globals& globals, const std::string& file, ClearanceOptions& options) {
-    const auto own_id = static_cast<unsigned>(::getpid());
-    ConnectOptions where = connect_options(session.io, globals);
-    where.name_space = fmt::format("clash_{}", own_id);
-    Globals its_own = globals;
-    its_own.domain = std::to_string(where.domain);
-    its_own.name_space = where.name_space;
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / fmt::format("collide-clash-{}", own_id);
     std::vector<std::string> words = reading_words();
-    words.insert(words.end(), {"--state-dir", folder.string(), std::filesystem::absolute(file).string()});
-    const std::shared_ptr<void> cleaning(nullptr, [&](void*) {
-      std::error_code ignored;
-      std::filesystem::remove_all(folder, ignored);
-    });
-    OwnServer server(session.io, where, words);
-    Session with_it(session.io);
-    server.meet(with_it, its_own);
+    words.push_back(std::filesystem::absolute(file).string());
+    ServerAside server(session, globals, "clash", words);
     options.to = "*";
-    return ask(with_it, its_own, "*", options);
+    return ask(server.session(), server.globals(), "*", options);
   }
 
   virtual void declare_own(CLI::App& app) = 0;

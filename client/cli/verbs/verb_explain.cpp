@@ -13,6 +13,7 @@
 #include "client/cli/output/readable.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/recorded_explanation.hpp"
 #include "idl/commands.hpp"
 #include "idl/instant.hpp"
 
@@ -30,6 +31,10 @@ std::string_view now_of(const nlohmann::json& answer) {
   return said == "miss" ? "apart" : "undecided";
 }
 
+/// Of a recording: how far back two paths are looked at, and what comes before the instant of a ray.
+constexpr std::chrono::seconds kLastOfRecording{5};
+constexpr std::chrono::seconds kBeforeRay{2};
+
 constexpr const char* kForms =
     "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, or event SEQ (of contacts; --of fences)";
 
@@ -37,11 +42,17 @@ constexpr const char* kForms =
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "pair A B, ray and its 6 numbers, fence NAME, or event SEQ");
-    app.add_option("--last", last_,
-                   "pair: how far back their paths are looked at: 5s (as far as poses are remembered)");
-    app.add_option("--as-of", as_of_,
-                   "pair, ray: all objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
+    app.add_option("words", words_, "pair A B, ray and its 6 numbers, fence NAME, nearest NAME, or event SEQ");
+    app.add_option(
+        "--last", last_,
+        "pair: how far back their paths are looked at: 5s (as far as poses are remembered; of a recording 5s)");
+    app.add_option("--as-of", world_.as_of,
+                   "pair, ray: all objects at one instant: settled, -2s (before now, or a recording's end), "
+                   "2026-11-22T12:03:10.5Z; of a recording also +2s, after its begin");
+    app.add_option("--recording", world_.path,
+                   "pair, ray, event: from this recording, by a server of its own instead of the one that runs");
+    app.add_option("--scene", world_.scenes, "With --recording: a file that its server had loaded; may be repeated")
+        ->allow_extra_args(false);
     app.add_option("--to", to_, "ray: aim at this point instead of giving a direction");
     app.add_option("--length", length_, "ray: nothing farther than this (inf)");
     app.add_option("--only", only_, "ray: objects whose name matches this glob (* ? [..])");
@@ -55,6 +66,7 @@ class ExplainCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     const std::string what = words_.empty() ? "" : words_.front();
+    if (!world_.scenes.empty() && world_.path.empty()) throw bad_use("--scene belongs to --recording");
     if (what == "pair") return explain_pair(session, globals);
     if (what == "ray") return explain_ray(session, globals);
     if (what == "fence") return explain_fence(session, globals);
@@ -67,10 +79,12 @@ class ExplainCommand : public Command {
     refuse_others({&to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_, &of_}, "pair");
     if (words_.size() != 3) throw bad_use("a pair has two names", kForms);
     nlohmann::json arguments{{"a", words_[1]}, {"b", words_[2]}};
-    if (!last_.empty()) arguments["last_ns"] = parse_duration(last_).count();
-    add_instant(arguments);
-    const nlohmann::json answer = ask(session, globals, std::move(arguments), {words_[1], words_[2]});
+    const auto lead = last_.empty() ? std::chrono::nanoseconds(kLastOfRecording) : parse_duration(last_);
+    if (!last_.empty() || !world_.path.empty()) arguments["last_ns"] = lead.count();
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {words_[1], words_[2]}, lead);
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(
+        {"a", "b", "answer", "distance", "depth", "error", "end", "nearest", "nearest_error", "at_least", "stale"});
     if (printer.human()) print_text(printer, answer);
     else printer.record(record_of(answer));
     const std::string_view now = now_of(answer);
@@ -89,9 +103,9 @@ class ExplainCommand : public Command {
     if (std::isfinite(ray.length_m)) arguments["length"] = ray.length_m;
     if (!mask_.empty()) arguments["mask"] = parse_bits(mask_);
     add_common(arguments);
-    add_instant(arguments);
-    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_});
+    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_}, kBeforeRay);
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_explained_ray_fields());
     if (printer.human()) print_explained_ray(printer, answer);
     else printer.record(explained_ray_record(answer));
     const std::string said = text_of(answer, "answer");
@@ -100,11 +114,12 @@ class ExplainCommand : public Command {
   }
 
   Exit explain_fence(Session& session, const Globals& globals) {
-    refuse_others({&last_, &as_of_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
+    refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
+    if (!world_.path.empty()) throw bad_use("a recording holds no fences", kForms);
     if (words_.size() != 2) throw bad_use("which fence?", kForms);
     nlohmann::json arguments{{"fence", words_[1]}};
     add_common(arguments);
-    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_});
+    const nlohmann::json answer = ask_server(session, globals, std::move(arguments), {why_not_});
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) print_explained_fence(printer, answer);
     else printer.record(explained_fence_record(answer));
@@ -112,12 +127,11 @@ class ExplainCommand : public Command {
   }
 
   Exit explain_event(Session& session, const Globals& globals) {
-    refuse_others({&last_, &as_of_, &to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_}, "event");
+    refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_}, "event");
     if (words_.size() != 2) throw bad_use("which event? the number after 'seq'", kForms);
-    nlohmann::json arguments{{"event", parse_count(words_[1], 1)}};
-    if (!of_.empty()) arguments["of"] = of_;
-    const nlohmann::json answer = ask(session, globals, std::move(arguments), {});
+    const nlohmann::json answer = ask_of_event(session, globals, parse_count(words_[1], 1));
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_explained_event_fields());
     if (printer.human()) print_explained_event(printer, answer);
     else printer.record(explained_event_record(answer));
     return Exit::yes;
@@ -154,16 +168,43 @@ class ExplainCommand : public Command {
     if (!most_.empty()) arguments["most"] = parse_count(most_);
   }
 
+  nlohmann::json ask_of_event(Session& session, const Globals& globals, std::uint64_t sequence) const {
+    if (!world_.path.empty()) {
+      if (of_ == "fences") throw bad_use("a recording holds no events of fences", kForms);
+      return explain_recorded_event(session, globals, world_, sequence, asking({}));
+    }
+    nlohmann::json arguments{{"event", sequence}};
+    if (!of_.empty()) arguments["of"] = of_;
+    return ask_server(session, globals, std::move(arguments), {});
+  }
+
   void add_instant(nlohmann::json& arguments) const {
-    const Instant instant = parse_instant(as_of_);
+    const Instant instant = parse_instant(world_.as_of);
     const wire_contract::AskedInstant asked{.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind),
                                             .ns = instant.time.count()};
     if (const std::string text = wire_contract::text_of(asked); !text.empty()) arguments["as_of"] = text;
   }
 
-  /// names: of objects that must be there; empty ones are none.
+  /// Of the running server, or of the recording.
+  ///
+  /// names  of objects that must be there; empty ones are none
+  /// lead   how much of a recording is replayed
   nlohmann::json ask(Session& session, const Globals& globals, nlohmann::json arguments,
-                     const std::vector<std::string>& names) const {
+                     const std::vector<std::string>& names, std::chrono::nanoseconds lead) const {
+    if (!world_.path.empty())
+      return explain_recorded(session, globals, world_, std::move(arguments), lead, asking(names));
+    add_instant(arguments);
+    return ask_server(session, globals, std::move(arguments), names);
+  }
+
+  AskExplanation asking(std::vector<std::string> names) const {
+    return [this, names = std::move(names)](Session& session, const Globals& globals, nlohmann::json arguments) {
+      return ask_server(session, globals, std::move(arguments), names);
+    };
+  }
+
+  nlohmann::json ask_server(Session& session, const Globals& globals, nlohmann::json arguments,
+                            const std::vector<std::string>& names) const {
     // The search ends before this side stops waiting for it.
     constexpr std::chrono::seconds kPatience{10};
     arguments["deadline_ns"] =
@@ -172,7 +213,7 @@ class ExplainCommand : public Command {
       return server_command(session, globals, wire_contract::command::kExplain, arguments);
     } catch (const Failure&) {
       // An object that is not there now may have been at another instant.
-      for (const std::string& name : as_of_.empty() ? names : std::vector<std::string>()) {
+      for (const std::string& name : world_.as_of.empty() ? names : std::vector<std::string>()) {
         if (name.empty()) continue;
         if (const auto unknown = unknown_object(session, globals, name)) throw Failure(*unknown);
       }
@@ -200,7 +241,7 @@ class ExplainCommand : public Command {
     record.push_back({"nearest_error", is_known ? Value(number_or_inf(*nearest, "error")) : none});
     record.push_back({"at_least", is_known ? Value(number_or_inf(*nearest, "at_least")) : none});
     record.push_back({"stale", answer.value("stale", false) ? Value(true) : none});
-    record.push_back({"world", count_of(answer, "version")});
+    record.push_back({"world", version_of(answer)});
     return record;
   }
 
@@ -253,7 +294,7 @@ class ExplainCommand : public Command {
 
   std::vector<std::string> words_;
   std::string last_;
-  std::string as_of_;
+  RecordedWorld world_;  // with no path: the running server's
   std::string to_;
   std::string length_;
   std::string only_;

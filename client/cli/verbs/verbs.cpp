@@ -98,7 +98,8 @@ constexpr Verb kVerbs[] = {
     {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, an event",
      "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain event SEQ [--of fences]",
      "explain pair drone tower --last 5s\nexplain ray 0 0 5  0 0 -1 --why-not pallet_07\nexplain ray 0 0 5 --to 4 4 0 "
-     "--as-of -2s --json\nexplain fence dock --why-not forklift_7\nexplain event 881",
+     "--as-of -2s --json\nexplain fence dock --why-not forklift_7\nexplain event 881\nexplain event 881 --recording "
+     "run.mcap",
      make_explain},
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},

@@ -126,6 +126,7 @@ class ReplayCommand : public Command {
     for (const std::string& warning : report.warnings)
       print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields({"samples", "commands", "questions", "equal", "not_compared"});
     if (printer.human()) print_text(printer, report);
     else print_record(printer, report);
     if (!options_.ask || report.stopped) return Exit::yes;

@@ -96,6 +96,7 @@ struct RecordedEventsOptions {
 struct RecordedEvents {
   std::vector<Event> events;
   std::chrono::nanoseconds begin{0}, end{0};  // of the recording
+  std::vector<std::string> scenes;            // names of those that the server had loaded, by its last status
   std::uint64_t lost = 0;                     // known to have been sent, but not in the file
   std::vector<std::string> warnings;          // damage of the file, events that are lost, contacts of unknown age
 };
@@ -112,6 +113,11 @@ struct ReplayOptions {
   double rate = 1;                   // 2 is twice as fast as recorded; above 0 up to 1e6
   bool ask = false;                  // ask the recorded questions again, state by state; the rate does not matter
   std::function<bool()> go_on = {};  // called many times a second on the calling thread; false ends the replay
+  std::optional<RunTime> from = {};  // what came before is published at once; not set: the recording's begin
+  std::optional<RunTime> to = {};    // what came after is left out; not set: the recording's end
+  /// Called once all is in the world and before it is taken out again, on a thread of its own. Where `rate` is 1, times
+  /// of the replayed world are `shift` after those of the recording.
+  std::function<void(std::chrono::nanoseconds shift)> at_end = {};
 };
 
 /// What was published, and how the answers compare with the recorded ones, where the state that a question was about

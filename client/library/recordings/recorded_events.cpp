@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <variant>
 
@@ -179,6 +180,19 @@ class OpeningContacts {
   std::uint64_t undated_ = 0;
 };
 
+/// The loaded scenes by the newest status that can be read.
+std::vector<std::string> scenes_of(const RecordedItems& recorded) {
+  std::vector<std::string> names;
+  dds::Sample<wire::Status> status;
+  const auto is_read = [&](const RecordedItem& item) {
+    return item.topic == Recorded::status && wire::read_cdr(item.data, status);
+  };
+  if (std::find_if(recorded.items.rbegin(), recorded.items.rend(), is_read) == recorded.items.rend()) return names;
+  std::istringstream lines(status->scenes);
+  for (std::string name; std::getline(lines, name);) names.push_back(name);
+  return names;
+}
+
 const ServerLife& life_of(const TimedMessage& message) {
   return std::visit([](const auto& heard) -> const ServerLife& { return heard.from; }, message.heard);
 }
@@ -211,6 +225,15 @@ RecordedSpan span_of(const RecordedItems& recorded) {
                                   [](const RecordedItem& item) { return !item.opening; });
   const RecordedItem& begin = first == recorded.items.end() ? recorded.items.front() : *first;
   return {nanoseconds(begin.log_time), nanoseconds(recorded.items.back().log_time)};
+}
+
+std::chrono::nanoseconds resolved(const RunTime& time, const RecordedSpan& span) {
+  switch (time.since) {
+    case RunTime::Since::begin: return span.begin + time.offset;
+    case RunTime::Since::end: return span.end + time.offset;
+    case RunTime::Since::year_1970: break;
+  }
+  return time.offset;
 }
 
 std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanoseconds to, EventOrder order) {
@@ -268,24 +291,11 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
 
 }  // namespace client
 
-namespace {
-
-std::chrono::nanoseconds resolved(const RunTime& time, const client::RecordedSpan& span) {
-  switch (time.since) {
-    case RunTime::Since::begin: return span.begin + time.offset;
-    case RunTime::Since::end: return span.end + time.offset;
-    case RunTime::Since::year_1970: break;
-  }
-  return time.offset;
-}
-
-}  // namespace
-
 Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options) try {
   const client::RecordedItems recorded = client::read_items(client::read_recording(path), path, "Nothing was read");
   const client::RecordedSpan span = client::span_of(recorded);
-  const auto from = options.from ? resolved(*options.from, span) : std::chrono::nanoseconds::min();
-  const auto to = options.to ? resolved(*options.to, span) : std::chrono::nanoseconds::max();
+  const auto from = options.from ? client::resolved(*options.from, span) : std::chrono::nanoseconds::min();
+  const auto to = options.to ? client::resolved(*options.to, span) : std::chrono::nanoseconds::max();
   if (from > to) return client::bad_input("the end of what is asked for lies before its begin", "nothing was read");
   std::vector<Event> events;
   client::Names names;
@@ -296,6 +306,7 @@ Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEv
   RecordedEvents told{.events = client::in_window(std::move(events), from, to, client::EventOrder::happened),
                       .begin = span.begin,
                       .end = span.end,
+                      .scenes = client::scenes_of(recorded),
                       .lost = missing.lost,
                       .warnings = recorded.warnings};
   const auto warn = [&](const std::string& what) { told.warnings.push_back(path + ": " + what); };

@@ -7,6 +7,7 @@
 #include "client/library/connection/names.hpp"
 #include "client/library/recordings/recorded_items.hpp"
 #include "client/library/watching/watch_state.hpp"
+#include "collided/recording.hpp"
 
 namespace collided::client {
 
@@ -28,6 +29,8 @@ struct RecordedSpan {
   std::chrono::nanoseconds end{0};
 };
 RecordedSpan span_of(const RecordedItems& recorded);
+/// A time that may be relative to the recording, since 1970.
+std::chrono::nanoseconds resolved(const RunTime& time, const RecordedSpan& span);
 
 /// happened: by happened(). sequence: as a watch reports them, by their numbers, each `open` before what follows it.
 enum class EventOrder { happened, sequence };

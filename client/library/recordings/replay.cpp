@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <functional>
+#include <future>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -11,6 +14,7 @@
 
 #include "client/library/connection/errors.hpp"
 #include "client/library/recordings/asked_again.hpp"
+#include "client/library/recordings/recorded_events.hpp"
 #include "client/library/recordings/recorded_run.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 #include "collided/recording.hpp"
@@ -131,27 +135,39 @@ class TimedReplay : public Replaying {
   void run() {
     std::set<std::size_t> commands;
     for (const auto& [state, items] : run_.commands) commands.insert(items.begin(), items.end());
-    const auto first =
-        std::find_if(run_.items.begin(), run_.items.end(), [](const RecordedItem& item) { return !item.opening; });
-    began_at_ = first == run_.items.end() ? 0 : first->log_time;
+    const client::RecordedSpan span = client::span_of(run_);
+    began_at_ = (options_.from ? client::resolved(*options_.from, span) : span.begin).count();
+    const std::int64_t end = (options_.to ? client::resolved(*options_.to, span) : span.end).count();
+    if (began_at_ > end)
+      throw ReplayFailure(client::bad_input("replay: the end of what is asked for lies before its begin", ""));
     for (std::size_t i = 0; i < run_.items.size(); ++i) {
       const RecordedItem& item = run_.items[i];
-      if (!item.opening && !wait_until(item.log_time)) return;
+      const bool is_before = item.opening || log_time(item) < began_at_;
+      if (!item.opening && log_time(item) > end) break;
+      if (is_before ? !go_on() : !wait_until(log_time(item))) return;
       if (commands.count(i) > 0) give_command(i);
       if (item.topic == Recorded::status || item.topic == Recorded::step) lose_lost(item);
-      publish(item, source_time(item));
+      publish(item, is_before ? wire_contract::since_1970_ns() : source_time(item));
     }
     wait_applied();
+    call_at_end();
   }
 
  private:
-  std::chrono::nanoseconds after_begin(std::uint64_t log_time) const {
-    const double recorded_ns = log_time > began_at_ ? static_cast<double>(log_time - began_at_) : 0;
-    return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(recorded_ns / options_.rate, 9e18)));
+  static std::int64_t log_time(const RecordedItem& item) { return static_cast<std::int64_t>(item.log_time); }
+  std::chrono::nanoseconds after_begin(std::int64_t recorded_ns) const {
+    const double after_ns = std::max(0.0, static_cast<double>(recorded_ns - began_at_));
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(after_ns / options_.rate, 9e18)));
   }
-  bool wait_until(std::uint64_t log_time) {
+  /// The time runs from now on: what came before took as long as it took.
+  void begin() {
+    began_ = Clock::now();
+    began_ns_ = wire_contract::since_1970_ns();
+  }
+  bool wait_until(std::int64_t recorded_ns) {
     constexpr std::chrono::milliseconds kLook{20};
-    const Clock::time_point when = began_ + after_begin(log_time);
+    if (!began_) begin();
+    const Clock::time_point when = *began_ + after_begin(recorded_ns);
     while (go_on()) {
       const Clock::time_point now = Clock::now();
       if (now >= when) return true;
@@ -159,18 +175,35 @@ class TimedReplay : public Replaying {
     }
     return false;
   }
-  /// The sample's time since the beginning, counted from the beginning of the replay.
-  std::int64_t source_time(const RecordedItem& item) const { return began_ns_ + after_begin(item.log_time).count(); }
+  /// When the poses of a batch were so, counted from the beginning of the replay: by their publisher's own stamp, so
+  /// that objects move as they did, unless its clock was far from the recorder's.
+  std::int64_t source_time(const RecordedItem& item) {
+    std::int64_t recorded_ns = log_time(item);
+    if (item.topic == Recorded::pose && wire::read_cdr(item.data, stamped_) && stamped_->source_time_ns > 0 &&
+        std::abs(recorded_ns - stamped_->source_time_ns) < wire_contract::kPublisherLeaseNs)
+      recorded_ns = stamped_->source_time_ns;
+    return began_ns_ + after_begin(recorded_ns).count();
+  }
+  /// Asks what is to be asked, while the publishers go on living.
+  void call_at_end() {
+    if (!options_.at_end) return;
+    if (!began_) begin();
+    const std::chrono::nanoseconds shift(began_ns_ - began_at_);
+    std::future<void> asked = std::async(std::launch::async, [&] { options_.at_end(shift); });
+    while (asked.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) go_on();
+    asked.get();
+  }
   void lose_lost(const RecordedItem& item) {
     if (!wire::read_cdr(item.data, status_)) return;
     const auto found = run_.states.find({status_->epoch, status_->version});
     if (found != run_.states.end()) lose_whom(found->second);
   }
 
-  std::uint64_t began_at_ = 0;
-  const Clock::time_point began_ = Clock::now();
-  const std::int64_t began_ns_ = wire_contract::since_1970_ns();
+  std::int64_t began_at_ = 0;  // time in the recording
+  std::optional<Clock::time_point> began_;
+  std::int64_t began_ns_ = 0;  // the same, since 1970
   dds::Sample<wire::Status> status_;
+  dds::Sample<wire::PoseBatch> stamped_;
 };
 
 /// Replays state by state: publishes what each recorded state has in addition to the one before, then asks again the
@@ -336,6 +369,8 @@ Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& 
   if (!(options.rate > 0 && options.rate <= 1e6)) {
     return client::bad_input("replay: rate is " + client::words(options.rate) + "; allowed above 0 up to 1e6", "");
   }
+  if (options.ask && (options.from || options.to || options.at_end))
+    return client::bad_input("replay: asking again takes the whole recording; no from, to or at_end", "");
   try {
     const RecordedRun run = client::read_run(options.path);
     const Result<std::shared_ptr<Connection>> connection = Connection::open(connect);

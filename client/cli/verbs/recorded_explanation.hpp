@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// A recording that is asked about instead of a running server's world.
+struct RecordedWorld {
+  std::string path;
+  std::vector<std::string> scenes;  // files of the scenes that its server had loaded; none: the small warehouse, if it had that
+  std::string as_of;                // as --as-of has it, of the recording; empty: its end
+};
+
+/// Asks the server of that session for an explanation; throws Failure.
+using AskExplanation = std::function<nlohmann::json(Session&, const Globals&, nlohmann::json arguments)>;
+
+/// Explains a ray or a pair: replays what a recording holds of the time before the instant into a server of this
+/// program's own, and asks that. The answer's times are the recording's; it has no version. Throws Failure.
+///
+/// arguments  of the command explain, without the instant
+/// lead       time of the replay, so that what moved has a path
+nlohmann::json explain_recorded(Session& session, const Globals& globals, const RecordedWorld& world,
+                                nlohmann::json arguments, std::chrono::nanoseconds lead, const AskExplanation& ask);
+
+/// The same of a contact's event in it.
+///
+/// sequence  that the event had when it was recorded
+nlohmann::json explain_recorded_event(Session& session, const Globals& globals, const RecordedWorld& world,
+                                      std::uint64_t sequence, const AskExplanation& ask);
+
+}  // namespace collided::cli
