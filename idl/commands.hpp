@@ -76,7 +76,8 @@ inline constexpr const char* kAudit = "audit";
 /// What the server has done since its start; the difference of two answers gives rates and quantiles
 /// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
 ///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
-///    fences {count (with the bands of margins and the questions for the nearest), entered (that something is in), inside (objects in them), events},
+///    fences {count (with the bands of margins and the questions for the nearest), entered (that something is in), inside (objects in them), events,
+///    cut_short (searches that ended at their limit)},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
@@ -114,7 +115,7 @@ inline constexpr const char* kFence = "fence";
 
 /// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,
 /// in place of fences: -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none),
-/// since_ns, in_doubt}], count, version), bands (true: the bands of margins as well, each
+/// since_ns, in_doubt, cut_short (searches that ended at their limit of looks)}], count, version), bands (true: the bands of margins as well, each
 /// a fence with margin, within (m) and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
 /// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
 /// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],

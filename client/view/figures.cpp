@@ -36,6 +36,7 @@ Figures figures_of(const json& answer) {
     fences->at("entered").get_to(figures.fences_entered);
     fences->at("inside").get_to(figures.in_fences);
     fences->at("events").get_to(figures.fence_events);
+    figures.fences_cut_short = fences->value("cut_short", std::uint64_t{0});
   }
   answer.at("refused").get_to(figures.refused_requests);
   answer.at("undecided").get_to(figures.undecided_answers);

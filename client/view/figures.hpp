@@ -44,6 +44,7 @@ struct Figures {
   std::uint64_t fences_entered = 0;  // of them, those that something is in
   std::uint64_t in_fences = 0;       // objects in them, each once for every fence
   std::uint64_t fence_events = 0;
+  std::uint64_t fences_cut_short = 0;  // searches of theirs that ended at their limit
   std::uint64_t refused_requests = 0;
   std::uint64_t undecided_answers = 0;
   std::uint64_t poses_applied = 0;

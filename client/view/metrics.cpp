@@ -94,6 +94,8 @@ void write_figures(Writer& to, const Figures& figures) {
   to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.in_doubt);
   to.one("fences", "gauge", "Fences and bands of margins.", figures.fences);
   to.one("fences_entered", "gauge", "Of them, those that something is in.", figures.fences_entered);
+  to.one("fences_cut_short_total", "counter", "Searches for fences, bands and the nearest that ended at their limit.",
+         figures.fences_cut_short);
   to.one("fence_events_total", "counter", "Objects that came into a fence or went out.", figures.fence_events);
   to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.candidates);
   to.one("pairs_filtered_total", "counter", "Pairs of movers that layers, masks or groups keep apart.",

@@ -277,6 +277,7 @@ void WorldLoop::sum_up_fences() {
   sums_.fences_entered.set(objects_in_.size());
   sums_.in_fences.set(fences->inside().size());
   sums_.fence_events.set(fences->last_sequence());
+  sums_.fences_cut_short.set(fences->cut_short());
 }
 
 void WorldLoop::sum_up_poses() {

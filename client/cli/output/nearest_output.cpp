@@ -90,7 +90,8 @@ Record nearest_record(const ListedNearest& listed) {
           {"keep", nearest.keep},
           {"object", text_or_none(listed.object)},
           {"since", listed.since ? Value(seconds_of(*listed.since)) : Value(std::monostate{})},
-          {"in_doubt", listed.is_in_doubt}};
+          {"in_doubt", listed.is_in_doubt},
+          {"cut_short", listed.cut_short}};
 }
 
 std::vector<std::string> nearest_row(const ListedNearest& listed) {
@@ -101,6 +102,7 @@ std::vector<std::string> nearest_row(const ListedNearest& listed) {
           format_number(nearest.within_m) + " m",
           format_number(nearest.hysteresis_m) + " m",
           nearest.keep ? "yes" : "no",
+          format_count(listed.cut_short),
           (listed.object.empty() ? "nothing" : printable(listed.object)) + (listed.is_in_doubt ? " in doubt" : "")};
 }
 

@@ -107,6 +107,7 @@ void add_fences(const Figures& figures, std::vector<std::string>& lines) {
   lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}",
                               format_count(figures.fences), format_count(figures.fences_entered),
                               format_count(figures.in_fences), rate_text(per_second(figures.fence_events, figures))));
+  if (figures.fences_cut_short > 0) lines.back() += "   cut short " + format_count(figures.fences_cut_short);
 }
 
 /// Adds a line where publishers' stamps are late, jump or are missing.
@@ -207,6 +208,7 @@ std::vector<Record> top_records(const Look& look) {
   add("fences.entered", figures.fences_entered, "");
   add("fences.inside", figures.in_fences, "");
   add("fences.events", per_second(figures.fence_events, figures), "1/s");
+  add("fences.cut_short", figures.fences_cut_short, "");
   for (const PublisherInfo& publisher : status.publishers)
     add("silent." + publisher.name, seconds_of(publisher.silent), "s");
   for (const std::string& structure : figures.not_built) add("not_built", structure, "");

@@ -54,7 +54,7 @@ class NearestCommand : public StandingCommand {
   Exit list(Session& session, const Globals& globals) override {
     return print_list(
         session, globals, take(session.client(globals).nearest(word(1))),
-        {"NEAREST", "LOOKS AT", "OF", "WITHIN", "HYSTERESIS", "KEPT", "IS"},
+        {"NEAREST", "LOOKS AT", "OF", "WITHIN", "HYSTERESIS", "KEPT", "CUT", "IS"},
         [](const ListedNearest& listed) { return nearest_record(listed); }, nearest_row);
   }
 

@@ -67,6 +67,8 @@ struct ListedNearest {
   std::string object;                             // empty: nothing is near enough
   bool is_in_doubt = false;                       // as of an event
   std::optional<std::chrono::nanoseconds> since;  // world time by which it was nearest
+  /// Searches that ended at their limit of looks, so far: who came and went in such a piece of the way may not be told.
+  std::uint64_t cut_short = 0;
 };
 
 /// Which news of questions for the nearest a watch reports.

@@ -41,11 +41,13 @@ ListedNearest listed_nearest(const nlohmann::json& row) {
                                     .keep = row.at("keep")},
                        .object = row.at("object"),
                        .is_in_doubt = row.at("in_doubt"),
-                       .since = {}};
+                       .since = {},
+                       .cut_short = 0};
   if (row.contains("point")) {
     const auto point = row.at("point").get<std::vector<double>>();
     if (point.size() == 3) listed.question.point = Vec3(point[0], point[1], point[2]);
   }
+  listed.cut_short = row.value("cut_short", std::uint64_t{0});
   if (row.contains("since_ns")) listed.since = std::chrono::nanoseconds(row.at("since_ns").get<std::int64_t>());
   return listed;
 }

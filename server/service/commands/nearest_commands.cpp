@@ -61,6 +61,7 @@ json Commands::nearest(const Arguments& arguments) {
              {"hysteresis", rule.nearest->hysteresis_m},
              {"keep", rule.owner == 0},
              {"object", ""},
+             {"cut_short", world.fences()->cut_short(slot)},
              {"in_doubt", false}};
     if (rule.carrier.empty()) row["point"] = numbers(std::get<Sphere>(table.described(slot).primitives.front()).center);
     const auto open = open_of.find(table.id(slot));

@@ -38,6 +38,7 @@ struct StepSums {
   Tally fences_entered;  // that something is in
   Tally in_fences;       // objects, each counted once for every fence that it is in
   Tally fence_events;
+  Tally fences_cut_short;  // searches that ended at their limit of looks
   Tally swept;
   Tally kept_apart;
   DurationCounts durations;  // whole steps, with what they publish

@@ -143,6 +143,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
     decisions.bands().settle();
   }
   nearest_.decide(step, movers, cost_);
+  cut_short_ += cost_.sweeps_skipped;
   new_.clear();
 }
 

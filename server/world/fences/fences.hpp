@@ -62,6 +62,9 @@ class Fences {
   std::uint64_t last_sequence() const { return ledger_.last_sequence(); }
   std::size_t doubt_count() const { return ledger_.doubt_count(); }
   const StepCost& cost() const { return cost_; }
+  /// Searches that ended at their limit of looks, so far: of all, and of one question for the nearest.
+  std::uint64_t cut_short() const { return cut_short_; }
+  std::uint64_t cut_short(std::uint32_t nearest) const { return nearest_.cut_short(nearest); }
 
  private:
   bool is_any_pending() const { return !pending_.empty(); }
@@ -95,6 +98,7 @@ class Fences {
   StandingNearest nearest_{table_, ledger_};
   FenceLists lists_;
   StepCost cost_;
+  std::uint64_t cut_short_ = 0;
   std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step
   struct GoneFence {
     ObjectId id = 0;

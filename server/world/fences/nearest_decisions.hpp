@@ -20,7 +20,8 @@ struct NearestProgress {
   bool is_begun = false;     // it was decided with that carrier
   bool has_nearest = false;  // it had one then
   std::int64_t decided_ns = 0;
-  double reach_m = 0;  // the nearest was surely no farther away then
+  double reach_m = 0;           // the nearest was surely no farther away then
+  std::uint64_t cut_short = 0;  // searches that ended at their limit of looks, so far
 };
 
 /// Where a question's objects are found.

@@ -20,10 +20,19 @@ void StandingNearest::decide(const StepView& step, const Grid& movers, StepCost&
   groups_.follow(step);
   follow_paths(step);
   NearestDecisions decisions(step, movers, {table_, paths_.history()}, ledger_, cost);
-  for (auto& [fence, question] : questions_) decisions.decide(fence, question, groups_[question.group]);
+  for (auto& [fence, question] : questions_) {
+    const std::uint32_t before = cost.sweeps_skipped;
+    decisions.decide(fence, question, groups_[question.group]);
+    question.cut_short += cost.sweeps_skipped - before;
+  }
   // No source needs an earlier time.
   paths_.forget_up_to(step.sources.floor_ns());
   has_new_ = false;
+}
+
+std::uint64_t StandingNearest::cut_short(std::uint32_t fence) const {
+  const auto found = questions_.find(fence);
+  return found == questions_.end() ? 0 : found->second.cut_short;
 }
 
 /// Of all that some question is about: of what is newly so, what the step still knows; of the others, what is new.

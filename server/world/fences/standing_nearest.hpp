@@ -28,6 +28,8 @@ class StandingNearest {
   bool empty() const { return questions_.empty(); }
   /// A motion, or a question, may not be decided though nothing moves now.
   bool has_news() const { return has_new_ || !paths_.history().travelling().empty(); }
+  /// How many searches of a question ended at their limit of looks, so that who came and went may not have been told.
+  std::uint64_t cut_short(std::uint32_t fence) const;
   /// movers  index over the motions of the step
   void decide(const StepView& step, const Grid& movers, StepCost& cost);
 
