@@ -160,6 +160,10 @@ inline constexpr const char* kPair = "pair";
 ///    outside (likewise: the nearest others), left_out (likewise: in it, and not looked at), asked_for (likewise), events
 ///    [{sequence, what (enter, exit), object, why, doubt, low_ns, high_ns}] (its last 10 that are remembered), late,
 ///    time_ns, version
+/// With nearest: the name of a question for the nearest; likewise
+/// -> nearest, to or point, only, skip, mask, within, hysteresis, keep, cut_short (as of `fences`), placed, looked_at, is (as
+///    inside: the nearest, or none), others (as outside), left_out (nearer than that, and not looked at), asked_for, events,
+///    late, time_ns, version
 /// With event: its sequence, and of ("contacts", "fences"); deadline_ns
 /// -> sequence, of, what, why, doubt, a, b, a_triangle, b_triangle, episode, began_ns, depth, error, point, normal,
 ///    world_time_ns, low_ns, high_ns (the bracket), margin, within (only of bands: then b has them), bodies [{object,

@@ -82,6 +82,33 @@ json fence_answer() {
       {"version", 9}};
 }
 
+json nearest_answer() {
+  const json near{{"object", "door_1"}, {"answer", "outside"},        {"clearance", 0.5}, {"error", 0},
+                  {"told", true},       {"since_ns", 90'000'000'000}, {"episode", 3},     {"doubt", ""}};
+  return {{"nearest", "escape"},
+          {"to", "guest"},
+          {"only", "door_*"},
+          {"skip", "door_3"},
+          {"mask", 4294967295u},
+          {"within", 20},
+          {"hysteresis", 0.1},
+          {"keep", true},
+          {"placed", true},
+          {"looked_at", 3},
+          {"is", json::array({near})},
+          {"others", json::array({{{"object", "door_2"}, {"answer", "outside"}, {"clearance", 4}, {"error", 0}},
+                                  {{"object", "door_9"}, {"answer", "outside"}, {"clearance", 30}, {"error", 0}}})},
+          {"left_out", json::array({{{"object", "door_3"},
+                                     {"answer", "outside"},
+                                     {"clearance", 0.25},
+                                     {"error", 0},
+                                     {"why", "the question leaves 'door_3' out"}}})},
+          {"events", json::array()},
+          {"cut_short", 2},
+          {"time_ns", 100},
+          {"version", 9}};
+}
+
 json event_answer() {
   return {{"sequence", 881},
           {"of", "contacts"},
@@ -130,6 +157,43 @@ class ExplainVerb : public testing::Test {
   json asked;
   std::optional<Error> refusal;
 };
+
+TEST_F(ExplainVerb, TheNearestIsToldWithWhatComesNextAndWhatWouldBeNearer) {
+  answer = nearest_answer();
+  const Ran ran = at_terminal("explain nearest escape --why-not door_4 --most 5");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(asked.at("nearest"), "escape");
+  EXPECT_EQ(asked.at("why_not"), "door_4");
+  EXPECT_EQ(asked.at("most"), 5);
+  for (const char* line :
+       {"escape: door_1 is nearest\n", "  looks at 'door_*' but 'door_3': 3 now, within 20 m of guest\n",
+        "  another one must be nearer by 0.1 m\n", "  nearest  door_1  0.5 m away  since",
+        "  next     door_2  4 m away\n", "  too far  door_9  30 m away\n",
+        "  left out door_3  0.25 m away; the question leaves 'door_3' out\n",
+        "  cut      2 searches ended at their limit"})
+    EXPECT_NE(ran.out.find(line), std::string::npos) << line << ran.out;
+  EXPECT_EQ(collide("explain nearest escape --plain").out, "escape\tguest\tdoor_*\t20\ttrue\t3\tdoor_1\t0.5\t0\t2\t\n");
+  answer["is"] = json::array();
+  EXPECT_EQ(at_terminal("explain nearest escape").out.find("escape: nothing is nearest"), 0u);
+  EXPECT_EQ(collide("explain nearest").code, 2);
+  EXPECT_EQ(collide("explain nearest escape --recording run.mcap").code, 2);
+}
+
+// As of every verb, plain output is a short line without lists; these come with --json, --csv or by name.
+TEST_F(ExplainVerb, PlainOutputHasNoLists) {
+  const auto fields_of = [](const std::string& out) { return std::count(out.begin(), out.end(), '\t') + 1; };
+  answer = ray_answer();
+  const std::string ray = collide("explain ray 0 0 5 0 0 -1 --plain").out;
+  EXPECT_EQ(ray, "hit\t\tcrate\t3.8\t1e-15\tdouble\t5\t3\t1\t\t\n");
+  answer = fence_answer();
+  const std::string fence = collide("explain fence dock --plain").out;
+  EXPECT_EQ(fence, "dock\tbox\t\ttrue\t2\t1\t\n");
+  answer = event_answer();
+  const std::string event = collide("explain event 881 --plain").out;
+  EXPECT_EQ(fields_of(event), 11) << event;
+  for (const std::string& line : {ray, fence, event}) EXPECT_EQ(line.find_first_of("{["), std::string::npos) << line;
+  EXPECT_NE(collide("explain event 881 --plain --fields bodies").out.find("[{"), std::string::npos);
+}
 
 TEST_F(ExplainVerb, ARayIsAskedAsTheRayVerbDoes) {
   answer = ray_answer();

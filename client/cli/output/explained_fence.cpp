@@ -20,6 +20,8 @@ std::string standing_text(const Printer& printer, const nlohmann::json& row) {
   return said == "inside" ? far + " deep" : far + " away";
 }
 
+}  // namespace
+
 std::string looked_at(const nlohmann::json& answer) {
   const std::string only = text_of(answer, "only");
   const std::string skip = text_of(answer, "skip");
@@ -39,12 +41,13 @@ void print_standings(Printer& printer, std::string_view word, const nlohmann::js
     if (flag_of(row, "stale")) line += "  stale";
     if (const std::string why = text_of(row, "why"); !why.empty()) line += "; " + printable(why);
     // It may have moved on since the last step that was decided for both.
-    if (flag_of(row, "told") && text_of(row, "answer") == "outside") line += ", by poses that are not decided yet";
+    if (word == "inside" && flag_of(row, "told") && text_of(row, "answer") == "outside")
+      line += ", by poses that are not decided yet";
     printer.line(line);
   }
 }
 
-void print_events(Printer& printer, const nlohmann::json& events) {
+void print_last_events(Printer& printer, const nlohmann::json& events) {
   for (const nlohmann::json& event : events) {
     const std::string why = text_of(event, "why");
     printer.line(fmt::format("  event    {} {} {}{}  seq {}", clock_text(time_at(event, "high_ns")),
@@ -53,7 +56,9 @@ void print_events(Printer& printer, const nlohmann::json& events) {
   }
 }
 
-}  // namespace
+std::vector<std::string> usual_explained_fence_fields() {
+  return {"fence", "region", "to", "placed", "looked_at", "inside_count", "late"};
+}
 
 Record explained_fence_record(const nlohmann::json& answer) {
   const auto raw = [&](const char* key) { return RawJson{answer.contains(key) ? answer.at(key).dump() : "null"}; };
@@ -67,6 +72,7 @@ Record explained_fence_record(const nlohmann::json& answer) {
           {"tells", raw("tells")},
           {"keep", flag_of(answer, "keep")},
           {"looked_at", count_of(answer, "looked_at")},
+          {"inside_count", std::uint64_t{answer.at("inside").size()}},
           {"inside", raw("inside")},
           {"outside", raw("outside")},
           {"left_out", raw("left_out")},
@@ -90,7 +96,7 @@ void print_explained_fence(Printer& printer, const nlohmann::json& answer) {
   print_standings(printer, "outside", answer.at("outside"));
   print_standings(printer, "left out", answer.at("left_out"));
   if (answer.contains("asked_for")) print_standings(printer, "asked", nlohmann::json::array({answer.at("asked_for")}));
-  print_events(printer, answer.at("events"));
+  print_last_events(printer, answer.at("events"));
   if (flag_of(answer, "late"))
     printer.line("  late     the deadline was over: some were not looked at; a longer --deadline says more");
 }

@@ -15,6 +15,12 @@ namespace collided::cli {
 double number_or_inf(const nlohmann::json& answer, const char* key);
 /// A time in nanoseconds; 0 where there is none.
 std::chrono::nanoseconds time_at(const nlohmann::json& row, const char* key);
+/// How objects stand to a fence, a line each: "  WORD     NAME  0.2 m deep".
+void print_standings(Printer& printer, std::string_view word, const nlohmann::json& rows);
+/// The last events of a fence, or of a question for the nearest.
+void print_last_events(Printer& printer, const nlohmann::json& events);
+/// Which objects a fence looks at, by its globs and mask.
+std::string looked_at(const nlohmann::json& answer);
 
 /// The world's version; of a recording's nothing.
 Value version_of(const nlohmann::json& answer);

@@ -36,9 +36,9 @@ constexpr std::chrono::seconds kLastOfRecording{5};
 constexpr std::chrono::seconds kBeforeRay{2};
 
 constexpr const char* kForms =
-    "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, or event SEQ (of contacts; --of fences)";
+    "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, nearest NAME, or event SEQ (of contacts; --of fences)";
 
-/// What the first word says is explained: a pair, a ray, a fence or an event.
+/// What the first word says is explained: a pair, a ray, a fence, a question for the nearest or an event.
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -58,8 +58,9 @@ class ExplainCommand : public Command {
     app.add_option("--only", only_, "ray: objects whose name matches this glob (* ? [..])");
     app.add_option("--skip", skip_, "ray: not objects whose name matches this glob");
     app.add_option("--mask", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
-    app.add_option("--why-not", why_not_, "ray, fence: an object that is told of in any case");
-    app.add_option("--most", most_, "ray, fence: so many of those passed, or outside, are told (3)");
+    app.add_option("--why-not", why_not_, "ray, fence, nearest: an object that is told of in any case");
+    app.add_option("--most", most_,
+                   "ray, fence, nearest: so many of those passed, outside, or farther away are told (3)");
     app.add_option("--of", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
     app.add_option("--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
   }
@@ -70,6 +71,7 @@ class ExplainCommand : public Command {
     if (what == "pair") return explain_pair(session, globals);
     if (what == "ray") return explain_ray(session, globals);
     if (what == "fence") return explain_fence(session, globals);
+    if (what == "nearest") return explain_nearest(session, globals);
     if (what == "event") return explain_event(session, globals);
     throw bad_use("what is to be explained?", kForms);
   }
@@ -121,8 +123,23 @@ class ExplainCommand : public Command {
     add_common(arguments);
     const nlohmann::json answer = ask_server(session, globals, std::move(arguments), {why_not_});
     Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_explained_fence_fields());
     if (printer.human()) print_explained_fence(printer, answer);
     else printer.record(explained_fence_record(answer));
+    return Exit::yes;
+  }
+
+  Exit explain_nearest(Session& session, const Globals& globals) {
+    refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &of_}, "question for the nearest");
+    if (!world_.path.empty()) throw bad_use("a recording holds no questions for the nearest", kForms);
+    if (words_.size() != 2) throw bad_use("which question?", kForms);
+    nlohmann::json arguments{{"nearest", words_[1]}};
+    add_common(arguments);
+    const nlohmann::json answer = ask_server(session, globals, std::move(arguments), {why_not_});
+    Printer printer = make_printer(session.io, globals);
+    printer.set_usual_fields(usual_explained_nearest_fields());
+    if (printer.human()) print_explained_nearest(printer, answer);
+    else printer.record(explained_nearest_record(answer));
     return Exit::yes;
   }
 

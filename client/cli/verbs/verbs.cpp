@@ -95,8 +95,10 @@ constexpr Verb kVerbs[] = {
      make_nearest},
     {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
-    {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, an event",
-     "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain event SEQ [--of fences]",
+    {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, the nearest, an event",
+     "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain nearest NAME\nexplain event SEQ [--of "
+     "fences]\nexplain ... "
+     "--recording FILE [--as-of TIME]",
      "explain pair drone tower --last 5s\nexplain ray 0 0 5  0 0 -1 --why-not pallet_07\nexplain ray 0 0 5 --to 4 4 0 "
      "--as-of -2s --json\nexplain fence dock --why-not forklift_7\nexplain event 881\nexplain event 881 --recording "
      "run.mcap",

@@ -73,9 +73,10 @@ json Commands::explained(const AskedPair& asked) const {
   return answer;
 }
 
-/// What it is about is said by the argument that there is: a ray, a fence, an event, or the two of a pair.
+/// What it is about is said by the argument that there is: a ray, a fence, a question for the nearest, an event, or the two of
+/// a pair.
 void Commands::explain_later(CommandAsk ask, const Arguments& arguments) {
-  if (arguments.has("fence")) return explain_fence_later(std::move(ask), arguments);
+  if (arguments.has("fence") || arguments.has("nearest")) return explain_fence_later(std::move(ask), arguments);
   if (arguments.has("ray")) {
     const auto check = [](const Arguments& given) {
       given.allow_only({"ray", "length", "only", "skip", "mask", "most", "why_not", "as_of", "deadline_ns"});

@@ -45,9 +45,10 @@ json described(const std::vector<FenceStanding>& standings, const Snapshot& stat
   return rows;
 }
 
-json described(const RecentEvent& recent) {
+json described_last(const RecentEvent& recent, bool is_of_nearest) {
+  const bool is_begin = recent.event.kind == EventKind::began;
   return {{"sequence", recent.event.sequence},
-          {"what", recent.event.kind == EventKind::began ? "enter" : "exit"},
+          {"what", is_of_nearest ? (is_begin ? "nearest" : "no longer nearest") : (is_begin ? "enter" : "exit")},
           {"object", recent.a},
           {"why", reason_word(recent.event.reason)},
           {"doubt", doubt_word(recent.event.of.doubt)},
@@ -55,8 +56,24 @@ json described(const RecentEvent& recent) {
           {"high_ns", recent.high_ns()}};
 }
 
+/// The rule of a question for the nearest.
+json described_nearest(const FenceLook& look) {
+  json told{{"nearest", look.name},
+            {"to", look.rule.carrier},
+            {"only", look.rule.only},
+            {"skip", look.rule.skip},
+            {"mask", look.rule.mask},
+            {"within", look.rule.nearest->within_m},
+            {"hysteresis", look.rule.nearest->hysteresis_m},
+            {"keep", look.rule.owner == 0},
+            {"cut_short", look.cut_short}};
+  if (look.rule.carrier.empty()) told["point"] = numbers(std::get<Sphere>(look.body.primitives.front()).center);
+  return told;
+}
+
 /// The rule of a fence, and where it stands.
 json described(const FenceLook& look) {
+  if (look.rule.nearest) return described_nearest(look);
   json told{{"fence", look.name},     {"kind", kind_of(look.body)},  {"to", look.rule.carrier},
             {"only", look.rule.only}, {"skip", look.rule.skip},      {"mask", look.rule.mask},
             {"tells", json::array()}, {"keep", look.rule.owner == 0}};
@@ -71,7 +88,7 @@ json described(const FenceLook& look) {
 /// The world's thread says who is in the fence; how far in is worked out on the thread for costly pairs.
 void Commands::explain_fence_later(CommandAsk ask, const Arguments& arguments) {
   try {
-    arguments.allow_only({"fence", "why_not", "most", "deadline_ns"});
+    arguments.allow_only({arguments.has("fence") ? "fence" : "nearest", "why_not", "most", "deadline_ns"});
   } catch (const BadCommand& bad) { return send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   if (!with_.inbox.push_job([this, shared] { explain_fence_of(*shared); }))
@@ -81,10 +98,12 @@ void Commands::explain_fence_later(CommandAsk ask, const Arguments& arguments) {
 void Commands::explain_fence_of(const CommandAsk& ask) {
   try {
     const Arguments arguments(ask.text);
-    const std::string name = arguments.text("fence");
+    const bool is_fence = arguments.has("fence");
+    const std::string name = arguments.text(is_fence ? "fence" : "nearest");
     const Fences* fences = with_.loop.world().fences();
-    const auto look =
-        std::make_shared<std::optional<FenceLook>>(fences == nullptr ? std::nullopt : look_at_fence(*fences, name));
+    const auto look = std::make_shared<std::optional<FenceLook>>();
+    if (fences != nullptr) *look = is_fence ? look_at_fence(*fences, name) : look_at_nearest(*fences, name);
+    if (!*look && !is_fence) throw BadCommand(fmt::format("no question {}", printable(name)), "collide nearest ls");
     if (!*look && fences != nullptr && fences->margins().contains(name))
       throw BadCommand(fmt::format("{} is a margin, no fence", printable(name)), "collide margin ls");
     if (!*look) throw BadCommand(fmt::format("no fence {}", printable(name)), "collide fence ls");
@@ -107,13 +126,14 @@ json Commands::explained_fence(const FenceLook& look, const AwaitedJob& job) con
   json answer = described(look);
   answer["placed"] = told.is_carrier_there;
   answer["looked_at"] = told.looked_at;
-  answer["inside"] = described(told.inside, *state);
-  answer["outside"] = described(told.outside, *state);
+  const bool is_of_nearest = look.rule.nearest.has_value();
+  answer[is_of_nearest ? "is" : "inside"] = described(told.inside, *state);
+  answer[is_of_nearest ? "others" : "outside"] = described(told.outside, *state);
   answer["left_out"] = described(told.left_out, *state);
   if (told.asked_for) answer["asked_for"] = described(*told.asked_for, *state);
   answer["events"] = json::array();
   for (const RecentEvent& event : with_.loop.recent_events(BroadcastOf::fences).last_of(look.id, kLastEvents))
-    answer["events"].push_back(described(event));
+    answer["events"].push_back(described_last(event, is_of_nearest));
   if (told.is_late) answer["late"] = true;
   answer["version"] = state->version;
   answer["time_ns"] = state->world_time_ns;

@@ -57,9 +57,16 @@ class FenceSearch {
       const std::uint32_t slot = slot_of((*carrier)->id);
       frame_ = snapshot_.frames[slot];
       placed_.pose = snapshot_.has_given_poses ? &snapshot_.poses[slot] : nullptr;
+      // Distances are to the object itself.
+      if (is_of_nearest()) placed_.info = carrier->get();
     }
-    placed_.bounds = bounds_of(fence_.body, frame_);
+    placed_.bounds = bounds_of(*placed_.info, frame_);
     return true;
+  }
+  bool is_of_nearest() const { return fence_.rule.nearest.has_value(); }
+  /// What stands still fills a world; only what might have been meant is worth a look.
+  bool might_be_meant(const ObjectInfo& info) const {
+    return info.moving || (is_of_nearest() && wire_contract::glob_matches(fence_.rule.only, info.name));
   }
   const OpenContact* told_in(ObjectId id) const {
     const auto found =
@@ -71,8 +78,7 @@ class FenceSearch {
     if (why_not.empty()) ++told_.looked_at;
     const OpenContact* told = told_in(info.id);
     const bool is_asked_for = ask_.why_not == info.id;
-    // What stands still fills a world; only what might have been meant is worth a look.
-    if (!why_not.empty() && !info.moving && !is_asked_for && told == nullptr) return;
+    if (!why_not.empty() && !might_be_meant(info) && !is_asked_for && told == nullptr) return;
     const std::uint32_t number = members_.add(info.id);
     if (told != nullptr || is_asked_for) {
       FenceStanding standing = standing_of(number, kNoLimit_m, true)
@@ -103,11 +109,17 @@ class FenceSearch {
     if (told_.outside.size() > ask_.most_outside) told_.outside.pop_back();
   }
   void look_at_left_out(const Outsider& one) {
-    if (one.at_least_m > 0 || told_.left_out.size() >= ask_.most_left_out) return;
-    std::optional<FenceStanding> standing = standing_of(one.number, 0, true);
-    if (!standing || standing->is_in == Decision::no) return;
+    const double limit_m = left_out_limit_m();
+    if (one.at_least_m > limit_m || told_.left_out.size() >= ask_.most_left_out) return;
+    std::optional<FenceStanding> standing = standing_of(one.number, limit_m, true);
+    if (!standing || (is_of_nearest() ? standing->distance_m > limit_m : standing->is_in == Decision::no)) return;
     standing->why_not_looked_at = one.why_not;
     told_.left_out.push_back(std::move(*standing));
+  }
+  /// What is left out is told of in a fence, and where it is nearer than the nearest.
+  double left_out_limit_m() const {
+    if (!is_of_nearest()) return 0;
+    return told_.inside.empty() ? fence_.rule.nearest->within_m : told_.inside.front().distance_m;
   }
   /// Nothing where it is surely farther than the limit, or the deadline is over.
   std::optional<FenceStanding> standing_of(std::uint32_t number, double limit_m, bool with_depth) {
@@ -144,30 +156,49 @@ class FenceSearch {
 
 }  // namespace
 
-std::optional<FenceLook> look_at_fence(const Fences& fences, std::string_view name) {
+namespace {
+
+FenceLook look_at_slot(const Fences& fences, std::uint32_t slot) {
   const FenceTable& table = fences.table();
-  const std::optional<std::uint32_t> slot = table.find(name);
-  if (!slot || !table.has_bounds(*slot) || table.is_band(*slot)) return std::nullopt;
-  FenceLook look{.id = table.id(*slot),
-                 .name = table.name(*slot),
-                 .rule = table.rule(*slot),
-                 .body = table.described(*slot),
-                 .inside = {}};
+  FenceLook look{.id = table.id(slot),
+                 .name = table.name(slot),
+                 .rule = table.rule(slot),
+                 .body = table.described(slot),
+                 .inside = {},
+                 .cut_short = fences.cut_short(slot)};
   for (const OpenContact& open : fences.inside()) {
     if (open.b == look.id) look.inside.push_back(open);
   }
   return look;
 }
 
+}  // namespace
+
+std::optional<FenceLook> look_at_fence(const Fences& fences, std::string_view name) {
+  const FenceTable& table = fences.table();
+  const std::optional<std::uint32_t> slot = table.find(name);
+  if (!slot || !table.has_bounds(*slot) || table.is_band(*slot)) return std::nullopt;
+  return look_at_slot(fences, *slot);
+}
+
+std::optional<FenceLook> look_at_nearest(const Fences& fences, std::string_view name) {
+  const std::optional<std::uint32_t> slot = fences.table().find(name);
+  if (!slot || !fences.table().is_nearest(*slot)) return std::nullopt;
+  return look_at_slot(fences, *slot);
+}
+
 std::string why_not_looked_at(const FenceRule& rule, const ObjectInfo& object) {
-  if (!object.moving) return "it does not move";
-  if (!rule.carrier.empty() && rule.carrier == object.name) return "it carries the fence";
+  const char* const who = rule.nearest ? "question" : "fence";
+  if (rule.nearest && object.scene_part != kNoScenePart) return "it is a part of a loaded scene";
+  if (!rule.nearest && !object.moving) return "it does not move";
+  if (!rule.carrier.empty() && rule.carrier == object.name)
+    return rule.nearest ? "the distances are to it" : "it carries the fence";
   if ((object.filter.layers & rule.mask) == 0)
-    return fmt::format("its layers {:#x} are not in the fence's mask {:#x}", object.filter.layers, rule.mask);
+    return fmt::format("its layers {:#x} are not in the {}'s mask {:#x}", object.filter.layers, who, rule.mask);
   if (!rule.skip.empty() && wire_contract::glob_matches(rule.skip, object.name))
-    return fmt::format("the fence leaves '{}' out", rule.skip);
+    return fmt::format("the {} leaves '{}' out", who, rule.skip);
   if (!rule.only.empty() && !wire_contract::glob_matches(rule.only, object.name))
-    return fmt::format("the fence looks at '{}' alone", rule.only);
+    return fmt::format("the {} looks at '{}' alone", who, rule.only);
   return {};
 }
 
