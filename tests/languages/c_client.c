@@ -445,6 +445,93 @@ static void nearest(collided_client* client) {
   expect(removed == 1, "one question removed");
 }
 
+/* Why a ray meets the floor and neither the glass nor the mast, and what is behind a fence and an event of it. */
+static void explanations(collided_client* client) {
+  static const double origin[3] = {900, 0, 5};
+  static const double down[3] = {0, 0, -1};
+  static const char* const names[3] = {"c_glass", "c_floor", "c_mast"};
+  static const double places[3][3] = {{900, 0, 2}, {900, 0, -0.5}, {901, 0, 2}};
+  collided_error error;
+  collided_part part;
+  collided_object object;
+  collided_fence fence;
+  collided_explain_options options;
+  collided_explanation* told = NULL;
+  collided_explained whole;
+  collided_explained_row row;
+  uint64_t removed = 0, sequence = 0;
+  size_t i;
+  int seen = 0;
+  error.size = sizeof error;
+  whole.size = sizeof whole;
+  row.size = sizeof row;
+  memset(&part, 0, sizeof part);
+  part.size = sizeof part;
+  part.kind = COLLIDED_BOX;
+  part.numbers[0] = part.numbers[1] = part.numbers[2] = 0.5;
+  part.numbers[6] = 1;
+  collided_object_defaults(&object, sizeof object);
+  object.parts = &part;
+  object.part_count = 1;
+  for (i = 0; i < 3; ++i) {
+    object.name = names[i];
+    object.layers = i == 0 ? 2 : 1;
+    memcpy(object.position, places[i], sizeof object.position);
+    must(collided_add(client, &object, NULL, &error), &error, "add a box");
+  }
+  memset(&options, 0, sizeof options);
+  options.size = sizeof options;
+  options.left_out_layers = 2;
+  options.why_not = "c_mast";
+  options.most = 1;
+  must(collided_explain_ray(client, origin, down, HUGE_VAL, &options, &told, &error), &error, "explain a ray");
+  collided_read_explained(told, &whole);
+  expect(whole.verdict == COLLIDED_HIT && whole.rung == 0 && whole.left_out >= 1 && !whole.has_uncovered, "the ray");
+  for (i = 0; collided_read_explained_row(told, i, &row) == COLLIDED_OK; ++i) {
+    if (row.role == COLLIDED_MET && !strcmp(row.object, "c_floor"))
+      seen |= fabs(row.distance_m - 5) <= row.error_m && !strcmp(row.what, "box") ? 1 : 0;
+    if (row.role == COLLIDED_LEFT_OUT && !strcmp(row.object, "c_glass")) seen |= strstr(row.why, "mask") ? 2 : 0;
+    if (row.role == COLLIDED_PASSED && !strcmp(row.object, "c_mast"))
+      seen |= fabs(row.distance_m - 0.5) <= row.error_m + 1e-12 && row.where == 0 && !row.box_met ? 4 : 0;
+  }
+  expect(seen == 7 && i == collided_explained_count(told), "what it met, what was left out and what it passed");
+  collided_free_explanation(told);
+  must(collided_explain_pair(client, "c_mast", "c_floor", NULL, &told, &error), &error, "explain a pair");
+  collided_read_explained(told, &whole);
+  expect(whole.verdict == COLLIDED_MISS && whole.clearance_m > 1 && whole.has_nearest && whole.end == 0, "the pair");
+  expect(whole.at_least_m <= whole.nearest_m + whole.nearest_error_m, "at no time nearer");
+  collided_free_explanation(told);
+
+  memset(&fence, 0, sizeof fence);
+  fence.size = sizeof fence;
+  fence.name = "c_yard";
+  part.numbers[3] = 900;
+  part.numbers[4] = 20;
+  fence.parts = &part;
+  fence.part_count = 1;
+  fence.only = "c_m*";
+  must(collided_fence_add(client, &fence, &error), &error, "add a fence");
+  must(collided_move(client, "c_mast", part.numbers + 3, NULL, 0, &error), &error, "move into it");
+  must(collided_explain_fence(client, "c_yard", NULL, &told, &error), &error, "explain a fence");
+  collided_read_explained(told, &whole);
+  expect(!strcmp(whole.a, "c_yard") && whole.objects == 1 && !whole.late, "the fence");
+  for (i = 0; collided_read_explained_row(told, i, &row) == COLLIDED_OK; ++i) {
+    if (row.role == COLLIDED_INSIDE)
+      expect(row.verdict == COLLIDED_HIT && row.told && !strcmp(row.object, "c_mast") && row.distance_m < 0, "who is in");
+    if (row.role == COLLIDED_NEWS) sequence = row.sequence;
+  }
+  collided_free_explanation(told);
+  must(collided_explain_event(client, sequence, 1, NULL, &told, &error), &error, "explain an event");
+  collided_read_explained(told, &whole);
+  expect(!strcmp(whole.what, "enter") && !strcmp(whole.a, "c_mast") && whole.low_ns <= whole.high_ns, "the event");
+  collided_free_explanation(told);
+  expect(collided_explain_nearest(client, "c_none", NULL, &told, &error) == COLLIDED_REFUSED && !told, "no such question");
+  expect(collided_explain_fence(client, "c_none", NULL, &told, &error) == COLLIDED_REFUSED && !told, "no such fence");
+  expect(collided_explain_pair(NULL, "a", "b", NULL, &told, &error) != COLLIDED_OK, "no client");
+  must(collided_fence_remove(client, "c_yard", NULL, &error), &error, "remove the fence");
+  for (i = 0; i < 3; ++i) must(collided_remove(client, names[i], &removed, &error), &error, "remove a box");
+}
+
 /* One ray of unit direction: its verdict, and in *distance where it hits. */
 static int ray_along_x(collided_client* client, double x, double y, double z, double* distance) {
   collided_error error;
@@ -530,6 +617,7 @@ int main(int count, char** words) {
   fences(client);
   margins(client);
   nearest(client);
+  explanations(client);
   voxels(client);
   collided_close(client);
   printf("%d faults\n", faults);

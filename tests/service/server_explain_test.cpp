@@ -1,4 +1,5 @@
 // Explanations by a real server, of geometry whose truth is known by hand.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/service/server_fixture.hpp"
@@ -180,6 +181,94 @@ TEST_F(ServerExplain, AnEventSaysWhatDecidedAndWhyItsBracketIsWide) {
   EXPECT_NE(refusal(client, {{"event", 999}}).find("no event 999: those of contacts from 1 to"), std::string::npos);
   EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"),
             std::string::npos);
+}
+
+// The calls of the library say the same in numbers and names.
+TEST_F(ServerExplain, TheLibraryReadsWhatIsExplained) {
+  start();
+  Client client = connect();
+  add_sphere(client, "near", 0.5, {3, 0, 50}, 2);
+  add_sphere(client, "wall", 1, {8, 0, 50});
+  add_sphere(client, "tower", 1, {5, 0, 51.032});
+  ExplainOptions options;
+  options.mask = 1;
+  options.most = 1;
+  const RayQuestion along_x{.origin = {0, 0, 50}, .direction = {1, 0, 0}};
+  const Result<ExplainedRay> ray = client.explain_ray(along_x, options);
+  ASSERT_TRUE(ray) << ray.error().message;
+  EXPECT_EQ(ray->verdict, Verdict::hit);
+  EXPECT_EQ(ray->rung, Rung::filter);
+  ASSERT_EQ(ray->met.size(), 1u);
+  EXPECT_EQ(ray->met[0].object, "wall");
+  EXPECT_EQ(ray->met[0].kind, "sphere");
+  EXPECT_EQ(ray->met[0].distance_m, 7);
+  ASSERT_EQ(ray->left_out.size(), 1u);
+  EXPECT_EQ(ray->left_out[0].why_left_out, "its layers 0x2 are not in the mask 0x1");
+  ASSERT_EQ(ray->misses.size(), 1u);
+  EXPECT_NEAR(ray->misses[0].distance_m, 0.032, ray->misses[0].error_m + 1e-14);
+  EXPECT_EQ(ray->misses[0].where, WhereMissed::beside);
+  EXPECT_FALSE(client.explain_ray({.origin = {0, 0, 0}, .direction = {0, 0, NAN}}));
+  EXPECT_FALSE(client.explain_ray({.origin = {0, 0, 0}, .direction = {0, 0, 1}, .length_m = -1}));
+
+  const Result<ExplainedPair> pair = client.explain_pair("wall", "tower");
+  ASSERT_TRUE(pair) << pair.error().message;
+  EXPECT_EQ(pair->answer.verdict, Verdict::miss);
+  EXPECT_NEAR(pair->answer.distance_m, std::hypot(3, 1.032) - 2, pair->answer.error_m + 1e-14);
+  ASSERT_TRUE(pair->nearest);
+  EXPECT_EQ(pair->nearest->end, ApproachEnd::found);
+  EXPECT_LE(pair->nearest->at_least_m, pair->nearest->distance_m + pair->nearest->error_m);
+
+  ASSERT_TRUE(client.add_fence({.name = "dock", .shape = {SphereShape{.radius_m = 2, .center = {8, 0, 50}}}}));
+  options.why_not = "near";
+  const Result<ExplainedFence> fence = client.explain_fence("dock", options);
+  ASSERT_TRUE(fence) << fence.error().message;
+  ASSERT_EQ(fence->inside.size(), 1u);
+  EXPECT_EQ(fence->inside[0].object, "wall");
+  EXPECT_EQ(fence->inside[0].verdict, Verdict::hit);
+  EXPECT_TRUE(fence->inside[0].told);
+  ASSERT_TRUE(fence->asked_for);
+  EXPECT_NEAR(fence->asked_for->clearance_m, 2.5, fence->asked_for->error_m + 1e-12);
+  ASSERT_FALSE(fence->events.empty());
+  const Result<ExplainedEvent> event = client.explain_event(fence->events[0].sequence, EventsOf::fences);
+  ASSERT_TRUE(event) << event.error().message;
+  EXPECT_EQ(event->what, "enter");
+  EXPECT_EQ(event->a, "wall");
+  EXPECT_EQ(event->bodies.size(), 2u);
+  EXPECT_FALSE(client.explain_event(1'000'000));
+}
+
+// Of three lamps one is nearer but left out, one is next and one beyond the distance that was asked about.
+TEST_F(ServerExplain, TheNearestSaysWhatComesNextAndWhatIsLeftOut) {
+  start();
+  Client client = connect();
+  add_sphere(client, "guest", 0.5, {0, 0, 50});
+  add_sphere(client, "lamp_off", 0.5, {2, 0, 50});
+  add_sphere(client, "lamp_1", 0.5, {3, 0, 50});
+  add_sphere(client, "lamp_2", 0.5, {5, 0, 50});
+  add_sphere(client, "lamp_far", 0.5, {40, 0, 50});
+  ASSERT_TRUE(
+      client.add_nearest({.name = "light", .only = "lamp_*", .to = "guest", .within_m = 20, .skip = "lamp_off"}));
+  Result<ExplainedNearest> told = client.explain_nearest("light");
+  const auto is_told = [&] {
+    told = client.explain_nearest("light");
+    return told && told->is;
+  };
+  ASSERT_TRUE(test::eventually(is_told)) << (told ? "nothing is nearest" : told.error().message);
+  EXPECT_EQ(told->is->object, "lamp_1");
+  EXPECT_NEAR(told->is->clearance_m, 2, told->is->error_m);
+  EXPECT_EQ(told->looked_at, 3u);
+  ASSERT_EQ(told->others.size(), 2u);
+  EXPECT_EQ(told->others[0].object, "lamp_2");
+  EXPECT_NEAR(told->others[0].clearance_m, 4, told->others[0].error_m);
+  EXPECT_EQ(told->others[1].object, "lamp_far");
+  ASSERT_EQ(told->left_out.size(), 1u);
+  EXPECT_EQ(told->left_out[0].object, "lamp_off");
+  EXPECT_EQ(told->left_out[0].why_left_out, "the question leaves 'lamp_off' out");
+  EXPECT_EQ(told->cut_short, 0u);
+  ASSERT_EQ(told->events.size(), 1u);
+  EXPECT_EQ(told->events[0].what, "nearest");
+  EXPECT_FALSE(client.explain_nearest("dark"));
+  EXPECT_FALSE(client.explain_fence("light")) << "a question is no fence";
 }
 
 }  // namespace

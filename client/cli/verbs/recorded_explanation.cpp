@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <collided/recording.hpp>
 #include <fmt/format.h>
@@ -189,6 +190,14 @@ std::optional<Event> same_event(Watch& watch, const Event& recorded, nanoseconds
   return best;
 }
 
+/// Which of the two comes first depends on the numbers that the server gives them.
+void swap_sides(nlohmann::json& answer) {
+  std::swap(answer.at("a"), answer.at("b"));
+  std::swap(answer.at("a_triangle"), answer.at("b_triangle"));
+  for (nlohmann::json& number : answer.at("normal")) number = -number.get<double>();
+  std::reverse(answer.at("bodies").begin(), answer.at("bodies").end());
+}
+
 }  // namespace
 
 nlohmann::json explain_recorded(Session& session, const Globals& globals, const RecordedWorld& world,
@@ -220,6 +229,7 @@ nlohmann::json explain_recorded_event(Session& session, const Globals& globals, 
                     "the recording may lack what moved the two, or scenes (--scene)");
     }
     nlohmann::json answer = ask(its_own, its_globals, {{"event", again->sequence}});
+    if (again->a != event.a) swap_sides(answer);
     answer["sequence"] = sequence;
     answer["episode"] = event.episode;
     return answer;

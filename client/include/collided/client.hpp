@@ -16,6 +16,7 @@
 #include <collided/clearance.hpp>
 #include <collided/commands.hpp>
 #include <collided/events.hpp>
+#include <collided/explanations.hpp>
 #include <collided/fences.hpp>
 #include <collided/margins.hpp>
 #include <collided/nearest.hpp>
@@ -206,6 +207,21 @@ class Client {
   Result<std::vector<ListedNearest>> nearest(const std::string& name_glob = {});
   /// Subscribes to changes of what is nearest.
   Result<NearestWatch> watch_nearest(const NearestWatchOptions& options = {});
+
+  // Why?
+
+  /// Why a ray meets what it meets, and what it passes: candidates, the arithmetic that decided, what a filter left out, what is
+  /// in doubt.
+  Result<ExplainedRay> explain_ray(const RayQuestion& ray, const ExplainOptions& options = {});
+  /// How two objects stand to each other, how near they came, and what keeps their contacts from being told.
+  Result<ExplainedPair> explain_pair(const std::string& a, const std::string& b, const ExplainOptions& options = {});
+  /// Who is in a fence, who is not, by how much and why.
+  Result<ExplainedFence> explain_fence(const std::string& name, const ExplainOptions& options = {});
+  /// What is nearest by a question that stays, what comes next, and what would be nearer but is left out.
+  Result<ExplainedNearest> explain_nearest(const std::string& name, const ExplainOptions& options = {});
+  /// What is behind an event that was told, while the server remembers it: the last 4,096 of each kind.
+  Result<ExplainedEvent> explain_event(std::uint64_t sequence, EventsOf of = EventsOf::contacts,
+                                       const ExplainOptions& options = {});
 
   // What to draw.
 

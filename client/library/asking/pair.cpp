@@ -50,7 +50,9 @@ SecondOpinion opinion_of(const json& said) {
   return opinion;
 }
 
-PairAnswer read(const json& answer) {
+}  // namespace
+
+PairAnswer read_pair(const json& answer) {
   PairAnswer pair;
   const std::string word = answer.at("answer");
   pair.verdict = word == "hit" ? Verdict::hit : word == "miss" ? Verdict::miss : Verdict::undecided;
@@ -83,8 +85,6 @@ PairAnswer read(const json& answer) {
   return pair;
 }
 
-}  // namespace
-
 Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b,
                         const PairOptions& options) {
   if (auto error = time_fault("pair", options.as_of, options.deadline)) return *error;
@@ -97,7 +97,7 @@ Result<PairAnswer> pair(Connection& connection, const std::string& a, const std:
                  {"deadline_ns", server_deadline(options.deadline, options.timeout).count()}};
   if (!options.opinion.empty())
     arguments["opinion"] = options.opinion;  // a server that is older refuses what it does not know
-  return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read);
+  return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read_pair);
 }
 
 }  // namespace collided::client

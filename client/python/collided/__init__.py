@@ -17,6 +17,21 @@ from ._answers import Answer, Answers, Hit, Undecided, Verdict
 from ._asking import PairAnswer
 from ._client import Client, Status, connect
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
+from ._explanations import (
+    ExplainedBody,
+    ExplainedEvent,
+    ExplainedFence,
+    ExplainedGap,
+    ExplainedMeeting,
+    ExplainedMiss,
+    ExplainedNearest,
+    ExplainedNews,
+    ExplainedPair,
+    ExplainedRay,
+    ExplainedStale,
+    ExplainedStanding,
+    NearestApproach,
+)
 from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
 from ._groups import Clearance, ClearancePair
 from ._library import version
@@ -57,6 +72,18 @@ __all__ = [
     "Ellipsoid",
     "Error",
     "Event",
+    "ExplainedBody",
+    "ExplainedEvent",
+    "ExplainedFence",
+    "ExplainedGap",
+    "ExplainedMeeting",
+    "ExplainedMiss",
+    "ExplainedNearest",
+    "ExplainedNews",
+    "ExplainedPair",
+    "ExplainedRay",
+    "ExplainedStale",
+    "ExplainedStanding",
     "FenceEvent",
     "FenceWatch",
     "HalfSpace",
@@ -67,6 +94,7 @@ __all__ = [
     "MarginEvent",
     "MarginWatch",
     "Mesh",
+    "NearestApproach",
     "NearestEvent",
     "NearestWatch",
     "NoServer",

@@ -8,6 +8,7 @@ from typing import Any, Sequence
 
 from . import _numbers
 from ._asking import Asking
+from ._explaining import Explaining
 from ._library import call, encoded, library, nanoseconds
 from ._numbers import Row
 from ._publisher import Publisher
@@ -40,7 +41,7 @@ class Status:
     undecided_answers: int
 
 
-class Client(Asking, Standing):
+class Client(Asking, Standing, Explaining):
     """A connection to one server, made by connect(). Several threads may call at once.
 
     Questions take these keywords:

@@ -1,0 +1,238 @@
+"""Why an answer is what it is: of a ray, of two objects, of a fence, of an event."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ._answers import Verdict
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ExplainedMeeting:
+    """An object that a ray meets. Metres; |truth - distance| <= error."""
+
+    object: str
+    kind: str  #: box, sphere, ..., mesh, compound
+    distance: float
+    error: float
+    point: Vector
+    normal: Vector
+    triangle: int | None
+    part: int | None  #: which of several primitives of the object
+    rung: str  #: the arithmetic that decided: "double", "expansion" or "rational"
+    inside: bool  #: the ray begins in it
+    stale: bool  #: its publisher is lost, and it may be elsewhere
+    age_ns: int | None  #: of its pose; None: it has stood since it was added
+    why_left_out: str  #: empty: the filter lets it answer
+
+
+@dataclass(frozen=True)
+class ExplainedMiss:
+    """An object that a ray does not meet, or of which that is open. Metres; |truth - distance| <= error."""
+
+    object: str
+    verdict: Verdict  #: MISS or UNDECIDED
+    distance: float  #: the least of any two points of ray and object
+    error: float
+    along: float  #: where on the ray that is, about
+    on_ray: Vector
+    on_object: Vector
+    triangle: int | None
+    where: str  #: "beside" the ray, at its "start", or at its "end", by its length
+    box_met: bool  #: the ray meets its bounding box, so its parts were candidates
+    why_left_out: str  #: empty: the filter lets it answer
+
+
+@dataclass(frozen=True)
+class ExplainedStale:
+    """An object whose publisher is lost, and that may be in a ray's way by now."""
+
+    object: str
+    age_ns: int
+    start: float  #: where along the ray that may be, at the earliest, in metres
+
+
+@dataclass(frozen=True)
+class ExplainedRay:
+    """Why a ray meets what it meets. As a truth value it is its verdict's."""
+
+    verdict: Verdict
+    reason: str  #: of an undecided one
+    rung: str  #: the highest that the whole answer needed
+    nodes: int  #: boxes of the indexes that were opened
+    exact_tests: int
+    objects: int  #: in the world
+    candidates: int  #: whose boxes the ray meets and that may answer
+    left_out_count: int  #: objects that the filter leaves out
+    met: tuple[ExplainedMeeting, ...]  #: each object once, in order along the ray; the first is the answer
+    left_out: tuple[ExplainedMeeting, ...]  #: would have come before the answer but for the filter
+    misses: tuple[ExplainedMiss, ...]  #: nearest first, then the one asked for
+    stale: tuple[ExplainedStale, ...]
+    unknown: tuple[str, ...]  #: unknown space whose box the ray meets
+    covered: float | None  #: the geometry is complete up to so many metres along the ray; None: all along it
+    cut: bool  #: there are more hits than are looked at
+    late: bool  #: the deadline was over: nearer misses may be missing
+    world_time_ns: int
+    version: int
+
+    def __bool__(self) -> bool:
+        return bool(self.verdict)
+
+
+@dataclass(frozen=True)
+class NearestApproach:
+    """How near two objects came on their ways, not only at the poses that were sent. Metres, world times."""
+
+    end: str  #: "found"; "touched" and "undecided" at time_ns; "cut_short": the deadline was over, at_least holds
+    from_ns: int
+    to_ns: int
+    time_ns: int
+    distance: float  #: infinite: nothing was looked at in time
+    error: float
+    at_least: float  #: at no time of the stretch were they nearer
+
+
+@dataclass(frozen=True)
+class ExplainedPair:
+    """How two objects stand to each other, and why no contact of them is told. As a truth value it is its verdict's."""
+
+    verdict: Verdict
+    clearance: float  #: the distance, or minus the depth; |truth - clearance| <= error; of no meaning where undecided
+    error: float
+    stale: bool  #: one of the two may be elsewhere
+    why_not: tuple[str, ...]  #: what keeps contacts of the two from being told, a sentence each
+    attached: str  #: the one that moves along with the other; empty: neither
+    nearest: NearestApproach | None
+    no_nearest: str  #: why there is none
+    version: int
+
+    def __bool__(self) -> bool:
+        return bool(self.verdict)
+
+
+@dataclass(frozen=True)
+class ExplainedStanding:
+    """How an object stands to a fence. Metres; |truth - clearance| <= error."""
+
+    object: str
+    verdict: Verdict  #: HIT: it is in, by where both are now
+    clearance: float  #: the distance, or minus the depth; infinite: it was not looked at
+    error: float
+    stale: bool  #: its publisher is lost, and it may be elsewhere
+    told: bool  #: it was told that it is in, as far as both publishers have said where they are
+    since_ns: int | None
+    episode: int  #: of told: the sequence of its coming in
+    doubt: str
+    why_left_out: str  #: empty: the fence looks at it
+
+
+@dataclass(frozen=True)
+class ExplainedNews:
+    """An event of a fence that is remembered."""
+
+    sequence: int
+    what: str  #: enter, exit
+    object: str
+    why: str
+    doubt: str
+    low_ns: int  #: it happened between these two
+    high_ns: int
+
+
+@dataclass(frozen=True)
+class ExplainedFence:
+    """Who is in a fence, who is not, by how much and why."""
+
+    fence: str
+    kind: str
+    to: str
+    only: str
+    skip: str
+    mask: int
+    tells: tuple[str, ...]
+    keep: bool
+    placed: bool  #: False: the object that it is fixed to is not there, so it looks at nothing
+    looked_at: int  #: objects
+    inside: tuple[ExplainedStanding, ...]  #: of which it was told that they are in, the deepest first
+    outside: tuple[ExplainedStanding, ...]  #: the nearest others that it looks at
+    left_out: tuple[ExplainedStanding, ...]  #: moving objects in it that it does not look at
+    asked_for: ExplainedStanding | None
+    events: tuple[ExplainedNews, ...]
+    late: bool
+    world_time_ns: int
+    version: int
+
+
+@dataclass(frozen=True)
+class ExplainedNearest:
+    """What is nearest by a question that stays, what comes next, and what would be nearer but is left out. The clearances
+    of standings are distances to what it is about, and HIT is one that touches."""
+
+    nearest: str  #: name of the question
+    to: str  #: the object that distances are to; empty: a point
+    point: Vector | None
+    only: str
+    skip: str
+    mask: int
+    within: float
+    hysteresis: float
+    keep: bool
+    placed: bool  #: False: `to` is not there, so it looks at nothing
+    looked_at: int  #: objects
+    answer: ExplainedStanding | None  #: the nearest, as it was told
+    others: tuple[ExplainedStanding, ...]  #: nearest first, also beyond `within`
+    left_out: tuple[ExplainedStanding, ...]  #: nearer than the nearest, and not looked at
+    asked_for: ExplainedStanding | None
+    events: tuple[ExplainedNews, ...]  #: nearest, no longer nearest
+    cut_short: int  #: searches that ended at their limit: who came and went then may not have been told
+    late: bool
+    world_time_ns: int
+    version: int
+
+
+@dataclass(frozen=True)
+class ExplainedBody:
+    """One of the two of an event, at the time by which it had happened."""
+
+    object: str
+    remembered: bool  #: False: where it was then is not known any more
+    moving: bool
+    publisher: str
+    position: Vector | None
+    orientation: tuple[float, float, float, float] | None  #: w first
+    motion_ns: tuple[int, int] | None  #: the two poses between which the change lies; None: at rest, or not remembered
+
+
+@dataclass(frozen=True)
+class ExplainedGap:
+    """How the two of an event stood to each other at an end of its bracket."""
+
+    time_ns: int
+    verdict: Verdict
+    clearance: float
+    error: float
+
+
+@dataclass(frozen=True)
+class ExplainedEvent:
+    """What is behind an event that was told."""
+
+    sequence: int
+    of: str  #: contacts or fences
+    what: str
+    why: str
+    doubt: str
+    a: str
+    b: str
+    margin: str
+    within: str  #: of a margin: the band, in metres
+    low_ns: int  #: it happened between these two
+    high_ns: int
+    why_wide: tuple[str, ...]  #: why these two are so far apart, a sentence each
+    bodies: tuple[ExplainedBody, ...]
+    before: ExplainedGap | None  #: at low_ns
+    after: ExplainedGap | None  #: at high_ns
+    world_time_ns: int
+    version: int
