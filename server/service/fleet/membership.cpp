@@ -98,7 +98,7 @@ void Membership::run() {
     if (steady_ns() < next_ns) continue;
     next_ns = steady_ns() + wire_contract::kMemberPeriodNs;
     if (!others_.empty()) digests_.make(clock_.now_ns());
-    report(findings());
+    report(faults());
     write();
   }
 }
@@ -133,40 +133,36 @@ void Membership::hear(const dds::Sample<wire::Member>& sample) {
   if (other.clock_ahead_ns.size() > kMost) other.clock_ahead_ns.pop_front();
 }
 
-/// What does not fit together, a sentence each.
-std::vector<std::string> Membership::findings() const {
-  std::vector<std::string> found;
+/// What does not fit together: a sentence for each, by what it is about and the other's number.
+Membership::Faults Membership::faults() const {
+  Faults found;
   const std::uint64_t fingerprint = said_->scene_fingerprint;
   for (const auto& [server, other] : others_) {
     if (other.role == MemberRole::primary && self_.role == MemberRole::primary)
-      found.push_back(
-          fmt::format("two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop "
-                      "one of the two",
-                      other.name, other.epoch));
+      found[{"primaries", server}] = fmt::format(
+          "two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop one of the two",
+          other.name, other.epoch);
     if (other.version != identity_.version)
-      found.push_back(
-          fmt::format("two versions: '{}' is {}, this is {}", other.name, other.version, identity_.version));
+      found[{"versions", server}] =
+          fmt::format("two versions: '{}' is {}, this is {}", other.name, other.version, identity_.version);
     if (fingerprint != 0 && other.scene_fingerprint != 0 && other.scene_fingerprint != fingerprint)
-      found.push_back(fmt::format("different scenes: those of '{}' are not those that are loaded here", other.name));
+      found[{"scenes", server}] =
+          fmt::format("different scenes: those of '{}' are not those that are loaded here", other.name);
     const std::int64_t ahead_ns = clock_ahead_of(other);
     if (std::abs(ahead_ns) > kClocksApartNs)
-      found.push_back(fmt::format("clocks apart: that of '{}' is {} ms {}", other.name, std::abs(ahead_ns) / 1'000'000,
-                                  ahead_ns > 0 ? "ahead" : "behind"));
+      found[{"clocks", server}] = fmt::format("clocks apart: that of '{}' is {} ms {}", other.name,
+                                              std::abs(ahead_ns) / 1'000'000, ahead_ns > 0 ? "ahead" : "behind");
   }
   return found;
 }
 
-/// Reports what was found at the last look too: a scene that is being loaded is on one server first.
-void Membership::report(std::vector<std::string> found) {
-  std::set<std::string> now(found.begin(), found.end());
-  std::set<std::string> lasting;
-  for (const std::string& sentence : now) {
-    if (!found_before_.contains(sentence)) continue;
-    lasting.insert(sentence);
-    if (!reported_.contains(sentence)) notice_("fleet: " + sentence);
+/// Reports each fault once it has lasted: a scene that is being loaded is on one server first.
+void Membership::report(const Faults& found) {
+  constexpr int kLasting = 4;  // looks in a row
+  std::erase_if(looks_, [&](const auto& entry) { return !found.contains(entry.first); });
+  for (const auto& [about, sentence] : found) {
+    if (++looks_[about] == kLasting) notice_("fleet: " + sentence);
   }
-  found_before_ = std::move(now);
-  reported_ = std::move(lasting);
 }
 
 void Membership::write() {

@@ -5,10 +5,9 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <set>
 #include <string>
 #include <thread>
-#include <vector>
+#include <utility>
 
 #include "idl/dds.hpp"
 #include "server/service/events/dds_event_writer.hpp"
@@ -59,8 +58,9 @@ class Membership {
   void run();
   void take();
   void hear(const dds::Sample<wire::Member>& sample);
-  std::vector<std::string> findings() const;
-  void report(std::vector<std::string> found);
+  using Faults = std::map<std::pair<std::string, std::uint64_t>, std::string>;
+  Faults faults() const;
+  void report(const Faults& found);
   void write();
 
   const SelfDescription self_;
@@ -73,12 +73,11 @@ class Membership {
   dds::Writer<wire::Member> writer_;
   dds::Reader<wire::Member> reader_;
   dds::WaitSet waitset_;
-  dds::Sample<wire::Member> said_;               // of the thread
-  dds::Sample<wire::Member> heard_;              // likewise
-  std::map<std::uint64_t, OtherMember> others_;  // likewise
-  DigestMaker digests_;                          // likewise
-  std::set<std::string> found_before_;           // likewise; at the last look
-  std::set<std::string> reported_;               // likewise
+  dds::Sample<wire::Member> said_;                              // of the thread
+  dds::Sample<wire::Member> heard_;                             // likewise
+  std::map<std::uint64_t, OtherMember> others_;                 // likewise
+  DigestMaker digests_;                                         // likewise
+  std::map<std::pair<std::string, std::uint64_t>, int> looks_;  // likewise: at how many in a row a fault was found
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };
