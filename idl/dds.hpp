@@ -44,6 +44,7 @@ using ContactShard = ::collided_wire_v2_ContactShard;
 using ProbeFrame = ::collided_wire_v2_ProbeFrame;
 using Status = ::collided_wire_v2_Status;
 using Member = ::collided_wire_v2_Member;
+using Change = ::collided_wire_v2_Change;
 
 }  // namespace collided::wire
 
@@ -111,6 +112,11 @@ template <>
 struct WireType<wire::Status> {
   static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Status_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kStatusTopic;
+};
+template <>
+struct WireType<wire::Change> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Change_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kChangeTopic;
 };
 template <>
 struct WireType<wire::Member> {

@@ -77,8 +77,9 @@ enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
 /// primary: answers, and publishes events. standby: holds the same world, and waits.
 enum class MemberRole : std::uint8_t { primary, standby };
-/// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out.
-enum class PublisherState : std::uint8_t { alive, silent, lost };
+/// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out. asked: alive, and to
+/// define everything again, once, for a server that has just joined.
+enum class PublisherState : std::uint8_t { alive, silent, lost, asked };
 /// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
 /// be last, but stale, since they may have moved on. hold: they stay there as if known.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
@@ -168,6 +169,8 @@ inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durabilit
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// Which servers there are. A crashed one's instance is not disposed: who reads learns that it has no writer.
 inline constexpr TopicQos kMemberTopic{"member_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+/// What commands do, to servers that follow. Few follow, and each drains its reader at once.
+inline constexpr TopicQos kChangeTopic{"change_v2", Reliability::reliable, Durability::volatile_data, 0, 0, false};
 /// Who is in which fence, in the messages of events, of contacts and of the status.
 inline constexpr TopicQos kFenceEventTopic{
     "fence_event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};

@@ -18,8 +18,9 @@ void add(std::set<std::string>& topics, std::initializer_list<const TopicQos*> r
 
 void add_server(TopicRights& rights) {
   add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic, &kMemberTopic});
-  add(rights.write, {&kMemberTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic,
-                     &kPersistedTopic, &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
+  add(rights.write,
+      {&kMemberTopic, &kChangeTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic,
+       &kPersistedTopic, &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
 }
 
 void add_client(TopicRights& rights) {
@@ -44,7 +45,10 @@ void add_everything(TopicRights& rights) {
 void add_role(TopicRights& rights, KeyRole role) {
   switch (role) {
     case KeyRole::server: return add_server(rights);
-    case KeyRole::standby: add_server(rights); return add_watching(rights);
+    case KeyRole::standby:
+      add_server(rights);
+      add(rights.read, {&kChangeTopic});
+      return add_watching(rights);
     case KeyRole::publisher: add_client(rights); return add(rights.write, {&kObjectTopic, &kPoseTopic});
     case KeyRole::asker:
       add_client(rights);

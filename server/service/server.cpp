@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -19,7 +20,10 @@
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
 #include "server/service/events/dds_event_writer.hpp"
+#include "server/service/fleet/change_feed.hpp"
 #include "server/service/fleet/membership.hpp"
+#include "server/service/fleet/served_followers.hpp"
+#include "server/service/fleet/standby.hpp"
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/validation.hpp"
@@ -92,7 +96,8 @@ std::string version_text() { return COLLIDED_VERSION; }
 /// is gone.
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger);
-  /// Checks that no other server is there, and takes the next epoch. Throws StartError.
+  bool is_standby() const { return !options.standby_of.empty(); }
+  /// Checks that no other server is there, unless this one stands by, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
   /// What is due ten times a second; called on the world's thread.
   void tick();
@@ -107,6 +112,8 @@ struct Server::Parts {
   bool has_all_back() const;
   /// What this server says of itself to the others of its namespace.
   SelfDescription describe_self();
+  /// Sends all that is kept to a server that follows, in its place among the changes.
+  void send_all(std::uint64_t follower, std::uint64_t fetch);
   /// Keeps which publishers are there, for the case of a crash.
   void note_publishers();
 
@@ -128,6 +135,8 @@ struct Server::Parts {
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
+  std::atomic<bool> stands_by;
+  std::unique_ptr<ChangeFeed> feed;  // null: nobody can follow
   WorldLoop loop;
   PartMeshes part_meshes;
   Commands commands;
@@ -136,13 +145,18 @@ struct Server::Parts {
   std::unique_ptr<Listeners> listeners;
   std::thread world_thread;
   std::optional<wire_contract::Presence> presence;
+  std::unique_ptr<ServedFollowers> followers;
+  std::unique_ptr<Standby> standby;  // null: it is a primary
   std::unique_ptr<Membership> membership;
 };
 
 Epoch Server::Parts::make_epoch() {
-  make_sure_to_be_alone(participant, options);
+  if (!is_standby()) make_sure_to_be_alone(participant, options);
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
+  if (kept.rival_pid != 0 && is_standby())
+    throw StartError(fmt::format("the state folder is used by pid {}\n       give a standby a --state-dir of its own",
+                                 kept.rival_pid));
   if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
   if (!kept.damage.empty()) log->warn("{}", kept.damage);
   return kept;
@@ -168,6 +182,9 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
       event_writer(participant, identity, flight.get()),
+      stands_by(is_standby()),
+      feed(durable && !is_standby() ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space)
+                                    : nullptr),
       loop({.world = world,
             .clock = clock,
             .inbox = inbox,
@@ -191,7 +208,13 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, options.clock_error_ns},
+      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, options.clock_error_ns,
+                [this](const CommandAsk& ask) {
+                  // In the order of the journal, in which all that is kept has its place too.
+                  if (!feed || !feed->is_followed()) return;
+                  durable->then(
+                      [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
+                }},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
@@ -199,7 +222,10 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
 }
 
-bool Server::Parts::has_crashed() const { return epoch.past == PastEnd::running || (durable && durable->crashed()); }
+bool Server::Parts::has_crashed() const {
+  if (is_standby()) return false;
+  return epoch.past == PastEnd::running || (durable && durable->crashed());
+}
 
 /// The journal first, then the epoch: a crash between the two leaves a journal that says nothing is missing.
 std::unique_ptr<DurableState> Server::Parts::keep() {
@@ -209,12 +235,15 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
     return nullptr;
   }
   const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
-  auto kept =
-      std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(), epoch.past,
-                                     [this](const std::string& sentence) { log->warn("{}", sentence); });
+  std::unique_ptr<Disk> disk = disk_in(summand.parent_path().string());
+  // What a standby has it fetches; what an earlier process left is older.
+  if (is_standby()) disk->remove(summand.filename().string());
+  auto kept = std::make_unique<DurableState>(std::move(disk), summand.filename().string(),
+                                             is_standby() ? PastEnd::stopped : epoch.past,
+                                             [this](const std::string& sentence) { log->warn("{}", sentence); });
   open_epoch(epoch);
   if (!epoch.problem.empty()) say_unwritten();
-  if (epoch.past == PastEnd::running || kept->crashed())
+  if (!is_standby() && (epoch.past == PastEnd::running || kept->crashed()))
     log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
   for (const std::string& loss : kept->losses())
     log->error("lost: {}; recovering until somebody says: collide accept-loss", loss);
@@ -247,12 +276,43 @@ bool Server::Parts::has_all_back() const {
 }
 
 SelfDescription Server::Parts::describe_self() {
-  return {.name = options.member,
-          .state =
-              [this] {
-                return loop.recovering() ? wire_contract::ServerState::recovering : wire_contract::ServerState::ready;
-              },
-          .alarm = [this] { return durable ? durable->problem() : std::string(); }};
+  using wire_contract::MemberRole;
+  using wire_contract::ServerState;
+  const auto disk_problem = [this] { return durable ? durable->problem() : std::string(); };
+  if (standby) {
+    return {.role = MemberRole::standby,
+            .name = options.member,
+            .state = [this] { return standby->state(); },
+            .alarm =
+                [this, disk_problem] {
+                  const std::string lacks = standby->alarm();
+                  const std::string problem = disk_problem();
+                  return lacks + (lacks.empty() || problem.empty() ? "" : "\n") + problem;
+                },
+            .following = [this] { return standby->following(); },
+            .heard = [this](const OtherMember& other) { standby->hear(other); },
+            .digested = [this](const DigestMaker& made) { standby->note_own(made.newest(), made.state()); }};
+  }
+  return {.role = MemberRole::primary,
+          .name = options.member,
+          .state = [this] { return loop.recovering() ? ServerState::recovering : ServerState::ready; },
+          .alarm = disk_problem,
+          .following = [] { return Following{}; },
+          .heard = [this](const OtherMember& other) { followers->hear(other); },
+          .digested = [](const DigestMaker&) {}};
+}
+
+void Server::Parts::send_all(std::uint64_t follower, std::uint64_t fetch) {
+  if (!feed) return log->warn("a standby cannot follow: this server keeps nothing, since it has no state folder");
+  // On the world's thread, so that no command is half done.
+  const bool taken = inbox.push_job([this, follower, fetch] {
+    durable->list_kept([this, follower, fetch](const std::vector<CommandAsk>& kept) {
+      std::vector<WorldChange> changes;
+      for (const CommandAsk& ask : kept) changes.push_back({ask.text, ask.blob});
+      feed->tell_all(follower, fetch, std::move(changes));
+    });
+  });
+  if (!taken) log->warn("too many commands wait already: a standby must ask again for what is kept");
 }
 
 void Server::Parts::note_publishers() {
@@ -311,18 +371,36 @@ std::string Server::start() {
   // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering,
-                                            p.flight.get(), p.peers.get());
+                                            p.flight.get(), p.peers.get(), p.stands_by);
   if (p.durable) p.commands.replay(p.durable->commands_left());
+  p.event_writer.set_silent(p.is_standby());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const bool is_heard = p.options.keys.empty() && !p.participant.configured_by_environment();
-  p.presence.emplace(p.options.domain, p.options.name_space, is_heard ? p.options.interface : std::string());
-  p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
-                                              [&p](const std::string& sentence) { p.log->warn("{}", sentence); });
+  if (!p.is_standby())
+    p.presence.emplace(p.options.domain, p.options.name_space, is_heard ? p.options.interface : std::string());
+  const auto warn = [&p](const std::string& sentence) { p.log->warn("{}", sentence); };
+  if (p.is_standby()) {
+    p.standby = std::make_unique<Standby>(
+        p.participant, p.identity,
+        ChangeFollower::Collaborators{.carry_out =
+                                          [&p](const WorldChange& change) {
+                                            return p.commands.follow({0, 0, change.text, change.blob});
+                                          },
+                                      .notice = warn});
+  } else {
+    p.followers = std::make_unique<ServedFollowers>(
+        p.identity.server,
+        ServedFollowers::Collaborators{
+            .send_all = [&p](std::uint64_t follower, std::uint64_t fetch) { p.send_all(follower, fetch); },
+            .ask_again = [&p] { p.loop.ask_publishers_again(); }});
+  }
+  p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock, warn);
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
-  return fmt::format("ready: namespace '{}', domain {}, pid {}, epoch {}, {}", p.options.name_space, p.options.domain,
-                     getpid(), p.identity.epoch, scenes.empty() ? "no scene" : scenes);
+  return fmt::format("ready: {}namespace '{}', domain {}, pid {}, epoch {}, {}", p.is_standby() ? "standing by, " : "",
+                     p.options.name_space, p.options.domain, getpid(), p.identity.epoch,
+                     scenes.empty() ? "no scene" : scenes);
 }
 
 void Server::write_flight_recorder() {
@@ -343,6 +421,7 @@ void Server::stop() {
   if (!p.world_thread.joinable()) return;
   p.presence.reset();
   p.membership->leave();
+  p.standby.reset();
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.
   p.commands.stop();

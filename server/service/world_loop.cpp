@@ -382,6 +382,7 @@ void WorldLoop::list_publishers(bool with_names) {
   status_.silent_ns.clear();
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
   auto applied = applied_.begin();
+  const bool asks = steady_ns() < asks_until_ns_.load(std::memory_order_relaxed);
   publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {
     status_.publishers.push_back(view.publisher);
     // Only samples in a published state count, not those that wait for the next step. Both lists are ascending by
@@ -390,9 +391,16 @@ void WorldLoop::list_publishers(bool with_names) {
     const bool found = applied != applied_.end() && applied->first == view.publisher;
     status_.applied_sequences.push_back(found ? applied->second : 0);
     status_.silent_ns.push_back(view.silent_ns);
-    status_.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
+    const bool is_asked = asks && view.state != wire_contract::PublisherState::lost;
+    status_.publisher_states.push_back(
+        static_cast<std::uint8_t>(is_asked ? wire_contract::PublisherState::asked : view.state));
   });
   if (with_names) list_publisher_names();
+}
+
+void WorldLoop::ask_publishers_again() {
+  constexpr std::int64_t kLongNs = 1'000'000'000;
+  asks_until_ns_.store(steady_ns() + kLongNs, std::memory_order_relaxed);
 }
 
 void WorldLoop::list_publisher_names() {

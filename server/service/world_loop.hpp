@@ -108,6 +108,8 @@ class WorldLoop {
   const RecentEvents& recent_events(BroadcastOf subject) const {
     return subject == BroadcastOf::fences ? fence_broadcast_.recent() : broadcast_.recent();
   }
+  /// Has the publishers asked to define everything again, in the statuses of the next second. Any thread.
+  void ask_publishers_again();
   /// Writes a sentence to the log. Any thread.
   void say(const std::string& sentence) const { with_.notice(sentence); }
   /// Whether contacts, or probes, have readers. Any thread.
@@ -152,6 +154,7 @@ class WorldLoop {
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_{};
   std::atomic<bool> recovering_{false};
+  std::atomic<std::int64_t> asks_until_ns_{0};  // steady clock: publishers are asked to define everything again
   std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;
   std::uint64_t own_changes_ = 0;      // made by jobs, since the last step

@@ -30,6 +30,7 @@ inline const std::vector<Way>& ways() {
                           {&kReplyTopic, &collided_wire_v2_Reply_desc, "client_00"},
                           {&kStatusTopic, &collided_wire_v2_Status_desc, ""},
                           {&kMemberTopic, &collided_wire_v2_Member_desc, ""},
+                          {&kChangeTopic, &collided_wire_v2_Change_desc, ""},
                           {&kStepTopic, &collided_wire_v2_Status_desc, ""},
                           {&kEventTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kPersistedTopic, &collided_wire_v2_EventFrame_desc, ""},

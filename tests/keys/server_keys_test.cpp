@@ -61,6 +61,26 @@ TEST_F(ServerWithKeys, EachRoleDoesWhatItMayAndNoMore) {
   EXPECT_EQ(collide(asker, {"ls"}).code, 0);
 }
 
+TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollow) {
+  start_with_keys();
+  const std::string admin = folders_.of("boss", {KeyRole::admin});
+  EXPECT_EQ(collide(admin, {"add", "crate", "box", "1", "1", "1", "--at", "9", "9", "9"}).code, 0);
+  const testing_support::ScratchFolder elsewhere;
+  ChildProcess standby({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member",
+                        "south", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby})},
+                       elsewhere.path(), "standby");
+  ASSERT_TRUE(standby.says("ready: standing by", 20s)) << standby.errors();
+  const std::string watcher = folders_.of("screen", {KeyRole::watcher});
+  Ended seen;
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        seen = collide(watcher, {"fleet", "--fields", "name,role,state"});
+        return says(seen.output, "south\tstandby\tready");
+      },
+      40s))
+      << seen.output << seen.errors << standby.errors();
+}
+
 /// A client that speaks the wire itself.
 class RawClient {
  public:

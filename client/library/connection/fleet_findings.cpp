@@ -45,7 +45,7 @@ void find_primaries(const std::vector<FleetMember>& members, std::vector<Finding
                         "stop all but one, or give each a --namespace of its own"});
   }
   if (primaries.empty() && !members.empty())
-    findings.push_back({Health::fail, "primaries", "no primary: nobody answers", "start one"});
+    findings.push_back({Health::fail, "primaries", "no primary: nobody answers", "start one without --standby-of"});
 }
 
 void find_versions(const std::vector<FleetMember>& members, std::vector<Finding>& findings) {

@@ -106,7 +106,12 @@ std::optional<ServerPulse::PublisherView> ServerPulse::publisher(std::uint64_t p
   const auto states = dds::view(newest_->publisher_states);
   for (std::size_t i = 0; i < std::min({publishers.size(), applied.size(), states.size()}); ++i) {
     if (publishers[i] == publisher) {
-      return PublisherView{applied[i], states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)};
+      const auto is = [&](wire_contract::PublisherState state) {
+        return states[i] == static_cast<std::uint8_t>(state);
+      };
+      return PublisherView{.applied_sequence = applied[i],
+                           .lost = is(wire_contract::PublisherState::lost),
+                           .asked = is(wire_contract::PublisherState::asked)};
     }
   }
   return std::nullopt;

@@ -51,6 +51,7 @@ class ServerPulse {
   struct PublisherView {
     std::uint64_t applied_sequence = 0;
     bool lost = false;
+    bool asked = false;  // to define everything again
   };
   std::optional<PublisherView> publisher(std::uint64_t publisher) const;
   /// Waits for the next status; false where `deadline` comes first.

@@ -41,6 +41,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> say_alive();
   std::optional<Error> assert_liveliness();
   bool is_forgotten() const;
+  bool is_asked_again();
   bool is_behind() const;
   bool is_applied() const;
   bool has_room();
@@ -66,6 +67,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t defined_all_at_ = 0;          // sequence number at which everything was last defined again
   std::uint64_t server_ = 0;
   std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
+  bool was_asked_ = false;     // to define everything again, by the newest status that was looked at
   bool is_streamed_ = false;
   bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   client::Clock::time_point last_instant_;

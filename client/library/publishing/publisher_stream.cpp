@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/publisher.hpp"
@@ -44,7 +45,7 @@ std::optional<Error> guarded(const Write& write) {
 }  // namespace
 
 std::optional<Error> Publisher::State::say_alive() {
-  if (is_forgotten() || is_behind()) { return define_all(); }
+  if (is_asked_again() || is_forgotten() || is_behind()) { return define_all(); }
   // Each word costs two datagrams, so it is not given with every pose.
   return Clock::now() - last_word_ < kAssertionPeriod ? std::nullopt : assert_liveliness();
 }
@@ -56,6 +57,14 @@ std::optional<Error> Publisher::State::assert_liveliness() {
     last_word_ = Clock::now();
     return std::nullopt;
   });
+}
+
+// Once for each time that the server begins to ask: for another one, which has missed earlier poses.
+bool Publisher::State::is_asked_again() {
+  const auto view = connection_->pulse().publisher(publisher_);
+  const bool is_asked = view && view->asked;
+  const bool was_asked = std::exchange(was_asked_, is_asked);
+  return is_asked && !was_asked;
 }
 
 bool Publisher::State::is_forgotten() const {

@@ -95,6 +95,7 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
 /// the log.
 void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
   if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
+  if (ask.request == 0) return answer_followed(status, text);
   if (status != ReplyStatus::refused) return;
   const json refusal = json::parse(text, nullptr, false);
   if (with_.durable != nullptr && refusal.is_object())
@@ -121,7 +122,8 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
                      fmt::join(ask.from.peer->objects, ", "));
 }
 
-void Commands::run(CommandAsk ask) {
+/// The commands of the world's thread; null: it is none.
+Commands::Change Commands::change_of(std::string_view command) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
       {names::kGet, &Commands::get},          {names::kAdd, &Commands::add},
       {names::kMove, &Commands::move},        {names::kRemove, &Commands::remove},
@@ -132,6 +134,11 @@ void Commands::run(CommandAsk ask) {
       {names::kDeny, &Commands::deny},        {names::kAttach, &Commands::attach},
       {names::kDetach, &Commands::detach},
   };
+  const auto found = std::ranges::find(kChanges, command, &std::pair<std::string, Change>::first);
+  return found == kChanges.end() ? nullptr : found->second;
+}
+
+void Commands::run(CommandAsk ask) {
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
   if (stopping_.load())
@@ -146,9 +153,7 @@ void Commands::run(CommandAsk ask) {
   const std::string& command = arguments->command();
   if (const std::string reason = why_not_allowed(ask, *arguments); !reason.empty())
     return send(ask, ReplyStatus::refused, refusal_text(reason));
-  for (const auto& [name, change] : kChanges) {
-    if (command == name) return on_world_thread(std::move(ask), change, arguments->is_durable());
-  }
+  if (const Change change = change_of(command)) return on_world_thread(std::move(ask), change, arguments->is_durable());
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });

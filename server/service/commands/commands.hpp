@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -52,6 +53,9 @@ class Commands {
     FlightRecorder* flight;  // for `recording`; null: there is none
     PartMeshes& part_meshes;
     std::int64_t clock_error_ns = 0;  // by which publishers' clocks may differ, as the world was told
+    // Called on the world's thread with each command that has changed the world, for servers that follow; empty: there
+    // can be none.
+    std::function<void(const CommandAsk&)> changed = {};
   };
 
   /// uploads  folder for files that clients send; empty: none are taken
@@ -63,6 +67,9 @@ class Commands {
   /// Carries out again what a crashed process had carried out: scenes on a thread of their own, the rest on the
   /// world's. To be called after connect(); returns at once.
   void replay(const std::vector<CommandAsk>& asks);
+  /// Carries out what a command has done to another server's world, and waits for it. Returns why it was refused; empty:
+  /// it was not. One thread, not the world's.
+  std::string follow(CommandAsk ask);
   /// Whether replay() has nothing left to do. Any thread.
   bool replayed() const { return !replaying_.load(); }
   /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
@@ -91,6 +98,9 @@ class Commands {
     std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
   };
 
+  static Change change_of(std::string_view command);
+  void answer_followed(wire_contract::ReplyStatus status, const std::string& text);
+  void tell_followers(const CommandAsk& ask) const;
   static std::string why_not_allowed(const CommandAsk& ask, const Arguments& arguments);
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
@@ -258,6 +268,8 @@ class Commands {
   std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number and path, oldest first
   std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
+  std::mutex followed_mutex_;
+  std::shared_ptr<std::promise<std::string>> followed_;  // of follow() under way, under followed_mutex_
   std::mutex awaited_mutex_;
   std::vector<std::weak_ptr<AwaitedJob>> awaited_;  // those not yet answered, and some that are
   WorkQueue<SlowJob> slow_jobs_;

@@ -180,6 +180,9 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
     // Whoever moves something after the answer finds the fence there.
     if (done > 0) step();
     if (with_.durable != nullptr) with_.durable->fences_set(kept);
+    if (with_.changed && ask.client != 0) {
+      for (const auto& [name, one] : kept) with_.changed(one);
+    }
   };
   json added = json::array();
   try {

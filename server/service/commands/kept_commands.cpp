@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <future>
+#include <utility>
 
 #include "idl/commands.hpp"
 #include "server/service/commands/commands.hpp"
@@ -25,6 +28,7 @@ void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json(
   json result;
   try {
     result = work();
+    tell_followers(ask);
     drop_uploads();
   } catch (...) {
     return answer(ask, []() -> json { throw; });
@@ -39,6 +43,55 @@ void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json(
     answer(whose, [&] { return result; });
   };
   with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);
+}
+
+/// What is carried out again after a crash a follower fetches with all that is kept. Fences are told where they are made,
+/// since only those that are kept stand for themselves.
+void Commands::tell_followers(const CommandAsk& ask) const {
+  if (!with_.changed || ask.client == 0) return;
+  const Arguments arguments(ask.text);
+  const bool is_fence = arguments.command() == names::kFence && !arguments.truth("remove", false);
+  if (!is_fence && arguments.command() != names::kAcceptLoss) with_.changed(ask);
+}
+
+std::string Commands::follow(CommandAsk ask) {
+  const auto done = std::make_shared<std::promise<std::string>>();
+  std::future<std::string> refusal = done->get_future();
+  {
+    const std::lock_guard lock(followed_mutex_);
+    followed_ = done;
+  }
+  try {
+    const Arguments arguments(ask.text);
+    if (arguments.command() == names::kLoad) {
+      load_one(parse_load(std::move(ask), arguments));
+    } else {
+      const Change change = change_of(arguments.command());
+      if (change == nullptr) return "unknown command";
+      const bool taken = with_.inbox.push_job([this, change, ask = std::move(ask)] {
+        answer_once_kept(ask, [&] { return (this->*change)(ask, Arguments(ask.text)); });
+      });
+      if (!taken) return "too many commands wait already";
+    }
+  } catch (const BadCommand& bad) { return bad.what(); }
+  constexpr std::chrono::milliseconds kLook{50};
+  while (!stopping_.load()) {
+    if (refusal.wait_for(kLook) == std::future_status::ready) return refusal.get();
+  }
+  return "the server is stopping";
+}
+
+void Commands::answer_followed(ReplyStatus status, const std::string& text) {
+  if (status == ReplyStatus::progress) return;
+  std::shared_ptr<std::promise<std::string>> done;
+  {
+    const std::lock_guard lock(followed_mutex_);
+    done = std::exchange(followed_, nullptr);
+  }
+  if (!done) return;
+  const json refusal = json::parse(text, nullptr, false);
+  const bool is_refused = status == ReplyStatus::refused;
+  done->set_value(!is_refused ? "" : refusal.is_object() ? refusal.value("error", text) : text);
 }
 
 /// Goes on where what the command does will find room on the disk, if it asks for that; else refuses it.

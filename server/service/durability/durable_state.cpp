@@ -37,6 +37,17 @@ std::string member_key(std::string_view kind, std::string_view scene, std::strin
   return fmt::format("{}{}\n{}", kind, scene, member);
 }
 
+/// Visits the entries that are commands, in the order in which they are carried out again.
+template <class Visit>
+void for_each_command(const Journal& journal, const Visit& visit) {
+  for (const std::string_view kind :
+       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached}) {
+    for (const Journal::Entry& entry : journal.entries()) {
+      if (entry.key.starts_with(kind)) visit(entry);
+    }
+  }
+}
+
 bool is_carried_out_again(const CommandAsk& ask) { return ask.client == 0 && ask.request != 0; }
 
 }  // namespace
@@ -70,14 +81,10 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
 }
 
 void DurableState::read_left() {
-  for (const std::string_view kind :
-       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached}) {
-    for (const Journal::Entry& entry : journal_.entries()) {
-      if (!entry.key.starts_with(kind)) continue;
-      commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
-      keys_left_.push_back(entry.key);
-    }
-  }
+  for_each_command(journal_, [&](const Journal::Entry& entry) {
+    commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
+    keys_left_.push_back(entry.key);
+  });
   for (const Journal::Entry& entry : journal_.entries()) {
     had_covers_ = had_covers_ || entry.key == kCovers;
     if (entry.key.starts_with(kLoss)) lose(entry.key, entry.text);
@@ -323,6 +330,14 @@ void DurableState::wait(std::chrono::milliseconds longest) {
 void DurableState::then(std::function<void(const std::string&)> done) {
   const bool taken = jobs_.push([this, done] { done(journal_.problem()); });
   if (!taken) done("the server is stopping");
+}
+
+void DurableState::list_kept(std::function<void(std::vector<CommandAsk>)> done) {
+  jobs_.push([this, done = std::move(done)] {
+    std::vector<CommandAsk> kept;
+    for_each_command(journal_, [&](const Journal::Entry& entry) { kept.push_back({0, 0, entry.text, entry.blob}); });
+    done(std::move(kept));
+  });
 }
 
 void DurableState::ask_room(std::uint64_t bytes, std::function<void(const std::string&)> done) {

@@ -101,6 +101,9 @@ class DurableState {
   void then(std::function<void(const std::string& not_kept)> done);
   /// Calls done(""), where so many bytes more will find room on the disk, else done(why). Any thread.
   void ask_room(std::uint64_t bytes, std::function<void(const std::string& no_room)> done);
+  /// Calls done, on the thread of its own, with all that is kept as of now, as commands in the order in which they are
+  /// carried out again.
+  void list_kept(std::function<void(std::vector<CommandAsk> kept)> done);
   /// Waits until all of the above is written, at most for `longest`.
   void wait(std::chrono::milliseconds longest);
   /// Writes what waits, calls what then() was given, and takes nothing more.

@@ -27,15 +27,6 @@ void borrow_publishers(wire::Status& to, const StatusColumns& from) {
   dds::borrow(to.publisher_names, from.publisher_names);
 }
 
-/// A full reader or a failed write must not stop the world; a subscriber that misses a sample sees the gap in the
-/// sequence.
-template <class T>
-void write(dds::Writer<T>& writer, const T& sample) {
-  try {
-    static_cast<void>(writer.write(sample));
-  } catch (const dds::DdsError&) {}
-}
-
 }  // namespace
 
 DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
@@ -73,6 +64,16 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
 template <class T>
 void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
   if (flight_) flight_->note(topic, sample);
+}
+
+/// A full reader or a failed write must not stop the world; a subscriber that misses a sample sees the gap in the
+/// sequence.
+template <class T>
+void DdsEventWriter::write(dds::Writer<T>& writer, const T& sample) {
+  if (is_silent_) return;
+  try {
+    static_cast<void>(writer.write(sample));
+  } catch (const dds::DdsError&) {}
 }
 
 void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events,
@@ -191,6 +192,7 @@ void DdsEventWriter::write_step(const StatusColumns& status) {
 }
 
 void DdsEventWriter::leave() {
+  if (is_silent_) return;
   constexpr std::int64_t kPatienceNs = 500'000'000;
   event_writer_.wait_for_acknowledgements(kPatienceNs);
   contact_writer_.wait_for_acknowledgements(kPatienceNs);

@@ -42,6 +42,8 @@ class DdsEventWriter : public EventWriter {
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
 
+  /// Whether nothing is written, as of a server that stands by; all else is as if it were.
+  void set_silent(bool is_silent) { is_silent_ = is_silent; }
   /// To be called last: clients learn that the server has left rather than fallen silent.
   void leave();
 
@@ -50,8 +52,11 @@ class DdsEventWriter : public EventWriter {
   void fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence);
   template <class T>
   void note(recording::Recorded topic, const T& sample);
+  template <class T>
+  void write(dds::Writer<T>& writer, const T& sample);
 
   FlightRecorder* const flight_;
+  bool is_silent_ = false;
   dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;
   dds::Topic<wire::ContactShard> contact_topic_, fence_state_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;

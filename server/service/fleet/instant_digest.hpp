@@ -29,7 +29,7 @@ class DigestMaker {
   /// The newest that was made.
   const InstantDigest& newest() const { return newest_; }
   /// The state that it is of; null: there is none.
-  const Snapshot* state() const { return state_.get(); }
+  const std::shared_ptr<const Snapshot>& state() const { return state_; }
 
   /// Of the scenes that are loaded now. Costs something once for each change of them.
   std::uint64_t scene_fingerprint();

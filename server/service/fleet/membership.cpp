@@ -97,7 +97,7 @@ void Membership::run() {
     take();
     if (steady_ns() < next_ns) continue;
     next_ns = steady_ns() + wire_contract::kMemberPeriodNs;
-    if (!others_.empty()) digests_.make(clock_.now_ns());
+    if (!others_.empty() && digests_.make(clock_.now_ns())) self_.digested(digests_);
     report(faults());
     write();
   }
@@ -110,6 +110,7 @@ void Membership::take() {
       others_.erase(heard_->server);
     } else if (heard_.info().valid_data) {
       hear(heard_);
+      if (const auto other = others_.find(heard_->server); other != others_.end()) self_.heard(other->second);
     }
   }
 }
@@ -125,6 +126,7 @@ void Membership::hear(const dds::Sample<wire::Member>& sample) {
   other.name = sample->name;
   other.version = sample->server_version;
   other.scene_fingerprint = sample->scene_fingerprint;
+  other.following = {.primary = sample->primary, .fetch = sample->fetch, .again = sample->again};
   other.digest = {.time_ns = sample->digest_time_ns, .digest = digest_in(*sample)};
   // What DDS kept for a reader that joins may be old.
   if (!is_known) return;
@@ -170,6 +172,10 @@ void Membership::write() {
   said_->state = static_cast<std::uint8_t>(self_.state());
   said_->version = newest->version;
   said_->lag_ns = std::max<std::int64_t>(0, newest->world_time_ns - newest->settled_ns);
+  const Following following = self_.following();
+  said_->primary = following.primary;
+  said_->fetch = following.fetch;
+  said_->again = following.again;
   said_->scene_fingerprint = digests_.scene_fingerprint();
   said_->digest_time_ns = digests_.newest().time_ns;
   if (said_->digest_time_ns != 0) dds::borrow(said_->digest, digests_.newest().digest.sums);

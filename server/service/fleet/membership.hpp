@@ -17,6 +17,13 @@
 
 namespace collided::engine::service {
 
+/// What a standby wants of its primary; all numbers grow.
+struct Following {
+  std::uint64_t primary = 0;  // 0: none is followed
+  std::uint64_t fetch = 0;    // of all that is kept
+  std::uint64_t again = 0;    // that publishers define everything again
+};
+
 /// What another server of the namespace says of itself.
 struct OtherMember {
   std::uint64_t server = 0;
@@ -26,6 +33,7 @@ struct OtherMember {
   std::string version;
   std::uint64_t scene_fingerprint = 0;
   InstantDigest digest;
+  Following following;
   std::deque<std::int64_t> clock_ahead_ns;  // of this machine's clock, when the newest samples came
 };
 
@@ -35,6 +43,9 @@ struct SelfDescription {
   std::string name;  // empty: the machine's name and the process number
   std::function<wire_contract::ServerState()> state;
   std::function<std::string()> alarm;  // what is wrong with this server, one sentence a line; empty: nothing
+  std::function<Following()> following;
+  std::function<void(const OtherMember&)> heard;     // called with each message of another one
+  std::function<void(const DigestMaker&)> digested;  // called with each new digest of the own world
 };
 
 /// This server among those of its namespace: says twice a second what it is, hears the others, and reports what does not

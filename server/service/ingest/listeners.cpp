@@ -23,6 +23,10 @@ void take_or_end(Take&& take) {
   } catch (const std::bad_alloc&) { end_out_of_memory("samples that come in"); }
 }
 
+void drop_all(const dds::Taker<wire::Query>& taker) {
+  while (taker.take_loans().size() > 0) {}
+}
+
 }  // namespace
 
 bool PublisherLiveliness::admits(std::uint64_t handle, std::uint64_t publisher, FunctionRef<NumberOwner()> owner_of) {
@@ -93,7 +97,8 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
 }
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
-                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers)
+                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
+                     const std::atomic<bool>& is_standby)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
@@ -116,11 +121,13 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
           {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
            .liveliness =
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
-      query_reader_(
-          query_topic_,
-          {.data = [&answering](dds::Taker<wire::Query> taker) { take_or_end([&] { answering.listen(taker); }); },
-           // With keys, each right to send queries is a partition.
-           .partition = peers == nullptr ? "" : "*"}) {
+      query_reader_(query_topic_,
+                    {.data =
+                         [&answering, &is_standby](dds::Taker<wire::Query> taker) {
+                           take_or_end([&] { is_standby.load() ? drop_all(taker) : answering.listen(taker); });
+                         },
+                     // With keys, each right to send queries is a partition.
+                     .partition = peers == nullptr ? "" : "*"}) {
   // A callback that came before its reader was there has left the samples with it.
   has_readers_.store(true);
   take_definitions(object_reader_.taker());

@@ -15,14 +15,28 @@ namespace {
 using Values = std::span<const std::string>;
 using Allowed = std::optional<std::string>;
 
-Allowed apply_namespace(Options& options, Values values) {
-  const std::string& name = values[0];
+/// Whether it can begin the names of topics.
+bool is_namespace(const std::string& name) {
   bool good = !name.empty() && name.size() <= 64 && !(name[0] >= '0' && name[0] <= '9');
   for (const char c : name) {
     good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/');
   }
-  if (!good) return "1 to 64 letters, digits, '_' and '/', not starting with a digit";
-  options.name_space = name;
+  return good;
+}
+
+constexpr const char* kNamespaces = "1 to 64 letters, digits, '_' and '/', not starting with a digit";
+
+Allowed apply_namespace(Options& options, Values values) {
+  if (!is_namespace(values[0])) return kNamespaces;
+  options.name_space = values[0];
+  return std::nullopt;
+}
+
+/// Comes after the namespace, in whose place it is.
+Allowed apply_standby_of(Options& options, Values values) {
+  if (values[0].empty()) return std::nullopt;
+  if (!is_namespace(values[0])) return kNamespaces;
+  options.standby_of = options.name_space = values[0];
   return std::nullopt;
 }
 
@@ -247,6 +261,8 @@ constexpr Setting kSettings[] = {
      apply_step},
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
      "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
+    {"server.standby_of", "--standby-of", "COLLIDED_STANDBY_OF", "", "NAMESPACE",
+     "stand by for the primary of that namespace: hold the same world, answer nothing", false, apply_standby_of},
     {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",
      "what collide fleet calls this server; default: the machine's name and the process number", false, apply_member},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},

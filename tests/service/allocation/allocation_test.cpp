@@ -45,7 +45,7 @@ struct ServingSide {
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();
     test::count_new_listeners(true);
-    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr);
+    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr, stands_by);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {
@@ -67,6 +67,7 @@ struct ServingSide {
 
   World world{WorldOptions{}};
   WorldClock clock;
+  std::atomic<bool> stands_by{false};
   WriteBarriers write_barriers;
   SnapshotLeases leases{world};
   QuestionCounts counts;

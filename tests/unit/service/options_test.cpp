@@ -92,6 +92,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.threads", "3", [](const Options& o) { return o.threads == 3; }},
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
+      {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
       {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
       {"world.scenes", "a.obj,b.obj",
        [](const Options& o) {
@@ -135,6 +136,12 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
         EXPECT_EQ(other.is_set(parsed.options), &other == &row) << other.key << " by " << row.key;
     }
   }
+}
+
+TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
+  EXPECT_EQ(parse({"--standby-of", "hall"}).options.name_space, "hall");
+  EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", "hall"}).options.name_space, "hall");
+  EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", ""}).options.name_space, "yard");
 }
 
 TEST(Options, TheDefaultsAreThoseOfTheHelp) {

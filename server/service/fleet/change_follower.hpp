@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/fleet/change_feed.hpp"
+
+namespace collided::engine::service {
+
+/// Follows a primary: fetches all that its commands have done, then repeats each change in order.
+///
+/// threads  one of its own; the calls here are for any
+class ChangeFollower {
+ public:
+  struct Collaborators {
+    /// Carries out a change and waits for it; returns why it was refused, empty: it was not.
+    std::function<std::string(const WorldChange&)> carry_out;
+    std::function<void(const std::string&)> notice;
+  };
+  /// self  the number of this server
+  ChangeFollower(const dds::Participant& participant, std::uint64_t self, const std::string& name_space,
+                 Collaborators with);
+  ~ChangeFollower();
+  ChangeFollower(const ChangeFollower&) = delete;
+  ChangeFollower& operator=(const ChangeFollower&) = delete;
+
+  /// The primary that is to be followed; the first one counts. What another one has may not go with what this one had.
+  void follow(std::uint64_t primary, const std::string& name);
+  /// Which primary it follows; 0: none yet.
+  std::uint64_t primary() const { return primary_.load(); }
+  /// Which fetch of all that is kept it waits for.
+  std::uint64_t fetch() const { return fetch_.load(); }
+  /// All that the primary had kept was carried out, and nothing was missed since.
+  bool is_whole() const { return is_whole_.load() && alarms().empty(); }
+  /// What it lacks of the primary, a sentence each.
+  std::vector<std::string> alarms() const;
+
+ private:
+  void run();
+  void take();
+  void take_fetched();
+  void take_live();
+  void carry_out(const WorldChange& change);
+  void raise(std::string sentence);
+
+  const std::uint64_t self_;
+  const Collaborators with_;
+  std::atomic<std::uint64_t> primary_{0};
+  std::atomic<std::uint64_t> fetch_{0};
+  std::atomic<bool> is_whole_{false};
+  mutable std::mutex mutex_;  // for these two
+  std::string primary_name_;
+  std::vector<std::string> alarms_;
+  dds::Topic<wire::Change> topic_;
+  dds::Reader<wire::Change> reader_;
+  dds::WaitSet waitset_;
+  dds::Sample<wire::Change> sample_;  // this and the next are of the thread
+  std::vector<WorldChange> fetched_;
+  std::uint64_t expected_left_ = 0;  // of the next one that is fetched
+  std::uint64_t last_sequence_ = 0;  // of the newest change that was carried out
+  std::int64_t asked_ns_ = 0;        // when the fetch was asked for, steady clock
+  std::atomic<bool> is_over_{false};
+  std::thread thread_;
+};
+
+}  // namespace collided::engine::service
