@@ -90,6 +90,13 @@ inline constexpr const char* kFigures = "figures";
 ///    measured apart
 inline constexpr const char* kSteps = "steps";
 
+/// Some of the questions that other clients ask, at most 20 a second: from the first call on they are sampled, and two seconds
+/// after the last one no longer. since (sequence of the last one known; absent: all that are kept, 64)
+/// -> questions [{sequence, kind, ago_ns, answer (hit, miss, undecided, invalid), of a ray origin, direction, length (absent:
+///    endless), of a sphere center, radius, of a box center, half, orientation (w x y z), of near point, reach (absent:
+///    endless), of inside point; of the first hit object, distance, error, at, normal}], since (for the next call)
+inline constexpr const char* kSampled = "sampled";
+
 /// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0): sets a
 /// probe, in place of one of that name. With remove true: only the name, a glob. -> probes [names], version
 inline constexpr const char* kProbe = "probe";
@@ -246,8 +253,8 @@ inline constexpr const char* kPoses = "poses";
 inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
-  for (const std::string_view change :
-       {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss, kRecording, kFence, kAttach, kDetach})
+  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss,
+                                        kRecording, kSampled, kFence, kAttach, kDetach})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

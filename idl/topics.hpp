@@ -181,8 +181,8 @@ inline constexpr TopicQos kFenceStatusTopic{
 
 /// What a client may send on the topic of queries, where keys are used: each is a partition there, so that each is a
 /// right of its own. Without keys all goes by the default partition.
-/// greet: hello. ask: questions, and commands that look. change: commands that change the world, and the flight
-/// recorder's, which has what others sent. upload: files.
+/// greet: hello. ask: questions, and commands that look. change: commands that change the world, and what others have sent: the flight
+/// recorder's and samples of questions. upload: files.
 enum class QueryRight : std::uint8_t { greet, ask, change, upload };
 inline constexpr std::array kQueryRights{QueryRight::greet, QueryRight::ask, QueryRight::change, QueryRight::upload};
 inline const char* name_of(QueryRight right) {

@@ -1,8 +1,12 @@
 #include "client/view/asker.hpp"
 
+#include <chrono>
+#include <cstdint>
+#include <string>
 #include <utility>
 
 #include "client/view/page_answers.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::view {
 
@@ -81,6 +85,11 @@ struct AskServer {
   std::string operator()(const Remembered& wanted) const {
     const std::chrono::duration<double> last(wanted.last_s);
     return memory_answer_text(id, memory.fetch(client, std::chrono::duration_cast<std::chrono::nanoseconds>(last)));
+  }
+  std::string operator()(const SampledSince& sampled) const {
+    const std::string arguments = "{\"since\":" + std::to_string(static_cast<std::uint64_t>(sampled.since)) + "}";
+    return sampled_answer_text(
+        id, client.command(wire_contract::command::kSampled, arguments, {}, std::chrono::seconds(1)));
   }
   std::string operator()(const Owners&) const {
     constexpr std::uint64_t kMostListed = 100'000;

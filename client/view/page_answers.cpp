@@ -168,6 +168,14 @@ std::string memory_answer_text(double id, const Result<std::uint64_t>& number) {
       {{"type", "answer"}, {"ask", "memory"}, {"id", id}, {"path", "memory?number=" + std::to_string(*number)}});
 }
 
+std::string sampled_answer_text(double id, const Result<std::string>& told) {
+  if (!told) return refused_text(id, told.error().message);
+  json text = json::parse(*told, nullptr, false);
+  if (!text.is_object()) return refused_text(id, "the server's answer does not fit the question");
+  text.update({{"type", "answer"}, {"ask", "sampled"}, {"id", id}});
+  return text_of(text);
+}
+
 std::string refused_text(double id, std::string_view why) {
   return text_of({{"type", "refused"}, {"id", id}, {"why", why}});
 }

@@ -38,6 +38,9 @@ std::string owners_answer_text(double id, const Result<ObjectList>& moving);
 /// {type "answer", id, ask "memory", path}: where the page finds what the server remembers, an MCAP file.
 std::string memory_answer_text(double id, const Result<std::uint64_t>& number);
 
+/// {type "answer", id, ask "sampled", questions, since}: as the command `sampled` tells them (idl/commands.hpp).
+std::string sampled_answer_text(double id, const Result<std::string>& told);
+
 /// {type "refused", id, why}
 std::string refused_text(double id, std::string_view why);
 

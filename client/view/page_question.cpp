@@ -102,6 +102,12 @@ What memory_of(const json& question) {
   return last_s && *last_s > 0 && *last_s <= kMostRemembered_s ? What(Remembered{*last_s}) : std::nullopt;
 }
 
+What sampled_of(const json& question) {
+  constexpr double kMostWhole = 9'007'199'254'740'992;  // 2^53
+  const std::optional<double> since = size_in(question, "since");
+  return since && *since <= kMostWhole ? What(SampledSince{*since}) : std::nullopt;
+}
+
 struct Kind {
   std::string_view ask;
   What (*parse)(const json& question);
@@ -115,6 +121,7 @@ constexpr Kind kKinds[] = {{"ray", ray_of},
                            {"pair", pair_of},
                            {"owners", owners_of},
                            {"memory", memory_of},
+                           {"sampled", sampled_of},
                            {"object", named_of<ObjectOfName>},
                            {"nearest", named_of<NearestToObject>}};
 

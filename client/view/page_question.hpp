@@ -46,6 +46,11 @@ struct Remembered {
   double last_s = 0;  // above 0, at most kMostRemembered_s
 };
 
+/// What other clients ask, a sample of it.
+struct SampledSince {
+  double since = 0;  // the number of the last one that the page knows
+};
+
 inline constexpr std::uint32_t kMostNearest = 20;
 inline constexpr double kMostRemembered_s = 300;
 
@@ -60,10 +65,11 @@ inline constexpr double kMostRemembered_s = 300;
 /// nearest  name
 /// owners
 /// memory   seconds
+/// sampled  since
 struct PageQuestion {
   double id = 0;  // the page's number for it, repeated in the answer
   std::variant<RayQuestion, SphereQuestion, BoxQuestion, NearestToPoint, SweptBall, PairOfNames, ObjectOfName,
-               NearestToObject, Owners, Remembered>
+               NearestToObject, Owners, Remembered, SampledSince>
       what;
 };
 

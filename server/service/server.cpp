@@ -139,6 +139,7 @@ struct Server::Parts {
   std::unique_ptr<ChangeFeed> feed;  // null: nobody can follow
   WorldLoop loop;
   PartMeshes part_meshes;
+  QuestionSamples samples;
   Commands commands;
   dds::Topic<wire::Reply> reply_topic;
   std::unique_ptr<Answering> answering;
@@ -208,7 +209,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, options.clock_error_ns,
+      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, samples,
+                options.clock_error_ns,
                 [this](const CommandAsk& ask) {
                   // In the order of the journal, in which all that is kept has its place too.
                   if (!feed || !feed->is_followed()) return;
@@ -362,7 +364,8 @@ Server::~Server() { stop(); }
 std::string Server::start() {
   Parts& p = *parts_;
   p.answering = std::make_unique<Answering>(
-      Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit, p.part_meshes},
+      Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit, p.part_meshes,
+                               p.samples},
       p.reply_topic,
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get(),

@@ -133,7 +133,7 @@ TEST_F(ServerWithKeys, ACommandInAQuestionsPlaceIsRefused) {
   const std::string listed = client.ask(wire_contract::RequestKind::command, R"({"command":"list"})");
   EXPECT_TRUE(says(listed, "warehouse")) << listed;
   for (const char* command : {R"({"command":"clear"})", R"({"command":"upload","file":"x","bytes":1,"checksum":0})",
-                              R"({"command":"recording","last_s":0})"}) {
+                              R"({"command":"recording","last_s":0})", R"({"command":"sampled"})"}) {
     const std::string refused = client.ask(wire_contract::RequestKind::command, command);
     EXPECT_TRUE(says(refused, "the keys give no right")) << command << ": " << refused;
   }

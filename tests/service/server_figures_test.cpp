@@ -42,6 +42,48 @@ TEST_F(ServerFigures, CountEveryQuestionAndHowLongItTook) {
   EXPECT_EQ(asked(now, "box")["answered"], 0);
 }
 
+TEST_F(ServerFigures, SampleWhatOtherClientsAsk) {
+  start();
+  Client viewer = connect();
+  Client robot = connect();
+  const auto sampled = [&](const std::string& arguments) {
+    const Result<std::string> answer = viewer.command("sampled", arguments);
+    EXPECT_TRUE(answer) << answer.error().message;
+    return answer ? json::parse(*answer) : json{{"questions", json::array()}};
+  };
+  ASSERT_TRUE(robot.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}));
+  EXPECT_TRUE(sampled("{}")["questions"].empty()) << "nobody had asked for samples before";
+  const auto ask_until_sampled = [&](auto&& question) {
+    json told;
+    const std::string since = sampled("{}")["since"].dump();
+    EXPECT_TRUE(test::eventually([&] {
+      EXPECT_TRUE(viewer.ask(RayQuestion{.origin = {9, 9, 9}, .direction = {0, 0, -1}}));
+      EXPECT_TRUE(robot.ask(question));
+      told = sampled("{\"since\":" + since + "}");
+      return !told["questions"].empty();
+    }));
+    return told["questions"].empty() ? json() : told["questions"][0];
+  };
+  const json ray = ask_until_sampled(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+  EXPECT_EQ(ray["kind"], "ray");
+  EXPECT_EQ(ray["origin"], json({0.0, 0.0, 5.0}));
+  EXPECT_FALSE(ray.contains("length")) << "it is endless";
+  EXPECT_EQ(ray["answer"], "hit");
+  EXPECT_EQ(ray["object"], "warehouse/shelf_3/top");
+  const Result<Answer> own = robot.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(own);
+  EXPECT_EQ(ray["distance"], own->hits.at(0).distance_m);
+  EXPECT_EQ(ray["at"][2], own->hits.at(0).point.z());
+  EXPECT_LT(ray["ago_ns"], 60'000'000'000);
+  const json ball = ask_until_sampled(SphereQuestion{.center = {100, 0, 0}, .radius_m = 0.5});
+  EXPECT_EQ(ball["radius"], 0.5);
+  EXPECT_EQ(ball["answer"], "miss");
+  EXPECT_FALSE(ball.contains("object"));
+  const json box = ask_until_sampled(BoxQuestion{.center = {0, 0, 0}, .half_m = {1, 2, 3}});
+  EXPECT_EQ(box["half"], json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(box["orientation"], json({1.0, 0.0, 0.0, 0.0}));
+}
+
 TEST_F(ServerFigures, SayHowLongTheServerIsUp) {
   const auto began = std::chrono::steady_clock::now();
   start({"--step", "5ms"});

@@ -112,6 +112,46 @@ export async function theNearestIsShown() {
   await shut(page);
 }
 
+/// What other clients ask is asked for only while that is wanted, drawn faintly, and fades.
+export async function whatOthersAskIsDrawn() {
+  const world = hall();
+  const questions = [
+    { kind: "ray", origin: [-3, -2, 2], direction: [1, 0.5, -0.4], answer: "hit", at: [0, -0.5, 0.8], object: "ball_1" },
+    { kind: "ray", origin: [3, -2, 2], direction: [0, 0, 1], answer: "miss" },
+    { kind: "sphere", center: [1.5, -1.5, 0.6], radius: 0.6, answer: "miss" },
+    { kind: "box", center: [-1.5, -2, 0.5], half: [0.6, 0.3, 0.5], orientation: [0.924, 0, 0, 0.383], answer: "hit", at: [-1.5, -2, 0], object: "floor" },
+    { kind: "near", point: [2.5, 2, 1.5], answer: "hit", at: [3, 1.3, 1.5], object: "shelf_2" },
+    { kind: "inside", point: [0, 2, 1], answer: "miss" },
+    { kind: "ray", origin: [null, 0, 0], direction: [0, 0, 0], answer: "invalid" },
+  ];
+  let isRefused = false;
+  const sampled = ({ since, id }) => {
+    if (isRefused) world.tell({ type: "refused", id, why: "the keys give no right to change the world" });
+    return isRefused ? null : { since: since + questions.length, questions: questions.map((one) => ({ ...one, ago_ns: 1e8 })) };
+  };
+  const page = await open(world, { answers: { sampled } });
+  const asked = () => world.asked.filter(({ ask }) => ask === "sampled").length;
+  const drawn = () => page.evaluate(() => collidedPage.picture.marks.others.length);
+  await new Promise((done) => setTimeout(done, 500));
+  check(asked() === 0 && (await drawn()) === 0, "it is asked though nobody wants it");
+  await page.evaluate(() => document.getElementById("others").click());
+  await until("they are drawn", async () => (await drawn()) >= 2 * questions.length);
+  check(world.asked.filter(({ ask }) => ask === "sampled")[1].since === questions.length, "all are asked for again");
+  await picture(page, "others_paper");
+  await page.evaluate(() => document.getElementById("theme").click());
+  await until("they are drawn by night", async () => (await drawn()) > 0);
+  await picture(page, "others_night");
+  await page.evaluate(() => document.getElementById("others").click());
+  await until("they are gone", async () => (await drawn()) === 0);
+  const before = asked();
+  isRefused = true;
+  await page.evaluate(() => document.getElementById("others").click());
+  await until("a refusal is told", async () => /no right/.test(await textOf(page, "#others-note")));
+  check(await page.evaluate(() => !document.getElementById("others").checked), "the switch stays on");
+  check(asked() === before + 1, "it is asked again and again");
+  await shut(page);
+}
+
 /// Pausing keeps the picture while the world goes on; going back shows what was; going live shows what is.
 export async function timeGoesBack() {
   const world = hall();

@@ -307,6 +307,16 @@ TEST(PageMessages, TheNearestIsToldWithItsLine) {
   EXPECT_TRUE(told["late"]) << "a nearer one may be missing";
 }
 
+TEST(PageAnswer, OfWhatOthersAskIsTheServersOwn) {
+  const json told =
+      json::parse(sampled_answer_text(9, std::string(R"({"questions":[{"kind":"ray"}],"since":12,"type":"hello"})")));
+  EXPECT_EQ(
+      told,
+      (json{{"type", "answer"}, {"ask", "sampled"}, {"id", 9}, {"since", 12}, {"questions", {{{"kind", "ray"}}}}}));
+  EXPECT_EQ(json::parse(sampled_answer_text(9, std::string("[]")))["type"], "refused");
+  EXPECT_EQ(json::parse(sampled_answer_text(9, Error{.message = "no right"}))["why"], "no right");
+}
+
 TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
   const auto sphere = parse_page_question(R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":0.25})");
   ASSERT_TRUE(sphere);
@@ -326,12 +336,16 @@ TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
   const auto memory = parse_page_question(R"({"ask":"memory","id":1,"seconds":30})");
   ASSERT_TRUE(memory);
   EXPECT_EQ(std::get<Remembered>(memory->what).last_s, 30);
+  const auto sampled = parse_page_question(R"({"ask":"sampled","id":1,"since":41})");
+  ASSERT_TRUE(sampled);
+  EXPECT_EQ(std::get<SampledSince>(sampled->what).since, 41);
   for (const char* bad :
-       {R"({"ask":"memory","id":1,"seconds":0})", R"({"ask":"memory","id":1,"seconds":1e6})",
-        R"({"ask":"memory","id":1})", R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":-1})",
-        R"({"ask":"sphere","id":1,"center":[1,2,3]})", R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,-1,2]})",
-        R"({"ask":"near","id":1,"point":[1,2,3]})", R"({"ask":"near","id":1,"point":[1,2,3],"count":0})",
-        R"({"ask":"near","id":1,"point":[1,2,3],"count":1e9})",
+       {R"({"ask":"sampled","id":1})", R"({"ask":"sampled","id":1,"since":-1})",
+        R"({"ask":"sampled","id":1,"since":1e300})", R"({"ask":"memory","id":1,"seconds":0})",
+        R"({"ask":"memory","id":1,"seconds":1e6})", R"({"ask":"memory","id":1})",
+        R"({"ask":"sphere","id":1,"center":[1,2,3],"radius":-1})", R"({"ask":"sphere","id":1,"center":[1,2,3]})",
+        R"({"ask":"box","id":1,"center":[1,2,3],"half":[0,-1,2]})", R"({"ask":"near","id":1,"point":[1,2,3]})",
+        R"({"ask":"near","id":1,"point":[1,2,3],"count":0})", R"({"ask":"near","id":1,"point":[1,2,3],"count":1e9})",
         R"({"ask":"sweep","id":1,"radius":0,"from":[0,0,1],"to":[2,0,1]})",
         R"({"ask":"sweep","id":1,"radius":1,"from":[0,0,1]})", R"({"ask":"nearest","id":1})"}) {
     EXPECT_FALSE(parse_page_question(bad)) << bad;

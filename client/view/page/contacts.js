@@ -62,6 +62,7 @@ class Marks {
     this.nearest = null;  // likewise, of what is nearest to the chosen object
     this.asked = null;    // {pieces, texts} of the newest answer (tools.js)
     this.preview = [];    // pieces of a question that is being drawn
+    this.others = [];     // {pieces, at}: what other clients ask (others.js)
     this.isCalm = matchMedia("(prefers-reduced-motion: reduce)");
   }
 
@@ -101,10 +102,11 @@ class Marks {
     }
     for (const cluster of clusters.values()) this.putCluster(cluster);
     this.placeRays(camera, now);
+    this.placeOthers(now);
     for (const clearance of [this.line, this.nearest]) if (clearance) this.placeClearance(clearance);
     for (const piece of [...this.preview, ...(this.asked?.pieces || [])]) this.put(...piece);
     if (this.asked) this.texts.push(...this.asked.texts);
-    return isFlashing || this.rays.length > 0;
+    return isFlashing || this.rays.length > 0 || this.others.length > 0;
   }
 
   placeClearance({ from, to, text }) {
@@ -115,7 +117,7 @@ class Marks {
 
   /// A region of the picture (world.js) grown so that it holds all marks; null where they may be anywhere.
   region(region, camera, width, height) {
-    if (!region || this.rays.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areFencesElsewhere) return null;
+    if (!region || this.rays.length > 0 || this.others.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areFencesElsewhere) return null;
     const reach_px = 30;
     for (const [x, y] of this.places) extendRegion(region, (x + 1) / 2, (y + 1) / 2, reach_px / width, reach_px / height);
     return region;
@@ -151,6 +153,14 @@ class Marks {
       if (isEntered) this.put(from, to, 2, 0, 1, 1);
       else this.put(from, to, 1.2, 0, within === undefined ? 0.6 : 0.3, 0);
     });
+  }
+
+  placeOthers(now) {
+    this.others = this.others.filter(({ at }) => now - at < kOtherShown_ms);
+    for (const { pieces, at } of this.others) {
+      const left = 1 - (now - at) / kOtherShown_ms;
+      for (const [from, to, width, kind, strength, accent] of pieces) this.put(from, to, width, kind, 0.5 * left * strength, accent);
+    }
   }
 
   placeRays(camera, now) {

@@ -34,6 +34,11 @@ class Page {
       choose: (slot) => this.choose(slot),
       drawn: () => this.changed(),
     });
+    this.others = new Others(this.picture.marks, {
+      ask: (question) => this.asking.ask(question),
+      reach: () => 2 * this.world.bounds.radius(),
+      drawn: () => this.changed(),
+    });
     this.tools = new Tools(this.world, this.camera, this.picture.marks, {
       ask: (question) => this.asking.askShown(question),
       ray: (x, y) => this.asking.ray(x, y),
@@ -145,6 +150,7 @@ class Page {
     else if (kind === "answer") this.hearAnswer(value);
     else if (kind === "refused") {
       this.opening.refused(value);
+      this.others.refused(value);
       this.asking.refused(value);
     }
   }
@@ -157,6 +163,7 @@ class Page {
 
   hearAnswer(answer) {
     if (answer.ask === "object") this.selected.hear(answer);
+    else if (answer.ask === "sampled") this.others.hear(answer, performance.now());
     else if (answer.ask === "memory") this.opening.hear(answer);
     else if (answer.ask === "nearest") this.selected.hearNearest(answer);
     else if (answer.ask === "owners") {
@@ -233,6 +240,7 @@ class Page {
     requestAnimationFrame((next) => this.draw(next));
     this.timeline.tick(now);
     this.selected.tickNearest(now, this.timeline.isLive);
+    this.others.tick(now, this.timeline.isLive);
     if (this.pendingPoses) this.applyPoses();
     const isDrawn = this.picture.draw(now, {
       world: this.world, camera: this.camera, contacts: this.contacts, fences: this.fences,

@@ -153,8 +153,7 @@ const line = (from, to, width = 1.2, accent = 1) => [from, to, width, 0, 0.9, ac
 const dotAt = (point, size = 6, accent = 1) => [point, point, size, 2, 1, accent];
 
 /// Three circles about a point.
-function ballPieces(center, radius) {
-  const sides = 40;
+function ballPieces(center, radius, sides = 40) {
   return [[0, 1], [0, 2], [1, 2]].flatMap(([u, v]) => {
     const at = (i) => {
       const point = [...center];
@@ -166,8 +165,8 @@ function ballPieces(center, radius) {
   });
 }
 
-function boxPieces(center, half) {
-  const corner = (bits) => center.map((part, axis) => part + (bits & (1 << axis) ? half[axis] : -half[axis]));
+function boxPieces(center, half, turn = [1, 0, 0, 0]) {
+  const corner = (bits) => add(center, rotate(turn, half.map((part, axis) => (bits & (1 << axis) ? part : -part))));
   return [0, 1, 2].flatMap((axis) => [0, 1, 2, 3, 4, 5, 6, 7].filter((bits) => !(bits & (1 << axis))).map((bits) => line(corner(bits), corner(bits | (1 << axis)))));
 }
 

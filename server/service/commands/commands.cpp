@@ -161,6 +161,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kSteps) return answer(ask, [&] { return steps(*arguments); });
+  if (command == names::kSampled) return answer(ask, [&] { return sampled(ask, *arguments); });
   if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
     return uploads_.take(std::move(ask));
   }
@@ -185,7 +186,7 @@ void Commands::run(CommandAsk ask) {
         names::kProbe,      names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface,
         names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,
         names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,
-        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach};
+        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -52,6 +52,7 @@ class Commands {
     DurableState* durable;   // keeps over a crash what commands add; null: nothing is kept
     FlightRecorder* flight;  // for `recording`; null: there is none
     PartMeshes& part_meshes;
+    QuestionSamples& samples;
     std::int64_t clock_error_ns = 0;  // by which publishers' clocks may differ, as the world was told
     // Called on the world's thread with each command that has changed the world, for servers that follow; empty: there
     // can be none.
@@ -121,6 +122,7 @@ class Commands {
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
   nlohmann::json steps(const Arguments& arguments) const;
+  nlohmann::json sampled(const CommandAsk& ask, const Arguments& arguments);
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);

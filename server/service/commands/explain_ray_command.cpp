@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "server/service/commands/answer_words.hpp"
 #include "server/service/commands/awaited_jobs-inl.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
@@ -28,11 +29,6 @@ std::array<double, kRayNumbers> ray_numbers(const Arguments& arguments) {
   if (!is_question(QuestionKind::ray, numbers.data()))
     throw BadCommand("explain: the ray's direction is 0 0 0 or its length below 0");
   return numbers;
-}
-
-const char* word_of(Verdict verdict) {
-  static constexpr const char* kWords[] = {"miss", "hit", "undecided", "invalid"};
-  return kWords[static_cast<std::size_t>(verdict)];
 }
 
 const char* word_of(UndecidedReason reason) {
@@ -101,7 +97,7 @@ class RayTeller {
 
 json described(const RayExplanation& told, const Snapshot& state, const RayExplanationAsk& ask) {
   const RayTeller teller(state, ask);
-  json answer{{"answer", word_of(told.verdict)},
+  json answer{{"answer", verdict_word(told.verdict)},
               {"reason", word_of(told.reason)},
               {"level", word_of(told.level)},
               {"nodes", told.node_count},

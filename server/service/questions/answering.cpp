@@ -276,10 +276,12 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, state);
-  // The audit has no brute force for sweeps, looks at newest states, and an overloaded server leaves the audit out.
+  // The audit has no brute force for sweeps, looks at newest states, and an overloaded server leaves it and samples out.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   questions.numbers = rows.first(answers_.answers.size() * engine::numbers_of(questions.kind));
   if (mover == nullptr && !ask.past && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
+  if (owner_.with_.samples.wants(ask.taken_ns) && mover == nullptr && !is_overloaded)
+    owner_.with_.samples.take(state, questions, answers_, query.client, ask.taken_ns);
   ask.answered += answers_.answers.size();
 }
 

@@ -16,6 +16,7 @@
 #include "server/service/questions/overload.hpp"
 #include "server/service/questions/participants.hpp"
 #include "server/service/questions/past_states.hpp"
+#include "server/service/questions/question_samples.hpp"
 #include "server/service/questions/short_questions.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 #include "server/service/questions/write_barriers.hpp"
@@ -73,6 +74,7 @@ class Answering {
     QuestionCounts& counts;
     BackgroundAudit& audit;
     PartMeshes& part_meshes;
+    QuestionSamples& samples;
   };
 
   /// Starts the workers. `replies` must outlive the Answering.

@@ -81,8 +81,9 @@ struct ServingSide {
   FlightRecorder flight{test::own_namespace(), 60'000'000'000,
                         (std::filesystem::temp_directory_path() / ("allocation_" + test::own_namespace())).string()};
   PartMeshes part_meshes;
+  QuestionSamples samples;
   Answering answering{
-      {world, clock, write_barriers, leases, counts, audit, part_meshes},
+      {world, clock, write_barriers, leases, counts, audit, part_meshes, samples},
       reply_topic,
       AnsweringOptions{
           .server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},
@@ -210,6 +211,26 @@ TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
     EXPECT_LE(counts.locks, most_locks(counts.worker_writes)) << "none where the reading thread answers";
   }
   EXPECT_GE(serving_.flight.write("test", 60'000'000'000).messages, 5U * 200U * 2U) << "each was noted, and its answer";
+}
+
+// Nobody reads them above; here somebody does, and each sample, too, costs no more than a try to lock.
+TEST_F(Allocation, NoneForQuestionsOfWhichSomeAreSampled) {
+  std::atomic<bool> is_over{false};
+  std::atomic<std::uint64_t> since{0};
+  std::thread reader([&] {
+    test::never_count_this_thread();
+    for (; !is_over.load(); std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+      for (const SampledQuestion& sample : serving_.samples.read(since.load(), 0, steady_ns()))
+        since.store(sample.sequence);
+  });
+  const Counts counts = count_settled(RequestKind::ray, questions(RequestKind::ray, 1, 1), 200);
+  EXPECT_TRUE(test::eventually([&] {
+    return ask(RequestKind::ray, questions(RequestKind::ray, 1, 1)) && since.load() > 1;
+  })) << "none was sampled";
+  is_over.store(true);
+  reader.join();
+  say("sampled rays", counts);
+  EXPECT_EQ(counts.allocations, 0U);
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {

@@ -1,0 +1,66 @@
+#include <cmath>
+
+#include "server/service/commands/answer_words.hpp"
+#include "server/service/commands/certificate_encoding.hpp"
+#include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_description.hpp"
+#include "server/service/questions/question_samples.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+using nlohmann::json;
+
+/// The numbers of a question, by the names that its verb of `collide` gives them. A ray without an end has no length, a search
+/// without one no reach.
+void add_question(json& row, const SampledQuestion& sample) {
+  const auto vector = [&](std::size_t first) { return numbers(Eigen::Map<const Vec3>(sample.numbers.data() + first)); };
+  const auto add_finite = [&row](const char* name, double value) {
+    if (std::isfinite(value)) row[name] = value;
+  };
+  switch (sample.kind) {
+    case QuestionKind::ray:
+      row["origin"] = vector(0);
+      row["direction"] = vector(3);
+      return add_finite("length", sample.numbers[6]);
+    case QuestionKind::sphere:
+      row["center"] = vector(0);
+      row["radius"] = sample.numbers[3];
+      return;
+    case QuestionKind::box:
+      row["center"] = vector(0);
+      row["half"] = vector(3);
+      row["orientation"] = {sample.numbers[6], sample.numbers[7], sample.numbers[8], sample.numbers[9]};
+      return;
+    case QuestionKind::near: row["point"] = vector(0); return add_finite("reach", sample.numbers[3]);
+    default: row["point"] = vector(0); return;
+  }
+}
+
+}  // namespace
+
+/// Some questions of other clients, as idl/commands.hpp lists them under `sampled`.
+json Commands::sampled(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"since"});
+  constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 53;
+  std::uint64_t since = arguments.whole("since", 0, kMostSequence);
+  const std::int64_t now_ns = steady_ns();
+  json rows = json::array();
+  for (const SampledQuestion& sample : with_.samples.read(since, ask.client, now_ns)) {
+    json& row = rows.emplace_back(json{{"sequence", sample.sequence},
+                                       {"kind", name_of(sample.kind)},
+                                       {"ago_ns", now_ns - sample.taken_ns},
+                                       {"answer", verdict_word(sample.verdict)}});
+    add_question(row, sample);
+    since = sample.sequence;
+    if (!sample.has_hit) continue;
+    row["object"] = sample.object.data();
+    row["distance"] = sample.hit.distance_m;
+    row["error"] = number_or_inf(sample.hit.error_m);
+    row["at"] = numbers(sample.hit.point);
+    row["normal"] = numbers(sample.hit.normal);
+  }
+  return {{"questions", rows}, {"since", since}};
+}
+
+}  // namespace collided::engine::service
