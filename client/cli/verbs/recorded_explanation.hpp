@@ -15,8 +15,9 @@ namespace collided::cli {
 /// A recording that is asked about instead of a running server's world.
 struct RecordedWorld {
   std::string path;
-  std::vector<std::string> scenes;  // files of the scenes that its server had loaded; none: the small warehouse, if it had that
-  std::string as_of;                // as --as-of has it, of the recording; empty: its end
+  std::vector<std::string>
+      scenes;         // files of the scenes that its server had loaded; none: the small warehouse, if it had that
+  std::string as_of;  // as --as-of has it, of the recording; empty: its end
 };
 
 /// Asks the server of that session for an explanation; throws Failure.
