@@ -52,7 +52,7 @@ void shift_times(nlohmann::json& answer, nanoseconds back) {
 }
 
 /// The stretch of a recording that is replayed, since 1970.
-struct Stretch {
+struct ReplayedSpan {
   nanoseconds from{0};
   nanoseconds to{0};
 };
@@ -76,7 +76,7 @@ class RecordedServer {
   /// Replays a stretch and asks at its end; returns the answer in the recording's time.
   ///
   /// ask  is given how far the replay's times are behind the recording's
-  nlohmann::json answer_after(const Stretch& stretch,
+  nlohmann::json answer_after(const ReplayedSpan& stretch,
                               const std::function<nlohmann::json(Session&, const Globals&, nanoseconds shift)>& ask) {
     nlohmann::json answer;
     std::exception_ptr failed;
@@ -148,7 +148,7 @@ nanoseconds instant_of(const RecordedWorld& world, const RecordedEvents& recorde
   return instant;
 }
 
-Stretch stretch_about(nanoseconds low, nanoseconds high, nanoseconds lead, const RecordedEvents& recorded) {
+ReplayedSpan stretch_about(nanoseconds low, nanoseconds high, nanoseconds lead, const RecordedEvents& recorded) {
   return {.from = std::max(recorded.begin, low - lead - kBefore), .to = std::min(recorded.end, high + kAfter)};
 }
 

@@ -102,11 +102,11 @@ struct ExplainedRay {
 // ---- two objects ---------------------------------------------------------------------------------------------------
 
 /// found: the least distance. touched, undecided: at that time. cut_short: the deadline was over; at_least_m holds
-enum class ApproachEnd { found, touched, undecided, cut_short };
+enum class ExplainedApproachEnd { found, touched, undecided, cut_short };
 
 /// How near two objects came on their ways, not only at the poses that were sent.
-struct NearestApproach {
-  ApproachEnd end = ApproachEnd::found;
+struct ExplainedApproach {
+  ExplainedApproachEnd end = ExplainedApproachEnd::found;
   std::chrono::nanoseconds from{0};  // the stretch that was looked at
   std::chrono::nanoseconds to{0};
   std::chrono::nanoseconds time{0};  // when they were nearest
@@ -120,7 +120,7 @@ struct ExplainedPair {
   PairAnswer answer;                 // as Client::pair gives it, without triangles and certificate
   std::vector<std::string> why_not;  // what keeps contacts of the two from being told, a sentence each; empty: they are
   std::string attached;              // the one that moves along with the other; empty: neither
-  std::optional<NearestApproach> nearest;
+  std::optional<ExplainedApproach> nearest;
   std::string no_nearest;  // why there is none
 };
 

@@ -10,13 +10,13 @@
 namespace collided::client {
 namespace {
 
-NearestApproach read_approach(const nlohmann::json& row) {
+ExplainedApproach read_approach(const nlohmann::json& row) {
   const std::string end = row.at("end");
-  NearestApproach nearest;
-  nearest.end = end == "found"       ? ApproachEnd::found
-                : end == "touched"   ? ApproachEnd::touched
-                : end == "undecided" ? ApproachEnd::undecided
-                                     : ApproachEnd::cut_short;
+  ExplainedApproach nearest;
+  nearest.end = end == "found"       ? ExplainedApproachEnd::found
+                : end == "touched"   ? ExplainedApproachEnd::touched
+                : end == "undecided" ? ExplainedApproachEnd::undecided
+                                     : ExplainedApproachEnd::cut_short;
   nearest.from = time_in(row, "from_ns");
   nearest.to = time_in(row, "to_ns");
   nearest.time = time_in(row, "time_ns");

@@ -18,6 +18,7 @@ from ._asking import PairAnswer
 from ._client import Client, Status, connect
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
 from ._explanations import (
+    ExplainedApproach,
     ExplainedBody,
     ExplainedEvent,
     ExplainedFence,
@@ -30,7 +31,6 @@ from ._explanations import (
     ExplainedRay,
     ExplainedStale,
     ExplainedStanding,
-    NearestApproach,
 )
 from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
 from ._groups import Clearance, ClearancePair
@@ -72,6 +72,7 @@ __all__ = [
     "Ellipsoid",
     "Error",
     "Event",
+    "ExplainedApproach",
     "ExplainedBody",
     "ExplainedEvent",
     "ExplainedFence",
@@ -94,7 +95,6 @@ __all__ = [
     "MarginEvent",
     "MarginWatch",
     "Mesh",
-    "NearestApproach",
     "NearestEvent",
     "NearestWatch",
     "NoServer",

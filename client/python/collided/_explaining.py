@@ -9,6 +9,7 @@ from . import _numbers
 from ._answers import NO_TRIANGLE, Verdict
 from ._commands import Commanding
 from ._explanations import (
+    ExplainedApproach,
     ExplainedBody,
     ExplainedEvent,
     ExplainedFence,
@@ -21,7 +22,6 @@ from ._explanations import (
     ExplainedRay,
     ExplainedStale,
     ExplainedStanding,
-    NearestApproach,
     Vector,
 )
 from ._errors import BadInput
@@ -103,8 +103,8 @@ def _standing(row: dict[str, Any]) -> ExplainedStanding:
     )
 
 
-def _approach(row: dict[str, Any]) -> NearestApproach:
-    return NearestApproach(
+def _approach(row: dict[str, Any]) -> ExplainedApproach:
+    return ExplainedApproach(
         end=row["end"],
         from_ns=row["from_ns"],
         to_ns=row["to_ns"],

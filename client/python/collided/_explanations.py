@@ -82,7 +82,7 @@ class ExplainedRay:
 
 
 @dataclass(frozen=True)
-class NearestApproach:
+class ExplainedApproach:
     """How near two objects came on their ways, not only at the poses that were sent. Metres, world times."""
 
     end: str  #: "found"; "touched" and "undecided" at time_ns; "cut_short": the deadline was over, at_least holds
@@ -104,7 +104,7 @@ class ExplainedPair:
     stale: bool  #: one of the two may be elsewhere
     why_not: tuple[str, ...]  #: what keeps contacts of the two from being told, a sentence each
     attached: str  #: the one that moves along with the other; empty: neither
-    nearest: NearestApproach | None
+    nearest: ExplainedApproach | None
     no_nearest: str  #: why there is none
     version: int
 

@@ -79,6 +79,8 @@ class FenceSearch {
     const OpenContact* told = told_in(info.id);
     const bool is_asked_for = ask_.why_not == info.id;
     if (!why_not.empty() && !might_be_meant(info) && !is_asked_for && told == nullptr) return;
+    // What the distances are to is at no distance.
+    if (is_of_nearest() && info.name == fence_.rule.carrier && !is_asked_for) return;
     const std::uint32_t number = members_.add(info.id);
     if (told != nullptr || is_asked_for) {
       FenceStanding standing = standing_of(number, kNoLimit_m, true)
