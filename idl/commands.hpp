@@ -117,7 +117,7 @@ inline constexpr const char* kProbes = "probes";
 /// With within (m) it is a question for the nearest of the objects that `only` matches, about the object `to` or about
 /// point [x, y, z], within that distance; hysteresis (m, 0), name, skip, mask, keep as above.
 /// With remove true: only the name, a glob, and margins or nearest (true: of these, not of fences). -> fences [names] (not
-/// of many), count, version
+/// of many), count, version, parts (of a margin: parts of loaded scenes that the globs match, which have no bands; absent: none)
 inline constexpr const char* kFence = "fence";
 
 /// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,

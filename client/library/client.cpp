@@ -142,7 +142,7 @@ Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
   return FenceWatch(std::make_unique<client::FenceWatcher>(Watch(std::move(*watch))));
 }
 
-Result<void> Client::add_margin(const Margin& margin) { return client::add_margin(*state_->connection, margin); }
+Result<AddedMargin> Client::add_margin(const Margin& margin) { return client::add_margin(*state_->connection, margin); }
 Result<std::size_t> Client::remove_margins(const std::string& name) {
   return client::remove_margins(*state_->connection, name);
 }

@@ -44,6 +44,19 @@ TEST_F(MarginVerb, BandsAreReadWithTheirUnitsAndKept) {
   EXPECT_TRUE(added().keep);
 }
 
+// A glob that names parts of a scene would be silent for ever otherwise.
+TEST_F(MarginVerb, PartsOfScenesAreSaidToHaveNoBands) {
+  EXPECT_EQ(collide("margin add close 'drone*' 'plant/*' 5 --keep").err, "");
+  fake::server().margin_parts = 312;
+  EXPECT_EQ(collide("margin add close 'drone*' 'plant/*' 5 --keep").err,
+            "warning: 312 parts of loaded scenes match and have no bands; give what stands still a shape of its own: "
+            "collide add\n");
+  fake::server().margin_parts = 1;
+  EXPECT_EQ(
+      collide("margin add close 'drone*' plant/tank 5 --keep").err.find("warning: 1 part of loaded scenes matches"),
+      0u);
+}
+
 TEST_F(MarginVerb, WhatIsNoMarginIsRefusedAndNothingIsSent) {
   for (const char* wrong :
        {"close a", "close a b", "close a b 2m,5m", "close a b 2m,2m", "close a b -1", "close a b inf", "close a b nan",

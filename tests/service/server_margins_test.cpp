@@ -185,14 +185,27 @@ TEST_F(ServerMargins, FencesAndMarginsAreListedAndRemovedApart) {
   EXPECT_EQ(*client.remove_fences("*"), 1u);
   EXPECT_EQ(margin_names(client), Names{"close"});
   EXPECT_EQ(*client.remove_margins("*"), 1u);
-  const Result<void> taken = client.add_margin({.name = "no", .around = "a", .only = "", .bands_m = {1}});
+  const Result<AddedMargin> taken = client.add_margin({.name = "no", .around = "a", .only = "", .bands_m = {1}});
   ASSERT_FALSE(taken);
   EXPECT_NE(taken.error().message.find("two names or globs are needed"), std::string::npos) << taken.error().message;
-  const Result<void> wrong = client.add_margin({.name = "no", .around = "a", .only = "b", .bands_m = {1, 2}});
+  const Result<AddedMargin> wrong = client.add_margin({.name = "no", .around = "a", .only = "b", .bands_m = {1, 2}});
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().message.find("band 2 is 2 m, which is not less than 1 m before it"), std::string::npos)
       << wrong.error().message;
   EXPECT_EQ(margin_names(client), Names());
+}
+
+// The small warehouse, which is loaded, has parts and nothing else that a margin could be about.
+TEST_F(ServerMargins, PartsOfScenesHaveNoBandsAndAddingOneSaysSo) {
+  start();
+  Client client = connect();
+  const Result<AddedMargin> silent =
+      client.add_margin({.name = "silent", .around = "warehouse/*", .only = "drone*", .bands_m = {5}});
+  ASSERT_TRUE(silent) << silent.error().message;
+  EXPECT_GT(silent->parts, 10u);
+  const Result<AddedMargin> close = client.add_margin(margin("close", {5}));
+  ASSERT_TRUE(close) << close.error().message;
+  EXPECT_EQ(close->parts, 0u);
 }
 
 TEST_F(ServerMargins, OneThatIsNotKeptGoesWithItsClient) {

@@ -54,7 +54,14 @@ class MarginCommand : public StandingCommand {
     margin_.hysteresis_m = parse_finite(hysteresis_, Measure::length);
     if (margin_.hysteresis_m < 0) throw bad_use("--hysteresis " + hysteresis_ + ": a distance of 0 or more is needed");
     margin_.dwell = parse_duration(dwell_);
-    take(session.client(globals).add_margin(margin_));
+    const AddedMargin added = take(session.client(globals).add_margin(margin_));
+    if (added.parts > 0) {
+      print_warning(session.io,
+                    fmt::format("{} of loaded scenes {} and {} no bands; give what stands still a shape of its own: "
+                                "collide add",
+                                counted(added.parts, "part"), added.parts == 1 ? "matches" : "match",
+                                added.parts == 1 ? "has" : "have"));
+    }
     return stands(session, globals, margin_.name);
   }
 

@@ -189,7 +189,7 @@ class Client {
   // Margins.
 
   /// Adds a margin. One that is not kept goes when this client does.
-  Result<void> add_margin(const Margin& margin);
+  Result<AddedMargin> add_margin(const Margin& margin);
   /// Removes margins by name or glob, and returns how many there were.
   Result<std::size_t> remove_margins(const std::string& name);
   /// The margins whose names match the glob, and which pairs are within their bands; empty: all.

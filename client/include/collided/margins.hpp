@@ -80,6 +80,13 @@ struct MarginPair {
   bool is_in_doubt = false;  // that is not known
 };
 
+/// What was found in the world when a margin was added.
+struct AddedMargin {
+  /// Parts of loaded scenes that one of the globs matches. They have no bands: give what stands still a shape of its own
+  /// (Client::add).
+  std::uint64_t parts = 0;
+};
+
 /// A margin in the server, and who is within its bands.
 struct ListedMargin {
   Margin margin;

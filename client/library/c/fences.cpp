@@ -179,15 +179,18 @@ int collided_margin_add(collided_client* client, const collided_margin* margin, 
     if (!margin) return missing("margin");
     const collided_margin given = taken(margin);
     if (given.band_count > 0 && !given.bands_m) return missing("bands_m");
-    return client->client.add_margin({.name = text(given.name),
-                                      .around = text(given.around),
-                                      .only = text(given.only),
-                                      .skip = text(given.skip),
-                                      .mask = ~given.left_out_layers,
-                                      .bands_m = {given.bands_m, given.bands_m + given.band_count},
-                                      .hysteresis_m = given.hysteresis_m,
-                                      .dwell = std::chrono::nanoseconds(given.dwell_ns),
-                                      .keep = given.keep != 0});
+    const Result<AddedMargin> added =
+        client->client.add_margin({.name = text(given.name),
+                                   .around = text(given.around),
+                                   .only = text(given.only),
+                                   .skip = text(given.skip),
+                                   .mask = ~given.left_out_layers,
+                                   .bands_m = {given.bands_m, given.bands_m + given.band_count},
+                                   .hysteresis_m = given.hysteresis_m,
+                                   .dwell = std::chrono::nanoseconds(given.dwell_ns),
+                                   .keep = given.keep != 0});
+    if (!added) return added.error();
+    return {};
   });
 }
 

@@ -103,15 +103,16 @@ void take_approach(const Event& event, MarginEvent& told) {
 
 }  // namespace
 
-Result<void> add_margin(Connection& connection, const Margin& margin) {
+Result<AddedMargin> add_margin(Connection& connection, const Margin& margin) {
   if (const std::string reason = refusal_of_margin(margin); !reason.empty())
     return bad_input("margin '" + margin.name + "': " + reason);
   nlohmann::json arguments = margin_arguments(margin);
   try {
     static_cast<void>(arguments.dump());
   } catch (const nlohmann::json::exception&) { return bad_input("margin: a name or glob is not UTF-8 text"); }
-  return read_answer(command(connection, wire_contract::command::kFence, arguments, kMarginTimeout), "fence",
-                     [](const nlohmann::json&) {});
+  return read_answer(
+      command(connection, wire_contract::command::kFence, arguments, kMarginTimeout), "fence",
+      [](const nlohmann::json& answer) { return AddedMargin{.parts = answer.value("parts", std::uint64_t{0})}; });
 }
 
 Result<std::size_t> remove_margins(Connection& connection, const std::string& name) {

@@ -165,6 +165,21 @@ std::vector<CommandAsk> split(const CommandAsk& ask) {
 
 }  // namespace
 
+namespace {
+
+/// Parts of loaded scenes that a margin's globs match, which have no bands.
+std::uint64_t matching_parts(const FenceDefinition& margin, const Snapshot& state) {
+  std::uint64_t count = 0;
+  for (const auto& info : *state.objects) {
+    if (!info || info->scene_part == kNoScenePart) continue;
+    const auto is_of = [&](const std::string& glob) { return wire_contract::glob_matches(glob, info->name); };
+    if ((is_of(margin.margin->around) || is_of(margin.only)) && !(!margin.skip.empty() && is_of(margin.skip))) ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
 json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
   if (arguments.truth("remove", false)) return remove_fences(ask, arguments);
   std::vector<CommandAsk> asks;
@@ -200,7 +215,12 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
         bad.hint);
   }
   keep();
-  return {{"fences", added}, {"count", asks.size()}, {"version", with_.loop.world().newest()->version}};
+  json answer{{"fences", added}, {"count", asks.size()}, {"version", with_.loop.world().newest()->version}};
+  if (arguments.has("bands")) {
+    const std::uint64_t parts = matching_parts(margin_of(arguments), *with_.loop.world().newest());
+    if (parts > 0) answer["parts"] = parts;
+  }
+  return answer;
 }
 
 void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {

@@ -235,9 +235,9 @@ std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) {
 }
 std::uint64_t FenceWatch::lost() const { return 0; }
 
-Result<void> Client::add_margin(const Margin& margin) {
+Result<AddedMargin> Client::add_margin(const Margin& margin) {
   fake::server().margins.push_back(margin);
-  return {};
+  return AddedMargin{.parts = fake::server().margin_parts};
 }
 Result<std::size_t> Client::remove_margins(const std::string& name) {
   return std::erase_if(fake::server().margins, [&](const Margin& margin) { return margin.name == name; });

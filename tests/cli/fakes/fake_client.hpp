@@ -53,6 +53,7 @@ struct Server {
   FenceWatchOptions fences_watched_with;
   std::vector<Margin> margins;
   std::vector<ListedMargin> listed_margins;
+  std::uint64_t margin_parts = 0;  // that a margin added matches
   std::deque<MarginEvent> margin_events;
   MarginWatchOptions margins_watched_with;
   std::vector<NearestQuestion> nearest;
