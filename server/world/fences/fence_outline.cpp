@@ -27,10 +27,14 @@ class Outline {
     for (int axis = 0; axis < 3; ++axis)
       arc(e.center, e.half_m[axis] * e.axes.col(axis), e.half_m[(axis + 1) % 3] * e.axes.col((axis + 1) % 3));
   }
-  void operator()(const Box& b) { box(b.center, b.axes * b.half_m.asDiagonal()); }
+  void operator()(const Box& b) {
+    if (beyond_m_ > 0) rounded_box(b.center, b.axes, b.half_m);
+    else box(b.center, b.axes * b.half_m.asDiagonal());
+  }
   void operator()(const Capsule& c) {
-    const auto [u, v] = across(c.b - c.a, c.radius_m);
-    const Vec3 along = c.radius_m * (c.b - c.a).stableNormalized();
+    const double radius_m = c.radius_m + beyond_m_;
+    const auto [u, v] = across(c.b - c.a, radius_m);
+    const Vec3 along = radius_m * (c.b - c.a).stableNormalized();
     for (const auto& [end, out] : {std::pair(c.a, Vec3(-along)), std::pair(c.b, along)}) {
       arc(end, u, v);
       arc(end, u, out, 0.5);
@@ -39,6 +43,7 @@ class Outline {
     sides(c.a, c.b, u, v, 1);
   }
   void operator()(const Cylinder& c) {
+    if (beyond_m_ > 0) return rounded_cylinder(c);
     const auto [u, v] = across(c.b - c.a, c.radius_m);
     arc(c.a, u, v);
     arc(c.b, u, v);
@@ -64,25 +69,10 @@ class Outline {
   void mesh(const TriangleMesh& mesh) { edges(mesh.vertices, mesh.triangles); }
 
   /// The box grown by the band's distance: in each middle plane a rectangle with round corners.
-  void rounded_box(const Aabb& box) {
-    const Vec3 middle = 0.5 * (box.low + box.high);
-    const Vec3 half = 0.5 * (box.high - box.low);
+  void rounded_box(const Vec3& center, const Mat3& axes, const Vec3& half_m) {
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 u = Vec3::Unit(axis);
-      const Vec3 v = Vec3::Unit((axis + 1) % 3);
-      Polyline line;
-      constexpr int kCornerPieces = kCirclePieces / 4;
-      for (int corner = 0; corner < 4; ++corner) {
-        const double side_x = (corner == 0 || corner == 3 ? 1 : -1) * half[axis];
-        const double side_y = (corner < 2 ? 1 : -1) * half[(axis + 1) % 3];
-        for (int i = 0; i <= kCornerPieces; ++i) {
-          const double turn = 0.5 * std::numbers::pi * (corner + static_cast<double>(i) / kCornerPieces);
-          line.push_back(middle + (side_x + beyond_m_ * std::cos(turn)) * u +
-                         (side_y + beyond_m_ * std::sin(turn)) * v);
-        }
-      }
-      line.push_back(line.front());
-      lines_.push_back(std::move(line));
+      const int next = (axis + 1) % 3;
+      rounded_rectangle(center, axes.col(axis), half_m[axis], axes.col(next), half_m[next]);
     }
   }
   void box(const Vec3& center, const Mat3& sides) {
@@ -98,9 +88,37 @@ class Outline {
   std::vector<Polyline> take() && { return std::move(lines_); }
 
  private:
+  /// The rectangle about a center along two unit vectors, grown by the band's distance.
+  void rounded_rectangle(const Vec3& center, const Vec3& u, double half_u_m, const Vec3& v, double half_v_m) {
+    constexpr int kCornerPieces = kCirclePieces / 4;
+    Polyline line;
+    for (int corner = 0; corner < 4; ++corner) {
+      const double side_u_m = (corner == 0 || corner == 3 ? 1 : -1) * half_u_m;
+      const double side_v_m = (corner < 2 ? 1 : -1) * half_v_m;
+      for (int i = 0; i <= kCornerPieces; ++i) {
+        const double turn = 0.5 * std::numbers::pi * (corner + static_cast<double>(i) / kCornerPieces);
+        line.push_back(center + (side_u_m + beyond_m_ * std::cos(turn)) * u +
+                       (side_v_m + beyond_m_ * std::sin(turn)) * v);
+      }
+    }
+    line.push_back(line.front());
+    lines_.push_back(std::move(line));
+  }
+  /// The cylinder grown by the band's distance: wider between its ends, its flat ends farther out, its rims round.
+  void rounded_cylinder(const Cylinder& c) {
+    const Vec3 along = direction(c.b - c.a);
+    const auto [u, v] = across(c.b - c.a, 1);
+    for (const auto& [end, out] : {std::pair(c.a, Vec3(-along)), std::pair(c.b, along)}) {
+      arc(end, (c.radius_m + beyond_m_) * u, (c.radius_m + beyond_m_) * v);
+      arc(end + beyond_m_ * out, c.radius_m * u, c.radius_m * v);
+    }
+    for (const Vec3& side : {u, v})
+      rounded_rectangle(0.5 * (c.a + c.b), along, 0.5 * (c.b - c.a).norm(), side, c.radius_m);
+  }
+  static Vec3 direction(const Vec3& axis) { return axis.isZero(0) ? Vec3::UnitZ() : Vec3(axis.stableNormalized()); }
   /// Two vectors of that length, across the axis and each other.
   static std::pair<Vec3, Vec3> across(const Vec3& axis, double length_m) {
-    const Vec3 n = axis.isZero(0) ? Vec3::UnitZ() : Vec3(axis.stableNormalized());
+    const Vec3 n = direction(axis);
     const Vec3 u = n.unitOrthogonal();
     return {length_m * u, length_m * n.cross(u)};
   }
@@ -147,16 +165,23 @@ class Outline {
   std::vector<Polyline> lines_;
 };
 
+/// Whether the outline of a band about the body is that of the body grown by its distance, and not of a box about it.
+bool is_drawn_as_grown(const ObjectInfo& body) {
+  if (body.primitives.size() != 1 || body.mesh) return false;
+  const Primitive& shape = body.primitives.front();
+  return std::holds_alternative<Sphere>(shape) || std::holds_alternative<HalfSpace>(shape) ||
+         std::holds_alternative<Box>(shape) || std::holds_alternative<Capsule>(shape) ||
+         std::holds_alternative<Cylinder>(shape);
+}
+
 }  // namespace
 
 std::vector<Polyline> outline_of(const ObjectInfo& body, double beyond_m) {
   Outline outline(beyond_m);
-  const bool is_one = body.primitives.size() == 1 && !body.mesh;
-  const bool is_ball = is_one && std::holds_alternative<Sphere>(body.primitives[0]);
-  const bool is_plane = is_one && std::holds_alternative<HalfSpace>(body.primitives[0]);
-  if (beyond_m > 0 && !is_ball && !is_plane) {
+  if (beyond_m > 0 && !is_drawn_as_grown(body)) {
     const Aabb box = bounds_of(body, Frame{});
-    if (box.low.allFinite() && box.high.allFinite()) outline.rounded_box(box);
+    if (box.low.allFinite() && box.high.allFinite())
+      outline.rounded_box(0.5 * (box.low + box.high), Mat3::Identity(), 0.5 * (box.high - box.low));
     return std::move(outline).take();
   }
   for (const Primitive& primitive : body.primitives) std::visit(outline, primitive);

@@ -12,8 +12,8 @@ using Polyline = std::vector<Vec3>;
 /// Lines that show where a fence is, for pictures: the edges of boxes and meshes, circles of what is round, a square of
 /// 20 m of a half-space. In the fence's frame, metres.
 ///
-/// beyond_m  of a band: the distance that it has; its lines are then those of a ball, or of the rounded box about
-///           anything else, which holds the band
+/// beyond_m  of a band: the distance that it has; its lines are then on the surface of the grown body where that is one
+///           ball, box, capsule, cylinder or half-space, else on a box with round edges that holds the band
 /// threads   pure
 std::vector<Polyline> outline_of(const ObjectInfo& body, double beyond_m);
 
