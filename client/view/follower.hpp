@@ -27,7 +27,7 @@ class Observer {
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
   /// The same time's figures since the server's start, for who wants them; nothing where it did not say.
   virtual void totals(const ServerStatus&, const std::optional<Figures>&) {}
-  /// Fences and bands are others, or others are in them.
+  /// Fences and bands are others, or others are in them; or what is nearest by a question, or the line to it, is.
   virtual void fences(std::span<const draw::FenceOutline>) {}
   virtual void silent(double seconds) = 0;  // no answer for this long
 
@@ -60,6 +60,7 @@ class Follower {
   void look_at_objects(const Poses& poses);
   void look_at_status();
   void look_at_fences();
+  bool look_at_nearest();
   void listen();
 
   Client& client_;
@@ -76,6 +77,7 @@ class Follower {
   Clock::time_point next_status_;
   Clock::time_point next_fences_;
   std::vector<draw::FenceOutline> fences_;  // as they were reported
+  std::vector<draw::FenceOutline> nearest_;
   Clock::time_point heard_;
   std::optional<Figures> figures_;
 

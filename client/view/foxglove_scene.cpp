@@ -1,6 +1,8 @@
 #include "client/view/foxglove_scene.hpp"
 #include "client/view/json_text.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -222,6 +224,16 @@ std::string fence_update(std::span<const draw::FenceOutline> fences, const std::
                        {"colors", json::array()},
                        {"indices", json::array()}});
     }
+    json texts = json::array();
+    if (fence.distance_m && !fence.lines.empty()) {
+      const Vec3 middle = 0.5 * (fence.lines.front().front() + fence.lines.front().back());
+      texts.push_back({{"pose", pose(middle, Quat::Identity())},
+                       {"billboard", true},
+                       {"font_size", 14},
+                       {"scale_invariant", true},
+                       {"color", kAccent},
+                       {"text", fmt::format("{} {:.4g} m", fence.name, *fence.distance_m)}});
+    }
     std::string id = fence.name;
     if (fence.is_band) id += " " + fence.to + " " + json(fence.within_m).dump();
     entities.push_back({{"timestamp", time(world_time)},
@@ -229,8 +241,9 @@ std::string fence_update(std::span<const draw::FenceOutline> fences, const std::
                         {"id", id},
                         {"lifetime", {{"sec", 0}, {"nsec", 0}}},
                         {"frame_locked", true},
-                        {"lines", std::move(lines)}});
-    for (const char* none : {"metadata", "arrows", "cubes", "spheres", "cylinders", "triangles", "texts", "models"})
+                        {"lines", std::move(lines)},
+                        {"texts", std::move(texts)}});
+    for (const char* none : {"metadata", "arrows", "cubes", "spheres", "cylinders", "triangles", "models"})
       entities.back()[none] = json::array();
   }
   return text_of(

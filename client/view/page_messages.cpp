@@ -296,6 +296,8 @@ std::string fences_text(std::span<const draw::FenceOutline> fences) {
               {"in_doubt", fence.in_doubt},
               {"lines", std::move(lines)}};
     if (fence.is_band) text["within"] = fence.within_m;
+    if (fence.is_nearest) text["nearest_to"] = fence.of;
+    if (fence.distance_m) text["distance"] = *fence.distance_m;
     list.push_back(std::move(text));
   }
   return text_of({{"type", "fences"}, {"fences", std::move(list)}});

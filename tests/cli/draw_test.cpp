@@ -144,6 +144,30 @@ TEST_F(DrawVerb, FencesAreDashedAndInTheAccentWhereTheyAreEntered) {
   EXPECT_NE(ran.err.find("fences are not drawn"), std::string::npos) << ran.err;
 }
 
+// From the nearest point of the one to that of the other; where the two touch there is no line.
+TEST_F(DrawVerb, WhatIsNearestIsALine) {
+  ListedNearest listed;
+  listed.question.name = "escape";
+  listed.question.to = "guest";
+  listed.object = "door_1";
+  fake::server().listed_nearest = {listed};
+  Verdict verdict = Verdict::miss;
+  fake::server().pair = [&](const std::string& a, const std::string& b, const PairOptions&) {
+    EXPECT_EQ(a + " " + b, "guest door_1");
+    PairAnswer answer;
+    answer.verdict = verdict;
+    answer.distance_m = 2;
+    answer.on_a = {-1, -1, 2};
+    answer.on_b = {1, -1, 2};
+    return answer;
+  };
+  ASSERT_EQ(collide("draw -o " + path("a.svg")).code, 0);
+  EXPECT_NE(text_of(path("a.svg")).find("class=\"fence-entered\""), std::string::npos);
+  verdict = Verdict::hit;
+  ASSERT_EQ(collide("draw -o " + path("b.svg")).code, 0);
+  EXPECT_EQ(text_of(path("b.svg")).find("fence"), std::string::npos);
+}
+
 TEST_F(DrawVerb, RaysAreAskedAndDrawn) {
   std::vector<Vec3> origins;
   fake::server().ray = [&](const RayQuestion& ray, const AskOptions& options) {

@@ -168,17 +168,18 @@ TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
   foxglove.objects(world());
   sent.clear();
   const std::vector<std::vector<Vec3>> line{{{0, 0, 0}, {1, 0, 0}}};
-  std::vector<draw::FenceOutline> fences(3);
+  std::vector<draw::FenceOutline> fences(4);
   fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {}, .lines = line};
   fences[1] = {
       .name = "close", .is_band = true, .within_m = 2, .to = "ball", .inside = {}, .in_doubt = {}, .lines = line};
   fences[2] = {.name = "zone", .to = "crate", .inside = {}, .in_doubt = {}, .lines = line};
+  fences[3] = {.name = "escape", .inside = {"ball"}, .lines = line, .is_nearest = true, .of = "guest", .distance_m = 1};
   foxglove.fences(fences);
   EXPECT_TRUE(sent.empty()) << "nobody has subscribed";
   subscribe(4, 5);
   const json update = data().second;
   EXPECT_EQ(update["deletions"].size(), 1U) << "those that are gone";
-  ASSERT_EQ(update["entities"].size(), 3U);
+  ASSERT_EQ(update["entities"].size(), 4U);
   const json& dock = update["entities"][0];
   EXPECT_EQ(dock["frame_id"], "world");
   EXPECT_EQ(dock["lines"][0]["points"].size(), 2U);
@@ -190,6 +191,12 @@ TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
   const json& zone = update["entities"][2];
   EXPECT_EQ(zone["frame_id"], "world");
   EXPECT_EQ(zone["lines"][0]["points"][0], json({{"x", 1.}, {"y", 2.}, {"z", 3.}}));
+  EXPECT_TRUE(zone["texts"].empty());
+  // The line to what is nearest has its length in the middle.
+  const json& escape = update["entities"][3];
+  EXPECT_EQ(escape["texts"][0]["text"], "escape 1 m");
+  EXPECT_EQ(escape["texts"][0]["pose"]["position"], json({{"x", 0.5}, {"y", 0.}, {"z", 0.}}));
+  EXPECT_EQ(escape["lines"][0]["color"], dock["lines"][0]["color"]);
 }
 
 TEST_F(FoxgloveTest, WhatItDoesNotKnowIsAnsweredWithAWarning) {

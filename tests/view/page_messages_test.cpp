@@ -42,10 +42,11 @@ TEST(PageMessages, ASurfaceFarOutKeepsItsDigits) {
 }
 
 TEST(PageMessages, FencesComeWithTheirLinesAndWhoIsIn) {
-  std::vector<draw::FenceOutline> fences(2);
+  std::vector<draw::FenceOutline> fences(3);
   fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {"cart"}, .lines = {{{0, 1, 2}, {3, 4, 5}}}};
   fences[1] = {
       .name = "close", .is_band = true, .within_m = 0.5, .to = "person", .inside = {}, .in_doubt = {}, .lines = {}};
+  fences[2] = {.name = "escape", .inside = {"door_1"}, .is_nearest = true, .of = "guest", .distance_m = 1.5};
   const nlohmann::json told = nlohmann::json::parse(fences_text(fences));
   EXPECT_EQ(told.at("type"), "fences");
   const nlohmann::json& dock = told.at("fences")[0];
@@ -55,6 +56,9 @@ TEST(PageMessages, FencesComeWithTheirLinesAndWhoIsIn) {
   EXPECT_FALSE(dock.contains("within"));
   EXPECT_EQ(told.at("fences")[1].at("within"), 0.5);
   EXPECT_EQ(told.at("fences")[1].at("to"), "person");
+  EXPECT_FALSE(told.at("fences")[1].contains("nearest_to"));
+  EXPECT_EQ(told.at("fences")[2].at("nearest_to"), "guest");
+  EXPECT_EQ(told.at("fences")[2].at("distance"), 1.5);
 }
 
 TEST(PageMessages, PosesLieAsThePageReadsThem) {

@@ -11,6 +11,7 @@
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/draw/drawing/drawing.hpp"
 #include "client/draw/drawing/fence_outlines.hpp"
+#include "client/draw/drawing/nearest_outlines.hpp"
 
 namespace collided::cli {
 namespace {
@@ -54,7 +55,7 @@ class DrawCommand : public Command {
     app.add_option("--reach", reach_, "Distance at which that colour ends (1)");
     app.add_option("--bands", bands_, "Steps of that colour (8)");
     app.add_flag("--no-contacts", no_contacts_, "Leave out the rings at contacts");
-    app.add_flag("--no-fences", no_fences_, "Leave out the dashed lines of fences and margins");
+    app.add_flag("--no-fences", no_fences_, "Leave out the dashed lines of fences, margins and the nearest");
     app.add_option("--only", texts_.only, "Draw objects whose name matches this glob");
     app.add_option("--skip", texts_.skip, "Do not draw objects whose name matches this glob");
     app.add_option("--mask", texts_.mask, "Layers that are drawn: bits, 0x3 or 0b11");
@@ -177,7 +178,7 @@ class DrawCommand : public Command {
     return marks;
   }
 
-  /// Fences in the world, those on objects that are drawn, and the bands of these.
+  /// Fences in the world, those on objects that are drawn, the bands of these, and lines to what is nearest.
   static std::vector<draw::FenceMark> fences(Client& client, const ShownObjects& shown, Session& session,
                                              const Globals& globals) {
     std::vector<draw::FenceMark> marks;
@@ -193,6 +194,11 @@ class DrawCommand : public Command {
       marks.push_back({.lines = draw::placed_lines(outline, outline.to.empty() ? Pose{} : carrier->pose),
                        .is_entered = outline.is_entered(),
                        .is_endless = outline.is_plane});
+    }
+    const Result<std::vector<draw::FenceOutline>> nearest = draw::nearest_outlines(client);
+    if (!nearest) return marks;
+    for (const draw::FenceOutline& line : *nearest) {
+      if (!line.lines.empty()) marks.push_back({.lines = line.lines, .is_entered = true, .is_endless = false});
     }
     return marks;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,7 +8,7 @@
 
 namespace collided::draw {
 
-/// A fence, or a band of a margin, as pictures show it.
+/// A fence, a band of a margin, or a question for the nearest (nearest_outlines.hpp), as pictures show it.
 struct FenceOutline {
   std::string name;          // the fence's, or the margin's
   std::uint64_t number = 0;  // another one of the same name has another number
@@ -18,6 +19,9 @@ struct FenceOutline {
   std::vector<std::string> inside = {};
   std::vector<std::string> in_doubt = {};
   std::vector<std::vector<Vec3>> lines = {};  // in its frame; empty where they were not asked for
+  bool is_nearest = false;                    // a question, and `inside` is the one object that is nearest
+  std::string of = {};                        // of a question: the object that it is about; empty: a point
+  std::optional<double> distance_m = {};      // of the two; nothing: not known
 
   bool is_entered() const { return !inside.empty() || !in_doubt.empty(); }
 };

@@ -61,9 +61,16 @@ class FenceList {
     byId("fences").replaceChildren(...order.map((fence) => this.row(fence)));
   }
 
+  /// Of a question for the nearest: how far from whom.
+  nearness({ nearest_to, distance }) {
+    const from = nearest_to ? nameElement(nearest_to) : "a point";
+    return distance === undefined ? [" near ", from] : [distance === 0 ? " touches " : ` ${lengthText(distance)} from `, from];
+  }
+
   row(fence) {
     const parts = [nameElement(fence.name)];
-    if (fence.within !== undefined) parts.push(` ${lengthText(fence.within)} about `, nameElement(fence.to));
+    if (fence.nearest_to !== undefined) parts.push(...this.nearness(fence));
+    else if (fence.within !== undefined) parts.push(` ${lengthText(fence.within)} about `, nameElement(fence.to));
     else if (fence.to) parts.push(element("small", {}, " on ", nameElement(fence.to)));
     const who = [...fence.inside.map((name) => nameElement(name)), ...fence.in_doubt.map((name) => element("span", {}, "perhaps ", nameElement(name)))];
     return element("li", { class: fence.isEntered ? "entered" : "" },
