@@ -178,12 +178,13 @@ void FenceTable::set_bounds(std::uint32_t slot, const Aabb& bounds) {
   changed_.push_back(slot);
 }
 
-void FenceTable::update_index() {
-  if (changed_.empty()) return;
+bool FenceTable::update_index() {
+  if (changed_.empty()) return false;
   auto next = std::make_unique<Grid>();
   next->update(*index_, bounds_, changed_);
   index_ = std::move(next);
   changed_.clear();
+  return true;
 }
 
 std::size_t FenceTable::bytes() const {

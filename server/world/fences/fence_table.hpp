@@ -85,7 +85,8 @@ class FenceTable {
   const Aabb& bounds(std::uint32_t slot) const { return bounds_[slot]; }
   void set_bounds(std::uint32_t slot, const Aabb& bounds);
   /// Brings the index up to date with the bounds; then it may be walked.
-  void update_index();
+  /// False: it is as it was.
+  bool update_index();
   const Grid& index() const { return *index_; }
 
  private:

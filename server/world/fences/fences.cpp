@@ -1,6 +1,7 @@
 #include "server/world/fences/fences.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "server/world/objects/sweep.hpp"
@@ -121,7 +122,8 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   std::sort(new_.begin(), new_.end());
   gather_movers(step);
   follow_carriers(step);
-  table_.update_index();
+  are_fences_still_ = !table_.update_index();
+  if (!are_fences_still_) clearings_.forget_all();
   FenceDecisions decisions(step, table_, ledger_, lists_, pending_, cost_);
   for (const std::uint32_t mover : movers_) {
     find_fences_of(step, mover);
@@ -272,11 +274,7 @@ bool Fences::is_pending(const StepView& step, std::uint32_t slot) const {
 /// Those that its motion may meet, and those that it is in, whose bounds it may have left.
 void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   found_.clear();
-  const auto meets = [&](std::uint32_t fence) {
-    add_with_inner(fence, found_);
-    return true;
-  };
-  table_.index().walk_box(step.motion.bounds()[mover], meets, walk_);
+  if (!clearings_.hold(mover, step.motion.bounds()[mover])) walk_fences(step, mover);
   const auto is_in = [&](std::uint32_t number) {
     const std::uint32_t fence = slot_of(ledger_.open()[number].b);
     if (table_.holds(fence) && !table_.is_nearest(fence)) found_.push_back(fence);
@@ -284,6 +282,23 @@ void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   };
   if (const ObjectInfo* info = step.rows.info(mover)) ledger_.for_each_with(info->id, is_in);
   keep_found_once();
+}
+
+/// Those that its bounds meet. While fences stand still the walk looks farther, so that where nothing is found the next steps
+/// need none.
+void Fences::walk_fences(const StepView& step, std::uint32_t mover) {
+  const Aabb& bounds = step.motion.bounds()[mover];
+  const double size_m = (bounds.high - bounds.low).maxCoeff();
+  const double margin_m = are_fences_still_ && std::isfinite(size_m) ? std::max(0.0, size_m) : 0;
+  const Aabb wide = grown(bounds, margin_m);
+  bool is_clear = margin_m > 0;
+  const auto meets = [&](std::uint32_t fence) {
+    is_clear = false;
+    if (margin_m == 0 || overlaps(bounds, table_.bounds(fence))) add_with_inner(fence, found_);
+    return true;
+  };
+  table_.index().walk_box(wide, meets, walk_);
+  if (is_clear) clearings_.set(mover, wide);
 }
 
 /// Those that do not look for their fences themselves; the fence and what is within it are in with_inner_.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/world/fences/clearings.hpp"
 #include "server/world/fences/fence_decisions.hpp"
 #include "server/world/fences/standing_nearest.hpp"
 
@@ -85,6 +86,7 @@ class Fences {
   void gather_movers(const StepView& step);
   bool is_pending(const StepView& step, std::uint32_t slot) const;
   void find_fences_of(const StepView& step, std::uint32_t mover);
+  void walk_fences(const StepView& step, std::uint32_t mover);
   void find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence);
   void keep_found_once();
   void consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover);
@@ -106,6 +108,8 @@ class Fences {
   };
   std::vector<GoneFence> removed_;  // since the last step
   std::vector<GoneFence> gone_;     // whose ends are among the events
+  Clearings clearings_;
+  bool are_fences_still_ = false;  // in this step
   std::vector<std::uint32_t> movers_;
   std::vector<std::uint32_t> followed_;     // carried fences whose carrier moved or is not decided to its end
   std::vector<std::uint32_t> look_around_;  // fences that look for what does not look for them

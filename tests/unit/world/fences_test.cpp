@@ -123,6 +123,40 @@ TEST_F(FencesTest, WhoComesInAndGoesOutIsToldOnceWithBrackets) {
   EXPECT_EQ(world_.fences()->last_sequence(), 2u);
 }
 
+// A mover that found no fence about it does not look for one as long as it stays there, but for those that come.
+TEST_F(FencesTest, AFenceThatComesNearAMoverThatFoundNoneIsSeen) {
+  fence("far", box_from({50, 0, 0}, {51, 5, 3}));
+  const ObjectId drone = add("drone", ball(0.5), {0, 1, 1}, 1);
+  double after_s = 0;
+  for (int i = 0; i < 5; ++i) {
+    pose(drone, {0.01 * i, 1, 1}, after_s += 0.1);
+    step();
+    EXPECT_EQ(told(), Lines());
+  }
+  fence("near", box_from({0.7, 0, 0}, {2, 5, 3}));
+  step();
+  EXPECT_EQ(told(), Lines());
+  pose(drone, {0.1, 1, 1}, after_s += 0.1);
+  step();
+  EXPECT_EQ(told(), Lines());
+  pose(drone, {0.25, 1, 1}, after_s += 0.1);
+  step();
+  EXPECT_EQ(told(), Lines{"enter drone near"});
+  // And one that moves there with its carrier.
+  FenceDefinition carried;
+  carried.carrier = "carrier";
+  const ObjectId carrier = add("carrier", ball(0.1), {-20, 1, 1}, 1);
+  fence("around", ball(1), carried);
+  for (int i = 0; i < 3; ++i) {
+    pose(drone, {0.25, 1, 1 + 0.001 * i}, after_s += 0.1);
+    step();
+    EXPECT_EQ(told(), Lines());
+  }
+  pose(carrier, {-1, 1, 1}, after_s += 0.1);
+  step();
+  EXPECT_EQ(told(), Lines{"enter drone around"});
+}
+
 // In and out between two poses: both are told, marked as one passage.
 TEST_F(FencesTest, WhatCrossesBetweenTwoPosesIsNotMissed) {
   fence("wire", box_from({0, 0, 0}, {0.01, 5, 3}));
