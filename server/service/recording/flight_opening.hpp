@@ -62,8 +62,8 @@ class FlightOpening {
     std::int64_t source_time_ns = 0;
     bool was_listed = false;  // a status has named it
     bool lost = false;
-    std::map<std::uint32_t, Defined> objects;        // by object number
-    std::unordered_map<std::uint32_t, Posed> poses;  // by object number; may be there before the definition
+    std::unordered_map<std::uint32_t, Defined> objects;  // by object number
+    std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may be there before the definition
   };
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
