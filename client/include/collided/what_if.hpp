@@ -25,7 +25,7 @@ struct WhatIfConfigurations {
 struct WhatIfOptions {
   std::string against =
       {};                 // an object, a scene or a glob; empty: everything else. The moved ones against each other too
-  std::string skip = {};  // glob of objects that are left out; empty: none
+  std::string skip = {};  // glob of objects that are left out, also of the moved ones; empty: none
   std::uint32_t mask = 0xffffffff;  // layers of which an object of `against` must have one
   /// Also the least clearance, or of a contact the greatest depth. Without it the first contact found ends a
   /// configuration, which is faster.

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "idl/glob.hpp"
 #include "idl/topics.hpp"
 #include "server/service/questions/group_names.hpp"
 #include "server/service/questions/nearest_word.hpp"
@@ -34,6 +35,7 @@ class WhatIfReader {
     read_attached();
     add_attached_in_world();
     choose_others();
+    leave_out();
     return std::move(ask_);
   }
 
@@ -133,6 +135,17 @@ class WhatIfReader {
       return goes_.contains(id) || ((*state_.objects)[slot_of(id)]->filter.layers & query_.mask) == 0;
     });
     if (ask_.against.empty() && goes_.size() == 1) refuse("there is nothing that the object could touch");
+  }
+
+  /// What is skipped counts for nothing, also where it is moved or goes along.
+  void leave_out() {
+    const std::string skip = query_.skip;
+    if (skip.empty()) return;
+    for (const ObjectId id : goes_) {
+      if (wire_contract::glob_matches(skip, (*state_.objects)[slot_of(id)]->name)) ask_.left_out.push_back(id);
+    }
+    if (ask_.left_out.size() == goes_.size())
+      refuse(fmt::format("'skip' {} leaves out everything that is moved", printable(skip)));
   }
 
   const wire::Query& query_;

@@ -22,6 +22,10 @@ WhatIf::WhatIf(std::shared_ptr<const Snapshot> snapshot, const WhatIfAsk& ask, P
   poses_.resize(members_.size());
   moved_reaches_.resize(members_.size());
   first_rest_ = static_cast<std::uint32_t>(members_.size());
+  for (std::uint32_t i = 0; i < first_rest_; ++i) {
+    const auto found = std::find(ask.left_out.begin(), ask.left_out.end(), members_.info(i).id);
+    left_out_.push_back(found != ask.left_out.end() ? 1 : 0);
+  }
   std::vector<Aabb> reaches;
   for (const ObjectId id : ask.against) reaches.push_back(members_.reach(members_.add(id)));
   rest_.emplace(reaches);
@@ -58,6 +62,7 @@ double WhatIf::limit_m(const NearestYet& yet) const {
 
 bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline& deadline) {
   if (deadline.is_over()) return false;
+  if (is_left_out(a) || is_left_out(b)) return true;
   if (!with_filtered_ && !members_.may_meet(a, b)) return true;
   const auto found = clearance_in_order(members_, a, b, {.limit_m = limit_m(yet), .depth = depth_}, deadline);
   if (deadline.was_over()) return false;
@@ -83,8 +88,12 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
 /// is unknown.
 void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
   const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
-  if (snapshot_->covers) answer.uncovered = uncovered_near(moved_reaches_, claimed_m, *snapshot_->covers);
-  if (!answer.uncovered && has_unknown_) answer.uncovered = unknown_near(*snapshot_, moved_reaches_, claimed_m);
+  std::vector<Aabb> reaches;
+  for (std::uint32_t i = 0; i < first_rest_; ++i) {
+    if (!is_left_out(i)) reaches.push_back(moved_reaches_[i]);
+  }
+  if (snapshot_->covers) answer.uncovered = uncovered_near(reaches, claimed_m, *snapshot_->covers);
+  if (!answer.uncovered && has_unknown_) answer.uncovered = unknown_near(*snapshot_, reaches, claimed_m);
   if (answer.uncovered) answer.touches = Decision::undecided;
 }
 

@@ -20,8 +20,9 @@ struct Attachment {
 /// Which objects are to be thought elsewhere, and against what.
 struct WhatIfAsk {
   std::vector<ObjectId> moved;
-  std::vector<Attachment> attached;  // parents are among the moved, or children of earlier ones
-  std::vector<ObjectId> against;     // further objects, where they are
+  std::vector<Attachment> attached;     // parents are among the moved, or children of earlier ones
+  std::vector<ObjectId> against;        // further objects, where they are
+  std::vector<ObjectId> left_out = {};  // of the moved and attached: they go along, but no pair of theirs counts
   double within_m = std::numeric_limits<double>::infinity();  // pairs surely farther apart are not looked at
   bool depth = false;          // the deepest contact, with its depth; else any contact ends a configuration's search
   bool with_filtered = false;  // also pairs whose filters let them pass through each other
@@ -70,6 +71,7 @@ class WhatIf {
   void place_all(std::span<const Pose> poses);
   double limit_m(const NearestYet& yet) const;
   void look_at_covers(WhatIfAnswer& answer) const;
+  bool is_left_out(std::uint32_t member) const { return member < first_rest_ && left_out_[member] != 0; }
   /// False: the search may end.
   bool look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline& deadline);
 
@@ -83,6 +85,7 @@ class WhatIf {
   std::vector<CarriedMember> followers_;
   std::vector<Pose> poses_;  // of all that move
   std::vector<Aabb> moved_reaches_;
+  std::vector<char> left_out_;  // by member, of those that move
   std::optional<BoundsTree> rest_;
   std::uint32_t first_rest_ = 0;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> nearest_before_;

@@ -77,6 +77,26 @@ TEST_F(WhatIfTest, EachConfigurationIsAsIfTheWorldHadIt) {
   EXPECT_LT(free_count, 40) << "none touches";
 }
 
+// As if what is left out were not in the world.
+TEST_F(WhatIfTest, WhatIsLeftOutGoesAlongAndCountsForNothing) {
+  std::vector<ObjectId> left_out;
+  std::vector<ObjectId> judged;
+  for (std::size_t i = 0; i < moved_.size(); ++i) (i % 2 == 0 ? left_out : judged).push_back(moved_[i]);
+  ASSERT_FALSE(judged.empty());
+  WhatIf what_if(state_,
+                 {.moved = moved_, .attached = {}, .against = others(moved_), .left_out = left_out, .depth = true},
+                 part_meshes_);
+  for (int round = 0; round < 20; ++round) {
+    const std::vector<Pose> poses = any_poses();
+    std::vector<ObjectId> all = others(moved_);
+    all.insert(all.end(), judged.begin(), judged.end());
+    const WhatIfAnswer answer = what_if.at(poses, never_);
+    expect_as_plain(answer, oracle::plain_clearances(with(moved_, poses), judged, all, false));
+    for (const ObjectId id : {answer.nearest->a, answer.nearest->b})
+      EXPECT_EQ(std::count(left_out.begin(), left_out.end(), id), 0);
+  }
+}
+
 TEST_F(WhatIfTest, WithoutDepthAContactHasItsNamesAndTheFreeTheirDistance) {
   WhatIf what_if(state_, {.moved = moved_, .attached = {}, .against = others(moved_)}, part_meshes_);
   for (int round = 0; round < 40; ++round) {
