@@ -42,21 +42,28 @@ Result<Fence> fence_of(const collided_fence& given) {
   return fence;
 }
 
-collided_fence_event lent_fence(const FenceEvent& event) {
-  collided_fence_event told{};
+/// What events of all kinds have in common.
+template <class Told, class NewsEvent>
+Told lent(const NewsEvent& event) {
+  Told told{};
   told.kind = static_cast<std::int32_t>(event.kind);
   told.reason = static_cast<std::int32_t>(event.reason);
   told.doubt = static_cast<std::int32_t>(event.doubt);
   told.resync = event.resync ? 1 : 0;
-  told.object = event.object.c_str();
-  told.fence = event.fence.c_str();
   told.epoch = event.epoch;
   told.sequence = event.sequence;
-  told.episode = event.episode;
   told.world_time_ns = event.world_time.count();
-  told.entered_ns = event.entered.count();
   told.bracket_low_s = event.bracket_low_s;
   told.bracket_high_s = event.bracket_high_s;
+  return told;
+}
+
+collided_fence_event lent_fence(const FenceEvent& event) {
+  auto told = lent<collided_fence_event>(event);
+  told.object = event.object.c_str();
+  told.fence = event.fence.c_str();
+  told.episode = event.episode;
+  told.entered_ns = event.entered.count();
   told.left_low_s = event.left_low_s;
   told.left_high_s = event.left_high_s;
   put(event.point, told.point);
@@ -64,22 +71,13 @@ collided_fence_event lent_fence(const FenceEvent& event) {
 }
 
 collided_margin_event lent_margin(const MarginEvent& event) {
-  collided_margin_event told{};
-  told.kind = static_cast<std::int32_t>(event.kind);
-  told.reason = static_cast<std::int32_t>(event.reason);
-  told.doubt = static_cast<std::int32_t>(event.doubt);
-  told.resync = event.resync ? 1 : 0;
+  auto told = lent<collided_margin_event>(event);
   told.margin = event.margin.c_str();
   told.object = event.object.c_str();
   told.around = event.around.c_str();
   told.band_m = event.band_m;
-  told.epoch = event.epoch;
-  told.sequence = event.sequence;
   told.episode = event.episode;
-  told.world_time_ns = event.world_time.count();
   told.entered_ns = event.entered.count();
-  told.bracket_low_s = event.bracket_low_s;
-  told.bracket_high_s = event.bracket_high_s;
   told.distance_m = event.distance_m;
   told.distance_error_m = event.distance_error_m;
   put(event.point, told.point);
@@ -95,19 +93,10 @@ collided_margin_event lent_margin(const MarginEvent& event) {
 }
 
 collided_nearest_event lent_nearest(const NearestEvent& event) {
-  collided_nearest_event told{};
-  told.kind = static_cast<std::int32_t>(event.kind);
-  told.reason = static_cast<std::int32_t>(event.reason);
-  told.doubt = static_cast<std::int32_t>(event.doubt);
-  told.resync = event.resync ? 1 : 0;
+  auto told = lent<collided_nearest_event>(event);
   told.nearest = event.nearest.c_str();
   told.from = event.from.c_str();
   told.to = event.to.c_str();
-  told.epoch = event.epoch;
-  told.sequence = event.sequence;
-  told.world_time_ns = event.world_time.count();
-  told.bracket_low_s = event.bracket_low_s;
-  told.bracket_high_s = event.bracket_high_s;
   told.distance_m = event.distance_m;
   told.distance_error_m = event.distance_error_m;
   put(event.point, told.point);
