@@ -10,6 +10,7 @@
 //   ros_peer DOMAIN markers                    markers that are things, and some that are not
 //   ros_peer DOMAIN clock                      /clock, and a frame stamped by it
 //   ros_peer DOMAIN outputs                    prints what comes of clearance, diagnostics, contacts, objects and /tf
+//   ros_peer DOMAIN raw                        the same and contacts as markers, as the bytes that came: "raw TYPE HEX"
 //   ros_peer DOMAIN contacts                   waits for contacts as markers and prints their points
 // Each says "ready" once it has a reader, sends at SIGUSR1, since what comes before the reader has met the writer is lost, says
 // what it has sent, and stays until SIGTERM.
@@ -35,6 +36,12 @@
 namespace collided::interop {
 namespace {
 
+using diagnostic_msgs::msg::dds_::DiagnosticArray_;
+using diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType;
+using ros_gz_interfaces::msg::dds_::Contacts_;
+using ros_gz_interfaces::msg::dds_::Contacts_PubSubType;
+using std_msgs::msg::dds_::Float64_;
+using std_msgs::msg::dds_::Float64_PubSubType;
 using tf2_msgs::msg::dds_::TFMessage_;
 using tf2_msgs::msg::dds_::TFMessage_PubSubType;
 using Transform = geometry_msgs::msg::dds_::TransformStamped_;
@@ -410,12 +417,6 @@ void print_next(fast::DataReader* reader, const Print& print) {
 }
 
 void outputs(int domain) {
-  using diagnostic_msgs::msg::dds_::DiagnosticArray_;
-  using diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType;
-  using ros_gz_interfaces::msg::dds_::Contacts_;
-  using ros_gz_interfaces::msg::dds_::Contacts_PubSubType;
-  using std_msgs::msg::dds_::Float64_;
-  using std_msgs::msg::dds_::Float64_PubSubType;
   Link link(domain);
   fast::DataReader* clearance = link.reader<Float64_PubSubType>({.suffix = "collided/clearance", .prefix = "rt/"});
   fast::DataReader* diagnostics = link.reader<DiagnosticArray_PubSubType>({.suffix = "diagnostics", .prefix = "rt/"});
@@ -450,6 +451,52 @@ void outputs(int domain) {
   stay();
 }
 
+std::vector<std::uint8_t> newest_payload;  // of the thread that takes
+
+/// Keeps the bytes of what is read.
+template <class Type>
+class RawType : public Type {
+ public:
+  using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
+  bool deserialize(Payload* payload, void* data) override {
+    newest_payload.assign(payload->data, payload->data + payload->length);
+    return Type::deserialize(payload, data);
+  }
+};
+
+template <class Message>
+void print_raw(fast::DataReader* reader, const char* type) {
+  print_next<Message>(reader, [type](const Message&) {
+    std::printf("raw %s ", type);
+    for (const std::uint8_t byte : newest_payload) std::printf("%02x", byte);
+    std::printf("\n");
+  });
+}
+
+void raw(int domain) {
+  Link link(domain);
+  const auto at = [](const char* suffix) { return TopicSettings{.suffix = suffix, .prefix = "rt/"}; };
+  fast::DataReader* clearance = link.reader<RawType<Float64_PubSubType>>(at("collided/clearance"));
+  fast::DataReader* diagnostics = link.reader<RawType<DiagnosticArray_PubSubType>>(at("diagnostics"));
+  fast::DataReader* states = link.reader<RawType<Contacts_PubSubType>>(at("collided/contact_states"));
+  fast::DataReader* contacts = link.reader<RawType<MarkerArray_PubSubType>>(at("collided/contacts"));
+  fast::DataReader* objects = link.reader<RawType<MarkerArray_PubSubType>>(at("collided/objects"));
+  fast::DataReader* tf = link.reader<RawType<TFMessage_PubSubType>>(at("tf"));
+  wait_for_match(clearance, "/collided/clearance");
+  std::printf("ready\n");
+  std::fflush(stdout);
+  for (int i = 0; i < 3'000; ++i) {
+    print_raw<Float64_>(clearance, "std_msgs/Float64");
+    print_raw<DiagnosticArray_>(diagnostics, "diagnostic_msgs/DiagnosticArray");
+    print_raw<Contacts_>(states, "ros_gz_interfaces/Contacts");
+    for (fast::DataReader* markers : {contacts, objects})
+      print_raw<MarkerArray_>(markers, "visualization_msgs/MarkerArray");
+    print_raw<TFMessage_>(tf, "tf2_msgs/TFMessage");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  stay();
+}
+
 int run(const std::vector<std::string>& words) {
   const sigset_t both = both_signals();
   pthread_sigmask(SIG_BLOCK, &both, nullptr);  // before there are threads that would take it
@@ -467,6 +514,7 @@ int run(const std::vector<std::string>& words) {
   else if (what == "markers") markers(domain);
   else if (what == "clock") simulated(domain);
   else if (what == "outputs") outputs(domain);
+  else if (what == "raw") raw(domain);
   else throw std::runtime_error("unknown: " + what);
   return 0;
 }

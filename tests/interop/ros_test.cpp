@@ -6,6 +6,10 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -349,6 +353,134 @@ TEST_F(Ros, TheWorldGoesOutAsObjectsTransformsContactsClearanceAndDiagnostics) {
   EXPECT_TRUE(reader.says("clearance -0.25", seconds(10))) << reader.output();
   EXPECT_TRUE(reader.says("diagnostic 0 collided: clearance of ball: touching", seconds(10))) << reader.output();
   EXPECT_EQ(end(ros)["objects"], 0) << "what was sent here does not come back as a frame to follow";
+}
+
+/// What a program prints, as far as its lines are whole, a JSON value from each.
+std::vector<nlohmann::json> json_lines(const std::string& text) {
+  std::vector<nlohmann::json> lines;
+  std::istringstream from(text);
+  for (std::string line; std::getline(from, line);) lines.push_back(nlohmann::json::parse(line, nullptr, false));
+  return lines;
+}
+
+// What dashboards make of the bytes on the wire: every member read, none left over, and the numbers those of the server.
+TEST_F(Ros, WhatGoesOutIsReadByFoxglovesReader) {
+#ifndef COLLIDED_NODE
+  GTEST_SKIP() << "skipped: no node";
+#else
+  start({nothing()});
+  Client client = connect();
+  const Quat turn(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()));
+  const Pose pose{.position = {4.3, 0.1, -0.2}, .rotation = turn};
+  ASSERT_TRUE(client.add({.name = "ball", .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(0, 0, 0)}));
+  ASSERT_TRUE(
+      client.add({.name = "wall", .shape = {BoxShape{.half_m = {0.5, 1, 1}}}, .pose = at(5, 0, 0), .moving = false}));
+  ChildProcess ros = bridge({"--clearance-of", "b*", "--objects", "--tf"});
+  ChildProcess reader = peer({"raw"});
+  ASSERT_TRUE(reader.says("ready", seconds(30))) << reader.errors() << ros.errors();
+  ASSERT_TRUE(client.move("ball", pose));
+  const Result<ObjectDetails> ball_there = client.get("ball");
+  ASSERT_TRUE(ball_there && ball_there->pose);
+  const Quat turned = ball_there->pose->rotation;  // as the server has it: of length 1 to the last bit
+  const Result<PairAnswer> pair = client.pair("ball", "wall");
+  ASSERT_TRUE(pair && pair->verdict == Verdict::hit);
+  std::vector<nlohmann::json> messages;
+  const auto find = [&](const std::string& type, auto&& fits) {
+    for (const nlohmann::json& one : messages)
+      if (one["type"] == type && fits(one["message"])) return one["message"];
+    return nlohmann::json();
+  };
+  const auto is_of_contact = [](const nlohmann::json& m) { return !m["contacts"].empty(); };
+  const auto is_moved = [&](const nlohmann::json& m) {
+    for (const nlohmann::json& one : m["transforms"])
+      if (one["transform"]["translation"]["x"] == pose.position.x()) return true;
+    return false;
+  };
+  const auto marker_of = [](const nlohmann::json& m, const std::string& ns) {
+    for (const nlohmann::json& one : m["markers"])
+      if (one["ns"] == ns) return one;
+    return nlohmann::json();
+  };
+  const auto is_shown = [&](const nlohmann::json& m) {
+    const nlohmann::json one = marker_of(m, "ball");
+    return !one.is_null() && one["pose"]["position"]["x"] == pose.position.x();
+  };
+  const auto is_drawn = [&](const nlohmann::json& m) {
+    const nlohmann::json one = marker_of(m, "depths");
+    return !one.is_null() && one["points"].size() == 2;
+  };
+  const auto is_deep = [&](const nlohmann::json& m) { return m["data"] == -pair->depth_m; };
+  const auto is_of_server = [](const nlohmann::json& m) { return m["status"].size() >= 2; };
+  int tries = 0;
+  // Reads all that has come so far; returns the reader's exit code.
+  const auto read_all = [&] {
+    const std::string said = reader.output();
+    const std::string file = folder_.write("raw.txt", said.substr(0, said.rfind('\n') + 1));
+    ChildProcess read({COLLIDED_NODE, COLLIDED_FOXGLOVE_READER, "--modules", COLLIDED_NODE_MODULES, file},
+                      folder_.path(), "read" + std::to_string(++tries));
+    const int code = read.wait(seconds(20));
+    EXPECT_TRUE(code == 0 || code == 77) << read.errors();
+    messages = code == 0 ? json_lines(read.output()) : std::vector<nlohmann::json>();
+    return code;
+  };
+  const auto has_all = [&] {
+    return read_all() != 0 || (!find("ros_gz_interfaces/Contacts", is_of_contact).is_null() &&
+                               !find("tf2_msgs/TFMessage", is_moved).is_null() &&
+                               !find("visualization_msgs/MarkerArray", is_shown).is_null() &&
+                               !find("visualization_msgs/MarkerArray", is_drawn).is_null() &&
+                               !find("std_msgs/Float64", is_deep).is_null() &&
+                               !find("diagnostic_msgs/DiagnosticArray", is_of_server).is_null());
+  };
+  ASSERT_TRUE(test::eventually(has_all, seconds(20))) << reader.output().size() << " bytes\n" << ros.errors();
+  if (messages.empty()) GTEST_SKIP() << "skipped: no npm packages of Foxglove; deploy/install --tests BUILD";
+  for (const nlohmann::json& one : messages) {
+    EXPECT_TRUE(one["is_whole"]) << one;
+    EXPECT_TRUE(one["is_same"]) << one;
+  }
+  const auto vector = [](const nlohmann::json& v) {
+    return Vec3(v["x"].get<double>(), v["y"].get<double>(), v["z"].get<double>());
+  };
+  const auto rotation = [](const nlohmann::json& q) {
+    return Quat(q["w"].get<double>(), q["x"].get<double>(), q["y"].get<double>(), q["z"].get<double>());
+  };
+  const nlohmann::json ball = marker_of(find("visualization_msgs/MarkerArray", is_shown), "ball");
+  EXPECT_EQ(ball["type"], 2);
+  EXPECT_EQ(ball["header"]["frame_id"], "world");
+  EXPECT_EQ(vector(ball["pose"]["position"]), pose.position);
+  // A marker's orientation is a product of the object's and the shape's own, and rounded once more.
+  EXPECT_LE((rotation(ball["pose"]["orientation"]).coeffs() - turned.coeffs()).cwiseAbs().maxCoeff(), 4e-16);
+  EXPECT_EQ(vector(ball["scale"]), Vec3(1, 1, 1));
+  EXPECT_EQ(ball["mesh_file"]["filename"], "");
+  const nlohmann::json wall = marker_of(find("visualization_msgs/MarkerArray", is_shown), "wall");
+  EXPECT_EQ(vector(wall["scale"]), Vec3(1, 2, 2));
+  for (const nlohmann::json& moved : find("tf2_msgs/TFMessage", is_moved)["transforms"]) {
+    if (moved["transform"]["translation"]["x"] != pose.position.x()) continue;
+    EXPECT_EQ(moved["child_frame_id"], "ball");
+    EXPECT_EQ(vector(moved["transform"]["translation"]), pose.position);
+    EXPECT_EQ(rotation(moved["transform"]["rotation"]).coeffs(), turned.coeffs());
+  }
+  const nlohmann::json contact = find("ros_gz_interfaces/Contacts", is_of_contact)["contacts"][0];
+  EXPECT_EQ((std::set<std::string>{contact["collision1"]["name"], contact["collision2"]["name"]}),
+            (std::set<std::string>{"ball", "wall"}));
+  EXPECT_EQ(contact["depths"].size(), 1U);
+  EXPECT_NEAR(contact["depths"][0].get<double>(), pair->depth_m, pair->error_m + 1e-12);
+  const nlohmann::json lines = marker_of(find("visualization_msgs/MarkerArray", is_drawn), "depths");
+  EXPECT_EQ(vector(lines["points"][0]), vector(contact["positions"][0]));
+  EXPECT_NEAR((vector(lines["points"][1]) - vector(lines["points"][0])).norm(), pair->depth_m, 1e-9);
+  const nlohmann::json diagnostics = find("diagnostic_msgs/DiagnosticArray", is_of_server)["status"];
+  EXPECT_EQ(diagnostics[0]["name"], "collided: server");
+  EXPECT_EQ(diagnostics[0]["message"], "ready");
+  EXPECT_EQ(diagnostics[0]["level"], 0);
+  // Other letters are only read: written again they are too few bytes, since that package counts letters.
+  ASSERT_TRUE(client.add({.name = "k\u00e4fig", .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(0, 0, 0)}));
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return read_all() == 0 && !find("visualization_msgs/MarkerArray", [&](const nlohmann::json& m) {
+                                     return !marker_of(m, "k\u00e4fig").is_null();
+                                   }).is_null();
+      },
+      seconds(20)));
+#endif
 }
 
 TEST_F(Ros, SimulatedTimeIsThatOfTheClock) {
