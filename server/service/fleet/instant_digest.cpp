@@ -1,6 +1,7 @@
 #include "server/service/fleet/instant_digest.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace collided::engine::service {
 namespace {
@@ -18,17 +19,34 @@ bool DigestMaker::make(std::int64_t now_ns) {
   const std::int64_t settled_ns = is_quiet ? now_ns - kPatienceNs : std::min(newest->settled_ns, now_ns - kPatienceNs);
   const std::int64_t instant_ns = settled_ns / kSecondNs * kSecondNs;
   if (instant_ns <= newest_.time_ns) return false;
-  if (is_quiet && newest->version == quiet_version_) {
+  if (!is_quiet) return make_past(*newest, instant_ns);
+  if (newest->version == quiet_version_) {
     newest_.time_ns = instant_ns;
     return true;
   }
-  std::shared_ptr<const Snapshot> state =
-      is_quiet ? std::make_shared<const Snapshot>(*newest) : world_.memory().at(instant_ns);
-  if (!state) return false;
-  quiet_version_ = is_quiet ? newest->version : 0;
+  quiet_version_ = newest->version;
+  keep(instant_ns, std::make_shared<const Snapshot>(*newest));
+  return true;
+}
+
+/// The newest second up to this one at which every object is known: one that streams may be behind its publisher's time.
+bool DigestMaker::make_past(const Snapshot& newest, std::int64_t instant_ns) {
+  const std::int64_t earliest_ns = std::max(newest_.time_ns + kSecondNs, instant_ns - 3 * kSecondNs);
+  for (; instant_ns >= earliest_ns; instant_ns -= kSecondNs) {
+    std::shared_ptr<const Snapshot> state = world_.memory().at(instant_ns);
+    if (!state) return false;
+    // Those of lost publishers rest where they were said to be last, in both worlds.
+    if (state->stale_objects.size() > newest.stale_objects.size()) continue;
+    quiet_version_ = 0;
+    keep(instant_ns, std::move(state));
+    return true;
+  }
+  return false;
+}
+
+void DigestMaker::keep(std::int64_t instant_ns, std::shared_ptr<const Snapshot> state) {
   state_ = std::move(state);
   newest_ = {.time_ns = instant_ns, .digest = digest_of(*state_)};
-  return true;
 }
 
 std::uint64_t DigestMaker::scene_fingerprint() {

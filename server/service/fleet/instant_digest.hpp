@@ -35,6 +35,9 @@ class DigestMaker {
   std::uint64_t scene_fingerprint();
 
  private:
+  bool make_past(const Snapshot& newest, std::int64_t instant_ns);
+  void keep(std::int64_t instant_ns, std::shared_ptr<const Snapshot> state);
+
   const World& world_;
   InstantDigest newest_;
   std::shared_ptr<const Snapshot> state_;

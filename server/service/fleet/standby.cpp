@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <utility>
 
 namespace collided::engine::service {
@@ -12,7 +13,7 @@ using wire_contract::ServerState;
 
 /// Instants in a row at which the worlds differ before that is reported: publishers need a moment to say all again, and
 /// what commands do is done here a moment later.
-constexpr std::uint64_t kReported = 4;
+constexpr std::uint64_t kReported = 8;
 
 }  // namespace
 
@@ -43,7 +44,8 @@ void Standby::judge() {
   if (comparison_.compared() == judged_) return;
   judged_ = comparison_.compared();
   is_same_.store(comparison_.differing() == 0);
-  if (comparison_.differing() > 0) again_.fetch_add(1);
+  // Ever more seldom: while publishers of many objects say all again, the two may be a moment apart.
+  if (std::has_single_bit(comparison_.differing())) again_.fetch_add(1);
   const std::lock_guard lock(mutex_);
   if (comparison_.differing() < kReported) {
     if (comparison_.differing() == 0) difference_.clear();
