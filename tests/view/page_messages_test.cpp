@@ -318,7 +318,7 @@ TEST(PageAnswer, OfWhatOthersAskIsTheServersOwn) {
       told,
       (json{{"type", "answer"}, {"ask", "sampled"}, {"id", 9}, {"since", 12}, {"questions", {{{"kind", "ray"}}}}}));
   EXPECT_EQ(json::parse(sampled_answer_text(9, std::string("[]")))["type"], "refused");
-  EXPECT_EQ(json::parse(sampled_answer_text(9, Error{.message = "no right"}))["why"], "no right");
+  EXPECT_EQ(json::parse(sampled_answer_text(9, Error{.message = "no right", .hint = {}}))["why"], "no right");
 }
 
 TEST(PageQuestion, OfShapesAndPointsHasTheirNumbers) {
