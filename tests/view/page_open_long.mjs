@@ -42,6 +42,12 @@ function resident(pid) {
 }
 const rendererPid = () => descendants().filter(({ command }) => command.includes("--type=renderer")).sort((a, b) => resident(b.pid) - resident(a.pid))[0].pid;
 
+/// Throws where the page does not answer; a busy machine may keep it waiting for long.
+function inTime(answer) {
+  const patience_ms = 300e3;
+  return Promise.race([answer, new Promise((_, failed) => setTimeout(() => failed(new Error(`the page does not answer for ${patience_ms / 1000} s`)), patience_ms).unref())]);
+}
+
 async function sample(session, pids) {
   let usedSize = Infinity;
   let nodes = Infinity;
@@ -97,7 +103,7 @@ async function run() {
   const messages = () => page.evaluate(() => collidedPage.contacts.changes);
   const eventsBefore = await messages();
   while (Date.now() - begun < 1000 * seconds) {
-    samples.push(await sample(session, pids));
+    samples.push(await inTime(sample(session, pids)));
     console.log(`${((Date.now() - begun) / 1000).toFixed(0)} s: ${Object.entries(samples.at(-1)).map(([name, value]) => `${name} ${value.toFixed(name === "nodes" ? 0 : 1)}`).join(", ")}`);
     await new Promise((done) => setTimeout(done, 1000 * every_s));
   }
