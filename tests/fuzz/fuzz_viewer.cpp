@@ -39,6 +39,7 @@ struct CanBeAsked {
   bool operator()(const view::Remembered& wanted) const {
     return wanted.last_s > 0 && wanted.last_s <= view::kMostRemembered_s;
   }
+  bool operator()(const view::SampledSince& known) const { return known.since >= 0 && std::isfinite(known.since); }
   bool operator()(const view::Owners&) const { return true; }
 };
 
