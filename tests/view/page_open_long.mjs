@@ -1,7 +1,7 @@
 // The page open for long on a world that moves: neither it, its viewer nor the server grows.
 //   node page_open_long.mjs --collided PATH --collide PATH --modules DIR [--seconds 3600] [--movers 200] [--rate 20] [--pictures-a-second 2]
-// Samples what the page's scripts hold, after a collection, and the memory of the processes. After the warm-up, in which the page
-// fills what it remembers of the last 30 s, the least of the last third of the samples may be above that of the first by what
+// Samples what the page's scripts hold, after a collection, and the memory of the processes. After the warm-up, in which all
+// of them fill what they remember, the least of the last third of the samples may be above that of the first by what
 // kMostGrowth says: what is made and collected goes up and down, a leak raises the least.
 import { readdirSync, readFileSync } from "node:fs";
 import { check, launch, until, words } from "./chromium.mjs";
@@ -12,7 +12,8 @@ const movers = Number(words.movers ?? 200);
 const rate = Number(words.rate ?? 20);
 const picturesASecond = Number(words["pictures-a-second"] ?? 2);
 const kRemembered_s = 30;
-const warmUp_s = 2 * kRemembered_s;
+/// The page fills what it remembers, and the server and the viewer theirs: of an hour that takes the first minutes.
+const warmUp_s = Math.max(2 * kRemembered_s, seconds / 12);
 /// MB. What an allocator or the browser has from the system moves by some; 1 kB lost with each batch of poses of an hour would be
 /// 70 MB in each of them.
 const kMostGrowth = { heap: 2, renderer: 30, viewer: 8, server: 8 };

@@ -144,7 +144,7 @@ class TimedReplay : public Replaying {
       const RecordedItem& item = run_.items[i];
       const bool is_before = item.opening || log_time(item) < began_at_;
       if (!item.opening && log_time(item) > end) break;
-      if (is_before ? !go_on() : !wait_until(log_time(item))) return;
+      if (!item.opening && (is_before ? !go_on() : !wait_until(log_time(item)))) return;
       if (commands.count(i) > 0) give_command(i);
       if (item.topic == Recorded::status || item.topic == Recorded::step) lose_lost(item);
       publish(item, is_before ? wire_contract::since_1970_ns() : source_time(item));
