@@ -286,6 +286,11 @@ async function opensRecordings(page) {
   check(said.status === 0, `record: ${said.stderr}`);
   const shows = async (which) => {
     await until(`${which} is shown`, async () => (await page.locator("#recording").textContent()).includes(which) && (await page.locator("#recording").isVisible()), 30);
+    // At its end: what it begins with may be older than what was added above.
+    await page.evaluate(() => {
+      collidedPage.timeline.pause();
+      collidedPage.timeline.goTo(collidedPage.timeline.end());
+    });
     await until("its objects are there", () => page.evaluate((count) => collidedPage.world.objects.size === count, Object.keys(live).length));
     const shown = await told();
     for (const [name, text] of Object.entries(live)) check(shown[name] === text, `${which}: ${name} is ${shown[name]}, the server says ${text}`);
