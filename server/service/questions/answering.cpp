@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <tuple>
 #include <nlohmann/json.hpp>
 
 #include "server/service/questions/answering_worker.hpp"
