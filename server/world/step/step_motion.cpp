@@ -137,6 +137,7 @@ void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>&
 
 /// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
 void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const {
+  if (apart.size() == 0) return;  // a pair that is remembered later counts from then on
   const ObjectInfo* info = rows_.info(slot);
   if (info == nullptr || !is_bare_mesh(*info)) return;
   if (rows_.motion(slot) != Motion::moved) {
