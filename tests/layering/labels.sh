@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Each name that `deploy/test --label` promises is a label of some test.
+# usage: labels.sh REPOSITORY_ROOT BUILD
+set -euo pipefail
+promised=$(sed -n '/^# NAME:/,/^set /p' "${1:?repository root}/deploy/test" | tr -d '#\n' | grep -oE '\([^)]*\)|: [a-z, ]+\.$' | tr -c 'a-z\n' ' ')
+labels=$(ctest --test-dir "${2:?build folder}" --print-labels)
+missing=0
+for name in $promised; do
+  grep -qE "^  $name\$" <<<"$labels" || { echo "deploy/test promises the label '$name'; no test has it"; missing=$((missing + 1)); }
+done
+count=$(wc -w <<<"$promised")
+echo "$count labels, $missing missing"
+[[ $count -gt 12 && $missing -eq 0 ]]
