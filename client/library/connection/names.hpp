@@ -10,7 +10,7 @@ namespace collided::client {
 
 /// The names of objects by id, as the server's messages tell them. An id is slot + generation * 2^32, and a slot holds
 /// one object at a time, so one name is kept for each slot: the table is no larger than the server's, however many
-/// objects come and go. Any thread.
+/// objects come and go. Fences have slots of their own. Any thread.
 class Names {
  public:
   /// `packed` as in topics.hpp: one zero-terminated name an id.
@@ -23,8 +23,10 @@ class Names {
     std::uint64_t id = 0;
     std::string name;
   };
+  static std::uint64_t slot_of(std::uint64_t id);
+
   mutable std::mutex mutex_;
-  std::unordered_map<std::uint32_t, Entry> by_slot_;
+  std::unordered_map<std::uint64_t, Entry> by_slot_;
 };
 
 }  // namespace collided::client
