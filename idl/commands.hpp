@@ -123,7 +123,7 @@ inline constexpr const char* kFence = "fence";
 /// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,
 /// in place of fences: -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none),
 /// since_ns, in_doubt, cut_short (searches that ended at their limit of looks)}], count, version), bands (true: the bands of margins as well, each
-/// a fence with margin, within (m) and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
+/// a fence with margin, within, around, hysteresis, dwell_ns and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
 /// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
 /// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
 /// in_doubt [names]}], count, bytes (of memory for all), version

@@ -53,8 +53,12 @@ Result<Client> Client::connect() {
 Result<Client> Client::connect(const ConnectOptions& options) {
   Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
   if (!connection) { return connection.error(); }
+  return over(std::move(*connection));
+}
+
+Client Client::over(std::shared_ptr<client::Connection> connection) {
   auto state = std::make_unique<State>();
-  state->connection = std::move(*connection);
+  state->connection = std::move(connection);
   return Client(std::move(state));
 }
 

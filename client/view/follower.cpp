@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "client/draw/drawing/nearest_outlines.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::view {
@@ -26,6 +25,7 @@ Follower::Follower(Client& client, Watch watch, Observer& observer, FollowOption
       watch_(std::move(watch)),
       observer_(observer),
       options_(std::move(options)),
+      fences_(client),
       heard_(Clock::now()) {
   looking_ = std::thread([this] { look(); });
   listening_ = std::thread([this] { listen(); });
@@ -76,42 +76,9 @@ void Follower::look_at_objects(const Poses& poses) {
   observer_.objects(shown_);
 }
 
-/// Who is in which fence is asked often, where they stand only when there are others.
 void Follower::look_at_fences() {
   next_fences_ = Clock::now() + options_.fences;
-  const bool are_lines_elsewhere = look_at_nearest();
-  Result<std::vector<draw::FenceOutline>> now = draw::fence_outlines(client_, false);
-  if (!now) return;
-  const auto are_same = [&](auto&& same) {
-    return std::equal(now->begin(), now->end(), fences_.begin(), fences_.end(), same);
-  };
-  const bool stand_as_before =
-      are_same([](const auto& a, const auto& b) { return a.number == b.number && a.to == b.to; });
-  const bool hold_the_same =
-      are_same([](const auto& a, const auto& b) { return a.inside == b.inside && a.in_doubt == b.in_doubt; });
-  if (stand_as_before && hold_the_same && !are_lines_elsewhere) return;
-  if (stand_as_before) {
-    for (std::size_t i = 0; i < fences_.size(); ++i) (*now)[i].lines = std::move(fences_[i].lines);
-  } else if (now = draw::fence_outlines(client_, true); !now) {
-    return;
-  }
-  fences_ = std::move(*now);
-  std::vector<draw::FenceOutline> all = fences_;
-  all.insert(all.end(), nearest_.begin(), nearest_.end());
-  observer_.fences(all);
-}
-
-/// Whether what is nearest, or the line to it, is another one.
-bool Follower::look_at_nearest() {
-  Result<std::vector<draw::FenceOutline>> now = draw::nearest_outlines(client_);
-  if (!now) return false;
-  const auto are_same = [](const draw::FenceOutline& a, const draw::FenceOutline& b) {
-    return a.name == b.name && a.inside == b.inside && a.in_doubt == b.in_doubt && a.distance_m == b.distance_m &&
-           a.lines == b.lines;
-  };
-  const bool is_elsewhere = !std::equal(now->begin(), now->end(), nearest_.begin(), nearest_.end(), are_same);
-  nearest_ = std::move(*now);
-  return is_elsewhere;
+  if (const auto others = fences_.look()) observer_.fences(*others);
 }
 
 void Follower::look_at_status() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/draw/drawing/fence_outlines.hpp"
+#include "client/view/fence_follower.hpp"
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
@@ -60,7 +61,6 @@ class Follower {
   void look_at_objects(const Poses& poses);
   void look_at_status();
   void look_at_fences();
-  bool look_at_nearest();
   void listen();
 
   Client& client_;
@@ -76,8 +76,7 @@ class Follower {
   Clock::time_point next_objects_;
   Clock::time_point next_status_;
   Clock::time_point next_fences_;
-  std::vector<draw::FenceOutline> fences_;  // as they were reported
-  std::vector<draw::FenceOutline> nearest_;
+  FenceFollower fences_;
   Clock::time_point heard_;
   std::optional<Figures> figures_;
 

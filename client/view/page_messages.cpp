@@ -298,6 +298,7 @@ std::string fences_text(std::span<const draw::FenceOutline> fences) {
     if (fence.is_band) text["within"] = fence.within_m;
     if (fence.is_nearest) text["nearest_to"] = fence.of;
     if (fence.distance_m) text["distance"] = *fence.distance_m;
+    if (!fence.definition.empty()) text["definition"] = fence.definition;
     list.push_back(std::move(text));
   }
   return text_of({{"type", "fences"}, {"fences", std::move(list)}});

@@ -44,7 +44,8 @@ std::string contacts_text(std::span<const Event> contacts, std::size_t most);
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent);
 
 /// {type "fences", fences [{name, within (m, of a band), to, inside [names], in_doubt [names], lines [[x, y, z, ...]],
-/// nearest_to (of a question for the nearest: the object, "" for a point), distance (of it, m)}]}:
+/// nearest_to (of a question for the nearest: the object, "" for a point), distance (of it, m), definition {only, skip, ...}
+/// (texts, as the server lists it)}]}:
 /// the lines in the frame of `to`, or in the world.
 std::string fences_text(std::span<const draw::FenceOutline> fences);
 

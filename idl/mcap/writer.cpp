@@ -32,6 +32,13 @@ void put_schema_and_channel(Bytes& bytes, std::uint16_t number, const ChannelDes
   bytes.end(record);
 }
 
+void put_channels(Bytes& bytes, const std::vector<ChannelDescription>& channels, bool are_only_when_used) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (channels[i].is_only_when_used == are_only_when_used)
+      put_schema_and_channel(bytes, static_cast<std::uint16_t>(i + 1), channels[i]);
+  }
+}
+
 }  // namespace
 
 void put_opening(Bytes& bytes, std::string_view library, const std::vector<ChannelDescription>& channels) {
@@ -40,14 +47,34 @@ void put_opening(Bytes& bytes, std::string_view library, const std::vector<Chann
   bytes.text("");  // no profile
   bytes.text(library);
   bytes.end(header);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    put_schema_and_channel(bytes, static_cast<std::uint16_t>(i + 1), channels[i]);
-  }
+  put_channels(bytes, channels, false);
+}
+
+void put_channels_in_use(Bytes& bytes, const std::vector<ChannelDescription>& channels) {
+  put_channels(bytes, channels, true);
 }
 
 FileWriter::FileWriter(Output& output, std::string_view library, std::vector<ChannelDescription> channels)
-    : output_(output), channels_(std::move(channels)), numbers_(channels_.size() + 1, 0) {
+    : output_(output), channels_(std::move(channels)), is_described_{true}, numbers_(channels_.size() + 1, 0) {
+  for (const ChannelDescription& channel : channels_) is_described_.push_back(!channel.is_only_when_used);
   put_opening(piece_, library, channels_);
+  append(piece_);
+}
+
+std::uint16_t FileWriter::add_channel(ChannelDescription channel) {
+  is_described_.push_back(false);
+  numbers_.push_back(0);
+  channels_.push_back(std::move(channel));
+  const auto number = static_cast<std::uint16_t>(channels_.size());
+  if (!channels_.back().is_only_when_used) describe(number);
+  return number;
+}
+
+/// Between two chunks, before the one that has its first message.
+void FileWriter::describe(std::uint16_t channel) {
+  is_described_[channel] = true;
+  piece_.clear();
+  put_schema_and_channel(piece_, channel, channels_[channel - 1]);
   append(piece_);
 }
 
@@ -63,6 +90,8 @@ bool FileWriter::append(const Bytes& bytes) {
 void FileWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
                        std::span<const std::byte> data) {
   ++messages_;
+  if (failed_) return;
+  if (!is_described_[channel]) describe(channel);
   if (failed_) return;
   chunk_first_ = chunk_messages_ == 0 ? log_time : std::min(chunk_first_, log_time);
   chunk_last_ = chunk_messages_ == 0 ? log_time : std::max(chunk_last_, log_time);
@@ -158,7 +187,7 @@ bool FileWriter::close() {
 
 void FileWriter::put_summary(Bytes& bytes) const {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    put_schema_and_channel(bytes, static_cast<std::uint16_t>(i + 1), channels_[i]);
+    if (is_described_[i + 1]) put_schema_and_channel(bytes, static_cast<std::uint16_t>(i + 1), channels_[i]);
   }
   put_statistics(bytes);
   put_chunk_indexes(bytes);
@@ -174,8 +203,9 @@ void FileWriter::put_summary(Bytes& bytes) const {
 void FileWriter::put_statistics(Bytes& bytes) const {
   const std::size_t record = bytes.begin(Opcode::statistics);
   bytes.number(messages_written_);
-  bytes.number(static_cast<std::uint16_t>(channels_.size()));  // schemas
-  bytes.number(static_cast<std::uint32_t>(channels_.size()));
+  const auto described = std::count(is_described_.begin() + 1, is_described_.end(), true);
+  bytes.number(static_cast<std::uint16_t>(described));  // schemas
+  bytes.number(static_cast<std::uint32_t>(described));
   bytes.number(std::uint32_t{0});  // attachments
   bytes.number(static_cast<std::uint32_t>(metadata_.size()));
   bytes.number(static_cast<std::uint32_t>(chunks_.size()));

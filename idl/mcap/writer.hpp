@@ -21,10 +21,14 @@ struct ChannelDescription {
   std::string schema_encoding;
   std::string schema;
   std::vector<std::pair<std::string, std::string>> metadata = {};
+  bool is_only_when_used = false;  // described before its first message, and in no file without one
 };
 
-/// Appends the beginning of a file: magic, header, schemas and channels, numbered from 1 in their order.
+/// Appends the beginning of a file: magic, header, schemas and channels, numbered from 1 in their order, but for those
+/// that are only there when used.
 void put_opening(Bytes& bytes, std::string_view library, const std::vector<ChannelDescription>& channels);
+/// Appends the schemas and channels that put_opening() leaves out.
+void put_channels_in_use(Bytes& bytes, const std::vector<ChannelDescription>& channels);
 
 /// Writes an MCAP file chunk by chunk, each with its checksum and index; close() adds the summary. A file that was not
 /// closed is whole up to its last chunk.
@@ -40,6 +44,8 @@ class FileWriter {
   /// Writes the beginning of the file. `output` must outlive the FileWriter.
   FileWriter(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
 
+  /// Adds a channel to those of the file, and returns its number.
+  std::uint16_t add_channel(ChannelDescription channel);
   /// Adds a message to the chunk at work.
   ///
   /// channel                 number in the order of the descriptions, from 1
@@ -71,6 +77,7 @@ class FileWriter {
     std::string name;
   };
   bool append(const Bytes& bytes);
+  void describe(std::uint16_t channel);
   void put_message_indexes(Bytes& bytes, ChunkEntry& entry) const;
   void put_summary(Bytes& bytes) const;
   void put_statistics(Bytes& bytes) const;
@@ -78,6 +85,7 @@ class FileWriter {
 
   Output& output_;
   std::vector<ChannelDescription> channels_;
+  std::vector<bool> is_described_;  // by channel
   std::uint64_t written_bytes_ = 0;
   bool failed_ = false;
   std::uint64_t messages_ = 0;

@@ -12,7 +12,8 @@ std::vector<mcap::ChannelDescription> channels_of(std::string_view name_space) {
                         .schema_name = topic.type,
                         .schema_encoding = "omgidl",
                         .schema = kIdlText,
-                        .metadata = {}});
+                        .metadata = {},
+                        .is_only_when_used = topic.is_only_when_used});
   }
   return channels;
 }

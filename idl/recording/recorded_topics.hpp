@@ -16,16 +16,30 @@
 namespace collided::recording {
 
 /// A recorded topic; the value is its channel's number in files that are written here.
-enum class Recorded : std::uint16_t { object = 1, pose, query, reply, event, contact, probe, status, step };
+enum class Recorded : std::uint16_t {
+  object = 1,
+  pose,
+  query,
+  reply,
+  event,
+  contact,
+  probe,
+  status,
+  step,
+  fence_event,
+  fence_state,
+  fence_status
+};
 
 /// One row of the table of recorded topics.
 struct RecordedTopic {
   Recorded what;
   const wire_contract::TopicQos& row;
-  const char* type;  // its name in collided.idl
+  const char* type;                // its name in collided.idl
+  bool is_only_when_used = false;  // a file without a message of it has no such channel
 };
 
-inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
+inline constexpr std::array<RecordedTopic, 12> kRecordedTopics{{
     {Recorded::object, wire_contract::kObjectTopic, "collided::wire_v2::Definition"},
     {Recorded::pose, wire_contract::kPoseTopic, "collided::wire_v2::PoseBatch"},
     {Recorded::query, wire_contract::kQueryTopic, "collided::wire_v2::Query"},
@@ -35,6 +49,9 @@ inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
     {Recorded::probe, wire_contract::kProbeTopic, "collided::wire_v2::ProbeFrame"},
     {Recorded::status, wire_contract::kStatusTopic, "collided::wire_v2::Status"},
     {Recorded::step, wire_contract::kStepTopic, "collided::wire_v2::Status"},
+    {Recorded::fence_event, wire_contract::kFenceEventTopic, "collided::wire_v2::EventFrame", true},
+    {Recorded::fence_state, wire_contract::kFenceStateTopic, "collided::wire_v2::ContactShard", true},
+    {Recorded::fence_status, wire_contract::kFenceStatusTopic, "collided::wire_v2::Status", true},
 }};
 
 /// The channels of a namespace, in the order of kRecordedTopics.

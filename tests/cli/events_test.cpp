@@ -5,6 +5,7 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/library/recordings/recorded_events.hpp"
+#include "idl/fence_ids.hpp"
 #include "tests/cli/fakes/event_recording.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
@@ -282,6 +283,63 @@ TEST_F(EventsVerb, AServerThatStartsAgainEndsWhatIsGone) {
             "101.000 began  crate x shelf  depth 0.004 m at 1 2 0.5  seq 1\n"
             "110.000 ended  crate x shelf  after 9 s  (server_restarted)  seq 0  resync\n"
             "111.000 began  cart x shelf  depth 0.004 m at 1 2 0.5  seq 1\n");
+}
+
+// The crate lies in the dock, the drone flies in and out of it and past the crate's band; it is the nearest for a while.
+TEST_F(EventsVerb, FencesMarginsAndTheNearestAreListedApart) {
+  constexpr std::uint64_t kFence = std::uint64_t{1} << 63;
+  constexpr std::uint64_t kDock = kFence | 1, kBand = kFence | 2, kNext = wire_contract::kNearestBits | 3;
+  {
+    EventRecording run(path());
+    name_all(run);
+    run.name(kDock, "dock");
+    run.name(kBand, "close\ncrate\n0\n2");
+    run.name(kNext, "dock");  // a question of the same name
+    run.status(100, 0);
+    run.tell_of_fences(true);
+    run.shard(100, 5, {{kCrate, kDock, 5, 90}});
+    run.status(100.1, 5, {{kCrate, kDock, 5, 90}});
+    run.frame(101, 6, {{Kind::began, kDrone, kBand, 6, 0.003, 0.002}, {Kind::began, kDrone, kDock, 7, 0.002, 0.001}});
+    run.frame(102, 8, {{Kind::began, kDrone, kNext, 8}});
+    run.frame(103, 9, {{Kind::ended, kDrone, kDock, 7, 0, 0, Reason::separated}});
+    run.frame(104, 10, {{Kind::ended, kDrone, kNext, 8, 0, 0, Reason::removed}});
+    run.frame(104, 11, {{Kind::ended, kDrone, kBand, 6, 0, 0, Reason::removed}});
+    run.status(105, 11, {{kCrate, kDock, 5, 90}});
+  }
+  const Ran fences = at_terminal("events " + path() + " --of fences");
+  EXPECT_EQ(fences.code, 0);
+  EXPECT_EQ(fences.out,
+            "inside   dock  crate  since 90.000\n"
+            "100.999 enter  dock  drone  seq 7\n"
+            "103.000 exit  dock  drone  after 2 s  (separated)  seq 9\n");
+  EXPECT_EQ(fences.err, "3 events in " + path() + ", recorded from 100.000 to 105.000; 0 lost\n");
+  const auto plain = [&](const std::string& options) { return collide("events " + path() + " -q " + options).out; };
+  EXPECT_EQ(plain("--of fences --from 102 --csv --fields what,object"),
+            "what,object\ninside,crate\ninside,drone\nexit,drone\n");
+  EXPECT_EQ(plain("--of fences --only drone --csv --fields what,sequence"), "what,sequence\nenter,7\nexit,9\n");
+  EXPECT_EQ(plain("--of margins --csv --fields what,object,around,band,why"),
+            "what,object,around,band,why\napproach,drone,crate,2,\nleave,drone,crate,2,removed\n");
+  EXPECT_EQ(plain("--of nearest --csv --fields what,nearest,from,to,why"),
+            "what,nearest,from,to,why\nchanged,dock,,drone,\nchanged,dock,drone,,removed\n");
+  EXPECT_EQ(collide("events " + path()).code, 1) << "no contacts";
+  EXPECT_EQ(collide("events " + path() + " --of doors").code, 2);
+}
+
+TEST_F(EventsVerb, EventsOfFencesThatAreLostAreCounted) {
+  constexpr std::uint64_t kDock = (std::uint64_t{1} << 63) | 1;
+  {
+    EventRecording run(path());
+    name_all(run);
+    run.name(kDock, "dock");
+    run.tell_of_fences(true);
+    run.status(100, 0);
+    run.frame(101, 1, {{Kind::began, kDrone, kDock, 1}});
+    run.frame(102, 3, {{Kind::began, kDrone, kDock, 3}});
+    run.status(103, 3, {{kDrone, kDock, 3, 102}});
+  }
+  const Ran ran = at_terminal("events " + path() + " --of fences");
+  EXPECT_NE(ran.err.find(": 1 events of fences are not in it; "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("; 1 lost\n"), std::string::npos) << ran.err;
 }
 
 TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -34,6 +36,34 @@ TEST_F(Record, SaysWhatWasRecordedAndWhatWasLost) {
             "{\"file\":\"run.mcap\",\"topic\":\"object\",\"samples\":2,\"lost\":0}\n"
             "{\"file\":\"run.mcap\",\"topic\":\"pose\",\"samples\":1201,\"lost\":3}\n"
             "{\"file\":\"run.mcap\",\"topic\":\"probe\",\"samples\":0,\"lost\":0}\n");
+}
+
+// Where fences stand is asked and written beside the topics, once there are any.
+TEST_F(Record, FencesAreWrittenAsTheyAreDrawn) {
+  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "get") return std::string(R"({"pose":[5,0,0,1,0,0,0]})");
+    return std::string(R"({"fences":[{"fence":"zone","id":7,"kind":"sphere","to":"person","only":"robot*","inside":[],
+      "in_doubt":[],"lines":[[0,0,0,1,0,0]]}]})");
+  };
+  EXPECT_EQ(collide("record run.mcap --for 10ms").code, 0);
+  const auto& written = fake::server().own_messages;
+  ASSERT_EQ(written.size(), 2U);
+  EXPECT_EQ(written[0].first, "collided/fences");
+  const nlohmann::json listed = nlohmann::json::parse(written[0].second)["fences"][0];
+  EXPECT_EQ(listed["to"], "person");
+  EXPECT_EQ(listed["definition"]["only"], "robot*");
+  EXPECT_EQ(listed["lines"], nlohmann::json::parse("[[0,0,0,1,0,0]]")) << "in its carrier's frame";
+  EXPECT_EQ(written[1].first, "/fences");
+  const nlohmann::json drawn = nlohmann::json::parse(written[1].second)["entities"][0];
+  EXPECT_EQ(drawn["frame_id"], "world");
+  EXPECT_EQ(drawn["lines"][0]["points"][1], nlohmann::json::parse(R"({"x":6.0,"y":0.0,"z":0.0})"));
+
+  fake::reset();
+  fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    return std::string(R"({"fences":[]})");
+  };
+  EXPECT_EQ(collide("record run.mcap --for 10ms").code, 0);
+  EXPECT_TRUE(fake::server().own_messages.empty());
 }
 
 TEST_F(Record, AFullDiskEndsIt) {

@@ -300,6 +300,24 @@ TEST(FlightOpening, HasTheContactsThatHeld) {
   EXPECT_EQ(held(opening), (std::map<std::uint8_t, std::uint64_t>{{3, 12}}));
 }
 
+TEST(FlightOpening, HasWhoWasInFences) {
+  FlightOpening opening;
+  hold(opening, 3, 10, 1);
+  const std::vector<std::uint64_t> ids(2, 7);
+  dds::Sample<wire::ContactShard> sample;
+  sample->shard = 3;
+  sample->as_of_sequence = 4;
+  dds::borrow(sample->a, ids);
+  opening.fold_fences(*sample);
+  std::map<Recorded, std::uint64_t> shards;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::ContactShard> shard;
+    ASSERT_TRUE(wire::read_cdr(data, shard));
+    shards[topic] = shard->as_of_sequence;
+  });
+  EXPECT_EQ(shards, (std::map<Recorded, std::uint64_t>{{Recorded::contact, 10}, {Recorded::fence_state, 4}}));
+}
+
 // An old sample would be a lie: it goes also where the new one has no room.
 TEST(FlightOpening, ContactsThatHaveNoRoomAreLeftOutAndCounted) {
   FlightOpening opening;

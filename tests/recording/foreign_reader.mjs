@@ -28,7 +28,9 @@ for await (const message of reader.readMessages({ validateCrcs: true })) {
 }
 for (const [id, schema] of reader.schemasById) {
   const text = new TextDecoder().decode(schema.data);
-  if (schema.encoding !== "omgidl" || !text.includes("struct " + schema.name.split("::").pop())) {
+  if (schema.encoding !== "omgidl" && schema.encoding !== "jsonschema") throw new Error(`schema ${id}, ${schema.name}: in ${schema.encoding}`);
+  if (schema.encoding === "jsonschema") JSON.parse(text);
+  else if (!text.includes("struct " + schema.name.split("::").pop())) {
     throw new Error(`schema ${id}, ${schema.name}: its text does not describe it`);
   }
 }

@@ -19,3 +19,13 @@ done
 "$collide" ray 0 0 5  0 0 -1 >/dev/null
 "$collide" record "$scratch/last.mcap" --last 30s >/dev/null
 node "$here/foreign_reader.mjs" "$scratch/last.mcap" 4
+# Channels that are there only when used: described between chunks, some of them in JSON.
+"$collide" fence add dock sphere 0 0 5 2 --keep -q >/dev/null
+"$collide" record "$scratch/run.mcap" --for 2s -q >/dev/null &
+recorder=$!
+while kill -0 "$recorder" 2>/dev/null; do
+  "$collide" add ball sphere 0.2 --at 0 0 5 -q >/dev/null && "$collide" rm ball -q >/dev/null
+done
+wait "$recorder"
+node "$here/foreign_reader.mjs" "$scratch/run.mcap" 4 | tee "$scratch/read"
+grep -q '[ ,]/fences [1-9]' "$scratch/read" && grep -q 'fence_event_v2 [1-9]' "$scratch/read" || { echo "no fences in it"; exit 1; }

@@ -134,6 +134,38 @@ TEST(Mcap, AFullOutputLeavesAGoodFile) {
   }
 }
 
+// Where a channel is described only when it is used: it is in no file without a message of it, and before the chunk with the
+// first one, so that a file that breaks off has it too.
+TEST(Mcap, AChannelThatIsThereOnlyWhenUsed) {
+  std::vector<ChannelDescription> channels = two_channels();
+  channels.insert(channels.begin() + 1, {"a/fence", "cdr", "V", "omgidl", "struct V {};", {}, true});
+  const auto topics = [&](bool is_used, bool is_closed) {
+    Memory memory;
+    FileWriter writer(memory, "test", channels);
+    writer.write(1, 100, 90, bytes_of("first"));
+    writer.flush();
+    writer.write(3, 101, 91, bytes_of("third"));
+    if (is_used) writer.write(2, 102, 92, bytes_of("second"));
+    const std::uint16_t own = writer.add_channel({"/own", "json", "W", "jsonschema", "{}", {}, true});
+    if (is_used) writer.write(own, 103, 93, bytes_of("own"));
+    writer.flush();
+    if (is_closed) { EXPECT_TRUE(writer.close()); }
+    const Contents contents = read(memory.file);
+    EXPECT_EQ(contents.lost_messages, 0U);
+    EXPECT_EQ(contents.messages.size(), is_used ? 4U : 2U);
+    std::string all;
+    for (const auto& [number, channel] : contents.channels) {
+      EXPECT_EQ(contents.schemas.count(channel.schema), 1U);
+      all += std::to_string(number) + " " + channel.topic + " ";
+    }
+    return all;
+  };
+  for (const bool is_closed : {false, true}) {
+    EXPECT_EQ(topics(false, is_closed), "1 a/object 3 a/pose ");
+    EXPECT_EQ(topics(true, is_closed), "1 a/object 2 a/fence 3 a/pose 4 /own ");
+  }
+}
+
 TEST(Mcap, OtherBytesAreNoMcap) {
   EXPECT_FALSE(read({}).is_mcap);
   EXPECT_FALSE(read(bytes_of("t,name,x,y,z\n")).is_mcap);
@@ -142,6 +174,8 @@ TEST(Mcap, OtherBytesAreNoMcap) {
 TEST(Mcap, ChannelsOfANamespaceAreToldApart) {
   Memory memory;
   FileWriter writer(memory, recording::library_name(), recording::channels_of("hall/a"));
+  for (const recording::RecordedTopic& topic : recording::kRecordedTopics)
+    writer.write(static_cast<std::uint16_t>(topic.what), 1, 1, {});
   writer.close();
   const Contents contents = read(memory.file);
   ASSERT_EQ(contents.channels.size(), recording::kRecordedTopics.size());

@@ -7,6 +7,9 @@
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/event_output.hpp"
+#include "client/cli/output/fence_output.hpp"
+#include "client/cli/output/margin_output.hpp"
+#include "client/cli/output/nearest_output.hpp"
 
 namespace collided::cli {
 namespace {
@@ -17,10 +20,12 @@ class EventsCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     app.add_option("file", path_, "A recording")->required();
-    app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
-    app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
+    app.add_option("--of", of_, "contacts, fences, margins or nearest (contacts)")
+        ->check(CLI::IsMember({"contacts", "fences", "margins", "nearest"}));
+    app.add_option("--only", options_.only, "Events of which a name matches this glob");
+    app.add_option("--skip", options_.skip, "No event of which a name matches this glob");
     app.add_option("--from", from_,
-                   "Contacts that held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since "
+                   "What held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since "
                    "1970, +2s after the begin, -2s before the end");
     app.add_option("--to", to_, "Up to then, in the same words");
   }
@@ -28,27 +33,46 @@ class EventsCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (!from_.empty()) options_.from = parse_time("--from", from_, kTimes);
     if (!to_.empty()) options_.to = parse_time("--to", to_, kTimes);
-    const RecordedEvents recorded = take(recorded_events(path_, options_));
+    if (of_ == "contacts") {
+      const RecordedEvents recorded = take(recorded_events(path_, options_));
+      return print(session, globals, recorded, recorded.events, usual_event_fields(), event_line, event_record);
+    }
+    const RecordedFenceEvents recorded = take(recorded_fence_events(path_, options_));
+    if (of_ == "fences")
+      return print(session, globals, recorded, recorded.fences, usual_fence_fields(), fence_line,
+                   [](const FenceEvent& event) { return fence_record(event); });
+    if (of_ == "margins")
+      return print(session, globals, recorded, recorded.margins, usual_margin_fields(), margin_line,
+                   [](const MarginEvent& event) { return margin_record(event); });
+    return print(session, globals, recorded, recorded.nearest, usual_nearest_fields(), nearest_line,
+                 [](const NearestEvent& event) { return nearest_record(event); });
+  }
+
+ private:
+  /// recorded  what is said of the whole recording
+  template <class Recorded, class OneEvent, class Line, class ToRecord>
+  Exit print(Session& session, const Globals& globals, const Recorded& recorded, const std::vector<OneEvent>& events,
+             const std::vector<std::string>& usual_fields, const Line& line, const ToRecord& record) const {
     for (const std::string& warning : recorded.warnings)
       print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_event_fields());
-    for (const Event& event : recorded.events) {
+    printer.set_usual_fields(usual_fields);
+    for (const OneEvent& event : events) {
       if (!session.io.out.good()) break;
-      if (printer.human()) printer.line(event_line(printer, event));
-      else printer.record(event_record(event));
+      if (printer.human()) printer.line(line(printer, event));
+      else printer.record(record(event));
     }
     printer.finish();
     session.io.out.flush();
     print_hint(session.io, globals,
-               fmt::format("{} event{} in {}, recorded from {} to {}; {} lost", format_count(recorded.events.size()),
-                           recorded.events.size() == 1 ? "" : "s", printable(path_), clock_text(recorded.begin),
+               fmt::format("{} event{} in {}, recorded from {} to {}; {} lost", format_count(events.size()),
+                           events.size() == 1 ? "" : "s", printable(path_), clock_text(recorded.begin),
                            clock_text(recorded.end), format_count(recorded.lost)));
-    return recorded.events.empty() ? Exit::no : Exit::yes;
+    return events.empty() ? Exit::no : Exit::yes;
   }
 
- private:
   std::string path_;
+  std::string of_ = "contacts";
   RecordedEventsOptions options_;
   std::string from_;
   std::string to_;

@@ -7,6 +7,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
+#include "client/view/fence_recorder.hpp"
 
 namespace collided::cli {
 namespace {
@@ -39,13 +40,16 @@ class RecordCommand : public Command {
 
   Exit follow(Session& session, const Globals& globals) {
     const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
-    Recording recording = take(record(connect_options(session.io, globals), path_));
+    const ConnectOptions options = connect_options(session.io, globals);
+    Recording recording = take(record(options, path_));
+    view::FenceRecorder fences(recording, options.name_space);
     const Clock::time_point start = Clock::now();
     const Until until(0, most_time);
     {
       Progress progress(session.io, globals);
       while (!until.reached(0) && recording.counts().problem.empty()) {
         sleep_until(std::min(until.end(), Clock::now() + std::chrono::milliseconds(100)));
+        fences.look();
         progress.show(recording.counts().samples, "samples");
       }
     }

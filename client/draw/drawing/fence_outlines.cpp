@@ -28,6 +28,11 @@ FenceOutline outline_of(const nlohmann::json& row) {
     outline.name = row.at("margin").get<std::string>();
     outline.within_m = row.at("within").get<double>();
   }
+  for (const char* key : {"kind", "only", "skip", "mask", "tells", "keep", "around", "hysteresis", "dwell_ns"}) {
+    const auto value = row.find(key);
+    if (value == row.end()) continue;
+    outline.definition.emplace(key, value->is_string() ? value->get<std::string>() : value->dump());
+  }
   for (const nlohmann::json& line : row.value("lines", nlohmann::json::array())) outline.lines.push_back(line_of(line));
   return outline;
 }

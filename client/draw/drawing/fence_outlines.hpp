@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct FenceOutline {
   bool is_nearest = false;                    // a question, and `inside` is the one object that is nearest
   std::string of = {};                        // of a question: the object that it is about; empty: a point
   std::optional<double> distance_m = {};      // of the two; nothing: not known
+  /// What was asked for when it was added, by the names of the server's list: only, skip, mask, keep, and of each kind more.
+  std::map<std::string, std::string> definition = {};
 
   bool is_entered() const { return !inside.empty() || !in_doubt.empty(); }
 };

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
 
 namespace collided::draw {
 namespace {
@@ -28,6 +31,17 @@ void add_line_from_point(Client& client, const ListedNearest& listed, FenceOutli
   outline.lines = {{*listed.question.point, answer->hits.front().point}};
 }
 
+/// Numbers as JSON has them.
+std::map<std::string, std::string> definition_of(const NearestQuestion& question) {
+  const auto text = [](const nlohmann::json& value) { return value.dump(); };
+  std::map<std::string, std::string> definition{
+      {"only", question.only},       {"skip", question.skip},
+      {"mask", text(question.mask)}, {"within", text(question.within_m)},
+      {"keep", text(question.keep)}, {"hysteresis", text(question.hysteresis_m)}};
+  if (question.point) definition["point"] = text({question.point->x(), question.point->y(), question.point->z()});
+  return definition;
+}
+
 }  // namespace
 
 Result<std::vector<FenceOutline>> nearest_outlines(Client& client) {
@@ -39,6 +53,7 @@ Result<std::vector<FenceOutline>> nearest_outlines(Client& client) {
     FenceOutline& outline = outlines.emplace_back(FenceOutline{.name = listed.question.name});
     outline.is_nearest = true;
     outline.of = listed.question.to;
+    outline.definition = definition_of(listed.question);
     if (listed.object.empty()) continue;
     (listed.is_in_doubt ? outline.in_doubt : outline.inside).push_back(listed.object);
     listed.question.point ? add_line_from_point(client, listed, outline) : add_line(client, listed, outline);

@@ -95,6 +95,10 @@ struct Strangers {
   bool speak_now = false;  // the server was heard after one of them: it has not been replaced, there are two
 };
 
+namespace client {
+class Connection;
+}
+
 /// A connection to one server. When the server is silent, calls fail with disconnected; when it is back or replaced by
 /// another one, the connection resumes by itself.
 ///
@@ -326,7 +330,9 @@ class Client {
 
  private:
   struct State;
+  friend class Recording;
   explicit Client(std::unique_ptr<State> state);
+  static Client over(std::shared_ptr<client::Connection> connection);
   template <Question Q>
   Result<Answers> ask_all(std::span<const Q> questions, const AskOptions& options, Answers&& earlier);
   std::unique_ptr<State> state_;

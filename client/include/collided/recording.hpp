@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <collided/client.hpp>
@@ -35,6 +36,18 @@ struct RecordingCounts {
   std::uint64_t bytes = 0;       // of the file
   std::string no_opening;        // why the file does not begin with what was in the world already; empty: it does
   std::string problem;           // why nothing more is written; empty: all is well
+  /// Grows whenever fences, margins or questions for the nearest may be others, or others in them.
+  std::uint64_t fence_changes = 0;
+};
+
+/// A channel of a recording beside those of the namespace's topics, for what a program makes of them, such as a scene that
+/// another one shows. Encodings are names of MCAP's registry.
+struct OwnChannel {
+  std::string topic;     // its name in the file, other than those of the namespace's topics
+  std::string encoding;  // of its messages, such as "json"
+  std::string schema_name;
+  std::string schema_encoding;  // such as "jsonschema"
+  std::string schema;
 };
 
 /// Writes everything that is sent on a namespace to a file, from record() until it is finished or destroyed. If the
@@ -55,6 +68,11 @@ class Recording {
   /// Writes the rest and the index, and ends the recording. An error means that the file has no proper end; what was
   /// written before can still be read.
   Result<RecordingCounts> finish();
+  /// A client of the same connection, whose questions are not recorded.
+  Client client() const;
+  /// Writes a message of a channel of the caller's own, dated now. The channel is in the file from its first message on; up
+  /// to 8. Error bad_input where there would be more, or after finish().
+  Result<void> write(const OwnChannel& channel, std::string_view message);
 
  private:
   friend Result<Recording> record(const ConnectOptions&, const std::string&);
@@ -104,6 +122,21 @@ struct RecordedEvents {
 /// Reads the events of a recording; no server is needed. What held before `from` comes first, as `open`, then each
 /// event in the order of happened(). Error bad_input where the file cannot be read.
 Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options = {});
+
+/// The events of a recording's fences, margins and questions for the nearest.
+struct RecordedFenceEvents {
+  std::vector<FenceEvent> fences;
+  std::vector<MarginEvent> margins;
+  std::vector<NearestEvent> nearest;
+  std::chrono::nanoseconds begin{0}, end{0};  // of the recording
+  std::uint64_t lost = 0;                     // known to have been sent, but not in the file; of all three together
+  std::vector<std::string> warnings;          // damage of the file, events that are lost, stays of unknown age
+};
+
+/// Reads them; no server is needed. They are what FenceWatch, MarginWatch and NearestWatch would have told: what held
+/// before `from` first, as `inside`, `within` and `is`, then each event in the order of its number. `only` and `skip` are as
+/// in the options of these. Error bad_input where the file cannot be read.
+Result<RecordedFenceEvents> recorded_fence_events(const std::string& path, const RecordedEventsOptions& options = {});
 
 // ---- replay --------------------------------------------------------------------------------------------------------
 

@@ -27,17 +27,21 @@ struct TimedMessage {
 };
 
 /// The messages in a recording. Those that cannot be decoded count as lost, as for a live watch.
-std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& names) {
+std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& names, WatchOf subject) {
+  const bool is_of_fences = subject == WatchOf::fences;
+  const Recorded event_topic = is_of_fences ? Recorded::fence_event : Recorded::event;
+  const Recorded shard_topic = is_of_fences ? Recorded::fence_state : Recorded::contact;
+  const Recorded status_topic = is_of_fences ? Recorded::fence_status : Recorded::status;
   std::vector<TimedMessage> messages;
   dds::Sample<wire::EventFrame> frame;
   dds::Sample<wire::ContactShard> shard;
   dds::Sample<wire::Status> status;
   for (const RecordedItem& item : recorded.items) {
-    if (item.topic == Recorded::event && wire::read_cdr(item.data, frame)) {
+    if (item.topic == event_topic && wire::read_cdr(item.data, frame)) {
       if (auto heard = decode(*frame, names)) messages.push_back({item.log_time, std::move(*heard)});
-    } else if (item.topic == Recorded::contact && wire::read_cdr(item.data, shard)) {
+    } else if (item.topic == shard_topic && wire::read_cdr(item.data, shard)) {
       if (auto heard = decode(*shard, names)) messages.push_back({item.log_time, std::move(*heard)});
-    } else if (item.topic == Recorded::status && wire::read_cdr(item.data, status)) {
+    } else if (item.topic == status_topic && wire::read_cdr(item.data, status)) {
       messages.push_back({item.log_time, decode(*status)});
     }
   }
@@ -199,8 +203,8 @@ const ServerLife& life_of(const TimedMessage& message) {
 
 }  // namespace
 
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch) {
-  const std::vector<TimedMessage> messages = messages_of(recorded, names);
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch, WatchOf subject) {
+  const std::vector<TimedMessage> messages = messages_of(recorded, names, subject);
   MissingEvents missing;
   if (messages.empty()) return missing;
   std::vector<ServerLife> lives;

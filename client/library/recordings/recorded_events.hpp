@@ -20,8 +20,9 @@ struct MissingEvents {
 
 /// Passes a recording to a new `watch`: what held at its begin as `open`, then its events one by one. What held is
 /// found from everything that the recording says of it: the shards before and after its begin, and events that end
-/// contacts which did not begin in it.
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch);
+/// contacts which did not begin in it. Of fences the same.
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch,
+                             WatchOf subject = WatchOf::contacts);
 
 /// The times of the first and the last sample received while recording, since 1970 by the recorder's clock.
 struct RecordedSpan {

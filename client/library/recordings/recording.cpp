@@ -8,6 +8,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/wait_until.hpp"
 #include "idl/clocks.hpp"
+#include "idl/commands.hpp"
 #include "idl/mcap/reader.hpp"
 
 namespace collided {
@@ -40,8 +41,8 @@ struct Recording::State::Readers {
   dds::Reader<wire::PoseBatch> pose;
   dds::Reader<wire::Query> query;
   dds::Reader<wire::Reply> reply;
-  dds::Reader<wire::EventFrame> event;
-  dds::Reader<wire::ContactShard> contact;
+  dds::Reader<wire::EventFrame> event, fence_event;
+  dds::Reader<wire::ContactShard> contact, fence_state;
   dds::Reader<wire::ProbeFrame> probe;
   dds::Reader<wire::Status> status, step;
 };
@@ -61,6 +62,8 @@ dds::ReaderOptions<T> Recording::State::into(Recorded topic, std::string partiti
                                     { hear(loans[i]) } -> std::same_as<bool>;
                                   }) {
                       if (!hear(loans[i])) continue;
+                    } else if constexpr (requires { hear(loans[i], topic); }) {
+                      hear(loans[i], topic);
                     } else if constexpr (requires { hear(loans[i]); }) {
                       hear(loans[i]);
                     }
@@ -78,19 +81,45 @@ void Recording::State::hear(const wire::Definition& sample) {
 void Recording::State::hear(const wire::PoseBatch& sample) {
   if (sample.sequence_number > 0) loss_.hear_poses(sample.publisher, sample.incarnation, sample.sequence_number);
 }
-void Recording::State::hear(const wire::EventFrame& sample) {
-  loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
+void Recording::State::hear(const wire::EventFrame& sample, Recorded topic) {
+  const bool is_of_fences = topic == Recorded::fence_event;
+  client::RecordedLoss& loss = is_of_fences ? fence_loss_ : loss_;
+  loss.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
+  if (!is_of_fences) return;
+  has_fences_.store(true);
+  ++written_.fence_changes;
+}
+void Recording::State::hear(const wire::ContactShard&, Recorded topic) {
+  if (topic != Recorded::fence_state) return;
+  has_fences_.store(true);
+  ++written_.fence_changes;
+}
+/// A server that starts again brings its kept fences back.
+void Recording::State::hear(const wire::Status& sample) {
+  if (std::exchange(epoch_, sample.epoch) != sample.epoch) ++written_.fence_changes;
 }
 /// The requests of the recording's own connection are not recorded.
 bool Recording::State::hear(const wire::Query& sample) {
   if (sample.client == connection_->client()) return false;
   loss_.hear_question(sample.client, sample.request, Clock::now());
+  note_fence_command(sample);
   return true;
 }
 bool Recording::State::hear(const wire::Reply& sample) {
   if (sample.client == connection_->client()) return false;
   loss_.hear_reply(sample.client, sample.request, Clock::now());
+  if (std::erase(fence_commands_, std::pair(sample.client, sample.request)) > 0) ++written_.fence_changes;
   return true;
+}
+/// Once it is answered, fences may be others.
+void Recording::State::note_fence_command(const wire::Query& sample) {
+  constexpr std::size_t kMostCommands = 1'000;
+  if (sample.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
+  if (std::string_view(sample.text).find('"' + std::string(wire_contract::command::kFence) + '"') ==
+      std::string_view::npos)
+    return;
+  if (fence_commands_.size() == kMostCommands) fence_commands_.pop_front();
+  fence_commands_.emplace_back(sample.client, sample.request);
 }
 
 Recording::State::State(std::shared_ptr<client::Connection> connection, const std::string& path)
@@ -102,10 +131,16 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
       query_topic_(connection_->participant(), connection_->options().name_space, kOverheardQuestions),
       reply_topic_(connection_->participant(), connection_->options().name_space),
       event_topic_(connection_->participant(), connection_->options().name_space),
+      fence_event_topic_(connection_->participant(), connection_->options().name_space,
+                         wire_contract::kFenceEventTopic),
       contact_topic_(connection_->participant(), connection_->options().name_space),
+      fence_state_topic_(connection_->participant(), connection_->options().name_space,
+                         wire_contract::kFenceStateTopic),
       probe_topic_(connection_->participant(), connection_->options().name_space),
       status_topic_(connection_->participant(), connection_->options().name_space),
-      step_topic_(connection_->participant(), connection_->options().name_space, wire_contract::kStepTopic) {
+      step_topic_(connection_->participant(), connection_->options().name_space, wire_contract::kStepTopic),
+      fence_status_topic_(connection_->participant(), connection_->options().name_space,
+                          wire_contract::kFenceStatusTopic) {
   for (const recording::RecordedTopic& topic : recording::kRecordedTopics) {
     written_.channels.push_back({.topic = topic.row.suffix, .samples = 0, .lost = 0});
   }
@@ -117,7 +152,10 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
           query_topic_, into<wire::Query>(Recorded::query, connection_->options().keys.empty() ? "" : kAllRights)),
       .reply = dds::Reader<wire::Reply>(reply_topic_, into<wire::Reply>(Recorded::reply, kAllClients)),
       .event = dds::Reader<wire::EventFrame>(event_topic_, into<wire::EventFrame>(Recorded::event)),
+      .fence_event = dds::Reader<wire::EventFrame>(fence_event_topic_, into<wire::EventFrame>(Recorded::fence_event)),
       .contact = dds::Reader<wire::ContactShard>(contact_topic_, into<wire::ContactShard>(Recorded::contact)),
+      .fence_state =
+          dds::Reader<wire::ContactShard>(fence_state_topic_, into<wire::ContactShard>(Recorded::fence_state)),
       .probe = dds::Reader<wire::ProbeFrame>(probe_topic_, into<wire::ProbeFrame>(Recorded::probe)),
       .status = dds::Reader<wire::Status>(status_topic_, into<wire::Status>(Recorded::status)),
       .step = dds::Reader<wire::Status>(step_topic_, into<wire::Status>(Recorded::step))});
@@ -143,7 +181,10 @@ Recording::State::~State() { static_cast<void>(finish()); }
 void Recording::State::wait_until_heard() const {
   constexpr std::chrono::milliseconds kEverybody{1'100};
   const Clock::time_point start = Clock::now();
-  const auto heard = [&] { return readers_->step.matched_writers() > 0 && readers_->event.matched_writers() > 0; };
+  const auto heard = [&] {
+    return readers_->step.matched_writers() > 0 && readers_->event.matched_writers() > 0 &&
+           readers_->fence_event.matched_writers() > 0;
+  };
   client::wait_until(start + 2 * kEverybody, [&] { return Clock::now() >= start + kEverybody && heard(); });
 }
 
@@ -160,6 +201,7 @@ std::string Recording::State::begin_with_opening() {
     writer_.write(static_cast<std::uint16_t>(*topic), message.head.log_time, message.head.publish_time, message.data);
     const std::lock_guard lock(mutex_);
     ++given_[static_cast<std::size_t>(*topic) - 1];
+    if (*topic == Recorded::fence_state) has_fences_.store(true);
     dds::Sample<wire::PoseBatch> batch;
     if (*topic == Recorded::pose && wire::read_cdr(message.data, batch)) hear(*batch);
   }
@@ -173,9 +215,12 @@ void Recording::State::run() {
   bool last = false;
   while (!last) {
     last = stopping_.load();  // what came before it is still taken
+    if (last) fence_status_reader_.reset();
+    else follow_fence_status();
     queue_.take(batch, std::chrono::milliseconds(100));
+    add_own_channels();
     for (const RecordingQueue::Entry& entry : batch.entries) {
-      writer_.write(static_cast<std::uint16_t>(entry.topic), entry.log_time, entry.publish_time,
+      writer_.write(entry.channel, entry.log_time, entry.publish_time,
                     std::span(batch.bytes).subspan(entry.begin, entry.size));
     }
     if (Clock::now() >= next_chunk) {
@@ -184,6 +229,44 @@ void Recording::State::run() {
     }
     note_written();
   }
+}
+
+void Recording::State::follow_fence_status() {
+  if (!fence_status_reader_ && has_fences_.load())
+    fence_status_reader_.emplace(fence_status_topic_, into<wire::Status>(Recorded::fence_status));
+}
+
+/// Those that were new to write() come after the topics, in the same order.
+void Recording::State::add_own_channels() {
+  const std::lock_guard lock(mutex_);
+  while (own_in_file_ < own_.size()) {
+    const OwnChannel& channel = own_[own_in_file_++];
+    writer_.add_channel({.topic = channel.topic,
+                         .encoding = channel.encoding,
+                         .schema_name = channel.schema_name,
+                         .schema_encoding = channel.schema_encoding,
+                         .schema = channel.schema,
+                         .metadata = {},
+                         .is_only_when_used = true});
+  }
+}
+
+Result<void> Recording::State::write(const OwnChannel& channel, std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  const auto is_known = [&](const OwnChannel& known) { return known.topic == channel.topic; };
+  const auto known = std::find_if(own_.begin(), own_.end(), is_known);
+  const auto place = static_cast<std::size_t>(known - own_.begin());
+  if (finished_) return client::bad_input("the recording has ended", "Nothing was written");
+  if (known == own_.end()) {
+    if (own_.size() == RecordingQueue::kMostOwn)
+      return client::bad_input("a recording has at most 8 channels of its own", "Nothing was written");
+    own_.push_back(channel);
+    written_.channels.push_back({.topic = channel.topic, .samples = 0, .lost = 0});
+  }
+  ++given_[RecordingQueue::kTopics + place];
+  queue_.put(static_cast<std::uint16_t>(RecordingQueue::kTopics + place + 1), message,
+             static_cast<std::uint64_t>(wire_contract::since_1970_ns()));
+  return {};
 }
 
 void Recording::State::note_written() {
@@ -202,6 +285,7 @@ void Recording::State::note_written() {
     channel.lost = dropped[i];
     if (topic == Recorded::pose) channel.lost += loss_.poses();
     if (topic == Recorded::event) channel.lost += loss_.events();
+    if (topic == Recorded::fence_event) channel.lost += fence_loss_.events();
     if (topic == Recorded::query) channel.lost += loss_.questions();
     written_.lost += channel.lost;
   }
@@ -213,8 +297,11 @@ RecordingCounts Recording::State::counts() const {
 }
 
 Result<RecordingCounts> Recording::State::finish() {
-  if (finished_) return counts();
-  finished_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (finished_) return written_;
+    finished_ = true;
+  }
   readers_.reset();
   stopping_.store(true);
   queue_.wake();
@@ -238,6 +325,10 @@ Recording::Recording(Recording&&) noexcept = default;
 Recording& Recording::operator=(Recording&&) noexcept = default;
 RecordingCounts Recording::counts() const { return state_->counts(); }
 Result<RecordingCounts> Recording::finish() { return state_->finish(); }
+Client Recording::client() const { return Client::over(state_->connection()); }
+Result<void> Recording::write(const OwnChannel& channel, std::string_view message) {
+  return state_->write(channel, message);
+}
 
 Result<Recording> record(const ConnectOptions& options, const std::string& path) {
   Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options, dds::Role::server);

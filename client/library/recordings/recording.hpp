@@ -1,10 +1,17 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "client/library/connection/connection.hpp"
 #include "client/library/recordings/recorded_loss.hpp"
@@ -17,13 +24,16 @@ namespace collided {
 
 /// Readers of every topic of a namespace, and a thread that writes the samples to a file. They slow down no writer:
 /// questions are read best-effort, since a reliable reader that stalls would block the clients; the writers of all
-/// other topics keep only their newest samples and do not block.
+/// other topics keep only their newest samples and do not block. The status of fences, which the server writes only for
+/// its readers, has one once something was told of fences.
 struct [[gnu::visibility("hidden")]] Recording::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& path);
   ~State();
 
   RecordingCounts counts() const;
   Result<RecordingCounts> finish();
+  Result<void> write(const OwnChannel& channel, std::string_view message);
+  const std::shared_ptr<client::Connection>& connection() const { return connection_; }
 
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& path);
@@ -33,6 +43,8 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   // The writing thread.
   void run();
   void note_written();
+  void add_own_channels();
+  void follow_fence_status();
   // Options of a reader that puts its samples into the queue.
   template <class T>
   dds::ReaderOptions<T> into(recording::Recorded topic, std::string partition = {});
@@ -41,7 +53,10 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   void hear(const wire::PoseBatch& sample);
   bool hear(const wire::Query& sample);
   bool hear(const wire::Reply& sample);
-  void hear(const wire::EventFrame& sample);
+  void hear(const wire::EventFrame& sample, recording::Recorded topic);
+  void hear(const wire::ContactShard& sample, recording::Recorded topic);
+  void hear(const wire::Status& sample);
+  void note_fence_command(const wire::Query& sample);
 
   std::shared_ptr<client::Connection> connection_;
   mcap::FileOutput output_;
@@ -51,20 +66,27 @@ struct [[gnu::visibility("hidden")]] Recording::State {
 
   mutable std::mutex mutex_;  // guards the members from here to the topics
   client::RecordedLoss loss_;
-  std::array<std::uint64_t, client::RecordingQueue::kTopics> given_{};
+  client::RecordedLoss fence_loss_;  // of the events of fences, which have numbers of their own
+  std::uint64_t epoch_ = 0;          // of the newest status
+  std::deque<std::pair<std::uint64_t, std::uint64_t>> fence_commands_;  // client and request, without an answer so far
+  std::vector<OwnChannel> own_;
+  std::size_t own_in_file_ = 0;
+  std::array<std::uint64_t, client::RecordingQueue::kChannels> given_{};
   RecordingCounts written_;
   bool finished_ = false;
+  std::atomic<bool> has_fences_{false};  // who is in which fence was told
 
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Topic<wire::Query> query_topic_;
   dds::Topic<wire::Reply> reply_topic_;
-  dds::Topic<wire::EventFrame> event_topic_;
-  dds::Topic<wire::ContactShard> contact_topic_;
+  dds::Topic<wire::EventFrame> event_topic_, fence_event_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_, fence_state_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;
-  dds::Topic<wire::Status> status_topic_, step_topic_;
+  dds::Topic<wire::Status> status_topic_, step_topic_, fence_status_topic_;
   struct Readers;
   std::unique_ptr<Readers> readers_;
+  std::optional<dds::Reader<wire::Status>> fence_status_reader_;  // the writing thread's, once there is something
   std::thread thread_;
 };
 

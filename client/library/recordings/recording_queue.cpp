@@ -16,7 +16,7 @@ void RecordingQueue::wake() {
   came_.notify_one();
 }
 
-std::array<std::uint64_t, RecordingQueue::kTopics> RecordingQueue::dropped() const {
+std::array<std::uint64_t, RecordingQueue::kChannels> RecordingQueue::dropped() const {
   const std::lock_guard lock(mutex_);
   return dropped_;
 }

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "idl/cdr.hpp"
@@ -21,10 +24,12 @@ class RecordingQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   static constexpr std::size_t kTopics = recording::kRecordedTopics.size();
+  static constexpr std::size_t kMostOwn = 8;  // channels of the program that records
+  static constexpr std::size_t kChannels = kTopics + kMostOwn;
 
   /// A sample; times are ns since 1970.
   struct Entry {
-    recording::Recorded topic{};
+    std::uint16_t channel = 0;
     std::uint64_t log_time = 0;
     std::uint64_t publish_time = 0;
     std::size_t begin = 0, size = 0;  // of its data in the batch's bytes
@@ -36,32 +41,43 @@ class RecordingQueue {
 
   template <class T>
   void put(recording::Recorded topic, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) {
-    const std::size_t size = wire::cdr_size(sample);
-    const std::lock_guard lock(mutex_);
-    const std::size_t begin = waiting_.bytes.size();
-    if (begin + size > kMostBytes) {
-      ++dropped_[static_cast<std::size_t>(topic) - 1];
-      return;
-    }
-    waiting_.bytes.resize(begin + size);
-    wire::write_cdr(sample, std::span(waiting_.bytes).subspan(begin));
-    waiting_.entries.push_back({topic, log_time, publish_time, begin, size});
-    if (begin + size >= kWakeBytes) came_.notify_one();
+    put(static_cast<std::uint16_t>(topic), wire::cdr_size(sample), log_time, publish_time,
+        [&](std::span<std::byte> room) { wire::write_cdr(sample, room); });
+  }
+  /// channel  number in the file, of one of its own channels
+  void put(std::uint16_t channel, std::string_view text, std::uint64_t log_time) {
+    put(channel, text.size(), log_time, log_time,
+        [&](std::span<std::byte> room) { std::ranges::copy(std::as_bytes(std::span(text)), room.begin()); });
   }
 
   /// Swaps what waits into `batch`: as soon as there is 1 MiB of it, after `wait`, or when woken by wake().
   void take(Batch& batch, std::chrono::nanoseconds wait);
   void wake();
-  /// Number of dropped samples by topic; index 0 is the first topic.
-  std::array<std::uint64_t, kTopics> dropped() const;
+  /// Number of dropped samples by channel; index 0 is the first topic.
+  std::array<std::uint64_t, kChannels> dropped() const;
 
  private:
+  template <class Write>
+  void put(std::uint16_t channel, std::size_t size, std::uint64_t log_time, std::uint64_t publish_time,
+           const Write& write) {
+    const std::lock_guard lock(mutex_);
+    const std::size_t begin = waiting_.bytes.size();
+    if (begin + size > kMostBytes) {
+      ++dropped_[channel - std::size_t{1}];
+      return;
+    }
+    waiting_.bytes.resize(begin + size);
+    write(std::span(waiting_.bytes).subspan(begin));
+    waiting_.entries.push_back({channel, log_time, publish_time, begin, size});
+    if (begin + size >= kWakeBytes) came_.notify_one();
+  }
+
   static constexpr std::size_t kWakeBytes = std::size_t{1} << 20;
   mutable std::mutex mutex_;
   std::condition_variable came_;
   bool woken_ = false;
   Batch waiting_;
-  std::array<std::uint64_t, kTopics> dropped_{};
+  std::array<std::uint64_t, kChannels> dropped_{};
 };
 
 }  // namespace collided::client

@@ -1,14 +1,13 @@
 #include "client/library/watching/fences.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
-#include "client/library/watching/margins.hpp"
 #include "idl/commands.hpp"
-#include "idl/fence_ids.hpp"
 
 namespace collided {
 namespace client {
@@ -19,9 +18,6 @@ namespace names = wire_contract::command;
 constexpr std::chrono::seconds kFenceTimeout{10};
 /// A message of many fences stays below this: DDS delivers none above kMaxMessageBytes.
 constexpr std::size_t kMostFenceBytes = wire_contract::kMaxMessageBytes - 64 * 1024;
-
-/// What a fence tells, as its bits travel in an event. A doubt has none: all is told then.
-enum Tells : std::uint32_t { kTellsEnter = 1, kTellsExit = 2, kTellsCross = 4 };
 
 nlohmann::json arguments_of(const Fence& fence) {
   nlohmann::json arguments{{"command", names::kFence}, {"name", fence.name}, {"keep", fence.keep}};
@@ -90,25 +86,6 @@ ListedFence listed_of(const nlohmann::json& row) {
   return fence;
 }
 
-FenceEvent news_of(const Event& event, FenceEventKind kind) {
-  return {.kind = kind,
-          .reason = kind == FenceEventKind::exit ? event.reason : EndReason::none,
-          .doubt = event.doubt,
-          .resync = event.resync,
-          .object = event.a,
-          .fence = event.b,
-          .object_id = event.a_id,
-          .fence_id = event.b_id,
-          .epoch = event.epoch,
-          .sequence = event.sequence,
-          .episode = event.episode,
-          .world_time = event.world_time,
-          .entered = event.began,
-          .bracket_low_s = event.bracket_low_s,
-          .bracket_high_s = event.bracket_high_s,
-          .point = event.point};
-}
-
 }  // namespace
 
 Result<void> add_fence(Connection& connection, const Fence& fence) {
@@ -154,33 +131,6 @@ Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::
                        for (const nlohmann::json& row : answer.at("fences")) fences.push_back(listed_of(row));
                        return fences;
                      });
-}
-
-std::vector<FenceEvent> FenceNews::take(const Event& event) {
-  if (is_band_name(event.b) || wire_contract::is_nearest_id(event.b_id)) return {};
-  const std::optional<Event> passing = std::exchange(passing_, std::nullopt);
-  const bool is_passage = event.kind == EventKind::ended && event.reason == EndReason::crossed && passing &&
-                          passing->episode == event.episode;
-  std::vector<FenceEvent> told;
-  if (is_passage && (event.b_triangle & kTellsCross) != 0) {
-    told.push_back(news_of(*passing, FenceEventKind::cross));
-    told.back().sequence = event.sequence;
-    told.back().left_low_s = event.bracket_low_s;
-    told.back().left_high_s = event.bracket_high_s;
-    return told;
-  }
-  // A passage whose end was missed, or that its fence tells as coming and going.
-  if (passing && (passing->b_triangle & kTellsEnter) != 0) told.push_back(news_of(*passing, FenceEventKind::enter));
-  if (event.kind == EventKind::began && event.reason == EndReason::crossed) {
-    passing_ = event;
-  } else if (event.kind == EventKind::began && (event.b_triangle & kTellsEnter) != 0) {
-    told.push_back(news_of(event, FenceEventKind::enter));
-  } else if (event.kind == EventKind::ended && (event.b_triangle & kTellsExit) != 0) {
-    told.push_back(news_of(event, FenceEventKind::exit));
-  } else if (event.kind == EventKind::open) {
-    told.push_back(news_of(event, FenceEventKind::inside));
-  }
-  return told;
 }
 
 std::optional<FenceEvent> FenceWatcher::next(std::chrono::nanoseconds wait) {

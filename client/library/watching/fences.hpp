@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/library/connection/connection.hpp"
+#include "client/library/watching/fence_news.hpp"
 #include "collided/fences.hpp"
 
 namespace collided {
@@ -19,16 +20,6 @@ Result<void> add_fence(Connection& connection, const Fence& fence);
 Result<void> add_fences(Connection& connection, std::span<const Fence> fences);
 Result<std::size_t> remove_fences(Connection& connection, const std::string& name);
 Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::string& name_glob);
-
-/// Makes news of fences of the events that a Watch on the fences' topics reports. No DDS, no threads.
-class FenceNews {
- public:
-  /// What the event says, if its fence tells that. The coming in of a passage waits for its going out.
-  std::vector<FenceEvent> take(const Event& event);
-
- private:
-  std::optional<Event> passing_;  // the `began` of a passage
-};
 
 /// A Watch on the fences' topics, and what it says that next() has not taken.
 ///

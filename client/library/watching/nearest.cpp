@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/errors.hpp"
 #include "idl/commands.hpp"
-#include "idl/fence_ids.hpp"
-#include "idl/glob.hpp"
 
 namespace collided {
 namespace client {
@@ -52,14 +49,6 @@ ListedNearest listed_nearest(const nlohmann::json& row) {
   return listed;
 }
 
-bool is_wanted_nearest(const NearestEvent& event, const NearestWatchOptions& wanted) {
-  const auto any_is = [&](const std::string& glob) {
-    return wire_contract::glob_matches(glob, event.nearest) || wire_contract::glob_matches(glob, event.from) ||
-           wire_contract::glob_matches(glob, event.to);
-  };
-  return (wanted.only.empty() || any_is(wanted.only)) && (wanted.skip.empty() || !any_is(wanted.skip));
-}
-
 }  // namespace
 
 Result<void> add_nearest(Connection& connection, const NearestQuestion& nearest) {
@@ -88,48 +77,6 @@ Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const st
                      });
 }
 
-std::optional<NearestEvent> NearestNews::take(const Event& event) {
-  if (!wire_contract::is_nearest_id(event.b_id)) return std::nullopt;
-  NearestEvent told{.kind = event.kind == EventKind::open ? NearestEventKind::is : NearestEventKind::changed,
-                    .doubt = event.doubt,
-                    .resync = event.resync,
-                    .nearest = event.b,
-                    .from = {},
-                    .to = {},
-                    .epoch = event.epoch,
-                    .sequence = event.sequence,
-                    .world_time = event.world_time,
-                    .bracket_low_s = event.bracket_low_s,
-                    .bracket_high_s = event.bracket_high_s};
-  if (event.kind == EventKind::ended) {
-    const auto newest = newest_.find(event.b_id);
-    // Where messages were lost, who follows may have been told before.
-    if (newest == newest_.end() || newest->second.id != event.a_id) return std::nullopt;
-    if (event.b_triangle == wire_contract::kNearestGoesOn) {
-      newest->second.ended = event.reason;
-      return std::nullopt;
-    }
-    told.reason = event.reason;
-    told.from = newest->second.object;
-    told.doubt = Doubt::none;
-    newest_.erase(newest);
-    return told;
-  }
-  Newest& newest = newest_[event.b_id];
-  told.reason = newest.ended;
-  told.from = newest.object;
-  told.to = event.a;
-  told.to_id = event.a_id;
-  if (event.doubt == Doubt::none) {
-    told.distance_m = 0.0 - event.depth_m;
-    told.distance_error_m = event.depth_error_m;
-    told.point = event.point;
-    told.normal = event.normal;
-  }
-  newest = {event.a, event.a_id, EndReason::none};
-  return told;
-}
-
 std::optional<NearestEvent> NearestWatcher::next(std::chrono::nanoseconds wait) {
   const Clock::time_point until = Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
   const std::lock_guard lock(mutex_);
@@ -138,7 +85,7 @@ std::optional<NearestEvent> NearestWatcher::next(std::chrono::nanoseconds wait) 
     const std::optional<Event> event = watch_.next(left);
     if (!event) return std::nullopt;
     std::optional<NearestEvent> told = news_.take(*event);
-    if (told && is_wanted_nearest(*told, options_)) return told;
+    if (told && is_wanted(*told, options_)) return told;
   }
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/library/connection/connection.hpp"
+#include "client/library/watching/nearest_news.hpp"
 #include "collided/nearest.hpp"
 
 namespace collided {
@@ -18,21 +17,6 @@ namespace client {
 Result<void> add_nearest(Connection& connection, const NearestQuestion& nearest);
 Result<std::size_t> remove_nearest(Connection& connection, const std::string& name);
 Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const std::string& name_glob);
-
-/// Makes news of the events that a Watch on the fences' topics reports: who follows whom. No DDS, no threads.
-class NearestNews {
- public:
-  /// Nothing: the event is about a fence, or says only that the next one has more.
-  std::optional<NearestEvent> take(const Event& event);
-
- private:
-  struct Newest {
-    std::string object;
-    std::uint64_t id = 0;
-    EndReason ended = EndReason::none;  // why it is not any more, while it is not told who follows
-  };
-  std::map<std::uint64_t, Newest> newest_;  // by question
-};
 
 /// A Watch on the fences' topics, and what it says of questions for the nearest.
 ///

@@ -14,9 +14,6 @@
 
 namespace collided {
 
-/// What a watch hears of: contacts, or who is in which fence, which travels in the same messages on topics of its own.
-enum class WatchOf : std::uint8_t { contacts, fences };
-
 /// A watch's readers and its thread. The readers' callbacks, on DDS's threads, only queue messages. The watch's thread
 /// decodes them, has client::WatchState make events of them, and calls the callback or queues the events for next().
 struct [[gnu::visibility("hidden")]] Watch::State {

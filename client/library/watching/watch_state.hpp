@@ -14,6 +14,13 @@
 #include "collided/client.hpp"
 #include "idl/topics.hpp"
 
+namespace collided {
+
+/// What a watch hears of: contacts, or who is in which fence, which travels in the same messages on topics of its own.
+enum class WatchOf : std::uint8_t { contacts, fences };
+
+}  // namespace collided
+
 namespace collided::client {
 
 /// One run of a server, from start to end. Ids and sequence numbers are valid within it.

@@ -43,6 +43,8 @@ function readMcap(buffer, hear) {
   return isWhole || buffer.byteLength < 17 ? "" : "the file breaks off";
 }
 
+const jsonOf = (view) => JSON.parse(new TextDecoder().decode(view));
+
 /// A recording as the page would have heard it: entries for History, in seconds from its beginning.
 class RecordedRun {
   /// surroundings: {objects, surfaceOf}: what stands still and is in no recording, such as the server's scenes
@@ -76,11 +78,11 @@ class RecordedRun {
   }
 
   hear(type, topic, t, view) {
-    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, EventFrame: this.happen, ContactShard: this.hold, Status: this.state }[type];
-    if (!hearing || (type === "Status" && /step/.test(topic)) || (type === "EventFrame" && /persisted|fence/.test(topic)) || (type === "ContactShard" && /fence/.test(topic))) return;
+    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, EventFrame: this.happen, ContactShard: this.hold, Status: this.state, "collided.Fences": this.fence }[type];
+    if (!hearing || (type === "Status" && /step|fence/.test(topic)) || (type === "EventFrame" && /persisted|fence/.test(topic)) || (type === "ContactShard" && /fence/.test(topic))) return;
     if (t - this.frameAt >= this.every_s) this.flush(t);
     try {
-      hearing.call(this, readSample(type, view), t);
+      hearing.call(this, type === "collided.Fences" ? jsonOf(view) : readSample(type, view), t);
     } catch {
       ++this.broken;  // bytes of another version, or damaged ones
     }
@@ -180,6 +182,8 @@ class RecordedRun {
       objects: status.object_count, moving: status.moving_count, contacts: status.contact_count, contacts_truncated: Boolean(status.contacts_truncated), publishers,
     } });
   }
+
+  fence(told, t) { this.entries.push({ t, kind: "fences", value: told }); }
 
   // ---- what the page hears of it
 

@@ -411,6 +411,9 @@ json Commands::fences(const CommandAsk&, const Arguments& arguments) {
     if (rule.band) {
       row["margin"] = rule.band->margin;
       row["within"] = rule.band->within_m;
+      row["around"] = rule.band->around;
+      row["hysteresis"] = rule.band->hysteresis_m;
+      row["dwell_ns"] = rule.band->dwell_in_ns;
       const ObjectInfo* about = table.is_carried(slot) && table.carrier(slot) != FenceTable::kNone
                                     ? world.objects()[table.carrier(slot)].get()
                                     : nullptr;

@@ -66,6 +66,12 @@ void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
   if (flight_) flight_->note(topic, sample);
 }
 
+template <class T>
+void DdsEventWriter::note_fences(recording::Recorded topic, const T& sample) {
+  is_flight_of_fences_ = flight_ != nullptr;
+  note(topic, sample);
+}
+
 /// A full reader or a failed write must not stop the world; a subscriber that misses a sample sees the gap in the
 /// sequence.
 template <class T>
@@ -107,6 +113,7 @@ void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& st
 
 void DdsEventWriter::write_fence_events(const EventColumns& events, const Stamp& stamp) {
   write_frame(fence_event_writer_, events, stamp);
+  note_fences(recording::Recorded::fence_event, *frame_);
 }
 
 void DdsEventWriter::fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
@@ -133,6 +140,7 @@ void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp&
 
 void DdsEventWriter::write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) {
   fill_shard(inside, stamp, as_of_sequence);
+  note_fences(recording::Recorded::fence_state, *shard_);
   write(fence_state_writer_, *shard_);
 }
 
@@ -180,6 +188,7 @@ void DdsEventWriter::write_fence_status(const StatusColumns& status) {
   fence_status_->contact_count = status.contact_count;
   fence_status_->contact_hash = status.contact_hash;
   fence_status_->state = static_cast<std::uint8_t>(status.state);
+  if (is_flight_of_fences_) note(recording::Recorded::fence_status, *fence_status_);
   write(fence_status_writer_, *fence_status_);
 }
 

@@ -37,7 +37,7 @@ class DdsEventWriter : public EventWriter {
   void write_status(const StatusColumns& status) override;
   void write_fence_events(const EventColumns& events, const Stamp& stamp) override;
   void write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) override;
-  bool fence_status_wanted() const override { return fence_status_readers_.load() > 0; }
+  bool fence_status_wanted() const override { return is_flight_of_fences_ || fence_status_readers_.load() > 0; }
   void write_fence_status(const StatusColumns& status) override;
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
@@ -53,10 +53,14 @@ class DdsEventWriter : public EventWriter {
   template <class T>
   void note(recording::Recorded topic, const T& sample);
   template <class T>
+  void note_fences(recording::Recorded topic, const T& sample);
+  template <class T>
   void write(dds::Writer<T>& writer, const T& sample);
 
   FlightRecorder* const flight_;
   bool is_silent_ = false;
+  bool is_flight_of_fences_ =
+      false;  // the flight recorder has been told of fences, and needs their status from then on
   dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;
   dds::Topic<wire::ContactShard> contact_topic_, fence_state_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;

@@ -55,7 +55,7 @@ class EventWriter {
   /// Of fences, in the columns of contacts: a is an object, b the fence that it is in.
   virtual void write_fence_events(const EventColumns&, const Stamp&) {}
   virtual void write_fence_state(const ContactColumns&, const Stamp&, std::uint64_t /*as_of_sequence*/) {}
-  /// Whether write_fence_status() has a reader, which compares what it knows with counts and hash.
+  /// Whether write_fence_status() has a reader or is recorded, who compares what it knows with counts and hash.
   virtual bool fence_status_wanted() const { return false; }
   virtual void write_fence_status(const StatusColumns&) {}
   /// Whether write_step() has a reader, which learns after every step how far each publisher's samples are in the

@@ -34,6 +34,7 @@ void FlightOpening::fold(std::span<const std::byte> records) {
       case Recorded::query: fold_as<wire::Query>(*this, data); break;
       case Recorded::reply: fold_as<wire::Reply>(*this, data); break;
       case Recorded::contact: fold_as<wire::ContactShard>(*this, data); break;
+      case Recorded::fence_state: fold_state(data); break;
       case Recorded::status: fold_as<wire::Status>(*this, data); break;
       default: break;
     }
@@ -170,12 +171,17 @@ void FlightOpening::fold(const wire::Status& status) {
   }
 }
 
-void FlightOpening::fold(const wire::ContactShard& shard) {
+void FlightOpening::fold_state(std::span<const std::byte> data) {
+  dds::Sample<wire::ContactShard> shard;
+  if (wire::read_cdr(data, shard)) fold_fences(*shard);
+}
+
+void FlightOpening::hold(const wire::ContactShard& shard, Shards& shards) {
   if (shard.shard >= wire_contract::kContactShards) return;
-  const auto known = contacts_.find(shard.shard);
-  if (known != contacts_.end()) {
+  const auto known = shards.find(shard.shard);
+  if (known != shards.end()) {
     contact_bytes_ -= known->second.size();
-    contacts_.erase(known);
+    shards.erase(known);
   }
   if (shard.a._length == 0) return;
   std::vector<std::byte> bytes = wire::cdr_bytes(shard);
@@ -185,7 +191,7 @@ void FlightOpening::fold(const wire::ContactShard& shard) {
     return;
   }
   contact_bytes_ += bytes.size();
-  contacts_[shard.shard] = std::move(bytes);
+  shards[shard.shard] = std::move(bytes);
 }
 
 /// Whether the object is in the world. One that leaves with its lost publisher is not, but stays known: the publisher
@@ -232,6 +238,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
   }
   commands_.write(put);
   for (const auto& [shard, bytes] : contacts_) put(Recorded::contact, bytes);
+  for (const auto& [shard, bytes] : in_fences_) put(Recorded::fence_state, bytes);
 }
 
 }  // namespace collided::engine::service

@@ -16,10 +16,10 @@
 namespace collided::engine::service {
 
 /// The state that a window of records begins with: the newest definition and pose of every object sent before it, the
-/// commands that brought in the others, and the contacts that held. It is folded from the records that leave the
+/// commands that brought in the others, the contacts that held, and who was in which fence. It is folded from the records that leave the
 /// window.
 ///
-/// limits   kMostBytes of definitions, kMostContactBytes of contacts; what does not fit is left out and counted
+/// limits   kMostBytes of definitions, kMostContactBytes of contacts and fences; what does not fit is left out and counted
 /// threads  one
 class FlightOpening {
  public:
@@ -34,10 +34,11 @@ class FlightOpening {
   void fold(const wire::Query& query) { commands_.asked(query); }
   void fold(const wire::Reply& reply);
   void fold(const wire::Status& status);
-  void fold(const wire::ContactShard& shard);
+  void fold(const wire::ContactShard& shard) { hold(shard, contacts_); }
+  void fold_fences(const wire::ContactShard& shard) { hold(shard, in_fences_); }
 
   /// Calls put(channel, CDR bytes) with what makes the same state again: all definitions, then for each publisher its
-  /// poses with the number of its newest sample, then the commands, then the contacts.
+  /// poses with the number of its newest sample, then the commands, then the contacts, then who is in fences.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   /// Samples that had no room; the state that is made again lacks them.
   std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
@@ -65,6 +66,9 @@ class FlightOpening {
     std::unordered_map<std::uint32_t, Defined> objects;  // by object number
     std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may be there before the definition
   };
+  using Shards = std::map<std::uint8_t, std::vector<std::byte>>;  // the newest of each that holds any
+  void fold_state(std::span<const std::byte> data);
+  void hold(const wire::ContactShard& shard, Shards& shards);
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
   void drop(Publisher& publisher, std::uint32_t number, const Defined& defined);
@@ -73,9 +77,10 @@ class FlightOpening {
 
   std::map<std::uint64_t, Publisher> publishers_;
   FlightCommands commands_;
-  std::map<std::uint8_t, std::vector<std::byte>> contacts_;  // the newest of each shard that holds any
-  std::size_t contact_bytes_ = 0;
-  std::size_t bytes_ = 0;  // of definitions
+  Shards contacts_;
+  Shards in_fences_;
+  std::size_t contact_bytes_ = 0;  // of both
+  std::size_t bytes_ = 0;          // of definitions
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;

@@ -63,6 +63,7 @@ FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t windo
       ring_(kRingBytes),
       window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
   mcap::put_opening(prologue_, recording::library_name(), recording::channels_of(name_space_));
+  mcap::put_channels_in_use(fence_prologue_, recording::channels_of(name_space_));
   thread_ = named_thread("recorder", [this] { run(); });
 }
 
@@ -166,6 +167,7 @@ void FlightRecorder::write_crash_file() const {
   const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
   if (file < 0) return;
   write_all(file, prologue_.all());
+  if (has_fences_.load(std::memory_order_relaxed)) write_all(file, fence_prologue_.all());
   std::byte prefix[mcap::kChunkPrefixBytes];
   window_.for_each_block([&](std::span<const std::byte> records, std::uint64_t first_time, std::uint64_t last_time) {
     mcap::put_chunk_prefix(prefix, first_time, last_time, records.size(), 0);

@@ -42,6 +42,7 @@ class FlightRecorder {
   /// sent_ns  when it was sent, since 1970; 0: now
   template <class T>
   void note(recording::Recorded topic, const T& sample, std::int64_t sent_ns = 0) noexcept {
+    if (topic >= recording::Recorded::fence_event) has_fences_.store(true, std::memory_order_relaxed);
     const std::uint64_t now = now_ns();
     ring_.put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
   }
@@ -67,7 +68,9 @@ class FlightRecorder {
   const std::uint64_t window_ns_;
   const std::string stem_;
   const std::string crash_path_;
-  mcap::Bytes prologue_;  // of a crash file
+  mcap::Bytes prologue_;        // of a crash file
+  mcap::Bytes fence_prologue_;  // follows it where anything was noted of fences
+  std::atomic<bool> has_fences_{false};
 
   FlightRing ring_;
   std::mutex mutex_;  // guards window_ and opening_

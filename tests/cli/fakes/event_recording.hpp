@@ -41,6 +41,8 @@ class EventRecording {
   EventRecording(const EventRecording&) = delete;
   EventRecording& operator=(const EventRecording&) = delete;
 
+  /// Whether what follows is about who is in which fence: a is an object, b a fence.
+  void tell_of_fences(bool is_of_fences) { is_of_fences_ = is_of_fences; }
   void begin_life(std::uint64_t epoch) { epoch_ = epoch; }
   void name(std::uint64_t id, const std::string& name) { names_[id] = name; }
 
@@ -60,7 +62,8 @@ class EventRecording {
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);
     dds::borrow(frame->shards, shards);
-    put<wire::EventFrame>(recording::Recorded::event, time_s, frame, columns, wire::kEventColumns);
+    put<wire::EventFrame>(is_of_fences_ ? recording::Recorded::fence_event : recording::Recorded::event, time_s, frame,
+                          columns, wire::kEventColumns);
   }
 
   /// The contacts of one shard.
@@ -83,7 +86,8 @@ class EventRecording {
     shard->shard = number;
     shard->as_of_sequence = as_of;
     dds::borrow(shard->began_ns, began);
-    put<wire::ContactShard>(recording::Recorded::contact, time_s, shard, columns, wire::kContactColumns);
+    put<wire::ContactShard>(is_of_fences_ ? recording::Recorded::fence_state : recording::Recorded::contact, time_s,
+                            shard, columns, wire::kContactColumns);
   }
 
   void status(double time_s, std::uint64_t last_sequence, const std::vector<Contact>& contacts = {}) {
@@ -96,7 +100,7 @@ class EventRecording {
     for (const Contact& contact : contacts)
       status->contact_hash += wire_contract::contact_hash(contact.a, contact.b, contact.episode);
     status->contact_count = static_cast<std::uint32_t>(contacts.size());
-    write(recording::Recorded::status, time_s, *status);
+    write(is_of_fences_ ? recording::Recorded::fence_status : recording::Recorded::status, time_s, *status);
   }
 
  private:
@@ -153,6 +157,7 @@ class EventRecording {
 
   mcap::FileOutput output_;
   mcap::FileWriter writer_;
+  bool is_of_fences_ = false;
   std::uint64_t epoch_ = 1;
   std::map<std::uint64_t, std::string> names_;
 };

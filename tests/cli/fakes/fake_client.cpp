@@ -77,6 +77,7 @@ Result<Client> Client::connect(const ConnectOptions& options) {
   if (server.connect_error) return *server.connect_error;
   return Client(std::make_unique<State>());
 }
+Client Client::over(std::shared_ptr<client::Connection>) { return Client(std::make_unique<State>()); }
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;

@@ -67,6 +67,7 @@ struct Server {
   std::optional<Error> ask_error;
 
   std::string recorded_to;
+  std::vector<std::pair<std::string, std::string>> own_messages;  // topic and text, written into the recording
   RecordingCounts recording;
   std::optional<Error> recording_error;  // at its end
   std::chrono::nanoseconds fetched{0};

@@ -13,6 +13,12 @@ Result<RecordingCounts> Recording::finish() {
   return fake::server().recording;
 }
 
+Client Recording::client() const { return Client::over(nullptr); }
+Result<void> Recording::write(const OwnChannel& channel, std::string_view message) {
+  fake::server().own_messages.emplace_back(channel.topic, message);
+  return {};
+}
+
 Result<Recording> record(const ConnectOptions& options, const std::string& path) {
   fake::server().connected_with = options;
   if (fake::server().connect_error) return *fake::server().connect_error;
