@@ -294,7 +294,7 @@ TEST_F(EventsVerb, FencesMarginsAndTheNearestAreListedApart) {
     name_all(run);
     run.name(kDock, "dock");
     run.name(kBand, "close\ncrate\n0\n2");
-    run.name(kNext, "dock");  // a question of the same name
+    run.name(kNext, "next");
     run.status(100, 0);
     run.tell_of_fences(true);
     run.shard(100, 5, {{kCrate, kDock, 5, 90}});
@@ -320,7 +320,7 @@ TEST_F(EventsVerb, FencesMarginsAndTheNearestAreListedApart) {
   EXPECT_EQ(plain("--of margins --csv --fields what,object,around,band,why"),
             "what,object,around,band,why\napproach,drone,crate,2,\nleave,drone,crate,2,removed\n");
   EXPECT_EQ(plain("--of nearest --csv --fields what,nearest,from,to,why"),
-            "what,nearest,from,to,why\nchanged,dock,,drone,\nchanged,dock,drone,,removed\n");
+            "what,nearest,from,to,why\nchanged,next,,drone,\nchanged,next,drone,,removed\n");
   EXPECT_EQ(collide("events " + path()).code, 1) << "no contacts";
   EXPECT_EQ(collide("events " + path() + " --of doors").code, 2);
 }

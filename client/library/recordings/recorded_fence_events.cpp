@@ -17,7 +17,7 @@
 namespace collided {
 namespace {
 
-/// Events of the fences' topics by what they are about: things of different kinds may have the same name.
+/// Events of the fences' topics by what they are about.
 struct FenceEventKinds {
   std::vector<Event> fences, margins, nearest;
 
