@@ -280,6 +280,11 @@ async function opensRecordings(page) {
     return Object.fromEntries([...collidedPage.world.objects.values()].map(({ name, parts, moving, runs }) => [name, JSON.stringify([moving, runs.map(area), parts.map((part) => part.map((n) => Number(n.toFixed(9))))])]));
   });
   await addEveryKind(page);
+  const fenced = collide("fence", "add", "yard", "box", "0", "0", "0", "3", "3", "3", "--keep");
+  check(fenced.status === 0, `fence: ${fenced.stderr}`);
+  const fences = () => page.evaluate(() => JSON.stringify(collidedPage.fences.all.map(({ name, lines }) => [name, lines.map((line) => line.map(Number))])));
+  await until("the fence is shown", () => page.evaluate(() => collidedPage.fences.all.length === 1));
+  const liveFences = await fences();
   const live = await told();
   const file = join(scratch, "run.mcap");
   const said = collide("record", file, "--for", "1500ms");
@@ -310,6 +315,8 @@ async function opensRecordings(page) {
   };
   await page.setInputFiles("#file", file);
   await shows("run.mcap");
+  check(await fences() === liveFences, `run.mcap: the fences are ${await fences()}, live they were ${liveFences}`);
+  check(collide("fence", "rm", "yard").status === 0, "fence rm");
   await page.click("#live");
   await until("the page is live again", async () => (await page.locator("#recording").isHidden()) && (await isReady(page)));
   await page.click("#memory");
