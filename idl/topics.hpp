@@ -200,6 +200,11 @@ inline constexpr std::int64_t kMemberPeriodNs = 500'000'000;
 /// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an
 /// overloaded machine seldom looks like a dead server, and a dead server is noticed within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
+/// Without a status for this long, a standby that is ready takes the primary's place.
+inline constexpr std::int64_t kTakeOverNs = 200'000'000;
+/// Without a status for this long, another server that speaks with a greater epoch is taken for the heir: less than the
+/// shortest time after which a standby takes over, since what it says first is said once.
+inline constexpr std::int64_t kMayHaveHeirNs = 150'000'000;
 /// Without a status for this long, what was sent may be missing: this is half of the lease after which DDS gives up
 /// another participant's readers and what it kept for them.
 inline constexpr std::int64_t kForgottenNs = 5'000'000'000;

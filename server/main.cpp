@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -73,7 +74,8 @@ int serve(const Options& options) {
   set_time_slice(kShortSlice);
   const std::shared_ptr<spdlog::logger> log = make_log(options.log_level, options.log_json);
   const DdsWarnings dds_warnings(log);
-  Server server(options, log);
+  // Another server has taken this one's place: then it ends as if it had been asked to.
+  Server server(options, log, [] { kill(getpid(), SIGTERM); });
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());
   fmt::print("{}\n", ready);
@@ -83,7 +85,8 @@ int serve(const Options& options) {
   notify_supervisor("STOPPING=1");
   limit_stopping();
   server.stop();
-  return 0;
+  constexpr int kGivenWay = 3;
+  return server.has_given_way() ? kGivenWay : 0;
 }
 
 int run(const std::vector<std::string>& arguments) {

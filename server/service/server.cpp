@@ -24,6 +24,7 @@
 #include "server/service/fleet/membership.hpp"
 #include "server/service/fleet/served_followers.hpp"
 #include "server/service/fleet/standby.hpp"
+#include "server/service/fleet/succession.hpp"
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/validation.hpp"
@@ -47,26 +48,40 @@ StartError not_alone(const Options& options, long pid) {
                   pid, options.name_space, options.domain));
 }
 
-/// Throws StartError where another server has this namespace: both would answer every question. A live server writes a
-/// status twenty times a second, and DDS keeps the last one for those that join.
-void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
+/// Calls hear(sample) with what living servers of the namespace say on a topic, for as long as a server that is there needs to be
+/// heard: DDS keeps the last word for those that join.
+template <class T, class Hear>
+void listen(const dds::Participant& participant, const Options& options, Hear&& hear) {
   constexpr std::int64_t kListenInTheOpenNs = 250'000'000;
   // Another one must come through the handshake first.
   constexpr std::int64_t kListenBehindKeysNs = 1'000'000'000;
-  const dds::Topic<wire::Status> topic(participant, options.name_space);
-  dds::Reader<wire::Status> reader(topic);
+  const dds::Topic<T> topic(participant, options.name_space);
+  dds::Reader<T> reader(topic);
   dds::WaitSet waitset(participant);
   waitset.attach(reader, 1);
-  dds::Sample<wire::Status> status;
+  dds::Sample<T> sample;
   const std::int64_t until_ns = steady_ns() + (options.keys.empty() ? kListenInTheOpenNs : kListenBehindKeysNs);
   for (std::int64_t now_ns = steady_ns(); now_ns < until_ns; now_ns = steady_ns()) {
     waitset.wait(until_ns - now_ns);
-    while (reader.take(status)) {
-      const bool lives = status.info().valid_data && status.info().instance_state == DDS_ALIVE_INSTANCE_STATE;
-      if (!lives) continue;
-      throw not_alone(options, static_cast<long>(status->pid));
+    while (reader.take(sample)) {
+      if (sample.info().valid_data && sample.info().instance_state == DDS_ALIVE_INSTANCE_STATE) hear(*sample);
     }
   }
+}
+
+/// Throws StartError where another server has this namespace: both would answer every question.
+void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
+  listen<wire::Status>(participant, options, [&](const wire::Status& status) {
+    throw not_alone(options, static_cast<long>(status.pid));
+  });
+}
+
+/// Of the servers of the namespace.
+std::uint64_t greatest_epoch(const dds::Participant& participant, const Options& options) {
+  std::uint64_t greatest = 0;
+  listen<wire::Member>(participant, options,
+                       [&](const wire::Member& member) { greatest = std::max<std::uint64_t>(greatest, member.epoch); });
+  return greatest;
 }
 
 unsigned thread_count(const Options& options) {
@@ -95,7 +110,8 @@ std::string version_text() { return COLLIDED_VERSION; }
 /// All parts in the order in which they are made. They are destroyed in the reverse order, so nothing calls a part that
 /// is gone.
 struct Server::Parts {
-  Parts(const Options& given, std::shared_ptr<spdlog::logger> logger);
+  Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, std::function<void()> end);
+  /// Whether it began as one.
   bool is_standby() const { return !options.standby_of.empty(); }
   /// Checks that no other server is there, unless this one stands by, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
@@ -112,6 +128,10 @@ struct Server::Parts {
   bool has_all_back() const;
   /// What this server says of itself to the others of its namespace.
   SelfDescription describe_self();
+  /// Leaves a mark on this machine, for clients that wait for a server.
+  void be_present();
+  /// Makes what a standby needs.
+  void stand_by();
   /// Sends all that is kept to a server that follows, in its place among the changes.
   void send_all(std::uint64_t follower, std::uint64_t fetch);
   /// Keeps which publishers are there, for the case of a crash.
@@ -146,13 +166,15 @@ struct Server::Parts {
   std::unique_ptr<Listeners> listeners;
   std::thread world_thread;
   std::optional<wire_contract::Presence> presence;
-  std::unique_ptr<ServedFollowers> followers;
-  std::unique_ptr<Standby> standby;  // null: it is a primary
+  Succession succession;
+  ServedFollowers followers;  // of a primary
+  std::unique_ptr<Standby> standby;  // null: it began as a primary
   std::unique_ptr<Membership> membership;
 };
 
 Epoch Server::Parts::make_epoch() {
   if (!is_standby()) make_sure_to_be_alone(participant, options);
+  const std::uint64_t greatest = is_standby() ? greatest_epoch(participant, options) : 0;
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
   if (kept.rival_pid != 0 && is_standby())
@@ -160,10 +182,12 @@ Epoch Server::Parts::make_epoch() {
                                  kept.rival_pid));
   if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
   if (!kept.damage.empty()) log->warn("{}", kept.damage);
+  // Whoever takes the primary's place has a greater one.
+  kept.value = std::max(kept.value, greatest + 1);
   return kept;
 }
 
-Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logger)
+Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, std::function<void()> end)
     : options(given),
       log(std::move(logger)),
       participant(join(options, *log)),
@@ -184,8 +208,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       flight(record()),
       event_writer(participant, identity, flight.get()),
       stands_by(is_standby()),
-      feed(durable && !is_standby() ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space)
-                                    : nullptr),
+      feed(durable ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space) : nullptr),
       loop({.world = world,
             .clock = clock,
             .inbox = inbox,
@@ -213,13 +236,27 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                 options.clock_error_ns,
                 [this](const CommandAsk& ask) {
                   // In the order of the journal, in which all that is kept has its place too.
-                  if (!feed || !feed->is_followed()) return;
+                  if (!feed || stands_by.load() || !feed->is_followed()) return;
                   durable->then(
                       [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
                 }},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
-      reply_topic(participant, options.name_space) {
+      reply_topic(participant, options.name_space),
+      succession({.loop = loop,
+                  .inbox = inbox,
+                  .stands_by = stands_by,
+                  .epoch = identity.epoch,
+                  .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
+                  .became_primary =
+                      [this] {
+                        be_present();
+                        membership->say_now();
+                      },
+                  .end = std::move(end)}),
+      followers(identity.server,
+                {.send_all = [this](std::uint64_t follower, std::uint64_t fetch) { send_all(follower, fetch); },
+                 .ask_again = [this] { loop.ask_publishers_again(); }}) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
 }
@@ -280,28 +317,52 @@ bool Server::Parts::has_all_back() const {
 SelfDescription Server::Parts::describe_self() {
   using wire_contract::MemberRole;
   using wire_contract::ServerState;
-  const auto disk_problem = [this] { return durable ? durable->problem() : std::string(); };
-  if (standby) {
-    return {.role = MemberRole::standby,
-            .name = options.member,
-            .state = [this] { return standby->state(); },
-            .alarm =
-                [this, disk_problem] {
-                  const std::string lacks = standby->alarm();
-                  const std::string problem = disk_problem();
-                  return lacks + (lacks.empty() || problem.empty() ? "" : "\n") + problem;
-                },
-            .following = [this] { return standby->following(); },
-            .heard = [this](const OtherMember& other) { standby->hear(other); },
-            .digested = [this](const DigestMaker& made) { standby->note_own(made.newest(), made.state()); }};
-  }
-  return {.role = MemberRole::primary,
+  const auto is_following = [this] { return standby && succession.role() == MemberRole::standby; };
+  const auto alarm = [this, is_following] {
+    const std::string lacks = is_following() ? standby->alarm() : std::string();
+    const std::string problem = durable ? durable->problem() : std::string();
+    return lacks + (lacks.empty() || problem.empty() ? "" : "\n") + problem;
+  };
+  return {.role = [this] { return succession.role(); },
           .name = options.member,
-          .state = [this] { return loop.recovering() ? ServerState::recovering : ServerState::ready; },
-          .alarm = disk_problem,
-          .following = [] { return Following{}; },
-          .heard = [this](const OtherMember& other) { followers->hear(other); },
-          .digested = [](const DigestMaker&) {}};
+          .state =
+              [this, is_following] {
+                if (is_following()) return standby->state();
+                return loop.recovering() ? ServerState::recovering : ServerState::ready;
+              },
+          .alarm = alarm,
+          .following =
+              [this, is_following] {
+                return is_following() ? standby->following() : Following{.primary = succession.predecessor()};
+              },
+          .heard =
+              [this, is_following](const OtherMember& other) {
+                if (is_following()) return standby->hear(other);
+                succession.hear(other);
+                followers.hear(other);
+              },
+          .digested =
+              [this, is_following](const DigestMaker& made) {
+                if (is_following()) standby->note_own(made.newest(), made.state());
+              }};
+}
+
+void Server::Parts::be_present() {
+  const bool is_heard = options.keys.empty() && !participant.configured_by_environment();
+  presence.emplace(options.domain, options.name_space, is_heard ? options.interface : std::string());
+}
+
+void Server::Parts::stand_by() {
+  standby = std::make_unique<Standby>(
+      participant, identity,
+      ChangeFollower::Collaborators{
+          .carry_out =
+              [this](const WorldChange& change) {
+                return commands.follow({0, 0, change.text, change.blob});
+              },
+          .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
+      options.take_over_ns,
+      [this](std::uint64_t primary, const std::string& why) { return succession.take_over(primary, why); });
 }
 
 void Server::Parts::send_all(std::uint64_t follower, std::uint64_t fetch) {
@@ -350,8 +411,8 @@ void Server::Parts::let_jobs_end() {
   if (inbox.push_job([done] { done->set_value(); })) done->get_future().wait_for(kPatience);
 }
 
-Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log)
-    : parts_(std::make_unique<Parts>(options, std::move(log))) {
+Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log, std::function<void()> end)
+    : parts_(std::make_unique<Parts>(options, std::move(log), std::move(end))) {
   load_start_scenes(options, parts_->world, parts_->clock.now_ns());
   if (!parts_->durable) return;
   std::set<std::string> names;
@@ -376,28 +437,12 @@ std::string Server::start() {
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering,
                                             p.flight.get(), p.peers.get(), p.stands_by);
   if (p.durable) p.commands.replay(p.durable->commands_left());
-  p.event_writer.set_silent(p.is_standby());
+  if (p.is_standby()) p.event_writer.fall_silent();
   p.world_thread = std::thread([&p] { p.loop.run(); });
-  const bool is_heard = p.options.keys.empty() && !p.participant.configured_by_environment();
-  if (!p.is_standby())
-    p.presence.emplace(p.options.domain, p.options.name_space, is_heard ? p.options.interface : std::string());
-  const auto warn = [&p](const std::string& sentence) { p.log->warn("{}", sentence); };
-  if (p.is_standby()) {
-    p.standby = std::make_unique<Standby>(
-        p.participant, p.identity,
-        ChangeFollower::Collaborators{.carry_out =
-                                          [&p](const WorldChange& change) {
-                                            return p.commands.follow({0, 0, change.text, change.blob});
-                                          },
-                                      .notice = warn});
-  } else {
-    p.followers = std::make_unique<ServedFollowers>(
-        p.identity.server,
-        ServedFollowers::Collaborators{
-            .send_all = [&p](std::uint64_t follower, std::uint64_t fetch) { p.send_all(follower, fetch); },
-            .ask_again = [&p] { p.loop.ask_publishers_again(); }});
-  }
-  p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock, warn);
+  if (!p.is_standby()) p.be_present();
+  if (p.is_standby()) p.stand_by();
+  p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
+                                              [&p](const std::string& sentence) { p.log->warn("{}", sentence); });
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
@@ -405,6 +450,8 @@ std::string Server::start() {
                      p.options.name_space, p.options.domain, getpid(), p.identity.epoch,
                      scenes.empty() ? "no scene" : scenes);
 }
+
+bool Server::has_given_way() const { return parts_->succession.has_given_way(); }
 
 void Server::write_flight_recorder() {
   Parts& p = *parts_;
@@ -422,9 +469,10 @@ void Server::write_flight_recorder() {
 void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
-  p.presence.reset();
+  // It calls the standby; and no place is taken any more.
   p.membership->leave();
   p.standby.reset();
+  p.presence.reset();
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.
   p.commands.stop();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <spdlog/logger.h>
 #include <string>
@@ -24,14 +25,17 @@ struct StartError : std::runtime_error {
 /// threads  one
 class Server {
  public:
+  /// end  has stop() called soon, once another server has taken this one's place; called on any thread, returns at once
   /// Throws StartError or LoadError.
-  Server(const Options& options, std::shared_ptr<spdlog::logger> log);
+  Server(const Options& options, std::shared_ptr<spdlog::logger> log, std::function<void()> end);
   ~Server();
 
   /// Starts serving; returns a line "ready: ..." for scripts that wait for it.
   std::string start();
   /// Returns once all is ended; a second call does nothing.
   void stop();
+  /// Whether another server of the namespace has taken this one's place.
+  bool has_given_way() const;
   /// Writes the flight recorder's memory to a file beside the server's others; the log says where, or why it cannot.
   void write_flight_recorder();
 

@@ -201,6 +201,14 @@ void WorldLoop::step_if_due() {
   }
 }
 
+void WorldLoop::speak() {
+  with_.event_writer.speak();
+  broadcast_.mark_all();
+  fence_broadcast_.mark_all();
+  step_now();
+  write_status(recovering() ? ServerState::recovering : ServerState::ready);
+}
+
 void WorldLoop::step_now() {
   const std::int64_t started_ns = steady_ns();
   count_taking(started_ns);

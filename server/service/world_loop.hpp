@@ -91,6 +91,11 @@ class WorldLoop {
   /// Steps at once: all changes so far become events and a new state. What began and ended is in world().events() until
   /// the next step. For jobs on this thread.
   void step_now();
+  /// Begins to write what this server finds, having been silent: the newest events that nobody was told, all that holds,
+  /// and the status. For jobs on this thread.
+  void speak();
+  /// Writes nothing from now on. For jobs on this thread.
+  void fall_silent() { with_.event_writer.fall_silent(); }
   /// Counts a change that a job made itself, so that a step follows.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }

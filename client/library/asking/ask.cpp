@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <thread>
+#include <utility>
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/asking/question_request.hpp"
@@ -144,9 +145,13 @@ Result<Answers> run(Connection& connection, const QuestionRequest& request, cons
   if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
   Answers answers = std::move(earlier);
+  std::uint64_t server = connection.pulse().server();
   while (auto error = run_once(connection, request, options, deadline, answers)) {
+    // Where another server has taken the place of the one that was asked, it is asked: a question changes nothing.
+    const bool is_replaced = error->code == ErrorCode::disconnected && !connection.pulse().silent() &&
+                             std::exchange(server, connection.pulse().server()) != connection.pulse().server();
     const Clock::time_point again = Clock::now() + error->retry_after;
-    if (error->retry_after.count() == 0 || again >= deadline) { return *error; }
+    if ((error->retry_after.count() == 0 && !is_replaced) || again >= deadline) { return *error; }
     std::this_thread::sleep_until(again);
   }
   return answers;

@@ -50,8 +50,9 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       participant_(std::move(participant)),
       client_(random_number()),
       requests_(client_,
-                [this](const dds_sample_info_t& info) {
-                  return !known_server_.is_known() || is_from_server(reply_reader_, info);
+                [this](const dds::Sample<wire::Reply>& reply) {
+                  const bool is_past = reply->epoch < pulse_.epoch();
+                  return !known_server_.is_known() || (!is_past && is_from_server(reply_reader_, reply.info()));
                 }),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),
@@ -60,9 +61,9 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       status_reader_(status_topic_, {.data =
                                          [this](dds::Taker<wire::Status> taker) {
                                            while (taker.take(incoming_status_)) {
-                                             const dds_sample_info_t& info = incoming_status_.info();
-                                             if (!info.valid_data) continue;
-                                             if (!known_server_.is_known() || is_from_server_or_its_heir(info))
+                                             if (!incoming_status_.info().valid_data) continue;
+                                             if (!known_server_.is_known() ||
+                                                 is_from_server_or_its_heir(incoming_status_))
                                                pulse_.hear(incoming_status_);
                                            }
                                          }}),
@@ -147,7 +148,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
       known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);
-      pulse_.greeted(server);
+      pulse_.greeted(server, (**replies.front()).epoch);
       // Of two that answered, the first one counts.
       for (const auto& reply : replies) static_cast<void>(is_from_server(reply_reader_, reply->info()));
       greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);
@@ -197,8 +198,9 @@ bool Connection::is_gone() const {
 }
 
 /// A server that speaks while the known one is silent has taken its place.
-bool Connection::is_from_server_or_its_heir(const dds_sample_info_t& info) {
-  if (pulse_.silent()) known_server_.greeted(status_reader_.get(), info.publication_handle);
+bool Connection::is_from_server_or_its_heir(const dds::Sample<wire::Status>& status) {
+  const dds_sample_info_t& info = status.info();
+  if (pulse_.is_heir(*status)) known_server_.greeted(status_reader_.get(), info.publication_handle);
   return is_from_server(status_reader_, info);
 }
 

@@ -41,7 +41,7 @@ class Connection {
   const ServerPulse& pulse() const { return pulse_; }
   /// Whether a sample that this reader took was written by the server. Any thread, DDS's too.
   bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info) {
-    return known_server_.admits(reader.get(), info.publication_handle, pulse_.silent());
+    return known_server_.admits(reader.get(), info.publication_handle, pulse_.may_have_heir());
   }
 
   /// What others wrote on the server's topics.
@@ -73,7 +73,7 @@ class Connection {
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
   /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
   bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
-  bool is_from_server_or_its_heir(const dds_sample_info_t& info);
+  bool is_from_server_or_its_heir(const dds::Sample<wire::Status>& status);
   Error no_server(std::chrono::nanoseconds waited);
   bool is_gone() const;
 

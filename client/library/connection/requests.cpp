@@ -59,8 +59,8 @@ void Requests::take_replies(const dds::Taker<wire::Reply>& taker) {
     for (std::size_t i = 0; i < room.size(); ++i) { room[i] = next_[i].get(); }
     count = taker.take(room);
     for (std::size_t i = 0; i < count; ++i) {
-      const dds_sample_info_t& info = next_[i]->info();
-      if (info.valid_data && (*next_[i])->client == client_ && is_from_server_(info)) {
+      const dds::Sample<wire::Reply>& reply = *next_[i];
+      if (reply.info().valid_data && reply->client == client_ && is_from_server_(reply)) {
         hand_over(std::exchange(next_[i], pool_.get()));
       }
     }

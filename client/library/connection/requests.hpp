@@ -62,9 +62,9 @@ class Requests {
     std::vector<SamplePool<wire::Reply>::Pointer> taken_;
   };
 
-  using IsFromServer = std::function<bool(const dds_sample_info_t&)>;
+  using IsFromServer = std::function<bool(const dds::Sample<wire::Reply>&)>;
   /// client          the client whose replies are taken; those of others in its partition are ignored
-  /// is_from_server  whether the server wrote the reply of that info; others' are ignored
+  /// is_from_server  whether the server wrote the reply; others' are ignored
   Requests(std::uint64_t client, IsFromServer is_from_server);
   /// Begins a request; null where kMost are waiting already.
   std::unique_ptr<Running> begin();

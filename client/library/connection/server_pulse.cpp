@@ -64,7 +64,8 @@ std::string state_name(std::uint8_t state) {
 }
 
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {
-  if (server() != status->server && server() != 0 && !silent()) { return; }
+  if (server() != status->server && server() != 0 && !is_heir(*status)) { return; }
+  epoch_.store(status->epoch, std::memory_order_relaxed);
   server_.store(status->server, std::memory_order_release);
   pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
@@ -80,13 +81,26 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   came_.notify_all();
 }
 
-void ServerPulse::greeted(std::uint64_t server) {
+bool ServerPulse::is_heir(const wire::Status& status) const {
+  if (status.server == server()) return false;
+  const nanoseconds silence = Clock::now() - last_heard();
+  if (status.epoch > epoch()) return silence > nanoseconds(wire_contract::kMayHaveHeirNs);
+  const bool is_earlier = status.epoch < epoch();
+  return silence > nanoseconds(is_earlier ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs);
+}
+
+void ServerPulse::greeted(std::uint64_t server, std::uint64_t epoch) {
+  epoch_.store(epoch, std::memory_order_relaxed);
   server_.store(server, std::memory_order_release);
   hear_reply();
 }
 
 Clock::time_point ServerPulse::last_heard() const {
   return Clock::time_point(nanoseconds(last_heard_ns_.load(std::memory_order_relaxed)));
+}
+
+bool ServerPulse::may_have_heir() const {
+  return Clock::now() - last_heard() > nanoseconds(wire_contract::kMayHaveHeirNs);
 }
 
 bool ServerPulse::silent() const { return Clock::now() - last_heard() > nanoseconds(wire_contract::kStatusLostNs); }

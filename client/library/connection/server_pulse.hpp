@@ -26,21 +26,28 @@ class ServerPulse {
  public:
   using Observer = std::function<void(const wire::Status&)>;
 
-  /// Takes a status. That of another server counts only while the known one is silent, so that two servers on one
-  /// namespace are not mixed up.
+  /// Takes a status. That of another server counts only where it is an heir's, so that two servers on one namespace are
+  /// not mixed up.
   void hear(dds::Sample<wire::Status>& status);
+  /// Whether the status is that of a server that has taken the place of the known one, which is silent. A smaller epoch
+  /// is an earlier server's, which may have been stopped and goes on: it counts only once nobody else has spoken for long.
+  bool is_heir(const wire::Status& status) const;
   /// A reply shows that the server is alive, too.
   void hear_reply() { last_heard_ns_.store(now_ns(), std::memory_order_relaxed); }
   /// This server has answered hello.
-  void greeted(std::uint64_t server);
+  void greeted(std::uint64_t server, std::uint64_t epoch);
 
   /// The server's number; 0 before anything was heard.
   std::uint64_t server() const { return server_.load(std::memory_order_acquire); }
+  /// That server's epoch. What has a smaller one is of the past.
+  std::uint64_t epoch() const { return epoch_.load(std::memory_order_relaxed); }
   Clock::time_point last_heard() const;
   /// The server's process, on its machine; 0 before the first status.
   std::uint32_t pid() const { return pid_.load(std::memory_order_relaxed); }
   /// Whether nothing has been heard for kStatusLostNs.
   bool silent() const;
+  /// Whether another server may have taken the known one's place.
+  bool may_have_heir() const;
   /// How often no status came for so long (wire_contract::kForgottenNs) that DDS may have forgotten the server's
   /// readers, and with them what they had yet to receive.
   std::uint64_t outages() const { return outages_.load(std::memory_order_acquire); }
@@ -67,6 +74,7 @@ class ServerPulse {
 
   std::atomic<std::int64_t> last_heard_ns_{0};
   std::atomic<std::uint64_t> server_{0};
+  std::atomic<std::uint64_t> epoch_{0};
   std::atomic<std::uint32_t> pid_{0};
   std::atomic<std::uint64_t> outages_{0};
   mutable std::mutex mutex_;

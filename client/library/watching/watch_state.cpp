@@ -9,6 +9,13 @@ namespace {
 // As many as the server's event writer keeps: older ones could not be recovered anyway.
 constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
 
+// What two servers work out from the same poses is the same; this much is rounded where its time is sent.
+constexpr std::chrono::nanoseconds kRounded{2};
+// What commands do, one server does so much later than the other at most.
+constexpr std::chrono::seconds kCommandsApart{1};
+// What is told again is from no longer ago.
+constexpr std::chrono::seconds kToldAgain{10};
+
 std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
 
 std::uint64_t hash_of(const Event& event) { return wire_contract::contact_hash(event.a_id, event.b_id, event.episode); }
@@ -59,8 +66,14 @@ Event named_as(const Event& told, Event news) {
 // -----------------------------------------------------------------------------------------------------
 
 bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
-  const bool lost = now - last_heard_ > std::chrono::nanoseconds(wire_contract::kStatusLostNs);
-  if (!life_ || (from != *life_ && (from.epoch > life_->epoch || lost))) { start_life(from); }
+  // A smaller epoch is an earlier server's, which may have been stopped and goes on.
+  const auto heir_after = [&] {
+    return from.epoch < life_->epoch ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs;
+  };
+  if (!life_ || (from != *life_ && (from.epoch > life_->epoch ||
+                                    now - last_heard_ > std::chrono::nanoseconds(heir_after())))) {
+    start_life(from);
+  }
   if (from != *life_) { return false; }
   last_heard_ = now;
   return true;
@@ -70,6 +83,12 @@ void WatchState::start_life(const ServerLife& life) {
   for (auto& [pair, contact] : held_) { carried_.insert_or_assign(names_of(contact), std::move(contact)); }
   held_.clear();
   held_by_names_.clear();
+  told_.clear();
+  told_to_ = {};
+  if (mode_ != Mode::starting) {
+    told_to_ = std::max(joined_, bookmark_ ? bookmark_->world_time : std::chrono::nanoseconds(0));
+    for (const HeardFrame::Entry& entry : recent_) { note_told(entry.event); }
+  }
   life_ = life;
   applied_ = run_start_ = 0;
   shards_ = {};
@@ -81,6 +100,37 @@ void WatchState::start_life(const ServerLife& life) {
     mode_ = Mode::in_step;
     doubt();
   }
+}
+
+void WatchState::note_told(const Event& event) {
+  if (event.reason == EndReason::server_stopping) { return; }  // about the server: an heir has the contact still
+  Told& told = told_[names_of(event)];
+  const std::chrono::nanoseconds time = happened(event);
+  if (time > told.time + kRounded) { told = {.time = time, .kinds = 0}; }
+  if (time >= told.time - kRounded) { told.kinds |= 1U << static_cast<unsigned>(event.kind); }
+  told_to_ = std::max(told_to_, event.world_time);
+}
+
+bool WatchState::was_told(const Event& event) const {
+  if (told_to_.count() == 0) { return false; }
+  const std::chrono::nanoseconds time = happened(event);
+  if (time <= joined_) { return true; }  // the state that was adopted first had it
+  const auto told = told_.find(names_of(event));
+  if (told != told_.end()) {
+    if (time < told->second.time - kRounded) { return true; }
+    const bool is_kind_told = (told->second.kinds & (1U << static_cast<unsigned>(event.kind))) != 0;
+    if (time <= told->second.time + kRounded && is_kind_told) { return true; }
+  }
+  if (held_.contains(pair_of(event)) || carried_.contains(names_of(event))) { return false; }
+  // An end without a beginning is that of a contact which has ended here.
+  return event.kind != EventKind::began && time <= told_to_ + kCommandsApart;
+}
+
+/// Whether the contact that the state of a new life has was told to have ended, which that server has yet to work out.
+bool WatchState::has_ended_before(const Event& contact) const {
+  const auto told = told_.find(names_of(contact));
+  return told != told_.end() && (told->second.kinds & (1U << static_cast<unsigned>(EventKind::ended))) != 0 &&
+         told->second.time > contact.began + kRounded;
 }
 
 void WatchState::doubt() {
@@ -104,7 +154,7 @@ void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
     if (run_start_ == 0 || entry.event.sequence != applied_ + 1) { run_start_ = entry.event.sequence; }
     applied_ = entry.event.sequence;
     note(entry);
-    if (mode_ != Mode::starting) { apply(entry.event); }
+    if (mode_ != Mode::starting && !was_told(entry.event)) { apply(entry.event); }
   }
 }
 
@@ -190,7 +240,7 @@ WatchState::Contacts::iterator WatchState::begin_missed(const Event& event) {
 }
 
 void WatchState::apply_containment(const Event& event) {
-  if (!held_.contains(pair_of(event))) { carry_over(event); }
+  if (!held_.contains(pair_of(event))) { carry_over(event, false); }
   auto held = held_.find(pair_of(event));
   if (held == held_.end() || held->second.episode != event.episode) { held = begin_missed(event); }
   const Containment now = event.kind == EventKind::contained ? event.contained : Containment::none;
@@ -223,7 +273,7 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
 }
 
 // Ids of an earlier life mean nothing in this one, so pairs are identified by their names.
-bool WatchState::carry_over(const Event& event) {
+bool WatchState::carry_over(const Event& event, bool tells_containment) {
   const auto carried = carried_.find(names_of(event));
   if (carried == carried_.end()) { return false; }
   Event contact = as_open(event);
@@ -231,10 +281,10 @@ bool WatchState::carry_over(const Event& event) {
   const Event before = carried->second;
   carried_.erase(carried);
   hold(contact);
-  if (inner_name(before) == inner_name(contact)) { return true; }
   Event& held = held_.find(pair_of(contact))->second;
+  if (inner_name(before) == inner_name(contact)) { return true; }
   held.contained = before.a == held.a ? before.contained : turned_round(before.contained);
-  change_missed(held, contact, event.sequence);
+  if (tells_containment) { change_missed(held, contact, event.sequence); }
   return true;
 }
 
@@ -268,6 +318,10 @@ void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
 void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
   if (!is_current(bookmark.from, now)) { return; }
   bookmark_ = bookmark;
+  if (told_to_.count() != 0 && bookmark.world_time > told_to_ + kToldAgain) {
+    told_.clear();
+    told_to_ = {};
+  }
   stuck_ = false;
   if (bookmark.last_event_sequence <= applied_) {
     behind_at_.reset();
@@ -360,6 +414,7 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
 void WatchState::adopt_first() {
   const std::uint64_t at = bookmark_->last_event_sequence;
   mode_ = Mode::in_step;
+  joined_ = bookmark_->world_time;
   for (const auto& [pair, contact] : state_at(at)) {
     end_namesake(contact);
     hold(contact);
@@ -391,7 +446,7 @@ void WatchState::adopt_differences() {
     held = release(held);
   }
   for (const auto& [pair, contact] : state) {
-    if (!held_.contains(pair) && !carry_over(contact)) {
+    if (!held_.contains(pair) && !carry_over(contact) && !has_ended_before(contact)) {
       end_namesake(contact);
       emit_missed(contact, EventKind::began, EndReason::none, at);
       hold(contact);

@@ -99,6 +99,17 @@ class WatchState {
   void start_life(const ServerLife& life);
   void doubt();
 
+  /// What a server told last of a pair.
+  struct Told {
+    std::chrono::nanoseconds time{0};  // happened() of it
+    unsigned kinds = 0;                // bit by EventKind, of what was told at that time
+  };
+  void note_told(const Event& event);
+  /// Whether the event was told in the life before: a server that takes another one's place tells again what its
+  /// predecessor may not have told any more.
+  bool was_told(const Event& event) const;
+  bool has_ended_before(const Event& contact) const;
+
   void apply(const Event& event);
   void apply_began(const Event& event);
   void apply_ended(const Event& event);
@@ -109,7 +120,8 @@ class WatchState {
   Contacts::iterator release(Contacts::iterator held);
   void end_namesake(const Event& event);
   /// Takes a contact from an earlier life of the server over into this one; false where none has these names.
-  bool carry_over(const Event& event);
+  /// tells_containment  tells also what the event says of who lies within whom, as missed
+  bool carry_over(const Event& event, bool tells_containment = true);
   void emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence);
   void note(const HeardFrame::Entry& entry);
 
@@ -132,6 +144,9 @@ class WatchState {
   Contacts held_;                // contacts that were reported and have not ended
   std::map<Names, Pair> held_by_names_;
   std::map<Names, Event> carried_;  // reported in an earlier life of the server, not yet seen in this one
+  std::map<Names, Told> told_;      // in the life before; emptied once nothing of that time can come any more
+  std::chrono::nanoseconds told_to_{0};  // the newest world time of that life; 0: there was none, or it is long over
+  std::chrono::nanoseconds joined_{0};   // world time of the state that was adopted first
 
   std::array<Shard, wire_contract::kContactShards> shards_;
   std::deque<HeardFrame::Entry> recent_;

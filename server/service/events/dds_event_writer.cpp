@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "idl/columns.hpp"
+#include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -102,7 +103,15 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
   write(writer, *frame_);
 }
 
+void DdsEventWriter::speak() {
+  is_silent_ = false;
+  untold_.tell_all(steady_ns(), [&](const UntoldEvents::Frame& frame) {
+    write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, frame.stamp);
+  });
+}
+
 void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {
+  if (is_silent_) untold_.keep(events, stamp, false, steady_ns());
   write_frame(event_writer_, events, stamp);
   note(recording::Recorded::event, *frame_);
 }
@@ -112,6 +121,7 @@ void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& st
 }
 
 void DdsEventWriter::write_fence_events(const EventColumns& events, const Stamp& stamp) {
+  if (is_silent_) untold_.keep(events, stamp, true, steady_ns());
   write_frame(fence_event_writer_, events, stamp);
   note_fences(recording::Recorded::fence_event, *frame_);
 }

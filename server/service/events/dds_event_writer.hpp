@@ -6,6 +6,7 @@
 
 #include "idl/dds.hpp"
 #include "server/service/events/event_writer.hpp"
+#include "server/service/events/untold_events.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 
 namespace collided::engine::service {
@@ -27,6 +28,8 @@ class DdsEventWriter : public EventWriter {
   /// flight  records all that is written but persisted contacts; null: none
   DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
 
+  void fall_silent() override { is_silent_ = true; }
+  void speak() override;
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
   bool probes_wanted() const override { return probe_readers_.load() > 0; }
@@ -42,8 +45,6 @@ class DdsEventWriter : public EventWriter {
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
 
-  /// Whether nothing is written, as of a server that stands by; all else is as if it were.
-  void set_silent(bool is_silent) { is_silent_ = is_silent; }
   /// To be called last: clients learn that the server has left rather than fallen silent.
   void leave();
 
@@ -59,6 +60,7 @@ class DdsEventWriter : public EventWriter {
 
   FlightRecorder* const flight_;
   bool is_silent_ = false;
+  UntoldEvents untold_;  // while it is silent
   bool is_flight_of_fences_ =
       false;  // the flight recorder has been told of fences, and needs their status from then on
   dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;

@@ -41,6 +41,10 @@ struct StatusColumns {
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
+  /// From now on nothing is written, as of a server that stands by; all else is as if it were.
+  virtual void fall_silent() {}
+  /// Ends that: first come the newest events that were not written.
+  virtual void speak() {}
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;

@@ -32,6 +32,8 @@ class ChangeFollower {
 
   /// The primary that is to be followed; the first one counts. What another one has may not go with what this one had.
   void follow(std::uint64_t primary, const std::string& name);
+  /// Carries out nothing any more: the primary is given up.
+  void give_up() { is_over_.store(true); }
   /// Which primary it follows; 0: none yet.
   std::uint64_t primary() const { return primary_.load(); }
   /// Which fetch of all that is kept it waits for.

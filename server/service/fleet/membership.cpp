@@ -69,7 +69,6 @@ Membership::Membership(const dds::Participant& participant, const Identity& iden
   waitset_.attach(reader_, 1);
   said_->server = identity.server;
   said_->epoch = identity.epoch;
-  said_->role = static_cast<std::uint8_t>(self_.role);
   said_->pid = static_cast<std::uint32_t>(getpid());
   set_cut(said_->name, name_);
   set_cut(said_->host, host_name());
@@ -90,12 +89,17 @@ void Membership::leave() {
   } catch (const dds::DdsError&) {}  // the others learn by its silence, then
 }
 
+void Membership::say_now() {
+  says_now_.store(true);
+  waitset_.wake();
+}
+
 void Membership::run() {
   std::int64_t next_ns = steady_ns();
   while (!is_over_.load()) {
     waitset_.wait(std::max<std::int64_t>(0, next_ns - steady_ns()));
     take();
-    if (steady_ns() < next_ns) continue;
+    if (!says_now_.exchange(false) && steady_ns() < next_ns) continue;
     next_ns = steady_ns() + wire_contract::kMemberPeriodNs;
     if (!others_.empty() && digests_.make(clock_.now_ns())) self_.digested(digests_);
     report(faults());
@@ -123,6 +127,7 @@ void Membership::hear(const dds::Sample<wire::Member>& sample) {
   other.epoch = sample->epoch;
   other.role =
       sample->role == static_cast<std::uint8_t>(MemberRole::standby) ? MemberRole::standby : MemberRole::primary;
+  other.state = static_cast<wire_contract::ServerState>(sample->state);
   other.name = sample->name;
   other.version = sample->server_version;
   other.scene_fingerprint = sample->scene_fingerprint;
@@ -140,7 +145,7 @@ Membership::Faults Membership::faults() const {
   Faults found;
   const std::uint64_t fingerprint = said_->scene_fingerprint;
   for (const auto& [server, other] : others_) {
-    if (other.role == MemberRole::primary && self_.role == MemberRole::primary)
+    if (other.role == MemberRole::primary && self_.role() == MemberRole::primary)
       found[{"primaries", server}] = fmt::format(
           "two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop one of the two",
           other.name, other.epoch);
@@ -169,6 +174,7 @@ void Membership::report(const Faults& found) {
 
 void Membership::write() {
   const SnapshotRing::Lease newest = world_.newest();
+  said_->role = static_cast<std::uint8_t>(self_.role());
   said_->state = static_cast<std::uint8_t>(self_.state());
   said_->version = newest->version;
   said_->lag_ns = std::max<std::int64_t>(0, newest->world_time_ns - newest->settled_ns);

@@ -29,6 +29,7 @@ struct OtherMember {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
   wire_contract::MemberRole role = wire_contract::MemberRole::primary;
+  wire_contract::ServerState state = wire_contract::ServerState::starting;
   std::string name;
   std::string version;
   std::uint64_t scene_fingerprint = 0;
@@ -39,11 +40,11 @@ struct OtherMember {
 
 /// What this server says of itself, beside what the Membership finds out.
 struct SelfDescription {
-  wire_contract::MemberRole role = wire_contract::MemberRole::primary;
+  std::function<wire_contract::MemberRole()> role;
   std::string name;  // empty: the machine's name and the process number
   std::function<wire_contract::ServerState()> state;
   std::function<std::string()> alarm;  // what is wrong with this server, one sentence a line; empty: nothing
-  std::function<Following()> following;
+  std::function<Following()> following;              // of a primary: whose place it has taken, or nobody's
   std::function<void(const OtherMember&)> heard;     // called with each message of another one
   std::function<void(const DigestMaker&)> digested;  // called with each new digest of the own world
 };
@@ -62,6 +63,8 @@ class Membership {
   Membership(const Membership&) = delete;
   Membership& operator=(const Membership&) = delete;
 
+  /// Has the others told at once what has changed about this server.
+  void say_now();
   /// To be called last: the others learn that this one has left rather than fallen silent.
   void leave();
 
@@ -89,6 +92,7 @@ class Membership {
   std::map<std::uint64_t, OtherMember> others_;                 // likewise
   DigestMaker digests_;                                         // likewise
   std::map<std::pair<std::string, std::uint64_t>, int> looks_;  // likewise: at how many in a row a fault was found
+  std::atomic<bool> says_now_{false};
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <utility>
+
+#include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -14,25 +17,90 @@ using wire_contract::ServerState;
 /// Instants in a row at which the worlds differ before that is reported: publishers need a moment to say all again, and
 /// what commands do is done here a moment later.
 constexpr std::uint64_t kReported = 8;
+/// A server that stands by and says nothing for so long is gone.
+constexpr std::int64_t kGoneNs = 4 * wire_contract::kMemberPeriodNs;
 
 }  // namespace
 
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
-                 const ChangeFollower::Collaborators& with)
-    : with_(with), follower_(participant, identity.server, identity.name_space, with) {}
+                 const ChangeFollower::Collaborators& with, std::int64_t silent_after_ns, TakeOver take_over)
+    : with_(with),
+      self_(identity.server),
+      epoch_(identity.epoch),
+      silent_after_ns_(silent_after_ns),
+      take_over_(std::move(take_over)),
+      follower_(participant, identity.server, identity.name_space, with) {
+  if (silent_after_ns == 0) return;
+  pulse_.emplace(participant, identity.name_space, silent_after_ns,
+                 PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
+                                             .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); }});
+}
 
 void Standby::hear(const OtherMember& other) {
-  if (other.role != MemberRole::primary) return;
+  if (other.role != MemberRole::primary) {
+    const std::lock_guard lock(mutex_);
+    const std::int64_t now_ns = steady_ns();
+    std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kGoneNs; });
+    rivals_[other.server] = {
+        .epoch = other.epoch, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
+    return;
+  }
   follower_.follow(other.server, other.name);
   if (follower_.primary() != other.server) {
-    const std::lock_guard lock(mutex_);
-    if (!other_primary_.empty()) return;
-    other_primary_ =
-        fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name);
-    return with_.notice(other_primary_);
+    return refuse_for_good(
+        fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name));
   }
+  if (other.epoch >= epoch_) {
+    refuse_for_good(fmt::format("'{}' has epoch {}, which is not below this server's {}; start this server again",
+                                other.name, other.epoch, epoch_));
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    primary_name_ = other.name;
+  }
+  is_left_alone_.store(false);
   comparison_.hear(other.digest);
   judge();
+}
+
+void Standby::refuse_for_good(std::string sentence) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!no_heir_.empty()) return;
+    no_heir_ = sentence;
+  }
+  with_.notice(sentence);
+}
+
+/// How many others that stand by go before this one. Each waits for those before it.
+int Standby::ready_before_this_one() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(std::ranges::count_if(rivals_, [&](const auto& entry) {
+    const auto& [server, rival] = entry;
+    const bool is_there = rival.is_ready && steady_ns() - rival.heard_ns < kGoneNs;
+    return is_there && std::pair(rival.epoch, server) > std::pair(epoch_, self_);
+  }));
+}
+
+/// True once this server is the primary.
+bool Standby::succeed(std::int64_t silent_ns) {
+  std::string name;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!no_heir_.empty()) return false;
+    name = primary_name_;
+  }
+  if (state() != ServerState::ready) {
+    if (!is_left_alone_.exchange(true))
+      with_.notice(fmt::format("'{}' has been silent for {} ms, and this server does not hold all that it had", name,
+                               silent_ns / 1'000'000));
+    return false;
+  }
+  if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one())) return false;
+  if (!take_over_(follower_.primary(), fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000)))
+    return false;
+  follower_.give_up();
+  return true;
 }
 
 void Standby::note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state) {
@@ -72,9 +140,10 @@ std::string Standby::alarm() const {
     if (!sentence.empty()) lines += (lines.empty() ? "" : "\n") + sentence;
   };
   for (const std::string& sentence : follower_.alarms()) add(sentence);
+  if (is_left_alone_.load()) add("the primary is silent, and this server does not hold all that it had");
   const std::lock_guard lock(mutex_);
   add(difference_);
-  add(other_primary_);
+  add(no_heir_);
   return lines;
 }
 

@@ -3,24 +3,32 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/service/events/dds_event_writer.hpp"
 #include "server/service/fleet/change_follower.hpp"
 #include "server/service/fleet/membership.hpp"
+#include "server/service/fleet/primary_pulse.hpp"
 #include "server/service/fleet/world_comparison.hpp"
 
 namespace collided::engine::service {
 
 /// The part of a server that stands by: follows the primary's commands, compares worlds, and has publishers say all again
-/// where the two differ, since what moved before this server was there and rests since is known to nobody else.
+/// where the two differ, since what moved before this server was there and rests since is known to nobody else. Takes the
+/// primary's place where that falls silent, if it holds all that the primary had.
 ///
 /// threads  hear() and note_own() are for the Membership's thread, the rest is for any
 class Standby {
  public:
-  Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with);
+  /// Makes this server the primary in the place of that one; false: not yet.
+  using TakeOver = std::function<bool(std::uint64_t primary, const std::string& why)>;
+  /// silent_after_ns  when the primary is given up; 0: never
+  Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
+          std::int64_t silent_after_ns, TakeOver take_over);
 
   void hear(const OtherMember& other);
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
@@ -32,17 +40,34 @@ class Standby {
   std::string alarm() const;
 
  private:
+  /// Another server that stands by, and may come before this one.
+  struct Rival {
+    std::uint64_t epoch = 0;
+    bool is_ready = false;
+    std::int64_t heard_ns = 0;  // steady clock
+  };
   void judge();
+  void refuse_for_good(std::string sentence);
+  bool succeed(std::int64_t silent_ns);
+  int ready_before_this_one() const;
 
   const ChangeFollower::Collaborators with_;
+  const std::uint64_t self_;
+  const std::uint64_t epoch_;
+  const std::int64_t silent_after_ns_;
+  const TakeOver take_over_;
   WorldComparison comparison_;
   std::uint64_t judged_ = 0;  // compared instants that were looked at
   std::atomic<std::uint64_t> again_{1};
   std::atomic<bool> is_same_{false};  // the worlds were the same at the newest instant that was compared
-  mutable std::mutex mutex_;          // for these two
+  mutable std::mutex mutex_;          // for these four
   std::string difference_;            // empty: there is none that lasts
-  std::string other_primary_;
+  std::string no_heir_;               // why it cannot take the primary's place before it is started again; empty: it can
+  std::string primary_name_;
+  std::map<std::uint64_t, Rival> rivals_;  // by server
+  std::atomic<bool> is_left_alone_{false};  // the primary is silent, and this server is not ready
   ChangeFollower follower_;
+  std::optional<PrimaryPulse> pulse_;
 };
 
 }  // namespace collided::engine::service

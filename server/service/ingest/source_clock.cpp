@@ -13,7 +13,8 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
     return {newest_ns_, StampKind::none};
   }
   const std::int64_t ahead_ns = source_ns - source_ns_;
-  const bool jumped = started_ && (ahead_ns < -kMostOffNs || is_ahead_of_time(source_ns, received_ns));
+  const bool jumped = started_ && (ahead_ns < -kMostOffNs || is_ahead_of_time(source_ns, received_ns) ||
+                                   was_only_late(source_ns, received_ns));
   if (!started_ || jumped) {
     const std::int64_t off_ns = received_ns - source_ns;
     offset_ns_ = off_ns >= -kMostOffNs && off_ns <= kMostOffNs ? 0 : off_ns;
@@ -34,6 +35,12 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
 bool SourceClock::is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const {
   const bool is_faster = source_ns - source_ns_ > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_);
   return is_faster && source_ns + offset_ns_ > received_ns + kMostOffNs;
+}
+
+/// Whether a clock that seemed to be behind is not: its first batch was long on its way, and this one was not. Every server
+/// comes to that, whenever it first hears the publisher.
+bool SourceClock::was_only_late(std::int64_t source_ns, std::int64_t received_ns) const {
+  return offset_ns_ > 0 && received_ns - source_ns <= kMostOffNs && received_ns - source_ns >= -kMostOffNs;
 }
 
 void SourceClock::note_transit(std::int64_t source_ns, std::int64_t received_ns) {

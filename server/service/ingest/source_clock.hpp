@@ -24,7 +24,8 @@ struct WorldStamp {
 
 /// Turns one publisher's stamps into world time, which is the publishers' own: a stamp is taken as it is, to the
 /// nanosecond. Only a clock that is more than a lease off the server's (nanoseconds since boot, another epoch) gets an
-/// offset, such that its first batch happened when it was received; so does a clock after a jump.
+/// offset, such that its first batch happened when it was received; so does a clock after a jump. It loses the offset,
+/// with a jump, once a batch comes in time: then only the first one was late.
 ///
 /// threads  one
 class SourceClock {
@@ -50,6 +51,7 @@ class SourceClock {
   static constexpr std::int64_t kWindowNs = 1'000'000'000;
 
   bool is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const;
+  bool was_only_late(std::int64_t source_ns, std::int64_t received_ns) const;
   void note_transit(std::int64_t source_ns, std::int64_t received_ns);
 
   bool started_ = false;

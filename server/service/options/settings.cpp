@@ -174,6 +174,18 @@ Allowed apply_flight_recorder(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_take_over_after(Options& options, Values values) {
+  if (values[0] == "never") {
+    options.take_over_ns = 0;
+    return std::nullopt;
+  }
+  const std::optional<std::int64_t> silence = parse_duration_ns(values[0]);
+  if (!silence || *silence < wire_contract::kTakeOverNs || *silence > 60'000'000'000)
+    return "'never' or a time from 200ms to 60s";
+  options.take_over_ns = *silence;
+  return std::nullopt;
+}
+
 Allowed apply_audit(Options& options, Values values) {
   constexpr std::string_view kOneIn = "1/";
   if (values[0] == "off") {
@@ -262,7 +274,10 @@ constexpr Setting kSettings[] = {
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
      "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
     {"server.standby_of", "--standby-of", "COLLIDED_STANDBY_OF", "", "NAMESPACE",
-     "stand by for the primary of that namespace: hold the same world, answer nothing", false, apply_standby_of},
+     "stand by for the primary of that namespace: hold the same world, take its place where it fails", false,
+     apply_standby_of},
+    {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
+     "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},
     {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",
      "what collide fleet calls this server; default: the machine's name and the process number", false, apply_member},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},

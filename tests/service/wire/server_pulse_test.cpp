@@ -57,7 +57,7 @@ TEST(ServerPulse, ASecondServersStatusDoesNotCountWhileTheFirstSpeaks) {
 TEST(ServerPulse, TheServerThatAnsweredHelloIsTheOneThatCounts) {
   in_good_time(
       [](ServerPulse& pulse) {
-        pulse.greeted(1);
+        pulse.greeted(1, 0);
         auto status = status_of(2, 99);
         pulse.hear(status);
       },
@@ -94,6 +94,35 @@ TEST(ServerPulse, OnceTheFirstIsSilentAnotherTakesItsPlace) {
   pulse.hear(second);
   EXPECT_EQ(pulse.server(), 2u);
   EXPECT_EQ(pulse.status()->version, 99u);
+}
+
+// A standby that takes its place has a greater epoch, and says once what nobody was told: it must be heard from its first
+// word on. One of an earlier epoch may have been stopped, and goes on.
+TEST(ServerPulse, AnHeirIsHeardSoonerThanAnyOtherAndAnEarlierServerLast) {
+  in_good_time(
+      [](ServerPulse& pulse) {
+        auto first = status_of(1, 10);
+        first->epoch = 7;
+        pulse.hear(first);
+        EXPECT_FALSE(pulse.is_heir(*first));
+        auto heir = status_of(2, 11);
+        heir->epoch = 8;
+        EXPECT_FALSE(pulse.is_heir(*heir)) << "while the first speaks";
+      },
+      [](ServerPulse& pulse) {
+        EXPECT_TRUE(test::eventually([&] { return pulse.may_have_heir(); }));
+        auto heir = status_of(2, 11);
+        heir->epoch = 8;
+        EXPECT_TRUE(pulse.is_heir(*heir));
+        pulse.hear(heir);
+        EXPECT_EQ(pulse.epoch(), 8U);
+        EXPECT_TRUE(test::eventually([&] { return pulse.silent(); }));
+        auto first = status_of(1, 12);
+        first->epoch = 7;
+        EXPECT_FALSE(pulse.is_heir(*first));
+        pulse.hear(first);
+        EXPECT_EQ(pulse.server(), 2U);
+      });
 }
 
 TEST(ServerPulse, EveryFieldOfAStatusIsItsOwn) {

@@ -91,6 +91,9 @@ TEST_F(WatchStateTest, SmallerEpochCountsOnceTheOtherIsSilent) {
   pass(milliseconds(400));
   Model second(3);
   hear(second.bookmark());
+  EXPECT_EQ(told(), Lines{}) << "it may be an earlier server that was stopped and goes on";
+  pass(std::chrono::seconds(5));
+  hear(second.bookmark());
   hear(second.bookmark());
   EXPECT_EQ(told(), Lines{"ended 1 2 resync restarted"});
 }
@@ -195,7 +198,7 @@ TEST_F(WatchStateTest, ALaterServerTakesOver) {
 TEST_F(WatchStateTest, AnotherServerCountsFromTheMomentTheFirstIsLost) {
   const std::chrono::nanoseconds lost(wire_contract::kStatusLostNs);
   Model first(7);
-  Model second(5, 2);
+  Model second(7, 2);
   const Clock::time_point start = now_;
   state_.hear(first.bookmark(), start);
   state_.hear(second.bookmark(), start + lost);

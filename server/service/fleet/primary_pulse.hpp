@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "idl/dds.hpp"
+
+namespace collided::engine::service {
+
+/// Listens to the primary's status, which the thread that steps its world writes: a primary whose process lives, but whose
+/// world stands still, is silent too.
+///
+/// threads  one of its own, on which it calls what it was given
+class PrimaryPulse {
+ public:
+  struct Collaborators {
+    std::function<std::uint64_t()> primary;  // which server is listened to; 0: none yet
+    /// It has said nothing for so long; called again and again while that lasts. True: no more.
+    std::function<bool(std::int64_t silent_ns)> is_silent;
+  };
+  /// silent_after_ns  without a status for so long the primary counts as silent
+  PrimaryPulse(const dds::Participant& participant, const std::string& name_space, std::int64_t silent_after_ns,
+               Collaborators with);
+  ~PrimaryPulse();
+  PrimaryPulse(const PrimaryPulse&) = delete;
+  PrimaryPulse& operator=(const PrimaryPulse&) = delete;
+
+ private:
+  void run();
+  void take();
+
+  const std::int64_t silent_after_ns_;
+  const Collaborators with_;
+  dds::Topic<wire::Status> topic_;
+  dds::Reader<wire::Status> reader_;
+  dds::WaitSet waitset_;
+  dds::Sample<wire::Status> status_;  // this and the next two are of the thread
+  std::int64_t heard_ns_ = 0;         // the newest status, steady clock; 0: none has come yet
+  std::int64_t looked_ns_ = 0;
+  std::atomic<bool> is_over_{false};
+  std::thread thread_;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,276 @@
+// A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
+//   failover SERVER ROUNDS [SEED] [kill|stop] [TAKE_OVER_MS]
+// kill: the primary is killed. stop: it is stopped, and goes on at a random moment after its place was taken.
+// Each round the one that has taken the place is followed by a new standby. The contacts are known: a ball that crosses a post's
+// surface between two poses touches it, or parts from it, once. Prints the gaps, and exits 1 where an event was lost, told twice,
+// told only as a difference (resync), out of order or of a lower epoch, or an answer was wrong.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "collided/fleet.hpp"
+#include "tests/service/child_process.hpp"
+#include "tests/service/endurance/measuring.hpp"
+
+namespace collided::testing_support {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kBalls = 8;
+constexpr auto kTick = 5ms;
+constexpr auto kPatience = 40s;
+constexpr int kMostShown = 20;
+
+/// What was told of each ball, in order, and when.
+struct Heard {
+  std::map<std::string, std::vector<EventKind>> by_ball;
+  std::vector<SteadyClock::time_point> first_of_epoch;
+  std::uint64_t epoch = 0;
+  int lower_epochs = 0;
+  int resyncs = 0;
+};
+
+class Failover {
+ public:
+  Failover(std::string server, std::uint64_t seed, bool stops, std::string take_over_ms)
+      : random_(seed),
+        domain_(own_domain()),
+        server_(std::move(server)),
+        stops_(stops),
+        take_over_ms_(std::move(take_over_ms)) {
+    primary_ = start(false);
+    client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 20s}), "connect"));
+    publisher_.emplace(value_of(client_->publish("balls", {.lease = 60s}), "publish"));
+    for (int i = 0; i < kBalls; ++i) {
+      add("post " + std::to_string(i), {3.0 * i, 0, 50});
+      balls_.push_back(add(ball(i), {3.0 * i, 1, 50}));
+    }
+    is_touching_.assign(kBalls, false);
+    watch_.emplace(value_of(client_->watch(), "watch"));
+    if (!wait_until([&] { return watch_->in_step(); }, kPatience)) std::printf("the watch does not come in step\n");
+    value_of(client_->command("add", R"({"name": "wall", "pose": [0, 0, 80, 1, 0, 0, 0]})",
+                              {BoxShape{.half_m = {1, 50, 1}}}, 10s),
+             "add");
+  }
+
+  /// Runs all rounds; returns how many faults were found.
+  int run(int rounds) {
+    std::thread mover([this] { move_until_over(); });
+    std::thread listener([this] { listen_until_over(); });
+    std::thread asker([this] { ask_until_over(); });
+    int faults = 0;
+    int done = 0;
+    for (; done < rounds && faults == 0; ++done) faults += one_round(done);
+    is_moving_.store(false);
+    mover.join();
+    std::this_thread::sleep_for(1s);
+    is_over_.store(true);
+    listener.join();
+    asker.join();
+    return faults + report(done);
+  }
+
+ private:
+  static std::string ball(int i) { return "ball " + std::to_string(i); }
+  Publisher::Object add(const std::string& name, const Vec3& where) {
+    return value_of(
+        publisher_->add({.name = name, .shape = {SphereShape{.radius_m = 0.25}}, .pose = {.position = where}}), "add");
+  }
+  std::uint64_t below(std::uint64_t bound) {
+    const std::lock_guard lock(random_mutex_);
+    return random_() % bound;
+  }
+  std::unique_ptr<ChildProcess> start(bool stands_by) {
+    const std::string name = "m" + std::to_string(started_++);
+    std::vector<std::string> words{server_, "--domain", std::to_string(domain_), "--member", name, "--state-dir",
+                                   folder_.path() + "/" + name, "--take-over-after", take_over_ms_ + "ms"};
+    if (stands_by) words.insert(words.end(), {"--standby-of", "collided"});
+    auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
+    if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
+    return process;
+  }
+  std::optional<FleetMember> member(const std::string& name) const {
+    const Result<Fleet> all = fleet({.domain = domain_});
+    if (!all) return std::nullopt;
+    const auto found = std::ranges::find(all->members, name, &FleetMember::name);
+    return found == all->members.end() ? std::nullopt : std::optional(*found);
+  }
+
+  int one_round(int round) {
+    const std::string name = "m" + std::to_string(started_);
+    std::unique_ptr<ChildProcess> standby = start(true);
+    const bool is_ready = wait_until(
+        [&] {
+          const std::optional<FleetMember> one = member(name);
+          return one && one->state == "ready" && one->hash_time != 0s;
+        },
+        kPatience);
+    if (!is_ready) {
+      std::printf("round %d: the standby does not become ready: %s\n", round, standby->errors().c_str());
+      return 1;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(below(400)));
+    primary_->signal(stops_ ? SIGSTOP : SIGKILL);
+    const auto failed_at = SteadyClock::now();
+    failures_.push_back(failed_at);
+    const bool is_replaced = standby_speaks(failed_at);
+    if (!is_replaced) {
+      std::printf("round %d: nobody takes its place: %s\n", round, standby->errors().c_str());
+      return 1;
+    }
+    int faults = 0;
+    if (stops_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(below(1'500)));
+      primary_->signal(SIGCONT);
+      const int code = primary_->wait(20s);
+      if (code != 3) std::printf("round %d: the stopped one ends with %d: %s\n", round, code, primary_->errors().c_str());
+      faults += code == 3 ? 0 : 1;
+    }
+    primary_ = std::move(standby);
+    return faults;
+  }
+
+  bool standby_speaks(SteadyClock::time_point since) {
+    return wait_until(
+        [&] {
+          const std::lock_guard lock(heard_mutex_);
+          return !heard_.first_of_epoch.empty() && heard_.first_of_epoch.back() > since;
+        },
+        std::chrono::duration_cast<std::chrono::milliseconds>(kPatience));
+  }
+
+  /// Every ball goes to its post and away again, each at moments of its own.
+  void move_until_over() {
+    auto due = SteadyClock::now();
+    while (is_moving_.load()) {
+      due += kTick;
+      std::this_thread::sleep_until(due);
+      for (std::size_t i = 0; i < kBalls; ++i) {
+        if (below(16) == 0) {
+          is_touching_[i] = !is_touching_[i];
+          const std::lock_guard lock(expected_mutex_);
+          expected_[ball(static_cast<int>(i))].push_back(is_touching_[i] ? EventKind::began : EventKind::ended);
+        }
+        const double away_m = is_touching_[i] ? 0.4 : 0.8 + 0.01 * static_cast<double>(below(10));
+        static_cast<void>(publisher_->move(balls_[i], {.position = {3.0 * static_cast<double>(i), away_m, 50}}));
+      }
+      static_cast<void>(publisher_->flush());
+    }
+    for (int i = 0; i < 20; ++i) {
+      static_cast<void>(publisher_->keep_alive());
+      std::this_thread::sleep_for(50ms);
+    }
+  }
+
+  void listen_until_over() {
+    while (!is_over_.load()) {
+      const std::optional<Event> event = watch_->next(100ms);
+      if (!event) continue;
+      const auto now = SteadyClock::now();
+      const std::lock_guard lock(heard_mutex_);
+      if (event->epoch > heard_.epoch && heard_.epoch != 0) heard_.first_of_epoch.push_back(now);
+      if (event->epoch > heard_.epoch) since_ = now;
+      heard_.lower_epochs += event->epoch < heard_.epoch ? 1 : 0;
+      heard_.epoch = std::max(heard_.epoch, event->epoch);
+      const std::string& name = event->a.starts_with("ball") ? event->a : event->b;
+      if (event->resync && ++heard_.resyncs <= kMostShown)
+        std::printf("only as a difference: %s %s, %.3f s into epoch %llu, event %llu of it\n", name.c_str(),
+                    event->kind == EventKind::began ? "began" : "ended",
+                    std::chrono::duration<double>(now - since_).count(), static_cast<unsigned long long>(event->epoch),
+                    static_cast<unsigned long long>(event->sequence));
+      heard_.by_ball[name].push_back(event->kind);
+    }
+  }
+
+  void ask_until_over() {
+    const RayQuestion ray{.origin = {-9, 0, 80}, .direction = {1, 0, 0}, .length_m = 100};
+    while (!is_over_.load()) {
+      const Result<Answer> answer = client_->ask(ray, {.timeout = 5s});
+      if (answer) {
+        ++answered_;
+        const bool is_right = answer->verdict == Verdict::hit && answer->hits.size() == 1 &&
+                              std::abs(answer->hits[0].distance_m - 8) < 1e-9;
+        wrong_ += is_right ? 0 : 1;
+      } else {
+        ++unanswered_[answer.error().message.substr(0, 60)];
+      }
+      std::this_thread::sleep_for(2ms);
+    }
+  }
+
+  int report(int rounds) {
+    int lost = 0, doubled = 0, unlike = 0;
+    std::size_t events = 0;
+    for (const auto& [name, expected] : expected_) {
+      const std::vector<EventKind>& heard = heard_.by_ball[name];
+      events += expected.size();
+      lost += std::max(0, static_cast<int>(expected.size()) - static_cast<int>(heard.size()));
+      doubled += std::max(0, static_cast<int>(heard.size()) - static_cast<int>(expected.size()));
+      unlike += heard == expected ? 0 : 1;
+    }
+    std::vector<double> gaps_ms;
+    for (std::size_t i = 0; i < std::min(failures_.size(), heard_.first_of_epoch.size()); ++i)
+      gaps_ms.push_back(std::chrono::duration<double, std::milli>(heard_.first_of_epoch[i] - failures_[i]).count());
+    std::printf("%d rounds, %zu events: %d lost, %d doubled, %d of %d balls told otherwise, %d only as a difference, "
+                "%d of a lower epoch\n",
+                rounds, events, lost, doubled, unlike, kBalls, heard_.resyncs, heard_.lower_epochs);
+    std::printf("from the failure to the next one's first event: p50 %.0f ms, p99 %.0f ms, longest %.0f ms\n",
+                percentile(gaps_ms, 0.5), percentile(gaps_ms, 0.99), percentile(gaps_ms, 1));
+    std::printf("%zu questions answered, %zu of them wrong\n", answered_, wrong_);
+    for (const auto& [why, count] : unanswered_) std::printf("  %zu not answered: %s...\n", count, why.c_str());
+    return lost + doubled + unlike + heard_.resyncs + heard_.lower_epochs + static_cast<int>(wrong_);
+  }
+
+  std::mutex random_mutex_;
+  std::mt19937_64 random_;
+  ScratchFolder folder_;
+  const int domain_;
+  const std::string server_;
+  const bool stops_;
+  const std::string take_over_ms_;
+  int started_ = 0;
+  std::unique_ptr<ChildProcess> primary_;
+  std::optional<Client> client_;
+  std::optional<Publisher> publisher_;
+  std::optional<Watch> watch_;
+  std::vector<Publisher::Object> balls_;
+  std::vector<bool> is_touching_;
+  std::vector<SteadyClock::time_point> failures_;
+  std::atomic<bool> is_moving_{true};
+  std::atomic<bool> is_over_{false};
+  std::mutex expected_mutex_;
+  std::map<std::string, std::vector<EventKind>> expected_;
+  std::mutex heard_mutex_;
+  Heard heard_;
+  SteadyClock::time_point since_;  // the first event of the epoch; of the listening thread
+  std::size_t answered_ = 0;  // these three are of the asking thread
+  std::size_t wrong_ = 0;
+  std::map<std::string, std::size_t> unanswered_;
+};
+
+}  // namespace
+}  // namespace collided::testing_support
+
+int main(int count, char** words) {
+  using namespace collided::testing_support;
+  if (count < 3) return 2;
+  const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
+  const bool stops = count > 4 && std::string(words[4]) == "stop";
+  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+  std::fflush(stdout);
+  Failover failover(words[1], seed, stops, count > 5 ? words[5] : "200");
+  return failover.run(std::atoi(words[2])) == 0 ? 0 : 1;
+}

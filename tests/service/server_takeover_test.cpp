@@ -1,0 +1,186 @@
+// A standby takes the place of a primary that fails: the world, its contacts and its events go on.
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collided/commands.hpp"
+#include "collided/fleet.hpp"
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using testing_support::ChildProcess;
+using testing_support::ScratchFolder;
+
+class ServerTakeover : public testing_support::ServerTest {
+ protected:
+  /// A server with a state folder of its own. A crowded machine makes one that lives seem silent for as long as 200 ms.
+  ChildProcess& join(const std::string& name, bool stands_by, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--member", name,
+                                   "--state-dir", folder_.path() + "/" + name, "--take-over-after", "2s"};
+    if (stands_by) words.insert(words.end(), {"--standby-of", "collided"});
+    words.insert(words.end(), more.begin(), more.end());
+    servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
+    EXPECT_TRUE(servers_.back()->says("ready:", 20s)) << servers_.back()->errors();
+    return *servers_.back();
+  }
+  FleetMember member(const std::string& name) {
+    const Result<Fleet> all = fleet({.domain = domain_});
+    if (!all) return {};
+    for (const FleetMember& one : all->members)
+      if (one.name == name) return one;
+    return {};
+  }
+  bool becomes_ready(const std::string& name, Publisher& publisher) {
+    return test::eventually(
+        [&] {
+          static_cast<void>(publisher.keep_alive());
+          const FleetMember one = member(name);
+          return one.state == "ready" && one.hash_time != 0s;
+        },
+        40s);
+  }
+  bool becomes_primary(const std::string& name) {
+    return test::eventually([&] { return member(name).role == FleetRole::primary; }, 30s);
+  }
+  /// The newest event within 20 s: what is not told until the place is taken comes late.
+  static std::string told(Watch& watching) {
+    const Event event = next(watching, 20s);
+    return std::string(event.kind == EventKind::began ? "began" : "ended") + (event.resync ? " resync" : "");
+  }
+};
+
+TEST_F(ServerTakeover, WhatWasOpenStaysOpenAndWhatHappenedMeanwhileIsToldOnce) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "balls");
+  add_ball(publisher, "post", at(0, 0, 9));
+  const auto resting = add_ball(publisher, "resting", at(3, 0, 9));
+  const auto mover = add_ball(publisher, "mover", at(1, 0, 9));
+  add_ball(publisher, "other post", at(3, 0, 9.15));
+  join("south", true);
+  Watch watching = watch(client);
+  ASSERT_EQ(next(watching).kind, EventKind::open);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  move(publisher, mover, at(0.15, 0, 9));
+  EXPECT_EQ(told(watching), "began");
+  primary.signal(SIGKILL);
+  for (int i = 0; i < 3; ++i) {
+    move(publisher, mover, at(1, 0, 9));
+    move(publisher, mover, at(0.15, 0, 9));
+  }
+  std::vector<std::string> events;
+  for (int i = 0; i < 6; ++i) events.push_back(told(watching));
+  EXPECT_EQ(events, (std::vector<std::string>{"ended", "began", "ended", "began", "ended", "began"}));
+  move(publisher, resting, at(4, 0, 9));
+  const Event ended = next(watching);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_TRUE(ended.a == "resting" || ended.b == "resting");
+  EXPECT_FALSE(ended.resync);
+  EXPECT_FALSE(watching.next(300ms)) << "nothing is told twice";
+  EXPECT_TRUE(becomes_primary("south"));
+  EXPECT_NE(servers_.back()->errors().find("'north' has been silent for 2"), std::string::npos)
+      << servers_.back()->errors();
+  EXPECT_NE(servers_.back()->errors().find("this server has taken its place, as epoch "), std::string::npos);
+}
+
+TEST_F(ServerTakeover, QuestionsAndCommandsGoToTheOneThatTookThePlace) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "nobody");
+  join("south", true);
+  ASSERT_TRUE(client.command("add", R"({"name": "crate", "pose": [3, 0, 9, 1, 0, 0, 0]})",
+                             {SphereShape{.radius_m = 0.3}}, 5s));
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  const RayQuestion ray{.origin = {0, 0, 9}, .direction = {1, 0, 0}, .length_m = 100};
+  ASSERT_EQ(client.ask(ray)->verdict, Verdict::hit);
+  primary.signal(SIGKILL);
+  // Without an answer it is said that the server is silent, and never that there is no hit.
+  std::vector<std::string> wrong;
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        const Result<Answer> answer = client.ask(ray, {.timeout = 5s});
+        if (answer && (answer->verdict != Verdict::hit || answer->hits.empty() || answer->hits[0].object != "crate"))
+          wrong.push_back("not the crate");
+        if (!answer && answer.error().code != ErrorCode::disconnected) wrong.push_back(answer.error().message);
+        return static_cast<bool>(answer);
+      },
+      20s));
+  EXPECT_EQ(wrong, std::vector<std::string>{});
+  ASSERT_TRUE(client.command("move", R"({"name": "crate", "pose": [5, 0, 9, 1, 0, 0, 0]})", {}, 5s));
+  EXPECT_NEAR(client.ask(ray)->hits.at(0).distance_m, 4.7, 1e-9);
+
+  // It can be followed in turn, and what it was told outlives it too.
+  join("west", true);
+  ASSERT_TRUE(becomes_ready("west", publisher)) << servers_.back()->errors();
+  servers_[1]->signal(SIGKILL);
+  EXPECT_TRUE(becomes_primary("west")) << servers_.back()->errors();
+  EXPECT_TRUE(test::eventually([&] {
+    const Result<Answer> answer = client.ask(ray, {.timeout = 5s});
+    return answer && answer->verdict == Verdict::hit && std::abs(answer->hits.at(0).distance_m - 4.7) < 1e-9;
+  }));
+}
+
+TEST_F(ServerTakeover, APrimaryThatWasStoppedAndGoesOnGivesWay) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "balls");
+  add_ball(publisher, "post", at(0, 0, 9));
+  const auto mover = add_ball(publisher, "mover", at(1, 0, 9));
+  join("south", true);
+  Watch watching = watch(client);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  primary.signal(SIGSTOP);
+  ASSERT_TRUE(becomes_primary("south")) << servers_.back()->errors();
+  move(publisher, mover, at(0.15, 0, 9));
+  const Event began = next(watching, 20s);
+  EXPECT_EQ(began.epoch, member("south").epoch);
+  primary.signal(SIGCONT);
+  EXPECT_EQ(primary.wait(20s), 3);
+  EXPECT_NE(primary.errors().find("has taken this server's place"), std::string::npos) << primary.errors();
+  move(publisher, mover, at(1, 0, 9));
+  const Event ended = next(watching);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.epoch, began.epoch);
+  EXPECT_FALSE(watching.next(300ms));
+}
+
+TEST_F(ServerTakeover, OneThatDoesNotHoldTheSameWorldDoesNotTakeThePlace) {
+  ChildProcess& primary = join("north", false);
+  join("south", true, {COLLIDED_SOURCE_DIR "/deploy/examples/cell.csv"});
+  ASSERT_TRUE(test::eventually([&] { return !member("south").alarm.empty(); }, 40s));
+  primary.signal(SIGKILL);
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        return member("south").alarm.find("the primary is silent, and this server does not hold all that it had") !=
+               std::string::npos;
+      },
+      20s))
+      << member("south").alarm;
+  EXPECT_EQ(member("south").role, FleetRole::standby);
+}
+
+TEST_F(ServerTakeover, OfTwoThatStandByOneTakesThePlace) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "nobody");
+  join("south", true);
+  join("west", true);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_[1]->errors();
+  ASSERT_TRUE(becomes_ready("west", publisher)) << servers_[2]->errors();
+  primary.signal(SIGKILL);
+  ASSERT_TRUE(test::eventually(
+      [&] { return member("south").role == FleetRole::primary || member("west").role == FleetRole::primary; }, 30s));
+  const std::string other = member("south").role == FleetRole::primary ? "west" : "south";
+  EXPECT_TRUE(test::eventually(
+      [&] { return member(other).alarm.find("start this server again") != std::string::npos; }, 20s))
+      << member(other).alarm;
+  EXPECT_EQ(member(other).role, FleetRole::standby);
+}
+
+}  // namespace
+}  // namespace collided
