@@ -213,6 +213,13 @@ inline constexpr const char* kDetach = "detach";
 /// accepted (the world counts as whole without it from now on)
 inline constexpr const char* kAcceptLoss = "accept_loss";
 
+/// A server that stands by takes this one's place, and this one ends. to (name of a member of the fleet; "": any that is
+/// ready) -> to (its name). Refused where none is ready.
+inline constexpr const char* kHandOver = "handover";
+/// What a server that hands over tells those that follow it, on change_v2; no client can send it. to (number of the server
+/// that takes the place), applied [[publisher, sequence_number]] (how far the one that hands over has come)
+inline constexpr const char* kTakeOver = "take_over";
+
 /// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)
 /// -> number, bytes, messages, dropped, path (on the server's machine), from_ns, to_ns; the file is an MCAP recording.
 /// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
@@ -254,7 +261,7 @@ inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
   for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss,
-                                        kRecording, kSampled, kFence, kAttach, kDetach})
+                                        kRecording, kSampled, kFence, kAttach, kDetach, kHandOver})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

@@ -81,7 +81,9 @@ int serve(const Options& options) {
   fmt::print("{}\n", ready);
   std::fflush(stdout);
   notify_supervisor("READY=1\nSTATUS=" + ready);
-  while (next_signal(signals) == SIGUSR1) server.write_flight_recorder();
+  for (int signal = next_signal(signals); signal == SIGUSR1 || server.goes_on(); signal = next_signal(signals)) {
+    if (signal == SIGUSR1) server.write_flight_recorder();
+  }
   notify_supervisor("STOPPING=1");
   limit_stopping();
   server.stop();

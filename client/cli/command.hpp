@@ -82,6 +82,7 @@ std::unique_ptr<Command> make_convert();
 std::unique_ptr<Command> make_implicit();
 std::unique_ptr<Command> make_doctor();
 std::unique_ptr<Command> make_fleet();
+std::unique_ptr<Command> make_handover();
 std::unique_ptr<Command> make_fence();
 std::unique_ptr<Command> make_margin();
 std::unique_ptr<Command> make_nearest();

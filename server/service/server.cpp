@@ -16,6 +16,7 @@
 
 #include "idl/clocks.hpp"
 #include "idl/presence.hpp"
+#include "server/service/commands/command_arguments.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
@@ -71,9 +72,8 @@ void listen(const dds::Participant& participant, const Options& options, Hear&& 
 
 /// Throws StartError where another server has this namespace: both would answer every question.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
-  listen<wire::Status>(participant, options, [&](const wire::Status& status) {
-    throw not_alone(options, static_cast<long>(status.pid));
-  });
+  listen<wire::Status>(participant, options,
+                       [&](const wire::Status& status) { throw not_alone(options, static_cast<long>(status.pid)); });
 }
 
 /// Of the servers of the namespace.
@@ -132,6 +132,14 @@ struct Server::Parts {
   void be_present();
   /// Makes what a standby needs.
   void stand_by();
+  /// Whether what those of the publishers that live have sent is in the world up to there.
+  bool has_come_as_far(const PublisherProgress& progress) const;
+  /// The primary hands over to this server. Returns why it does not take the place; empty: it has.
+  std::string take_place(const HandoverWords& words);
+  /// Has a standby take this server's place, where one is ready. False: none has, and this server goes on.
+  bool hand_over();
+  /// The name of the server that will take this one's place when it ends, which is soon then. Throws BadCommand.
+  std::string hand_over_to(const std::string& name);
   /// Sends all that is kept to a server that follows, in its place among the changes.
   void send_all(std::uint64_t follower, std::uint64_t fetch);
   /// Keeps which publishers are there, for the case of a crash.
@@ -155,7 +163,7 @@ struct Server::Parts {
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
-  std::atomic<bool> stands_by;
+  std::atomic<bool> takes_questions;
   std::unique_ptr<ChangeFeed> feed;  // null: nobody can follow
   WorldLoop loop;
   PartMeshes part_meshes;
@@ -167,7 +175,7 @@ struct Server::Parts {
   std::thread world_thread;
   std::optional<wire_contract::Presence> presence;
   Succession succession;
-  ServedFollowers followers;  // of a primary
+  ServedFollowers followers;         // of a primary
   std::unique_ptr<Standby> standby;  // null: it began as a primary
   std::unique_ptr<Membership> membership;
 };
@@ -207,7 +215,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
       event_writer(participant, identity, flight.get()),
-      stands_by(is_standby()),
+      takes_questions(!is_standby()),
       feed(durable ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space) : nullptr),
       loop({.world = world,
             .clock = clock,
@@ -236,16 +244,22 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                 options.clock_error_ns,
                 [this](const CommandAsk& ask) {
                   // In the order of the journal, in which all that is kept has its place too.
-                  if (!feed || stands_by.load() || !feed->is_followed()) return;
+                  const bool is_told = feed && succession.role() == wire_contract::MemberRole::primary;
+                  if (!is_told || !feed->is_followed()) return;
                   durable->then(
                       [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
-                }},
+                },
+                [this](const std::string& name) { return hand_over_to(name); }},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space),
-      succession({.loop = loop,
-                  .inbox = inbox,
-                  .stands_by = stands_by,
+      succession({.on_world_thread = [this](std::function<void()> job) { return inbox.push_job(std::move(job)); },
+                  .speak = [this] { loop.speak(); },
+                  .fall_silent = [this] { loop.fall_silent(); },
+                  .say_last_words = [this] { return loop.say_last_words(); },
+                  .has_come_as_far = [this](const PublisherProgress& far) { return has_come_as_far(far); },
+                  .takes_questions = takes_questions,
+                  .self = identity.server,
                   .epoch = identity.epoch,
                   .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
                   .became_primary =
@@ -253,7 +267,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                         be_present();
                         membership->say_now();
                       },
-                  .end = std::move(end)}),
+                  .end = std::move(end)},
+                 is_standby() ? wire_contract::MemberRole::standby : wire_contract::MemberRole::primary),
       followers(identity.server,
                 {.send_all = [this](std::uint64_t follower, std::uint64_t fetch) { send_all(follower, fetch); },
                  .ask_again = [this] { loop.ask_publishers_again(); }}) {
@@ -355,14 +370,39 @@ void Server::Parts::be_present() {
 void Server::Parts::stand_by() {
   standby = std::make_unique<Standby>(
       participant, identity,
-      ChangeFollower::Collaborators{
-          .carry_out =
-              [this](const WorldChange& change) {
-                return commands.follow({0, 0, change.text, change.blob});
-              },
-          .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
+      ChangeFollower::Collaborators{.carry_out =
+                                        [this](const WorldChange& change) {
+                                          const std::optional<HandoverWords> words = read_handover(change.text);
+                                          if (words)
+                                            return words->to == identity.server ? take_place(*words) : std::string();
+                                          return commands.follow({0, 0, change.text, change.blob});
+                                        },
+                                    .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       options.take_over_ns,
       [this](std::uint64_t primary, const std::string& why) { return succession.take_over(primary, why); });
+}
+
+bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
+  return std::ranges::all_of(progress, [&](const auto& entry) {
+    const auto& [publisher, sequence] = entry;
+    return !loop.publishers().is_live(publisher) || loop.publishers().applied_through(publisher) >= sequence;
+  });
+}
+
+std::string Server::Parts::take_place(const HandoverWords& words) {
+  succession.catch_up(words.progress);
+  return standby->take_place("the primary hands over") ? std::string()
+                                                       : "it hands over, and this server does not hold all that it had";
+}
+
+std::string Server::Parts::hand_over_to(const std::string& name) {
+  const std::optional<Succession::Heir> to = feed ? succession.heir(name) : std::nullopt;
+  if (!to)
+    throw BadCommand(name.empty() ? std::string("no server stands by that is ready. Nothing was done")
+                                  : fmt::format("'{}' does not stand by, or is not ready. Nothing was done", name),
+                     "collide fleet shows who is there, and what is wrong");
+  succession.choose(to->name);
+  return to->name;
 }
 
 void Server::Parts::send_all(std::uint64_t follower, std::uint64_t fetch) {
@@ -404,6 +444,15 @@ void Server::Parts::tick() {
   }
 }
 
+bool Server::Parts::hand_over() {
+  if (!feed || !succession.heir("")) return false;
+  takes_questions.store(false);
+  // What was carried out so far has its place before the handing over.
+  let_jobs_end();
+  if (durable) durable->wait(std::chrono::seconds(1));
+  return succession.hand_over(*feed);
+}
+
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
 void Server::Parts::let_jobs_end() {
   constexpr std::chrono::seconds kPatience{3};
@@ -435,7 +484,7 @@ std::string Server::start() {
   // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering,
-                                            p.flight.get(), p.peers.get(), p.stands_by);
+                                            p.flight.get(), p.peers.get(), p.takes_questions);
   if (p.durable) p.commands.replay(p.durable->commands_left());
   if (p.is_standby()) p.event_writer.fall_silent();
   p.world_thread = std::thread([&p] { p.loop.run(); });
@@ -453,6 +502,11 @@ std::string Server::start() {
 
 bool Server::has_given_way() const { return parts_->succession.has_given_way(); }
 
+bool Server::goes_on() {
+  Parts& p = *parts_;
+  return p.succession.is_asked_to_hand_over() && !p.hand_over();
+}
+
 void Server::write_flight_recorder() {
   Parts& p = *parts_;
   if (!p.flight) return p.log->warn("SIGUSR1: the flight recorder is off");
@@ -469,6 +523,7 @@ void Server::write_flight_recorder() {
 void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
+  static_cast<void>(p.hand_over());
   // It calls the standby; and no place is taken any more.
   p.membership->leave();
   p.standby.reset();

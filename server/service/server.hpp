@@ -34,7 +34,10 @@ class Server {
   std::string start();
   /// Returns once all is ended; a second call does nothing.
   void stop();
-  /// Whether another server of the namespace has taken this one's place.
+  /// To be asked when end was called. Whether this server was asked to hand over, and nobody has taken its place: then it
+  /// goes on.
+  bool goes_on();
+  /// Whether another server of the namespace has taken this one's place without having been asked to.
   bool has_given_way() const;
   /// Writes the flight recorder's memory to a file beside the server's others; the log says where, or why it cannot.
   void write_flight_recorder();

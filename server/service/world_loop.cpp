@@ -111,6 +111,12 @@ void WorldLoop::keep_time() {
   if (const Fences* fences = with_.world.fences(); fences != nullptr && fences->waits_for_time()) note_change();
   // What the objects of a lost publisher may have reached grows with time, and with it what is undecided.
   if (!with_.world.newest()->stale_objects.empty()) note_change();
+  if (say_again_ns_ != 0 && now_ns >= say_again_ns_) {
+    say_again_ns_ = 0;
+    broadcast_.mark_all();
+    fence_broadcast_.mark_all();
+    note_change();
+  }
   with_.tick();
   say_notices();
 }
@@ -207,6 +213,18 @@ void WorldLoop::speak() {
   fence_broadcast_.mark_all();
   step_now();
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  // A client that still took the one before for the server has let these words pass.
+  constexpr std::int64_t kSoonNs = 300'000'000;
+  say_again_ns_ = steady_ns() + kSoonNs;
+}
+
+WriteBarriers::Applied WorldLoop::say_last_words() {
+  step_now();
+  write_status(ServerState::stopping);
+  with_.event_writer.fall_silent();
+  WriteBarriers::Applied applied;
+  publishers_.list_applied(applied);
+  return applied;
 }
 
 void WorldLoop::step_now() {

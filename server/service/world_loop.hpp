@@ -96,6 +96,9 @@ class WorldLoop {
   void speak();
   /// Writes nothing from now on. For jobs on this thread.
   void fall_silent() { with_.event_writer.fall_silent(); }
+  /// Steps, says that this server stops, and falls silent: all that it has taken from publishers is told. Returns how far
+  /// that is. For jobs on this thread.
+  WriteBarriers::Applied say_last_words();
   /// Counts a change that a job made itself, so that a step follows.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }
@@ -167,6 +170,7 @@ class WorldLoop {
   std::int64_t next_step_ns_ = 0;      // these three: steady clock
   std::int64_t next_status_ns_ = 0;
   std::int64_t next_tick_ns_ = 0;
+  std::int64_t say_again_ns_ = 0;  // likewise: when all that holds is said once more; 0: not
   LoopCounts counts_;
   StepSums sums_;
   StepTraces traces_;

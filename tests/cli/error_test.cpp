@@ -157,7 +157,7 @@ TEST_F(Errors, TheHelpIsFourteenLinesAndListsWhatWorks) {
   EXPECT_EQ(ran.code, 0);
   EXPECT_LE(std::count(ran.out.begin(), ran.out.end(), '\n'), 14);
   EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  inside  sweep  pair  clearance  clash  what-if\n"
-                         "Follow   watch  probe  fence  margin  nearest  top  explain  metrics  fleet\n"),
+                         "Follow   watch  probe  fence  margin  nearest  explain  metrics  fleet  handover\n"),
             std::string::npos)
       << ran.out;
   EXPECT_EQ(collide("--help").out, ran.out);

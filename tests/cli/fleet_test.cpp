@@ -104,6 +104,37 @@ TEST_F(FleetVerb, WhatAMemberSaysIsWrongWithItIsAFailure) {
             "warning: 'b' (pid 4711 on hall): the disk is full\nwarning: 'b' (pid 4711 on hall): ball differs\n");
 }
 
+TEST_F(FleetVerb, HandoverSaysWhoHasThePlaceOnceItHas) {
+  fake::server().members = {member("a"), member("b", FleetRole::standby)};
+  nlohmann::json sent;
+  fake::server().command = [&](const std::string& name, const nlohmann::json& arguments, const Shape&) {
+    sent = {{"name", name}, {"to", arguments.value("to", "?")}};
+    fake::server().members = {member("b")};
+    fake::server().members[0].epoch = 1'795'000'007;
+    return Result<std::string>(R"({"to":"b"})");
+  };
+  EXPECT_EQ(at_terminal("handover").out, "b has the place of a\n");
+  EXPECT_EQ(sent, (nlohmann::json{{"name", "handover"}, {"to", ""}}));
+  fake::server().members = {member("a"), member("b", FleetRole::standby)};
+  EXPECT_EQ(collide("handover b --json").out, "{\"to\":\"b\",\"epoch\":1795000007}\n");
+  EXPECT_EQ(sent["to"], "b");
+}
+
+TEST_F(FleetVerb, HandoverThatNobodyTakesIsNoneAndARefusalIsSaid) {
+  fake::server().members = {member("a"), member("b", FleetRole::standby)};
+  fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) {
+    return Result<std::string>(R"({"to":"b"})");
+  };
+  const Ran ran = collide("handover");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_TRUE(ran.err.starts_with("error: 'b' has not taken the place\n")) << ran.err;
+  fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    return Error{ErrorCode::refused, "no server stands by that is ready. Nothing was done",
+                 "collide fleet shows who is there, and what is wrong"};
+  };
+  EXPECT_EQ(collide("handover").code, 5);
+}
+
 TEST_F(FleetVerb, NobodyIsNoServer) { EXPECT_EQ(collide("fleet").code, 4); }
 
 }  // namespace

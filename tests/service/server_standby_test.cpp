@@ -24,8 +24,8 @@ using testing_support::ScratchFolder;
 class ServerStandby : public testing_support::ServerTest {
  protected:
   ChildProcess& start_standby(const std::vector<std::string>& options = {}) {
-    std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of",   "collided",
-                                   "--member",      "standby",  "--state-dir",           elsewhere_.path(),
+    std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided",
+                                   "--member", "standby", "--state-dir", elsewhere_.path(),
                                    // A crowded machine would have it take over where a test does not expect it.
                                    "--take-over-after", "never"};
     words.insert(words.end(), options.begin(), options.end());

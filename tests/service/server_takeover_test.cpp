@@ -20,8 +20,15 @@ class ServerTakeover : public testing_support::ServerTest {
  protected:
   /// A server with a state folder of its own. A crowded machine makes one that lives seem silent for as long as 200 ms.
   ChildProcess& join(const std::string& name, bool stands_by, std::vector<std::string> more = {}) {
-    std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--member", name,
-                                   "--state-dir", folder_.path() + "/" + name, "--take-over-after", "2s"};
+    std::vector<std::string> words{COLLIDED_SERVER,
+                                   "--domain",
+                                   std::to_string(domain_),
+                                   "--member",
+                                   name,
+                                   "--state-dir",
+                                   folder_.path() + "/" + name,
+                                   "--take-over-after",
+                                   "2s"};
     if (stands_by) words.insert(words.end(), {"--standby-of", "collided"});
     words.insert(words.end(), more.begin(), more.end());
     servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
@@ -93,8 +100,8 @@ TEST_F(ServerTakeover, QuestionsAndCommandsGoToTheOneThatTookThePlace) {
   Client client = connect();
   Publisher publisher = publish(client, "nobody");
   join("south", true);
-  ASSERT_TRUE(client.command("add", R"({"name": "crate", "pose": [3, 0, 9, 1, 0, 0, 0]})",
-                             {SphereShape{.radius_m = 0.3}}, 5s));
+  ASSERT_TRUE(
+      client.command("add", R"({"name": "crate", "pose": [3, 0, 9, 1, 0, 0, 0]})", {SphereShape{.radius_m = 0.3}}, 5s));
   ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
   const RayQuestion ray{.origin = {0, 0, 9}, .direction = {1, 0, 0}, .length_m = 100};
   ASSERT_EQ(client.ask(ray)->verdict, Verdict::hit);
@@ -149,6 +156,61 @@ TEST_F(ServerTakeover, APrimaryThatWasStoppedAndGoesOnGivesWay) {
   EXPECT_FALSE(watching.next(300ms));
 }
 
+TEST_F(ServerTakeover, HandingOverLosesNothingAndEndsTheOneThatHandsOver) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "balls");
+  add_ball(publisher, "post", at(0, 0, 9));
+  const auto mover = add_ball(publisher, "mover", at(1, 0, 9));
+  const Result<std::string> alone = client.command("handover", "{}", {}, 5s);
+  ASSERT_FALSE(alone);
+  EXPECT_EQ(alone.error().message, "server refused: no server stands by that is ready. Nothing was done");
+  join("south", true);
+  Watch watching = watch(client);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  move(publisher, mover, at(0.15, 0, 9));
+  EXPECT_EQ(told(watching), "began");
+  EXPECT_FALSE(client.command("handover", R"({"to": "nobody"})", {}, 5s));
+  const Result<std::string> answer = client.command("handover", R"({"to": "south"})", {}, 5s);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_NE(answer->find(R"("to":"south")"), std::string::npos) << *answer;
+  // Meanwhile it moves on, and questions wait for whoever answers.
+  const RayQuestion ray{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .length_m = 100};
+  for (int i = 0; i < 10; ++i) {
+    move(publisher, mover, at(1, 0, 9));
+    const Result<Answer> hit = client.ask(ray, {.timeout = 20s});
+    ASSERT_TRUE(hit) << hit.error().message;
+    EXPECT_EQ(hit->verdict, Verdict::hit);
+    move(publisher, mover, at(0.15, 0, 9));
+  }
+  EXPECT_EQ(primary.wait(20s), 0) << primary.errors();
+  EXPECT_NE(primary.errors().find("'south' has this server's place"), std::string::npos) << primary.errors();
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(told(watching), "ended");
+    EXPECT_EQ(told(watching), "began");
+  }
+  EXPECT_FALSE(watching.next(300ms));
+  EXPECT_EQ(member("south").role, FleetRole::primary);
+}
+
+TEST_F(ServerTakeover, ASignalToEndHandsOverToo) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "balls");
+  add_ball(publisher, "post", at(0, 0, 9));
+  const auto mover = add_ball(publisher, "mover", at(0.15, 0, 9));
+  join("south", true);
+  Watch watching = watch(client);
+  ASSERT_EQ(next(watching).kind, EventKind::open);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  primary.signal(SIGTERM);
+  EXPECT_EQ(primary.wait(20s), 0) << primary.errors();
+  EXPECT_EQ(member("south").role, FleetRole::primary);
+  EXPECT_FALSE(watching.next(300ms)) << "what held goes on";
+  move(publisher, mover, at(1, 0, 9));
+  EXPECT_EQ(told(watching), "ended");
+}
+
 TEST_F(ServerTakeover, OneThatDoesNotHoldTheSameWorldDoesNotTakeThePlace) {
   ChildProcess& primary = join("north", false);
   join("south", true, {COLLIDED_SOURCE_DIR "/deploy/examples/cell.csv"});
@@ -176,8 +238,8 @@ TEST_F(ServerTakeover, OfTwoThatStandByOneTakesThePlace) {
   ASSERT_TRUE(test::eventually(
       [&] { return member("south").role == FleetRole::primary || member("west").role == FleetRole::primary; }, 30s));
   const std::string other = member("south").role == FleetRole::primary ? "west" : "south";
-  EXPECT_TRUE(test::eventually(
-      [&] { return member(other).alarm.find("start this server again") != std::string::npos; }, 20s))
+  EXPECT_TRUE(
+      test::eventually([&] { return member(other).alarm.find("start this server again") != std::string::npos; }, 20s))
       << member(other).alarm;
   EXPECT_EQ(member(other).role, FleetRole::standby);
 }

@@ -93,7 +93,7 @@ constexpr Verb kVerbs[] = {
      "nearest add escape 'door_*' person_7 20m --hysteresis 10cm\nnearest add yard 'truck_*' 4 0 1 50m --keep\nnearest "
      "watch escape -n 10 --json\nnearest rm escape",
      make_nearest},
-    {"top", "Follow", "rates, latencies, stages and ages as they change", "top",
+    {"top", "Look", "rates, latencies, stages and ages as they change", "top",
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, the nearest, an event",
      "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain nearest NAME\nexplain event SEQ [--of "
@@ -107,11 +107,13 @@ constexpr Verb kVerbs[] = {
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"fleet", "Follow", "which servers of a namespace there are, and whether they fit together", "fleet",
      "fleet\nfleet --json", make_fleet},
+    {"handover", "Follow", "a server that stands by takes the primary's place, and the primary ends", "handover [NAME]",
+     "handover\nhandover south", make_handover},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
     {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
     {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},
     {"plan", "Look", "what this scene built and left out, and why", "plan", "plan\nplan --pairs", make_plan},
-    {"draw", "Look", "a technical drawing of what is there, by the server's own rays",
+    {"draw", "Files", "a technical drawing of what is there, by the server's own rays",
      "draw -o FILE.svg|FILE.png\ndraw --term",
      "draw -o scene.svg\ndraw --style obscured-line --from 6 -8 5 --at 0 0 0.5 -o scene.png\ndraw --style toon --ray "
      "0 0 5  0 0 -1 -o scene.svg\ndraw --term --width 100",

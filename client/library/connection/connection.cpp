@@ -58,15 +58,15 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       status_topic_(*participant_, options.name_space),
       reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
                                    .partition = wire_contract::reply_partition(client_)}),
-      status_reader_(status_topic_, {.data =
-                                         [this](dds::Taker<wire::Status> taker) {
-                                           while (taker.take(incoming_status_)) {
-                                             if (!incoming_status_.info().valid_data) continue;
-                                             if (!known_server_.is_known() ||
-                                                 is_from_server_or_its_heir(incoming_status_))
-                                               pulse_.hear(incoming_status_);
-                                           }
-                                         }}),
+      status_reader_(status_topic_,
+                     {.data =
+                          [this](dds::Taker<wire::Status> taker) {
+                            while (taker.take(incoming_status_)) {
+                              if (!incoming_status_.info().valid_data) continue;
+                              if (!known_server_.is_known() || is_from_server_or_its_heir(incoming_status_))
+                                pulse_.hear(incoming_status_);
+                            }
+                          }}),
       query_writers_(*participant_, options.name_space, options.keys) {}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {

@@ -66,6 +66,8 @@ std::string state_name(std::uint8_t state) {
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   if (server() != status->server && server() != 0 && !is_heir(*status)) { return; }
   epoch_.store(status->epoch, std::memory_order_relaxed);
+  is_stopping_.store(status->state == static_cast<std::uint8_t>(wire_contract::ServerState::stopping),
+                     std::memory_order_relaxed);
   server_.store(status->server, std::memory_order_release);
   pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
@@ -84,7 +86,7 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
 bool ServerPulse::is_heir(const wire::Status& status) const {
   if (status.server == server()) return false;
   const nanoseconds silence = Clock::now() - last_heard();
-  if (status.epoch > epoch()) return silence > nanoseconds(wire_contract::kMayHaveHeirNs);
+  if (status.epoch > epoch()) return may_have_heir();
   const bool is_earlier = status.epoch < epoch();
   return silence > nanoseconds(is_earlier ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs);
 }
@@ -100,7 +102,8 @@ Clock::time_point ServerPulse::last_heard() const {
 }
 
 bool ServerPulse::may_have_heir() const {
-  return Clock::now() - last_heard() > nanoseconds(wire_contract::kMayHaveHeirNs);
+  return is_stopping_.load(std::memory_order_relaxed) ||
+         Clock::now() - last_heard() > nanoseconds(wire_contract::kMayHaveHeirNs);
 }
 
 bool ServerPulse::silent() const { return Clock::now() - last_heard() > nanoseconds(wire_contract::kStatusLostNs); }

@@ -75,6 +75,7 @@ class ServerPulse {
   std::atomic<std::int64_t> last_heard_ns_{0};
   std::atomic<std::uint64_t> server_{0};
   std::atomic<std::uint64_t> epoch_{0};
+  std::atomic<bool> is_stopping_{false};
   std::atomic<std::uint32_t> pid_{0};
   std::atomic<std::uint64_t> outages_{0};
   mutable std::mutex mutex_;

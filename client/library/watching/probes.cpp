@@ -146,7 +146,8 @@ void ProbeWatch::State::take() {
   while (reader_->take(incoming_)) {
     decoded_.clear();
     if (!incoming_.info().valid_data || !connection_->is_from_server(*reader_, incoming_.info())) continue;
-    if (incoming_->epoch < connection_->pulse().epoch()) continue;  // an earlier server's, which was stopped and goes on
+    if (incoming_->epoch < connection_->pulse().epoch())
+      continue;  // an earlier server's, which was stopped and goes on
     if (!client::decode(*incoming_, connection_->names(), decoded_)) { continue; }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {

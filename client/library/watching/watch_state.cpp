@@ -70,8 +70,8 @@ bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
   const auto heir_after = [&] {
     return from.epoch < life_->epoch ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs;
   };
-  if (!life_ || (from != *life_ && (from.epoch > life_->epoch ||
-                                    now - last_heard_ > std::chrono::nanoseconds(heir_after())))) {
+  if (!life_ ||
+      (from != *life_ && (from.epoch > life_->epoch || now - last_heard_ > std::chrono::nanoseconds(heir_after())))) {
     start_life(from);
   }
   if (from != *life_) { return false; }

@@ -143,8 +143,8 @@ class WatchState {
   std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none has come yet
   Contacts held_;                // contacts that were reported and have not ended
   std::map<Names, Pair> held_by_names_;
-  std::map<Names, Event> carried_;  // reported in an earlier life of the server, not yet seen in this one
-  std::map<Names, Told> told_;      // in the life before; emptied once nothing of that time can come any more
+  std::map<Names, Event> carried_;       // reported in an earlier life of the server, not yet seen in this one
+  std::map<Names, Told> told_;           // in the life before; emptied once nothing of that time can come any more
   std::chrono::nanoseconds told_to_{0};  // the newest world time of that life; 0: there was none, or it is long over
   std::chrono::nanoseconds joined_{0};   // world time of the state that was adopted first
 

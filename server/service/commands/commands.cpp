@@ -161,6 +161,12 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kSteps) return answer(ask, [&] { return steps(*arguments); });
+  if (command == names::kHandOver) {
+    return answer(ask, [&]() -> json {
+      arguments->allow_only({"to"});
+      return {{"to", with_.hand_over(arguments->text("to"))}};
+    });
+  }
   if (command == names::kSampled) return answer(ask, [&] { return sampled(ask, *arguments); });
   if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
     return uploads_.take(std::move(ask));
@@ -181,12 +187,12 @@ void Commands::run(CommandAsk ask) {
     return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{
-        names::kLoad,       names::kClear,     names::kAdd,       names::kMove,   names::kRemove, names::kList,
-        names::kGet,        names::kPlan,      names::kAudit,     names::kMenu,   names::kPair,   names::kExplain,
-        names::kProbe,      names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes, names::kSurface,
-        names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload, names::kPiece,
-        names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences, names::kAllow,
-        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled};
+        names::kLoad,       names::kClear,     names::kAdd,       names::kMove,   names::kRemove,  names::kList,
+        names::kGet,        names::kPlan,      names::kAudit,     names::kMenu,   names::kPair,    names::kExplain,
+        names::kProbe,      names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes,  names::kSurface,
+        names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload,  names::kPiece,
+        names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences,  names::kAllow,
+        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled, names::kHandOver};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

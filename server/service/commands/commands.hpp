@@ -57,6 +57,8 @@ class Commands {
     // Called on the world's thread with each command that has changed the world, for servers that follow; empty: there
     // can be none.
     std::function<void(const CommandAsk&)> changed = {};
+    // The name of the server that takes this one's place, by the name that was asked for, or any; throws BadCommand.
+    std::function<std::string(const std::string&)> hand_over = {};
   };
 
   /// uploads  folder for files that clients send; empty: none are taken

@@ -105,7 +105,7 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
 
 void DdsEventWriter::speak() {
   is_silent_ = false;
-  untold_.tell_all(steady_ns(), [&](const UntoldEvents::Frame& frame) {
+  untold_.tell_all(steady_ns(), [&](const UntoldEvents::UntoldFrame& frame) {
     write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, frame.stamp);
   });
 }

@@ -14,7 +14,7 @@ namespace collided::engine::service {
 /// threads  one
 class UntoldEvents {
  public:
-  struct Frame {
+  struct UntoldFrame {
     EventColumns events;
     Stamp stamp;
     bool is_of_fences = false;
@@ -23,11 +23,11 @@ class UntoldEvents {
 
   /// Keeps a frame, and lets go of those that are older than kReachNs or more than kMostEvents before.
   void keep(const EventColumns& events, const Stamp& stamp, bool is_of_fences, std::int64_t now_ns);
-  /// Calls tell(const Frame&) with each that is not too old, in order, and forgets all.
+  /// Calls tell(const UntoldFrame&) with each that is not too old, in order, and forgets all.
   template <class Tell>
   void tell_all(std::int64_t now_ns, Tell&& tell) {
     forget_old(now_ns);
-    for (const Frame& frame : frames_) tell(frame);
+    for (const UntoldFrame& frame : frames_) tell(frame);
     frames_.clear();
     event_count_ = 0;
   }
@@ -40,7 +40,7 @@ class UntoldEvents {
 
   void forget_old(std::int64_t now_ns);
 
-  std::deque<Frame> frames_;
+  std::deque<UntoldFrame> frames_;
   std::size_t event_count_ = 0;
 };
 

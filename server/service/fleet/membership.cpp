@@ -124,6 +124,7 @@ void Membership::hear(const dds::Sample<wire::Member>& sample) {
   const bool is_known = others_.contains(sample->server);
   OtherMember& other = others_[sample->server];
   other.server = sample->server;
+  other.heard_ns = steady_ns();
   other.epoch = sample->epoch;
   other.role =
       sample->role == static_cast<std::uint8_t>(MemberRole::standby) ? MemberRole::standby : MemberRole::primary;
@@ -145,7 +146,8 @@ Membership::Faults Membership::faults() const {
   Faults found;
   const std::uint64_t fingerprint = said_->scene_fingerprint;
   for (const auto& [server, other] : others_) {
-    if (other.role == MemberRole::primary && self_.role() == MemberRole::primary)
+    const bool is_there = steady_ns() - other.heard_ns < kMemberGoneNs;
+    if (is_there && other.role == MemberRole::primary && self_.role() == MemberRole::primary)
       found[{"primaries", server}] = fmt::format(
           "two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop one of the two",
           other.name, other.epoch);

@@ -17,6 +17,9 @@
 
 namespace collided::engine::service {
 
+/// A member that has said nothing for so long is gone.
+inline constexpr std::int64_t kMemberGoneNs = 4 * wire_contract::kMemberPeriodNs;
+
 /// What a standby wants of its primary; all numbers grow.
 struct Following {
   std::uint64_t primary = 0;  // 0: none is followed
@@ -35,6 +38,7 @@ struct OtherMember {
   std::uint64_t scene_fingerprint = 0;
   InstantDigest digest;
   Following following;
+  std::int64_t heard_ns = 0;                // its newest message, steady clock
   std::deque<std::int64_t> clock_ahead_ns;  // of this machine's clock, when the newest samples came
 };
 
@@ -43,9 +47,9 @@ struct SelfDescription {
   std::function<wire_contract::MemberRole()> role;
   std::string name;  // empty: the machine's name and the process number
   std::function<wire_contract::ServerState()> state;
-  std::function<std::string()> alarm;  // what is wrong with this server, one sentence a line; empty: nothing
-  std::function<Following()> following;              // of a primary: whose place it has taken, or nobody's
-  std::function<void(const OtherMember&)> heard;     // called with each message of another one
+  std::function<std::string()> alarm;             // what is wrong with this server, one sentence a line; empty: nothing
+  std::function<Following()> following;           // of a primary: whose place it has taken, or nobody's
+  std::function<void(const OtherMember&)> heard;  // called with each message of another one
   std::function<void(const DigestMaker&)> digested;  // called with each new digest of the own world
 };
 

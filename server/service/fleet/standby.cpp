@@ -17,8 +17,6 @@ using wire_contract::ServerState;
 /// Instants in a row at which the worlds differ before that is reported: publishers need a moment to say all again, and
 /// what commands do is done here a moment later.
 constexpr std::uint64_t kReported = 8;
-/// A server that stands by and says nothing for so long is gone.
-constexpr std::int64_t kGoneNs = 4 * wire_contract::kMemberPeriodNs;
 
 }  // namespace
 
@@ -31,18 +29,18 @@ Standby::Standby(const dds::Participant& participant, const Identity& identity,
       take_over_(std::move(take_over)),
       follower_(participant, identity.server, identity.name_space, with) {
   if (silent_after_ns == 0) return;
-  pulse_.emplace(participant, identity.name_space, silent_after_ns,
-                 PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
-                                             .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); }});
+  pulse_.emplace(
+      participant, identity.name_space, silent_after_ns,
+      PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
+                                  .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); }});
 }
 
 void Standby::hear(const OtherMember& other) {
   if (other.role != MemberRole::primary) {
     const std::lock_guard lock(mutex_);
     const std::int64_t now_ns = steady_ns();
-    std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kGoneNs; });
-    rivals_[other.server] = {
-        .epoch = other.epoch, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
+    std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kMemberGoneNs; });
+    rivals_[other.server] = {.epoch = other.epoch, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
     return;
   }
   follower_.follow(other.server, other.name);
@@ -77,7 +75,7 @@ int Standby::ready_before_this_one() const {
   const std::lock_guard lock(mutex_);
   return static_cast<int>(std::ranges::count_if(rivals_, [&](const auto& entry) {
     const auto& [server, rival] = entry;
-    const bool is_there = rival.is_ready && steady_ns() - rival.heard_ns < kGoneNs;
+    const bool is_there = rival.is_ready && steady_ns() - rival.heard_ns < kMemberGoneNs;
     return is_there && std::pair(rival.epoch, server) > std::pair(epoch_, self_);
   }));
 }
@@ -97,8 +95,14 @@ bool Standby::succeed(std::int64_t silent_ns) {
     return false;
   }
   if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one())) return false;
-  if (!take_over_(follower_.primary(), fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000)))
-    return false;
+  return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
+}
+
+bool Standby::take_place(const std::string& why) {
+  const std::lock_guard lock(taking_mutex_);
+  if (has_place_) return true;
+  if (state() != ServerState::ready || !take_over_(follower_.primary(), why)) return false;
+  has_place_ = true;
   follower_.give_up();
   return true;
 }

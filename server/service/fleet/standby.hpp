@@ -32,6 +32,8 @@ class Standby {
 
   void hear(const OtherMember& other);
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
+  /// Takes the primary's place, if this server holds all that it had. False: it does not.
+  bool take_place(const std::string& why);
   /// What it wants of the primary.
   Following following() const;
   /// recovering until it has what the primary has.
@@ -62,10 +64,12 @@ class Standby {
   std::atomic<bool> is_same_{false};  // the worlds were the same at the newest instant that was compared
   mutable std::mutex mutex_;          // for these four
   std::string difference_;            // empty: there is none that lasts
-  std::string no_heir_;               // why it cannot take the primary's place before it is started again; empty: it can
+  std::string no_heir_;  // why it cannot take the primary's place before it is started again; empty: it can
   std::string primary_name_;
-  std::map<std::uint64_t, Rival> rivals_;  // by server
+  std::map<std::uint64_t, Rival> rivals_;   // by server
   std::atomic<bool> is_left_alone_{false};  // the primary is silent, and this server is not ready
+  std::mutex taking_mutex_;                 // held while the place is taken; for the next one
+  bool has_place_ = false;
   ChangeFollower follower_;
   std::optional<PrimaryPulse> pulse_;
 };

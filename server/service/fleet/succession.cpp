@@ -2,40 +2,136 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <memory>
+#include <thread>
+
+#include "server/service/runtime/clock.hpp"
 
 namespace collided::engine::service {
 
 using wire_contract::MemberRole;
+using wire_contract::ServerState;
 
-MemberRole Succession::role() const { return with_.stands_by.load() ? MemberRole::standby : MemberRole::primary; }
+namespace {
 
-bool Succession::take_over(std::uint64_t primary, const std::string& why) {
+constexpr std::chrono::milliseconds kLook{2};
+
+}  // namespace
+
+bool Succession::done_on_world_thread(std::function<void()> job) const {
   constexpr std::chrono::seconds kPatience{5};
   const auto done = std::make_shared<std::promise<void>>();
-  const bool is_taken = with_.inbox.push_job([this, primary, done] {
-    // What the world's thread has yet to take in from publishers comes in the steps that follow, as ever.
-    predecessor_.store(primary);
-    with_.stands_by.store(false);
-    with_.loop.speak();
+  const bool is_taken = with_.on_world_thread([job = std::move(job), done] {
+    job();
     done->set_value();
   });
-  if (!is_taken || done->get_future().wait_for(kPatience) != std::future_status::ready) return false;
+  return is_taken && done->get_future().wait_for(kPatience) == std::future_status::ready;
+}
+
+// ---- of a standby
+
+bool Succession::take_over(std::uint64_t primary, const std::string& why) {
+  // What the world's thread has yet to take in from publishers comes in the steps that follow, as ever.
+  const bool is_done = done_on_world_thread([this, primary] {
+    predecessor_.store(primary);
+    role_.store(MemberRole::primary);
+    with_.takes_questions.store(true);
+    with_.speak();
+  });
+  if (!is_done) return false;
   with_.notice(fmt::format("{}: this server has taken its place, as epoch {}", why, with_.epoch));
   with_.became_primary();
   return true;
 }
 
+void Succession::catch_up(const PublisherProgress& progress) {
+  constexpr std::int64_t kMostNs = 500'000'000;
+  const std::int64_t until_ns = steady_ns() + kMostNs;
+  bool has_all = false;
+  do {
+    const auto found = std::make_shared<std::atomic<bool>>(false);
+    const bool is_looked =
+        done_on_world_thread([this, found, progress] { found->store(with_.has_come_as_far(progress)); });
+    has_all = is_looked && found->load();
+    if (!has_all) std::this_thread::sleep_for(kLook);
+  } while (!has_all && steady_ns() < until_ns);
+}
+
+// ---- of a primary
+
 void Succession::hear(const OtherMember& other) {
+  if (other.role == MemberRole::standby && other.following.primary == with_.self) {
+    const std::lock_guard lock(mutex_);
+    const std::int64_t now_ns = steady_ns();
+    std::erase_if(followers_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kMemberGoneNs; });
+    followers_[other.server] = {.name = other.name, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
+    return;
+  }
   const bool is_heir = other.role == MemberRole::primary && other.following.primary != 0 && other.epoch > with_.epoch;
-  if (!is_heir || role() != MemberRole::primary || has_given_way_.exchange(true)) return;
-  with_.stands_by.store(true);
-  static_cast<void>(with_.inbox.push_job([this] { with_.loop.fall_silent(); }));
-  with_.notice(fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",
-                           other.name, other.epoch));
+  if (!is_heir || role() != MemberRole::primary || has_heir_.exchange(true) || hands_over_.load()) return;
+  has_given_way_.store(true);
+  with_.takes_questions.store(false);
+  static_cast<void>(with_.on_world_thread(with_.fall_silent));
+  with_.notice(
+      fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",
+                  other.name, other.epoch));
   with_.end();
+}
+
+std::optional<Succession::Heir> Succession::heir(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [server, follower] : followers_) {
+    const bool is_there = follower.is_ready && steady_ns() - follower.heard_ns < kMemberGoneNs;
+    if (is_there && (name.empty() || follower.name == name)) return Heir{.server = server, .name = follower.name};
+  }
+  return std::nullopt;
+}
+
+void Succession::choose(const std::string& name) {
+  {
+    const std::lock_guard lock(mutex_);
+    chosen_ = name;
+  }
+  with_.end();
+}
+
+bool Succession::is_asked_to_hand_over() const {
+  const std::lock_guard lock(mutex_);
+  return !chosen_.empty();
+}
+
+bool Succession::hand_over(ChangeFeed& feed) {
+  if (role() != MemberRole::primary || has_heir_.load()) return false;
+  std::string chosen;
+  {
+    const std::lock_guard lock(mutex_);
+    chosen = std::exchange(chosen_, {});
+  }
+  const std::optional<Heir> to = heir(chosen);
+  if (!to) {
+    with_.takes_questions.store(true);
+    return false;
+  }
+  hands_over_.store(true);
+  with_.takes_questions.store(false);
+  const auto words = std::make_shared<HandoverWords>(HandoverWords{.to = to->server, .progress = {}});
+  if (!done_on_world_thread([this, words] { words->progress = with_.say_last_words(); })) return false;
+  feed.tell({.text = handover_text(*words), .blob = {}});
+  constexpr std::int64_t kPatienceNs = 3'000'000'000;
+  const std::int64_t until_ns = steady_ns() + kPatienceNs;
+  while (!has_heir_.load() && steady_ns() < until_ns) std::this_thread::sleep_for(kLook);
+  if (has_heir_.load()) {
+    with_.notice(fmt::format("'{}' has this server's place", to->name));
+    return true;
+  }
+  with_.notice(fmt::format("'{}' has not taken this server's place within 3 s", to->name));
+  hands_over_.store(false);
+  with_.takes_questions.store(true);
+  static_cast<void>(done_on_world_thread(with_.speak));
+  return false;
 }
 
 }  // namespace collided::engine::service

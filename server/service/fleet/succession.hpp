@@ -3,47 +3,87 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "server/service/fleet/change_feed.hpp"
+#include "server/service/fleet/handover_words.hpp"
 #include "server/service/fleet/membership.hpp"
-#include "server/service/ingest/inbox.hpp"
-#include "server/service/world_loop.hpp"
 
 namespace collided::engine::service {
 
 /// Which part this server has in its namespace, and how that changes: a standby takes the place of a primary that has fallen
-/// silent, and a primary gives way to a standby that has taken its place.
+/// silent or hands over, and a primary gives way to a standby that has taken its place.
 ///
-/// threads  take_over() and hear() for one each, the rest for any
+/// threads  hear() for one, the rest for any
 class Succession {
  public:
   struct Collaborators {
-    WorldLoop& loop;
-    Inbox& inbox;
-    std::atomic<bool>& stands_by;  // while it is set, questions are not taken
-    std::uint64_t epoch = 0;       // of this server
+    /// Has the world's thread do it soon; false: it has too much to do. The four that follow are called there.
+    std::function<bool(std::function<void()>)> on_world_thread;
+    std::function<void()> speak;
+    std::function<void()> fall_silent;
+    std::function<PublisherProgress()> say_last_words;              // and falls silent
+    std::function<bool(const PublisherProgress&)> has_come_as_far;  // with the publishers that live
+    std::atomic<bool>& takes_questions;
+    std::uint64_t self = 0;   // number of this server
+    std::uint64_t epoch = 0;  // of this server
     std::function<void(const std::string&)> notice;
     std::function<void()> became_primary;
     std::function<void()> end;  // has the process end; returns at once
   };
-  explicit Succession(Collaborators with) : with_(std::move(with)) {}
+  Succession(Collaborators with, wire_contract::MemberRole role) : with_(std::move(with)), role_(role) {}
 
-  wire_contract::MemberRole role() const;
+  wire_contract::MemberRole role() const { return role_.load(); }
   /// The server whose place this one has taken; 0: none.
   std::uint64_t predecessor() const { return predecessor_.load(); }
-  /// Makes this server the primary in the place of that one. Returns once its first words are written. False: the
-  /// world's thread does not take it; try again.
-  bool take_over(std::uint64_t primary, const std::string& why);
   /// Another server of the namespace has said what it is. Where it has taken this one's place, this one falls silent and
   /// has its process end.
   void hear(const OtherMember& other);
-  /// Whether this server was the primary, and another one is now.
+
+  /// Makes this server the primary in the place of that one. Returns once its first words are written. False: the
+  /// world's thread does not take it; try again.
+  bool take_over(std::uint64_t primary, const std::string& why);
+  /// Waits until this server has what another one had of each publisher, a moment at most.
+  void catch_up(const PublisherProgress& progress);
+
+  /// A server that stands by for this one and may take its place now.
+  struct Heir {
+    std::uint64_t server = 0;
+    std::string name;
+  };
+  /// name  of the member; empty: any
+  std::optional<Heir> heir(const std::string& name) const;
+  /// This server is to hand over to that one when it ends.
+  void choose(const std::string& name);
+  bool is_asked_to_hand_over() const;
+  /// Hands over to the one that was chosen, or else to any that is ready, and waits until that one is the primary. False: there
+  /// is none, or it does not take the place, and this server goes on. Nothing else may change the world meanwhile.
+  bool hand_over(ChangeFeed& feed);
+  /// Whether this server was the primary, and another one is now without having been asked to.
   bool has_given_way() const { return has_given_way_.load(); }
 
  private:
+  struct StandsBy {
+    std::string name;
+    bool is_ready = false;
+    std::int64_t heard_ns = 0;  // steady clock
+  };
+  /// Has the world's thread do it, and waits. False: it does not come to it.
+  bool done_on_world_thread(std::function<void()> job) const;
+
   const Collaborators with_;
+  std::atomic<wire_contract::MemberRole> role_;
   std::atomic<std::uint64_t> predecessor_{0};
+  std::atomic<bool> hands_over_{false};
+  std::atomic<bool> has_heir_{false};
   std::atomic<bool> has_given_way_{false};
+  mutable std::mutex mutex_;  // for these two
+  std::map<std::uint64_t, StandsBy> followers_;
+  std::string chosen_;
 };
 
 }  // namespace collided::engine::service

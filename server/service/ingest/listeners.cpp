@@ -98,7 +98,7 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
                      Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
-                     const std::atomic<bool>& is_standby)
+                     const std::atomic<bool>& takes_questions)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
@@ -123,8 +123,8 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
       query_reader_(query_topic_,
                     {.data =
-                         [&answering, &is_standby](dds::Taker<wire::Query> taker) {
-                           take_or_end([&] { is_standby.load() ? drop_all(taker) : answering.listen(taker); });
+                         [&answering, &takes_questions](dds::Taker<wire::Query> taker) {
+                           take_or_end([&] { takes_questions.load() ? answering.listen(taker) : drop_all(taker); });
                          },
                      // With keys, each right to send queries is a partition.
                      .partition = peers == nullptr ? "" : "*"}) {

@@ -65,9 +65,9 @@ class Listeners {
  public:
   /// flight  records definitions and poses (Answering records the questions); null: none
   /// peers   who may what; null: no keys
-  /// is_standby  while true, questions are dropped: the primary answers them
+  /// takes_questions  while false, questions are dropped: another server answers them
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
-            Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const std::atomic<bool>& is_standby);
+            Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const std::atomic<bool>& takes_questions);
 
   /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
   /// their participants. One thread.

@@ -15,12 +15,12 @@ namespace collided::engine::service {
 /// The server's configuration, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
   std::string name_space;
-  std::uint32_t threads = 0;  // that answer questions; 0: one a core
-  std::int64_t step_ns = 0;   // 0: a step as soon as something has changed
-  std::string state_dir;      // empty: chosen by epoch.hpp
-  std::string standby_of;     // namespace of the primary that this server stands by for; empty: it is a primary
+  std::uint32_t threads = 0;      // that answer questions; 0: one a core
+  std::int64_t step_ns = 0;       // 0: a step as soon as something has changed
+  std::string state_dir;          // empty: chosen by epoch.hpp
+  std::string standby_of;         // namespace of the primary that this server stands by for; empty: it is a primary
   std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
-  std::string member;         // what it is called among the servers of its namespace; empty: by machine and process
+  std::string member;             // what it is called among the servers of its namespace; empty: by machine and process
   std::vector<std::string> scenes;  // files, loaded in this order; none: the embedded scene
   double unit_m = 1;                // metres per unit of the scene files
   char up = 0;                      // axis of the scene files that points up, 'y' or 'z'; 0: as the format says

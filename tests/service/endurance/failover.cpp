@@ -1,6 +1,7 @@
 // A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
-//   failover SERVER ROUNDS [SEED] [kill|stop] [TAKE_OVER_MS]
-// kill: the primary is killed. stop: it is stopped, and goes on at a random moment after its place was taken.
+//   failover SERVER ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS]
+// kill: the primary is killed. stop: it is stopped, and goes on at a random moment after its place was taken. hand_over: it is
+// told to end, and no question may fail.
 // Each round the one that has taken the place is followed by a new standby. The contacts are known: a ball that crosses a post's
 // surface between two poses touches it, or parts from it, once. Prints the gaps, and exits 1 where an event was lost, told twice,
 // told only as a difference (resync), out of order or of a lower epoch, or an answer was wrong.
@@ -45,11 +46,12 @@ struct Heard {
 
 class Failover {
  public:
-  Failover(std::string server, std::uint64_t seed, bool stops, std::string take_over_ms)
+  enum class How { kill, stop, hand_over };
+  Failover(std::string server, std::uint64_t seed, How how, std::string take_over_ms)
       : random_(seed),
         domain_(own_domain()),
         server_(std::move(server)),
-        stops_(stops),
+        how_(how),
         take_over_ms_(std::move(take_over_ms)) {
     primary_ = start(false);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 20s}), "connect"));
@@ -95,8 +97,15 @@ class Failover {
   }
   std::unique_ptr<ChildProcess> start(bool stands_by) {
     const std::string name = "m" + std::to_string(started_++);
-    std::vector<std::string> words{server_, "--domain", std::to_string(domain_), "--member", name, "--state-dir",
-                                   folder_.path() + "/" + name, "--take-over-after", take_over_ms_ + "ms"};
+    std::vector<std::string> words{server_,
+                                   "--domain",
+                                   std::to_string(domain_),
+                                   "--member",
+                                   name,
+                                   "--state-dir",
+                                   folder_.path() + "/" + name,
+                                   "--take-over-after",
+                                   take_over_ms_ + "ms"};
     if (stands_by) words.insert(words.end(), {"--standby-of", "collided"});
     auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
     if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
@@ -123,7 +132,7 @@ class Failover {
       return 1;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(below(400)));
-    primary_->signal(stops_ ? SIGSTOP : SIGKILL);
+    primary_->signal(how_ == How::kill ? SIGKILL : how_ == How::stop ? SIGSTOP : SIGTERM);
     const auto failed_at = SteadyClock::now();
     failures_.push_back(failed_at);
     const bool is_replaced = standby_speaks(failed_at);
@@ -132,12 +141,15 @@ class Failover {
       return 1;
     }
     int faults = 0;
-    if (stops_) {
+    if (how_ == How::stop) {
       std::this_thread::sleep_for(std::chrono::milliseconds(below(1'500)));
       primary_->signal(SIGCONT);
+    }
+    if (how_ != How::kill) {
       const int code = primary_->wait(20s);
-      if (code != 3) std::printf("round %d: the stopped one ends with %d: %s\n", round, code, primary_->errors().c_str());
-      faults += code == 3 ? 0 : 1;
+      const bool is_right = code == (how_ == How::stop ? 3 : 0);
+      if (!is_right) std::printf("round %d: it ends with %d: %s\n", round, code, primary_->errors().c_str());
+      faults += is_right ? 0 : 1;
     }
     primary_ = std::move(standby);
     return faults;
@@ -224,14 +236,16 @@ class Failover {
     std::vector<double> gaps_ms;
     for (std::size_t i = 0; i < std::min(failures_.size(), heard_.first_of_epoch.size()); ++i)
       gaps_ms.push_back(std::chrono::duration<double, std::milli>(heard_.first_of_epoch[i] - failures_[i]).count());
-    std::printf("%d rounds, %zu events: %d lost, %d doubled, %d of %d balls told otherwise, %d only as a difference, "
-                "%d of a lower epoch\n",
-                rounds, events, lost, doubled, unlike, kBalls, heard_.resyncs, heard_.lower_epochs);
+    std::printf(
+        "%d rounds, %zu events: %d lost, %d doubled, %d of %d balls told otherwise, %d only as a difference, "
+        "%d of a lower epoch\n",
+        rounds, events, lost, doubled, unlike, kBalls, heard_.resyncs, heard_.lower_epochs);
     std::printf("from the failure to the next one's first event: p50 %.0f ms, p99 %.0f ms, longest %.0f ms\n",
                 percentile(gaps_ms, 0.5), percentile(gaps_ms, 0.99), percentile(gaps_ms, 1));
     std::printf("%zu questions answered, %zu of them wrong\n", answered_, wrong_);
     for (const auto& [why, count] : unanswered_) std::printf("  %zu not answered: %s...\n", count, why.c_str());
-    return lost + doubled + unlike + heard_.resyncs + heard_.lower_epochs + static_cast<int>(wrong_);
+    const int failed = how_ == How::hand_over ? static_cast<int>(unanswered_.size()) : 0;
+    return lost + doubled + unlike + heard_.resyncs + heard_.lower_epochs + static_cast<int>(wrong_) + failed;
   }
 
   std::mutex random_mutex_;
@@ -239,7 +253,7 @@ class Failover {
   ScratchFolder folder_;
   const int domain_;
   const std::string server_;
-  const bool stops_;
+  const How how_;
   const std::string take_over_ms_;
   int started_ = 0;
   std::unique_ptr<ChildProcess> primary_;
@@ -256,7 +270,7 @@ class Failover {
   std::mutex heard_mutex_;
   Heard heard_;
   SteadyClock::time_point since_;  // the first event of the epoch; of the listening thread
-  std::size_t answered_ = 0;  // these three are of the asking thread
+  std::size_t answered_ = 0;       // these three are of the asking thread
   std::size_t wrong_ = 0;
   std::map<std::string, std::size_t> unanswered_;
 };
@@ -268,9 +282,14 @@ int main(int count, char** words) {
   using namespace collided::testing_support;
   if (count < 3) return 2;
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
-  const bool stops = count > 4 && std::string(words[4]) == "stop";
+  using How = Failover::How;
+  const std::string how = count > 4 ? words[4] : "kill";
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
-  Failover failover(words[1], seed, stops, count > 5 ? words[5] : "200");
+  Failover failover(words[1], seed,
+                    how == "stop"        ? How::stop
+                    : how == "hand_over" ? How::hand_over
+                                         : How::kill,
+                    count > 5 ? words[5] : "200");
   return failover.run(std::atoi(words[2])) == 0 ? 0 : 1;
 }
