@@ -52,7 +52,7 @@ StartError not_alone(const Options& options, long pid) {
 /// Calls hear(sample) with what living servers of the namespace say on a topic, for as long as a server that is there needs to be
 /// heard: DDS keeps the last word for those that join.
 template <class T, class Hear>
-void listen(const dds::Participant& participant, const Options& options, Hear&& hear) {
+void listen(const dds::Participant& participant, const Options& options, Hear&& hear, std::int64_t least_ns = 0) {
   constexpr std::int64_t kListenInTheOpenNs = 250'000'000;
   // Another one must come through the handshake first.
   constexpr std::int64_t kListenBehindKeysNs = 1'000'000'000;
@@ -61,7 +61,8 @@ void listen(const dds::Participant& participant, const Options& options, Hear&& 
   dds::WaitSet waitset(participant);
   waitset.attach(reader, 1);
   dds::Sample<T> sample;
-  const std::int64_t until_ns = steady_ns() + (options.keys.empty() ? kListenInTheOpenNs : kListenBehindKeysNs);
+  const std::int64_t usual_ns = options.keys.empty() ? kListenInTheOpenNs : kListenBehindKeysNs;
+  const std::int64_t until_ns = steady_ns() + std::max(usual_ns, least_ns);
   for (std::int64_t now_ns = steady_ns(); now_ns < until_ns; now_ns = steady_ns()) {
     waitset.wait(until_ns - now_ns);
     while (reader.take(sample)) {
@@ -74,6 +75,15 @@ void listen(const dds::Participant& participant, const Options& options, Hear&& 
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
   listen<wire::Status>(participant, options,
                        [&](const wire::Status& status) { throw not_alone(options, static_cast<long>(status.pid)); });
+}
+
+bool is_there_a_primary(const dds::Participant& participant, const Options& options) {
+  // One that stands by may be about to take the place of the one that this server was.
+  constexpr std::int64_t kLongNs = 1'000'000'000;
+  bool is_there = false;
+  listen<wire::Status>(
+      participant, options, [&](const wire::Status&) { is_there = true; }, std::max(kLongNs, 2 * options.take_over_ns));
+  return is_there;
 }
 
 /// Of the servers of the namespace.
@@ -112,7 +122,7 @@ std::string version_text() { return COLLIDED_VERSION; }
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, std::function<void()> end);
   /// Whether it began as one.
-  bool is_standby() const { return !options.standby_of.empty(); }
+  bool is_standby() const { return began_as_standby; }
   /// Checks that no other server is there, unless this one stands by, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
   /// What is due ten times a second; called on the world's thread.
@@ -149,6 +159,7 @@ struct Server::Parts {
   const std::shared_ptr<spdlog::logger> log;
   dds::Participant participant;
   std::unique_ptr<KeyedPeers> peers;  // null: no keys
+  const bool began_as_standby;
   Epoch epoch;
   const Identity identity;
   WorldClock clock;
@@ -181,7 +192,7 @@ struct Server::Parts {
 };
 
 Epoch Server::Parts::make_epoch() {
-  if (!is_standby()) make_sure_to_be_alone(participant, options);
+  if (!is_standby() && !options.joins) make_sure_to_be_alone(participant, options);
   const std::uint64_t greatest = is_standby() ? greatest_epoch(participant, options) : 0;
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
@@ -200,6 +211,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       log(std::move(logger)),
       participant(join(options, *log)),
       peers(options.keys.empty() ? nullptr : std::make_unique<KeyedPeers>(options.keys, handshake_library())),
+      began_as_standby(!options.standby_of.empty() || (options.joins && is_there_a_primary(participant, options))),
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
@@ -261,6 +273,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   .takes_questions = takes_questions,
                   .self = identity.server,
                   .epoch = identity.epoch,
+                  .joins = options.joins,
                   .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
                   .became_primary =
                       [this] {
@@ -379,7 +392,8 @@ void Server::Parts::stand_by() {
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       options.take_over_ns,
-      [this](std::uint64_t primary, const std::string& why) { return succession.take_over(primary, why); });
+      [this](std::uint64_t primary, const std::string& why) { return succession.take_over(primary, why); },
+      [this] { succession.cannot_follow(); });
 }
 
 bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {

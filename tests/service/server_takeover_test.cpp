@@ -1,4 +1,5 @@
 // A standby takes the place of a primary that fails: the world, its contacts and its events go on.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <memory>
@@ -209,6 +210,48 @@ TEST_F(ServerTakeover, ASignalToEndHandsOverToo) {
   EXPECT_FALSE(watching.next(300ms)) << "what held goes on";
   move(publisher, mover, at(1, 0, 9));
   EXPECT_EQ(told(watching), "ended");
+}
+
+// As under a supervisor: each is started again in the same way when it ends.
+TEST_F(ServerTakeover, MembersThatJoinTakeThePartThatIsLeft) {
+  const auto start_member = [&](const std::string& name) -> ChildProcess& {
+    return join(name, false, {"--join", "collided"});
+  };
+  ChildProcess& first = start_member("north");
+  Client client = connect();
+  Publisher publisher = publish(client, "nobody");
+  start_member("south");
+  EXPECT_EQ(member("north").role, FleetRole::primary);
+  EXPECT_EQ(member("south").role, FleetRole::standby);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << servers_.back()->errors();
+  first.signal(SIGKILL);
+  ASSERT_EQ(first.wait(5s), 128 + SIGKILL);
+  ChildProcess& again = start_member("north");
+  EXPECT_TRUE(becomes_primary("south")) << servers_[1]->errors();
+  ASSERT_TRUE(becomes_ready("north", publisher)) << again.errors();
+  EXPECT_EQ(member("north").role, FleetRole::standby);
+}
+
+TEST_F(ServerTakeover, OfTwoThatJoinAtOnceOneGivesWay) {
+  std::vector<std::unique_ptr<ChildProcess>> members;
+  for (const std::string name : {"north", "south"}) {
+    members.push_back(std::make_unique<ChildProcess>(
+        std::vector<std::string>{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--join", "collided", "--member",
+                                 name, "--state-dir", folder_.path() + "/" + name},
+        folder_.path(), name));
+  }
+  for (const auto& one : members) ASSERT_TRUE(one->says("ready:", 20s)) << one->errors();
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        const Result<Fleet> all = fleet({.domain = domain_});
+        if (!all) return false;
+        const auto count = [&](FleetRole role) { return std::ranges::count(all->members, role, &FleetMember::role); };
+        return count(FleetRole::primary) == 1;
+      },
+      20s));
+  const bool has_one_left = (members[0]->wait(10s) == 3) != (members[1]->wait(1ms) == 3);
+  const bool was_one_standby = member("north").role != member("south").role;
+  EXPECT_TRUE(has_one_left || was_one_standby) << members[0]->errors() << members[1]->errors();
 }
 
 TEST_F(ServerTakeover, OneThatDoesNotHoldTheSameWorldDoesNotTakeThePlace) {

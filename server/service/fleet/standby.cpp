@@ -21,12 +21,14 @@ constexpr std::uint64_t kReported = 8;
 }  // namespace
 
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
-                 const ChangeFollower::Collaborators& with, std::int64_t silent_after_ns, TakeOver take_over)
+                 const ChangeFollower::Collaborators& with, std::int64_t silent_after_ns, TakeOver take_over,
+                 std::function<void()> cannot_follow)
     : with_(with),
       self_(identity.server),
       epoch_(identity.epoch),
       silent_after_ns_(silent_after_ns),
       take_over_(std::move(take_over)),
+      cannot_follow_(std::move(cannot_follow)),
       follower_(participant, identity.server, identity.name_space, with) {
   if (silent_after_ns == 0) return;
   pulse_.emplace(
@@ -68,6 +70,7 @@ void Standby::refuse_for_good(std::string sentence) {
     no_heir_ = sentence;
   }
   with_.notice(sentence);
+  cannot_follow_();
 }
 
 /// How many others that stand by go before this one. Each waits for those before it.

@@ -27,8 +27,9 @@ class Standby {
   /// Makes this server the primary in the place of that one; false: not yet.
   using TakeOver = std::function<bool(std::uint64_t primary, const std::string& why)>;
   /// silent_after_ns  when the primary is given up; 0: never
+  /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
-          std::int64_t silent_after_ns, TakeOver take_over);
+          std::int64_t silent_after_ns, TakeOver take_over, std::function<void()> cannot_follow);
 
   void hear(const OtherMember& other);
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
@@ -58,6 +59,7 @@ class Standby {
   const std::uint64_t epoch_;
   const std::int64_t silent_after_ns_;
   const TakeOver take_over_;
+  const std::function<void()> cannot_follow_;
   WorldComparison comparison_;
   std::uint64_t judged_ = 0;  // compared instants that were looked at
   std::atomic<std::uint64_t> again_{1};

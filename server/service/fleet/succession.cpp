@@ -70,14 +70,30 @@ void Succession::hear(const OtherMember& other) {
     followers_[other.server] = {.name = other.name, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
     return;
   }
-  const bool is_heir = other.role == MemberRole::primary && other.following.primary != 0 && other.epoch > with_.epoch;
-  if (!is_heir || role() != MemberRole::primary || has_heir_.exchange(true) || hands_over_.load()) return;
-  has_given_way_.store(true);
+  if (other.role != MemberRole::primary || role() != MemberRole::primary) return;
+  const bool is_heir = other.following.primary != 0 && other.epoch > with_.epoch;
+  const bool is_earlier = std::pair(other.epoch, other.server) < std::pair(with_.epoch, with_.self);
+  if (is_heir) {
+    if (has_heir_.exchange(true) || hands_over_.load()) return;
+    give_way(fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",
+                         other.name, other.epoch));
+  } else if (with_.joins && predecessor() == 0 && is_earlier) {
+    give_way(fmt::format("'{}' (epoch {}) was the primary before this server, which ends to stand by", other.name,
+                         other.epoch));
+  }
+}
+
+void Succession::give_way(const std::string& why) {
+  if (has_given_way_.exchange(true)) return;
   with_.takes_questions.store(false);
   static_cast<void>(with_.on_world_thread(with_.fall_silent));
-  with_.notice(
-      fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",
-                  other.name, other.epoch));
+  with_.notice(why);
+  with_.end();
+}
+
+void Succession::cannot_follow() {
+  if (!with_.joins || has_given_way_.exchange(true)) return;
+  with_.notice("this server ends, to join again");
   with_.end();
 }
 

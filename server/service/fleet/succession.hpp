@@ -31,6 +31,7 @@ class Succession {
     std::atomic<bool>& takes_questions;
     std::uint64_t self = 0;   // number of this server
     std::uint64_t epoch = 0;  // of this server
+    bool joins = false;       // it is started again when it ends, and takes the part then that is left
     std::function<void(const std::string&)> notice;
     std::function<void()> became_primary;
     std::function<void()> end;  // has the process end; returns at once
@@ -41,8 +42,10 @@ class Succession {
   /// The server whose place this one has taken; 0: none.
   std::uint64_t predecessor() const { return predecessor_.load(); }
   /// Another server of the namespace has said what it is. Where it has taken this one's place, this one falls silent and
-  /// has its process end.
+  /// has its process end. So does one of two that have joined at once, that which began later.
   void hear(const OtherMember& other);
+  /// This server stands by and cannot follow the primary any more. One that joins has its process end.
+  void cannot_follow();
 
   /// Makes this server the primary in the place of that one. Returns once its first words are written. False: the
   /// world's thread does not take it; try again.
@@ -63,7 +66,7 @@ class Succession {
   /// Hands over to the one that was chosen, or else to any that is ready, and waits until that one is the primary. False: there
   /// is none, or it does not take the place, and this server goes on. Nothing else may change the world meanwhile.
   bool hand_over(ChangeFeed& feed);
-  /// Whether this server was the primary, and another one is now without having been asked to.
+  /// Whether this server ends since another one is the primary now without having been asked to.
   bool has_given_way() const { return has_given_way_.load(); }
 
  private:
@@ -74,6 +77,7 @@ class Succession {
   };
   /// Has the world's thread do it, and waits. False: it does not come to it.
   bool done_on_world_thread(std::function<void()> job) const;
+  void give_way(const std::string& why);
 
   const Collaborators with_;
   std::atomic<wire_contract::MemberRole> role_;

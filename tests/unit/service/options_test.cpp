@@ -93,6 +93,8 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
       {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
+      {"server.join", "yard", [](const Options& o) { return o.joins && o.name_space == "yard"; }},
+      {"server.take_over_after", "3s", [](const Options& o) { return o.take_over_ns == 3'000'000'000; }},
       {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
       {"world.scenes", "a.obj,b.obj",
        [](const Options& o) {
@@ -142,6 +144,11 @@ TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
   EXPECT_EQ(parse({"--standby-of", "hall"}).options.name_space, "hall");
   EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", "hall"}).options.name_space, "hall");
   EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", ""}).options.name_space, "yard");
+  EXPECT_EQ(parse({"--join", "hall"}).options.name_space, "hall");
+  EXPECT_FALSE(parse({"--join", ""}).options.joins);
+  EXPECT_EQ(parse({"--take-over-after", "never"}).options.take_over_ns, 0);
+  EXPECT_THROW(parse({"--take-over-after", "199ms"}), OptionsError);
+  EXPECT_THROW(parse({"--standby-of", "hall", "--join", "hall"}), OptionsError);
 }
 
 TEST(Options, TheDefaultsAreThoseOfTheHelp) {
