@@ -68,7 +68,11 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   if (!added) {
     added = indexed_mesh(definition.shape.mesh, Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   }
-  std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
+  // All are looked at once for each time that their number doubles: twenty thousand objects may come with one each.
+  if (meshes.size() >= meshes_looked_through_at) {
+    std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
+    meshes_looked_through_at = std::max<std::size_t>(64, 2 * meshes.size());
+  }
   meshes.emplace(key, added);
   return added;
 }

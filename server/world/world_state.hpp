@@ -34,6 +34,7 @@ struct World::State {
   // all boxes together; null while none was ever stated
   std::shared_ptr<const std::vector<Aabb>> covers;
   std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of vertices and triangles
+  std::size_t meshes_looked_through_at = 64;  // how many there are when those that nobody has any more are taken out
 
   std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step
   std::vector<std::pair<ObjectId, bool>> lost;          // true: stale, false: found again; since the last step

@@ -1,4 +1,5 @@
 // The real server with keys, asked by the command line and the library.
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -61,14 +62,15 @@ TEST_F(ServerWithKeys, EachRoleDoesWhatItMayAndNoMore) {
   EXPECT_EQ(collide(asker, {"ls"}).code, 0);
 }
 
-TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollow) {
+TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollowAndTakeThePlace) {
   start_with_keys();
   const std::string admin = folders_.of("boss", {KeyRole::admin});
   EXPECT_EQ(collide(admin, {"add", "crate", "box", "1", "1", "1", "--at", "9", "9", "9"}).code, 0);
   const testing_support::ScratchFolder elsewhere;
-  ChildProcess standby({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member",
-                        "south", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby})},
-                       elsewhere.path(), "standby");
+  ChildProcess standby(
+      {COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member", "south",
+       "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby}), "--take-over-after", "3s"},
+      elsewhere.path(), "standby");
   ASSERT_TRUE(standby.says("ready: standing by", 20s)) << standby.errors();
   const std::string watcher = folders_.of("screen", {KeyRole::watcher});
   Ended seen;
@@ -79,6 +81,15 @@ TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollow) {
       },
       40s))
       << seen.output << seen.errors << standby.errors();
+  servers_.front()->signal(SIGKILL);
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        seen = collide(admin, {"get", "crate", "--fields", "name"});
+        return seen.code == 0 && says(seen.output, "crate");
+      },
+      40s))
+      << seen.output << seen.errors << standby.errors();
+  EXPECT_TRUE(says(standby.errors(), "this server has taken its place")) << standby.errors();
 }
 
 /// A client that speaks the wire itself.

@@ -133,7 +133,8 @@ def environment_for(arguments, folder):
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("COLLIDE", "ROS_"))}
     programs = [os.path.dirname(os.path.abspath(p)) for p in (arguments.collided, arguments.collide)]
     clean.update(PATH=":".join(programs + [os.environ["PATH"]]), COLLIDED_DOMAIN=str(arguments.domain),
-                 COLLIDED_STATE_DIR=os.path.join(folder, "state"), NO_COLOR="1", TERM="xterm", LC_ALL="C.UTF-8", TZ="UTC")
+                 # On a busy machine a server that lives may say nothing for as long as a standby waits by default.
+                 COLLIDED_TAKE_OVER_AFTER="2s", COLLIDED_STATE_DIR=os.path.join(folder, "state"), NO_COLOR="1", TERM="xterm", LC_ALL="C.UTF-8", TZ="UTC")
     return clean
 
 

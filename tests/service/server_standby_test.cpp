@@ -162,7 +162,7 @@ TEST_F(ServerStandby, TwoStandbysBothFollow) {
   start_standby();
   const ScratchFolder third;
   ChildProcess other({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member",
-                      "other", "--state-dir", third.path()},
+                      "other", "--state-dir", third.path(), "--take-over-after", "never"},
                      third.path(), "other");
   ASSERT_TRUE(other.says("ready: standing by", 20s)) << other.errors();
   EXPECT_TRUE(come_to_agree()) << last_;

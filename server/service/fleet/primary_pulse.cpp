@@ -43,7 +43,8 @@ void PrimaryPulse::run() {
     if (now_ns - looked_ns_ > kStoodStillNs && heard_ns_ != 0) heard_ns_ = now_ns;
     looked_ns_ = now_ns;
     const std::int64_t silent_ns = heard_ns_ == 0 ? 0 : now_ns - heard_ns_;
-    if (silent_ns > silent_after_ns_ && with_.is_silent(silent_ns)) return;
+    is_silent_.store(silent_ns > silent_after_ns_);
+    if (is_silent_.load() && with_.is_silent(silent_ns)) return;
   }
 }
 

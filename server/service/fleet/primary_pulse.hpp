@@ -28,6 +28,9 @@ class PrimaryPulse {
   PrimaryPulse(const PrimaryPulse&) = delete;
   PrimaryPulse& operator=(const PrimaryPulse&) = delete;
 
+  /// Whether it counts as silent. Any thread.
+  bool is_silent() const { return is_silent_.load(); }
+
  private:
   void run();
   void take();
@@ -40,6 +43,7 @@ class PrimaryPulse {
   dds::Sample<wire::Status> status_;  // this and the next two are of the thread
   std::int64_t heard_ns_ = 0;         // the newest status, steady clock; 0: none has come yet
   std::int64_t looked_ns_ = 0;
+  std::atomic<bool> is_silent_{false};
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };

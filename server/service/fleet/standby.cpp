@@ -58,7 +58,7 @@ void Standby::hear(const OtherMember& other) {
     const std::lock_guard lock(mutex_);
     primary_name_ = other.name;
   }
-  is_left_alone_.store(false);
+  if (!pulse_ || !pulse_->is_silent()) is_left_alone_.store(false);
   comparison_.hear(other.digest);
   judge();
 }

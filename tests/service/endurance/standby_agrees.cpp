@@ -75,8 +75,10 @@ class Round {
   using Member = FleetMember;
 
   std::unique_ptr<ChildProcess> start(const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words{server_, "--domain",    std::to_string(domain_),    "--member",
-                                   name,    "--state-dir", folder_.path() + "/" + name};
+    std::vector<std::string> words{server_, "--domain", std::to_string(domain_), "--member", name, "--state-dir",
+                                   folder_.path() + "/" + name,
+                                   // It compares; a busy machine is no reason to change who is the primary.
+                                   "--take-over-after", "never"};
     words.insert(words.end(), more.begin(), more.end());
     auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
     if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
