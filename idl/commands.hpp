@@ -109,8 +109,7 @@ inline constexpr const char* kProbes = "probes";
 /// all), to (object that carries it), keep (true: it stays until it is removed, after a crash too; else it goes with the
 /// client), prism [low, high, x, y, x, y, ...] (m); else the shape is the query's blob. Solid shapes and closed meshes, in
 /// the world or in the frame of `to`
-/// With many (true): the blob has fences one after the other, each as the length of its arguments (4 bytes, the lowest
-/// first), these as JSON, the length of its shape, and that.
+/// With many (true): the blob has fences one after the other, as in packed_fences.hpp.
 /// With bands [m, widest first; at most 8 with 0, contact, which is added] it is a margin: distance bands about the objects
 /// that `around` (name glob) matches, for those that `only` matches; name, skip, mask, keep as above, hysteresis (m, 0),
 /// dwell_ns (0).
@@ -119,6 +118,9 @@ inline constexpr const char* kProbes = "probes";
 /// With remove true: only the name, a glob, and margins or nearest (true: of these, not of fences). -> fences [names] (not
 /// of many), count, version, parts (of a margin: parts of loaded scenes that the globs match, which have no bands; absent: none)
 inline constexpr const char* kFence = "fence";
+/// Text of a reply that answers no request (its number is 0): the client has gone, and with it the fences, margins and
+/// questions for the nearest that it had added without `keep`. Nobody waits for it; recordings have it.
+inline constexpr const char* kClientGone = R"({"gone":true})";
 
 /// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,
 /// in place of fences: -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 /// Name patterns, matched alike by both sides: * any run of bytes, ? one byte, [a-z] one byte of a set, [!a-z] or
@@ -70,6 +71,16 @@ inline bool glob_matches(std::string_view pattern, std::string_view text) {
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
   return p == pattern.size();
+}
+
+/// A pattern that this text alone matches.
+inline std::string glob_of(std::string_view text) {
+  std::string pattern;
+  for (const char c : text) {
+    const bool is_special = c == '*' || c == '?' || c == '[';
+    pattern += is_special ? std::string{'[', c, ']'} : std::string(1, c);
+  }
+  return pattern;
 }
 
 }  // namespace collided::wire_contract

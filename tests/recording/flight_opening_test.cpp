@@ -11,7 +11,11 @@
 #include <thread>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "idl/commands.hpp"
 #include "idl/mcap/reader.hpp"
+#include "idl/packed_fences.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/recording/flight_samples.hpp"
@@ -253,6 +257,129 @@ TEST(FlightOpening, WhatALostPublisherLeftCanBeRemovedAndOfALivingOneNothing) {
   EXPECT_TRUE(written(opening).commands.empty());
   ask(opening, R"({"command":"clear"})");
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
+}
+
+/// A fence that a client adds, and the answer.
+std::string fence_text(const std::string& name, const std::string& more = {}) {
+  return R"({"command":"fence","name":")" + name + '"' + more + '}';
+}
+
+TEST(FlightOpening, HasTheFencesThatStandInTheirOrder) {
+  FlightOpening opening;
+  const std::string margin = R"(,"around":"a","only":"b","bands":[1])",
+                    nearest = R"(,"only":"a","point":[0,0,0],"within":3)";
+  ask(opening, fence_text("dock 2"));
+  ask(opening, fence_text("dock 1", R"(,"keep":true)"));
+  ask(opening, fence_text("gap", margin));
+  ask(opening, fence_text("who", nearest));
+  ask(opening, fence_text("refused"), R"({"error":"taken"})", wire_contract::ReplyStatus::refused);
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const std::string& text : written(opening).commands)
+      all.push_back(nlohmann::json::parse(text).at("name").get<std::string>());
+    return all;
+  };
+  EXPECT_EQ(names(), (std::vector<std::string>{"dock 2", "dock 1", "gap", "who"}));
+  ask(opening, fence_text("", R"(,"remove":true)"));  // of fences alone
+  EXPECT_EQ(names(), (std::vector<std::string>{"gap", "who"}));
+  ask(opening, fence_text("w*", R"(,"remove":true,"margins":true)"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"gap", "who"}));
+  ask(opening, fence_text("who", R"(,"remove":true,"nearest":true)"));
+  ask(opening, fence_text("dock"));
+  ask(opening, fence_text("g?p", R"(,"remove":true,"margins":true)"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"dock"}));
+  EXPECT_EQ(opening.left_out(), 0U);
+}
+
+/// The server says that the client of ask() has gone.
+void bid_farewell(FlightOpening& opening, std::uint64_t client) {
+  dds::Sample<wire::Reply> reply;
+  reply->client = client;
+  reply->chunk_count = 1;
+  const std::string_view text = wire_contract::command::kClientGone;
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  dds::borrow(reply->text, bytes);
+  opening.fold(*reply);
+  dds::borrow(reply->text, std::span<const std::uint8_t>());
+}
+
+TEST(FlightOpening, FencesThatAreNotKeptGoWithTheirOwner) {
+  FlightOpening opening;
+  ask(opening, fence_text("mine"));
+  ask(opening, fence_text("kept", R"(,"keep":true)"));
+  std::map<std::string, std::uint64_t> owners;
+  opening.write([&](Recorded, std::span<const std::byte> data) {
+    dds::Sample<wire::Query> query;
+    ASSERT_TRUE(wire::read_cdr(data, query));
+    owners[nlohmann::json::parse(query->text).at("name")] = query->client;
+  });
+  EXPECT_EQ(owners, (std::map<std::string, std::uint64_t>{{"mine", 5}, {"kept", 0}}));
+  bid_farewell(opening, 6);
+  EXPECT_EQ(written(opening).commands.size(), 2U);
+  bid_farewell(opening, 5);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"fence","keep":true,"name":"kept"})"}));
+}
+
+/// The names of all fences that the opening makes again, and in how many commands.
+std::pair<std::vector<std::string>, std::size_t> fences_of(const FlightOpening& opening) {
+  std::pair<std::vector<std::string>, std::size_t> all;
+  opening.write([&](Recorded, std::span<const std::byte> data) {
+    dds::Sample<wire::Query> query;
+    ASSERT_TRUE(wire::read_cdr(data, query));
+    ASSERT_LT(data.size(), wire_contract::kMaxMessageBytes);
+    ++all.second;
+    const auto packed = wire_contract::unpack_fences(std::as_bytes(dds::view(query->blob)));
+    ASSERT_TRUE(packed);
+    for (const wire_contract::PackedFence& fence : *packed) {
+      all.first.push_back(nlohmann::json::parse(fence.arguments).at("name"));
+      EXPECT_EQ(fence.shape.size(), 100U);
+      EXPECT_EQ(static_cast<char>(fence.shape[0]), all.first.back().back());
+    }
+  });
+  return all;
+}
+
+// Added by the message of many, taken out one by one and by globs, and written as many again.
+TEST(FlightOpening, ManyFencesAreAFewCommands) {
+  FlightOpening opening;
+  std::vector<std::uint8_t> packed;
+  std::vector<std::string> left;
+  for (int i = 0; i < 10'000; ++i) {
+    const std::string name = "fence " + std::to_string(i);
+    const std::vector<std::uint8_t> shape(100, static_cast<std::uint8_t>(name.back()));
+    wire_contract::pack_fence(packed, fence_text(name, R"(,"keep":true)"), shape);
+    if (i % 10 != 7 && i != 123) left.push_back(name);
+  }
+  dds::Sample<wire::Query> many = command(R"({"command":"fence","many":true})");
+  dds::borrow(many->blob, packed);
+  opening.fold(*many);
+  dds::borrow(many->blob, std::span<const std::uint8_t>());
+  EXPECT_EQ(fences_of(opening).first.size(), 10'000U);
+  ask(opening, fence_text("fence 123", R"(,"remove":true)"));
+  ask(opening, fence_text("*7", R"(,"remove":true)"));
+  const auto [names, commands] = fences_of(opening);
+  EXPECT_EQ(names, left);
+  EXPECT_LE(commands, 3U);
+  EXPECT_EQ(opening.left_out(), 0U);
+}
+
+TEST(FlightOpening, FencesWithoutRoomAreLeftOutAndCounted) {
+  FlightOpening opening;
+  const std::vector<std::uint8_t> shape(1'000'000, 1);
+  const auto add = [&](const std::string& name) {
+    dds::Sample<wire::Query> one = command(fence_text(name, R"(,"keep":true)"));
+    dds::borrow(one->blob, shape);
+    opening.fold(*one);
+    dds::borrow(one->blob, std::span<const std::uint8_t>());
+  };
+  const std::size_t room = FlightFences::kMostBytes / 1'000'200;
+  for (std::size_t i = 0; i < room + 3; ++i) add("fence " + std::to_string(i));
+  EXPECT_EQ(written(opening).commands.size(), room);
+  EXPECT_EQ(opening.left_out(), 3U);
+  ask(opening, fence_text("fence 0", R"(,"remove":true)"));
+  add("last");
+  EXPECT_EQ(written(opening).commands.size(), room);
+  EXPECT_EQ(opening.left_out(), 3U);
 }
 
 // What the window's end cuts off from its answer is written, and so is what the server carried out by itself.

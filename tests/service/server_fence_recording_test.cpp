@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -338,6 +339,142 @@ TEST_F(ServerFenceRecording, TheFlightRecorderHasThem) {
   EXPECT_EQ(told.fences[0].object, "ball 2");
   EXPECT_EQ((Lines{line_of(told.fences[1]), line_of(told.fences[2])}), live);
   for (const std::string& warning : told.warnings) ADD_FAILURE() << warning;
+}
+
+/// What stands in a server and where, without what the server itself numbers and who is in.
+std::map<std::string, nlohmann::json> standing(Client& client) {
+  std::map<std::string, nlohmann::json> all;
+  for (const char* kind : {"fences", "margins", "nearest"}) {
+    nlohmann::json asked{{"name", ""}};
+    asked[std::string(kind) == "fences" ? "outlines" : kind] = true;
+    const Result<std::string> text = client.command("fences", asked.dump());
+    EXPECT_TRUE(text) << text.error().message;
+    const nlohmann::json answer = text ? nlohmann::json::parse(*text) : nlohmann::json::object();
+    for (nlohmann::json row : answer.value(kind, nlohmann::json::array())) {
+      for (const char* own : {"id", "inside", "in_doubt", "pairs", "object", "since_ns", "cut_short"}) row.erase(own);
+      const char* key = std::string(kind) == "fences" ? "fence" : std::string(kind) == "margins" ? "margin" : "nearest";
+      all[row.at(key)] = row;
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> names_of(const std::map<std::string, nlohmann::json>& all) {
+  std::vector<std::string> names;
+  for (const auto& [name, row] : all) names.push_back(name);
+  return names;
+}
+
+class ReplayedFences : public ServerFenceRecording {
+ protected:
+  void stop() {
+    servers_.back()->signal(SIGTERM);
+    EXPECT_EQ(servers_.back()->wait(15s), 0);
+  }
+  /// Replays quickly; returns what stood at the replay's end.
+  std::map<std::string, nlohmann::json> replayed(const std::string& file, std::uint64_t fences) {
+    std::map<std::string, nlohmann::json> at_end;
+    const Result<ReplayReport> report =
+        replay(here(), {.path = file, .rate = 1e6, .at_end = [&](std::chrono::nanoseconds) {
+                          Client client = connect();
+                          at_end = standing(client);
+                        }});
+    EXPECT_TRUE(report) << report.error().message;
+    if (!report) return at_end;
+    EXPECT_EQ(report->fences, fences);
+    for (const std::string& warning : report->warnings) ADD_FAILURE() << warning;
+    return at_end;
+  }
+  static void add_own(Client& client) {
+    EXPECT_TRUE(client.add_fence({.name = "[mine]", .shape = {BoxShape{.half_m = {1, 2, 3}}}}));
+    EXPECT_TRUE(client.add_margin({.name = "my gap", .around = "a", .only = "b", .bands_m = {1}}));
+    EXPECT_TRUE(client.add_nearest({.name = "my next", .only = "ball*", .point = Vec3(1, 2, 3), .within_m = 5}));
+  }
+};
+
+// Of those that stood before the recording, that came in it, one by one and many at once, and that went: by name, and with
+// whom they belonged to.
+TEST_F(ReplayedFences, StandAsTheyStoodWhereARecordingIsReplayed) {
+  start();
+  const std::string file = path("run.mcap"), last = path("last.mcap");
+  std::map<std::string, nlohmann::json> before, after;
+  {
+    Client client = connect();
+    std::optional<Client> other = connect();
+    add_all(client);
+    add_own(*other);
+    const auto recorder = record_beside(file);
+    ASSERT_TRUE(listens(file));
+    EXPECT_EQ(*client.remove_fences("arou*"), 1U);
+    std::vector<Fence> many;
+    for (int i = 0; i < 300; ++i)
+      many.push_back({.name = "cell " + std::to_string(i),
+                      .shape = {SphereShape{.radius_m = 0.5, .center = {1.0 / 3 * i, 0, 2}}},
+                      .keep = true});
+    ASSERT_TRUE(client.add_fences(many));
+    ASSERT_TRUE(client.add_fence(
+        {.name = "late", .prism = Prism{.corners = {{0, 0}, {1, 0}, {0, 1}}, .low_m = 0, .high_m = 2}, .keep = true}));
+    before = standing(client);
+    ASSERT_EQ(before.size(), 3U + 3U + 301U);
+    ASSERT_TRUE(fetch_recording(here(), 0s, last));
+    other.reset();
+    ASSERT_TRUE(test::eventually([&] { return standing(client).size() == 304; }));
+    after = standing(client);
+    // Until what the server said of it is on the disk.
+    ASSERT_TRUE(test::eventually(
+        [&] { return read(file).texts["collided/fences"].back().find("[mine]") == std::string::npos; }, 20s));
+    end(*recorder);
+  }
+  stop();
+  start({}, "again");
+  EXPECT_EQ(replayed(last, 307), before);
+  Client client = connect();
+  // What was kept stays, the rest goes with the replay.
+  ASSERT_TRUE(test::eventually([&] { return standing(client).size() == 304; }, 20s));
+  EXPECT_EQ(standing(client), after);
+  for (const auto remove : {&Client::remove_fences, &Client::remove_margins, &Client::remove_nearest})
+    EXPECT_TRUE((client.*remove)("*"));
+  EXPECT_EQ(replayed(file, 308), after);
+  EXPECT_EQ(standing(client), after);
+}
+
+// Where one has the name already, that is said, and the others are made.
+TEST_F(ReplayedFences, ANameThatIsTakenIsTold) {
+  start();
+  Client client = connect();
+  add_all(client);
+  ASSERT_TRUE(fetch_recording(here(), 20s, path("last.mcap")));
+  ASSERT_TRUE(client.remove_nearest("next"));
+  ASSERT_TRUE(client.remove_margins("close"));
+  const Result<ReplayReport> report = replay(here(), {.path = path("last.mcap")});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->fences, 2U);
+  ASSERT_EQ(report->warnings.size(), 2U);
+  EXPECT_NE(report->warnings[0].find("dock"), std::string::npos);
+  EXPECT_NE(report->warnings[0].find("the name is taken"), std::string::npos);
+  EXPECT_EQ(names_of(standing(client)), (std::vector<std::string>{"around", "close", "dock", "next"}));
+}
+
+// The server carries the kept commands out again by itself; the recorder has them with no client and no answer.
+TEST_F(ReplayedFences, StandAlsoWhereTheServerHadMadeThemAgainAfterARestart) {
+  start();
+  std::map<std::string, nlohmann::json> before;
+  {
+    Client client = connect();
+    add_all(client);
+    before = standing(client);
+  }
+  servers_.back()->signal(SIGKILL);
+  servers_.back()->wait(15s);
+  start({}, "restarted");
+  {
+    Client client = connect();
+    ASSERT_TRUE(test::eventually([&] { return standing(client) == before; }));
+    ASSERT_TRUE(fetch_recording(here(), 20s, path("last.mcap")));
+  }
+  stop();
+  start({}, "again");
+  EXPECT_EQ(replayed(path("last.mcap"), 4), before);
 }
 
 }  // namespace

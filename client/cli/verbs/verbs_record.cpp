@@ -141,6 +141,8 @@ class ReplayCommand : public Command {
   void print_text(Printer& printer, const ReplayReport& report) const {
     std::string line = fmt::format("replayed {} samples", format_count(report.samples));
     if (report.commands > 0) line += fmt::format(" and {} commands", format_count(report.commands));
+    if (report.fences > 0)
+      line += fmt::format(", {} fence{} made again", format_count(report.fences), report.fences == 1 ? "" : "s");
     if (options_.ask) {
       const bool all = report.equal == report.questions;
       line += fmt::format(", {} questions: {}", format_count(report.questions),
@@ -162,6 +164,7 @@ class ReplayCommand : public Command {
     };
     printer.record({{"samples", report.samples},
                     {"commands", report.commands},
+                    {"fences", report.fences},
                     {"questions", report.questions},
                     {"equal", report.equal},
                     {"not_compared", report.not_compared},

@@ -157,7 +157,7 @@ struct ReplayOptions {
 /// could be made again.
 struct ReplayReport {
   std::uint64_t samples = 0;                  // definitions and pose batches that were published
-  std::uint64_t commands = 0;                 // add, move, remove and probe, sent again
+  std::uint64_t commands = 0;                 // that add, move, remove, attach or allow something, sent again
   std::uint64_t questions = 0;                // asked again
   std::uint64_t equal = 0;                    // answered with the same bits
   std::uint64_t not_compared = 0;             // questions that were left out
@@ -165,10 +165,12 @@ struct ReplayReport {
   std::vector<std::string> differences;       // one sentence each, the first 20
   std::vector<std::string> warnings;          // damage of the file, commands left out, scenes that are missing
   bool stopped = false;                       // by ReplayOptions::go_on
+  std::uint64_t fences = 0;                   // fences, margins and questions for the nearest that were made again
 };
 
-/// Publishes a recording's objects and poses again, by publishers of its own; their objects are removed at the end.
-/// Scenes that the server had loaded from files must be loaded first. It returns when the replay has ended.
+/// Publishes a recording's objects and poses again, by publishers of its own; their objects are removed at the end. What
+/// commands made stays: objects, and fences, margins and questions for the nearest that were kept; others go with whom they
+/// had gone with, or with the replay. Scenes that the server had loaded from files must be loaded first. It returns when the replay has ended.
 Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& options);
 
 }  // namespace collided

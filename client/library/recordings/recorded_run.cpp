@@ -101,7 +101,8 @@ class Sorting {
     }
     // The newest status of a version counts: later ones may add samples that changed nothing and lost publishers
     // without objects.
-    run_.states[{status_->epoch, status_->version}] = std::move(state);
+    newest_ = {status_->epoch, status_->version};
+    run_.states[newest_] = std::move(state);
   }
 
   void take_query(std::size_t index) {
@@ -114,6 +115,8 @@ class Sorting {
     const bool is_asked_again = (what == names::kPair || what == names::kClearance) && !run_.items[index].opening &&
                                 word_of(parsed(query_->text), "as_of").empty();
     if (command && !is_asked_again && !is_change(what)) return;
+    // What the server carried out by itself after a restart has no reply.
+    if (query_->client == 0 && !run_.items[index].opening) return note_command(index, following_newest());
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);
     request.chunk_count = query_->chunk_count;
@@ -125,16 +128,22 @@ class Sorting {
 
   /// Takes a command of the opening. It has no reply in the recording, and two of them may have the same number.
   void settle_opening(Request& request) {
-    run_.commands[{0, 0}].push_back(request.questions.begin()->second);
+    note_command(request.questions.begin()->second, {0, 0});
     requests_.erase({query_->client, query_->request});
   }
 
   static bool is_change(const std::string& what) {
     return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
-           what == names::kAllow || what == names::kDeny || what == names::kAttach || what == names::kDetach;
+           what == names::kAllow || what == names::kDeny || what == names::kAttach || what == names::kDetach ||
+           what == names::kFence;
   }
 
+  void note_command(std::size_t index, const StateNumber& state) { run_.commands[state].push_back(index); }
+  /// The state that comes after those read so far.
+  StateNumber following_newest() const { return {newest_.first, newest_.second + 1}; }
+
   void take_reply(std::size_t index) {
+    if (is_farewell(*reply_)) return note_command(index, {reply_->epoch, reply_->version});
     const auto found = requests_.find({reply_->client, reply_->request});
     if (found == requests_.end() || reply_->status == static_cast<std::uint8_t>(ReplyStatus::progress)) return;
     Request& request = found->second;
@@ -169,7 +178,7 @@ class Sorting {
       // The state that a command made or was about is in its answer; the reply's own version may be later.
       const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
       if (request.changes) {
-        run_.commands[state].push_back(request.questions.begin()->second);
+        note_command(request.questions.begin()->second, state);
       } else {
         RecordedRequest about{.questions = {}, .replies = request.replies};
         for (const auto& [chunk, index] : request.questions) about.questions.push_back(index);
@@ -185,10 +194,16 @@ class Sorting {
   dds::Sample<wire::Reply> reply_;
   dds::Sample<wire::Status> status_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Request> requests_;  // client, number
+  StateNumber newest_;  // of those read so far
   std::uint64_t broken_ = 0;
 };
 
 }  // namespace
+
+bool is_farewell(const wire::Reply& reply) {
+  const auto text = dds::view(reply.text);
+  return reply.request == 0 && std::ranges::equal(text, std::string_view(names::kClientGone));
+}
 
 RecordedRun read_run(const std::string& path) { return read_run(read_recording(path), path); }
 

@@ -32,12 +32,15 @@ struct RecordedRun : RecordedItems {
   std::map<StateNumber, std::vector<RecordedRequest>>
       requests;  // questions about the world, by the state that they were about
   std::map<StateNumber, std::vector<std::size_t>>
-      commands;  // indexes of items that changed the world, by the state that they made
+      commands;  // indexes of items that changed the world, by the state that they made: queries, and farewells
   std::map<std::uint64_t, std::uint64_t> opening_through;  // by publisher: its newest message in the opening
   std::uint64_t unanswered = 0;                            // requests without all of their replies
   std::uint64_t changing_files = 0;                        // number of commands load and clear, which are not replayed
   std::string scenes;                                      // names, one a line, from the newest status
 };
+
+/// Whether it says that its client has gone, and took fences along: a reply to no request.
+bool is_farewell(const wire::Reply& reply);
 
 /// Reads a recording for replay. Throws std::runtime_error with the path and the reason where nothing can be replayed.
 RecordedRun read_run(const std::string& path);

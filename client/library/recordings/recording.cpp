@@ -107,6 +107,8 @@ bool Recording::State::hear(const wire::Query& sample) {
 }
 bool Recording::State::hear(const wire::Reply& sample) {
   if (sample.client == connection_->client()) return false;
+  // Who has gone took fences along, and had asked nothing.
+  if (sample.request == 0) return ++written_.fence_changes, true;
   loss_.hear_reply(sample.client, sample.request, Clock::now());
   if (std::erase(fence_commands_, std::pair(sample.client, sample.request)) > 0) ++written_.fence_changes;
   return true;

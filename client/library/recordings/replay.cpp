@@ -16,6 +16,7 @@
 #include "client/library/recordings/asked_again.hpp"
 #include "client/library/recordings/recorded_events.hpp"
 #include "client/library/recordings/recorded_run.hpp"
+#include "client/library/recordings/replayed_fences.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 #include "collided/recording.hpp"
 #include "idl/clocks.hpp"
@@ -36,11 +37,12 @@ using recording::Recorded;
 
 constexpr std::chrono::milliseconds kAlivePeriod{100};
 
-/// The name of the command that a query gives.
-std::string command_of(const wire::Query& query) {
-  const nlohmann::json text = nlohmann::json::parse(query.text, nullptr, false);
+/// The name of the command that a query's text gives.
+std::string command_of(const nlohmann::json& text) {
   return text.is_object() ? text.value("command", "") : std::string();
 }
+
+nlohmann::json parsed_text(const wire::Query& query) { return nlohmann::json::parse(query.text, nullptr, false); }
 
 /// Thrown where a replay cannot go on.
 struct ReplayFailure : std::runtime_error {
@@ -52,9 +54,12 @@ struct ReplayFailure : std::runtime_error {
 class Replaying {
  public:
   Replaying(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
-      : connection_(connection), run_(run), options_(options), publishers_(connection) {}
+      : connection_(connection), run_(run), options_(options), publishers_(connection), fences_(connection) {}
 
-  ReplayReport take() { return std::move(report_); }
+  ReplayReport take() {
+    report_.fences = fences_.made();
+    return std::move(report_);
+  }
 
  protected:
   /// Publishes a definition or pose batch; ignores other samples. Velocities are adapted to the rate.
@@ -73,8 +78,10 @@ class Replaying {
   }
 
   void give_command(std::size_t index) {
+    if (run_.items[index].topic == Recorded::reply) return say_farewell(run_.items[index]);
     std::vector<dds::Sample<wire::Query>> query(1);
     if (!wire::read_cdr(run_.items[index].data, query[0])) return;
+    const std::uint64_t recorded_client = query[0]->client;
     std::string refusal;
     ask(query, [&](const wire::Reply& reply) {
       const auto text = dds::view(reply.text);
@@ -82,7 +89,10 @@ class Replaying {
         refusal.assign(text.begin(), text.end());
     });
     ++report_.commands;
-    if (!refusal.empty()) warn(std::string("refused now: ") + query[0]->text + ": " + refusal);
+    if (!refusal.empty()) return warn(std::string("refused now: ") + query[0]->text + ": " + refusal);
+    const nlohmann::json arguments = parsed_text(*query[0]);
+    if (command_of(arguments) == wire_contract::command::kFence)
+      fences_.done(recorded_client, arguments, dds::view(query[0]->blob));
   }
 
   void ask(std::vector<dds::Sample<wire::Query>>& queries, const std::function<void(const wire::Reply&)>& take) {
@@ -120,10 +130,16 @@ class Replaying {
   const ReplayOptions& options_;
   ReplayReport report_;
   ReplayedPublishers publishers_;
+  client::ReplayedFences fences_;
 
  private:
+  void say_farewell(const RecordedItem& item) {
+    if (wire::read_cdr(item.data, farewell_)) fences_.owner_gone(farewell_->client);
+  }
+
   dds::Sample<wire::Definition> definition_;
   dds::Sample<wire::PoseBatch> batch_;
+  dds::Sample<wire::Reply> farewell_;
   Clock::time_point next_alive_ = Clock::now();
 };
 
@@ -301,7 +317,7 @@ class AskedReplay : public Replaying {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
     const auto asked = static_cast<wire_contract::RequestKind>(queries[0]->kind);
-    const std::string kind = asked == wire_contract::RequestKind::command ? command_of(*queries[0])
+    const std::string kind = asked == wire_contract::RequestKind::command ? command_of(parsed_text(*queries[0]))
                                                                           : std::string(wire_contract::name_of(asked));
     client::ComparedAnswers answers;
     ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });

@@ -8,6 +8,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/commands.hpp"
+#include "idl/packed_fences.hpp"
 
 namespace collided {
 namespace client {
@@ -60,15 +61,6 @@ Result<EncodedFence> encoded(const Fence& fence) {
   return encoded;
 }
 
-void append_sized(std::vector<std::uint8_t>& bytes, std::span<const std::uint8_t> item) {
-  for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(item.size() >> shift));
-  bytes.insert(bytes.end(), item.begin(), item.end());
-}
-
-std::span<const std::uint8_t> bytes_of(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
 ListedFence listed_of(const nlohmann::json& row) {
   ListedFence fence{.name = row.at("fence"),
                     .kind = row.at("kind"),
@@ -111,8 +103,7 @@ Result<void> add_fences(Connection& connection, std::span<const Fence> fences) {
     if (bytes.size() + one->text.size() + one->shape.size() > kMostFenceBytes) {
       if (Result<void> sent = send(); !sent) return sent.error();
     }
-    append_sized(bytes, bytes_of(one->text));
-    append_sized(bytes, one->shape);
+    wire_contract::pack_fence(bytes, one->text, one->shape);
   }
   return send();
 }

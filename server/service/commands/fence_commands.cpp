@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
+#include "idl/packed_fences.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/fence_prism.hpp"
@@ -136,28 +136,16 @@ FenceDefinition fence_of(const Arguments& arguments, std::span<const std::byte> 
   return fence;
 }
 
-/// The fences of a message of many: each is the length of its arguments, 4 bytes with the lowest first, these, the
-/// length of its shape, and that.
+/// The fences of a message of many.
 std::vector<CommandAsk> split(const CommandAsk& ask) {
+  const auto packed = wire_contract::unpack_fences(ask.blob);
+  if (!packed) throw BadCommand("fence: the message of many fences ends within one. Nothing was added");
   std::vector<CommandAsk> fences;
-  std::span<const std::byte> rest = ask.blob;
-  const auto take = [&] {
-    if (rest.size() < 4) throw BadCommand("fence: the message of many fences ends within one. Nothing was added");
-    std::uint32_t size = 0;
-    for (std::size_t i = 0; i < 4; ++i) size |= std::to_integer<std::uint32_t>(rest[i]) << (8 * i);
-    if (rest.size() - 4 < size)
-      throw BadCommand("fence: the message of many fences ends within one. Nothing was added");
-    const std::span<const std::byte> taken = rest.subspan(4, size);
-    rest = rest.subspan(4 + size);
-    return taken;
-  };
-  while (!rest.empty()) {
-    const std::span<const std::byte> text = take();
-    const std::span<const std::byte> shape = take();
+  for (const wire_contract::PackedFence& one : *packed) {
     fences.push_back({.client = ask.client,
                       .request = ask.request,
-                      .text = std::string(reinterpret_cast<const char*>(text.data()), text.size()),
-                      .blob = {shape.begin(), shape.end()},
+                      .text = std::string(one.arguments),
+                      .blob = {one.shape.begin(), one.shape.end()},
                       .from = ask.from});
   }
   return fences;
@@ -282,7 +270,10 @@ void Commands::drop_fences_of_gone() {
     if (gone.contains(margin.owner)) chosen.push_back(margin.name);
   });
   remove_fences(chosen);
-  for (const std::uint64_t client : gone) fence_owners_.erase(client);
+  for (const std::uint64_t client : gone) {
+    fence_owners_.erase(client);
+    answering_->send_farewell(client);
+  }
 }
 
 /// The same for fences alone.

@@ -93,6 +93,8 @@ class Answering {
   /// is_recorded  whether the flight recorder keeps the replies
   void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text,
                  bool is_recorded = true);
+  /// Says for recordings that a client has gone, and what went with it: wire_contract::command::kClientGone. Any thread.
+  void send_farewell(std::uint64_t client) { queue_.push_own(Farewell{client}); }
   /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
   /// forgets clients that are gone.
   ///
@@ -123,15 +125,18 @@ class Answering {
     std::string text;
     bool is_recorded = true;
   };
+  struct Farewell {
+    std::uint64_t client = 0;
+  };
   struct Resume {
     std::uint32_t place = 0;
   };
   struct ExpireLeases {
     std::vector<std::uint64_t> query_owners;
   };
-  /// What waits for a worker: a question; a text to be written; a place whose clients' asks may go on; leases to
+  /// What waits for a worker: a question; a text to be written; a client that has gone; a place whose clients' asks may go on; leases to
   /// expire.
-  using Work = std::variant<AskPointer, TextReply, Resume, ExpireLeases>;
+  using Work = std::variant<AskPointer, TextReply, Farewell, Resume, ExpireLeases>;
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason, std::int64_t retry_after_ns = 0);

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "idl/columns.hpp"
+#include "idl/commands.hpp"
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
@@ -130,6 +131,11 @@ void Answering::Worker::work(TextReply text) {
   } else {
     ++owner_.with_.counts.unanswerable;
   }
+}
+
+void Answering::Worker::work(Farewell farewell) {
+  const std::shared_ptr<Client> client = owner_.clients_.departed(farewell.client);
+  write_text(*client, 0, ReplyStatus::ok, wire_contract::command::kClientGone, true);
 }
 
 void Answering::Worker::work(Resume resume) {

@@ -30,6 +30,7 @@ class Answering::Worker {
  private:
   void work(AskPointer ask);
   void work(TextReply text);
+  void work(Farewell farewell);
   void work(Resume resume);
   void work(ExpireLeases gone);
   void answer_or_throw(Client& client, Ask& ask);

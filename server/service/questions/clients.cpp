@@ -10,7 +10,7 @@ namespace collided::engine::service {
 
 bool Client::write(const wire::Reply& reply) {
   // The writer is set before ready() is true and never taken away, so this needs no lock.
-  return ready() && place_.writer_->write(reply);
+  return (ready() && place_.writer_->write(reply)) || is_departed_;
 }
 
 void Client::note_reported(std::uint64_t version) {
@@ -68,6 +68,10 @@ std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
   const std::lock_guard lock(mutex_);
   const auto found = clients_.find(id);
   return found == clients_.end() ? nullptr : found->second;
+}
+
+std::shared_ptr<Client> Clients::departed(std::uint64_t id) {
+  return std::make_shared<Client>(id, 0, places_[wire_contract::reply_place(id)], steady_ns(), true);
 }
 
 Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {

@@ -37,10 +37,11 @@ class ReplyPlace {
 /// One client, and its asks that wait until a reader is matched where its replies go.
 class Client {
  public:
-  Client(std::uint64_t id, std::uint64_t asker, ReplyPlace& place, std::int64_t met_ns)
-      : id_(id), met_ns_(met_ns), asker_(asker), place_(place) {}
+  Client(std::uint64_t id, std::uint64_t asker, ReplyPlace& place, std::int64_t met_ns, bool is_departed = false)
+      : id_(id), met_ns_(met_ns), asker_(asker), place_(place), is_departed_(is_departed) {}
   std::uint64_t id() const { return id_; }
-  /// False: the reply was not written, since no reader is matched or a reader's queue stayed full.
+  /// False: the reply was not written, since no reader is matched or a reader's queue stayed full. Of a departed client
+  /// nobody misses it.
   [[nodiscard]] bool write(const wire::Reply& reply);
   /// The newest version of the world that an answer to this client was about. Any thread.
   std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
@@ -55,6 +56,7 @@ class Client {
   const std::int64_t met_ns_;
   const std::uint64_t asker_;  // Ask::owner: others may not ask in its name
   ReplyPlace& place_;
+  const bool is_departed_;
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
   std::size_t waiting_bytes_ = 0;  // of waiting_; guarded by Clients::mutex_
@@ -89,6 +91,8 @@ class Clients {
   ///
   /// lock  none for a client that asked before and shares its place in recent_ with no other
   Client* find_ready(std::uint64_t id, std::uint64_t asker);
+  /// A client that is forgotten already, for what is written where its replies went.
+  std::shared_ptr<Client> departed(std::uint64_t id);
   /// Takes the ask and returns true where it must wait for a match. Where it does not fit, `ask` then is the one that gave
   /// way and is to be dropped: the client's oldest beyond kMostWaiting, else this one.
   bool hold(Client& client, AskPointer& ask);

@@ -13,7 +13,8 @@ using nlohmann::json;
 using recording::Recorded;
 namespace names = wire_contract::command;
 
-constexpr std::array kChanges{names::kAdd, names::kMove, names::kRemove, names::kProbe, names::kLoad, names::kClear};
+constexpr std::array kChanges{names::kAdd,  names::kMove,  names::kRemove, names::kProbe,
+                              names::kLoad, names::kClear, names::kFence};
 
 std::string text_of(const json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
@@ -49,6 +50,7 @@ void FlightCommands::asked(const wire::Query& query) {
 }
 
 void FlightCommands::answered(const wire::Reply& reply, const TakePublished& take) {
+  if (reply.request == 0) return gone(reply);
   if (unanswered_.empty() || reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::progress)) return;
   const auto found = std::find_if(unanswered_.begin(), unanswered_.end(), [&](const Unanswered& command) {
     return command.client == reply.client && command.request == reply.request;
@@ -61,6 +63,11 @@ void FlightCommands::answered(const wire::Reply& reply, const TakePublished& tak
   done(query, json::parse(text.begin(), text.end(), nullptr, false), take);
 }
 
+void FlightCommands::gone(const wire::Reply& reply) {
+  const auto text = dds::view(reply.text);
+  if (std::ranges::equal(text, std::string_view(names::kClientGone))) fences_.owner_gone(reply.client);
+}
+
 void FlightCommands::done(const std::vector<std::byte>& query, const json& answer, const TakePublished& take) {
   dds::Sample<wire::Query> sample;
   if (!wire::read_cdr(query, sample)) return;
@@ -69,6 +76,7 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
                .name = text_of(arguments, "name"),
                .moving = truth_of(arguments, "moving", true),
                .bytes = query};
+  if (command.what == names::kFence) return fences_.done(*sample, arguments);
   if (command.what == names::kRemove) {
     const auto gone = answer.is_object() ? answer.find("removed") : answer.end();
     // The list of removed names was too long for one sample: the command is kept with its glob instead, once.
@@ -154,6 +162,7 @@ std::size_t FlightCommands::drop(std::string_view what, std::string_view name) {
 
 void FlightCommands::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
   for (const Kept& command : kept_) put(Recorded::query, command.bytes);
+  fences_.write(put);
   for (const Unanswered& command : unanswered_) put(Recorded::query, command.bytes);
 }
 

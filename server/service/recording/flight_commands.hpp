@@ -12,13 +12,14 @@
 
 #include "idl/cdr.hpp"
 #include "idl/recording/recorded_topics.hpp"
+#include "server/service/recording/flight_fences.hpp"
 
 namespace collided::engine::service {
 
 /// The commands that brought in what is in the world beside publishers' objects: as few as make the same state again,
 /// so adding, moving and removing over and over takes no more room.
 ///
-/// limits   kMostBytes; what does not fit is left out and counted
+/// limits   kMostBytes, and those of FlightFences; what does not fit is left out and counted
 /// threads  one
 class FlightCommands {
  public:
@@ -34,9 +35,9 @@ class FlightCommands {
   /// Notes the answer to a command; other replies are ignored.
   void answered(const wire::Reply& reply, const TakePublished& take);
 
-  /// Calls put(channel, CDR bytes) with each command, oldest first; those without an answer so far come last.
+  /// Calls put(channel, CDR bytes) with each command, oldest first, then those of fences; those without an answer so far come last.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
-  std::uint64_t left_out() const { return left_out_; }
+  std::uint64_t left_out() const { return left_out_ + fences_.left_out(); }
 
  private:
   struct Kept {
@@ -49,6 +50,7 @@ class FlightCommands {
     std::uint64_t client = 0, request = 0;
     std::vector<std::byte> bytes;
   };
+  void gone(const wire::Reply& reply);
   void done(const std::vector<std::byte>& query, const nlohmann::json& answer, const TakePublished& take);
   void removed(const nlohmann::json& names, const TakePublished& take);
   void cleared(Kept clear, const nlohmann::json& arguments, const TakePublished& take);
@@ -58,6 +60,7 @@ class FlightCommands {
   std::size_t drop(std::string_view what, std::string_view name);
 
   std::vector<Kept> kept_;
+  FlightFences fences_;
   std::deque<Unanswered> unanswered_;
   std::size_t bytes_ = 0;
   std::uint64_t left_out_ = 0;

@@ -16,8 +16,8 @@
 namespace collided::engine::service {
 
 /// The state that a window of records begins with: the newest definition and pose of every object sent before it, the
-/// commands that brought in the others, the contacts that held, and who was in which fence. It is folded from the records that leave the
-/// window.
+/// commands that brought in the others and the fences, the contacts that held, and who was in which fence. It is folded
+/// from the records that leave the window.
 ///
 /// limits   kMostBytes of definitions, kMostContactBytes of contacts and fences; what does not fit is left out and counted
 /// threads  one

@@ -27,7 +27,7 @@ struct FlightFile {
 /// Remembers what the server took and wrote in its last seconds, and the state that was there before them.
 ///
 /// memory   8 MiB for samples under way; at most 64 MiB for the window (that of a busy server reaches less far back);
-///          at most 64 MiB for definitions and commands from before it, 16 MiB for contacts, 120 bytes for each pose
+///          at most 96 MiB for definitions, commands and fences from before it, 16 MiB for contacts, 120 bytes for each pose
 /// threads  note() from any, without lock, allocation or waiting; the rest from any
 class FlightRecorder {
  public:

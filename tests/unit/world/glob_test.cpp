@@ -44,6 +44,24 @@ TEST(Glob, AgreesWithTheSystemsMatcher) {
   EXPECT_GT(matched, 1'000);
 }
 
+TEST(Glob, OfATextMatchesThatTextAlone) {
+  std::mt19937_64 random = oracle::seeded(20261127);
+  const std::string letters = "ab*?[]-!^";
+  const auto word = [&] {
+    std::string text(random() % 6, ' ');
+    for (char& c : text) c = letters[random() % letters.size()];
+    return text;
+  };
+  int same = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const std::string a = word(), b = word();
+    ASSERT_TRUE(glob_matches(glob_of(a), a)) << "'" << a << "'";
+    ASSERT_EQ(glob_matches(glob_of(a), b), a == b) << "'" << a << "' '" << b << "'";
+    same += a == b ? 1 : 0;
+  }
+  EXPECT_GT(same, 100);
+}
+
 // Backtracking over many stars must not explode: one remembered star is enough.
 TEST(Glob, ManyStarsTakeLittleTime) { EXPECT_FALSE(glob_matches("*a*a*a*a*a*a*a*a*a*a*b", std::string(5'000, 'a'))); }
 
