@@ -382,6 +382,24 @@ TEST(FlightOpening, FencesWithoutRoomAreLeftOutAndCounted) {
   EXPECT_EQ(opening.left_out(), 3U);
 }
 
+// Whoever has heard the commands meanwhile knows by that which of them it need not repeat.
+TEST(FlightOpening, SaysWhichCommandsItHasTakenIntoAccount) {
+  FlightOpening opening;
+  for (std::uint64_t request = 1; request <= 5'000; ++request) {
+    opening.fold(*command(R"({"command":"list"})", 10'000 + request));
+    opening.fold(*command(R"({"command":"move","name":"crate"})", request));
+  }
+  std::vector<recording::CommandNumber> newest;
+  for (std::uint64_t request = 5'001 - FlightCommands::kMostNoted; request <= 5'000; ++request)
+    newest.emplace_back(5, request);
+  EXPECT_EQ(opening.noted_commands(), newest);
+  const std::string text = recording::text_of(newest);
+  EXPECT_EQ(recording::command_numbers(text), newest);
+  EXPECT_EQ(text.substr(0, 12), "5:389 5:38a ");
+  for (const char* broken : {"", "x", "5", "5:", "5:1 zz:3", "ffffffffffffffffff:1"})
+    EXPECT_EQ(recording::command_numbers(broken).size(), std::string_view(broken) == "5:1 zz:3" ? 1U : 0U) << broken;
+}
+
 // What the window's end cuts off from its answer is written, and so is what the server carried out by itself.
 TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
   FlightOpening opening;

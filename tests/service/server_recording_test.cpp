@@ -2,11 +2,14 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "collided/recording.hpp"
 #include "idl/cdr.hpp"
 #include "idl/mcap/reader.hpp"
+#include "idl/recording/recorded_topics.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/server_fixture.hpp"
 #include "tests/service/wire/network.hpp"
@@ -195,6 +198,65 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
   EXPECT_TRUE(std::any_of(other->differences.begin(), other->differences.end(), [](const std::string& difference) {
     return difference.find(", pair 0: then ") != std::string::npos;
   }));
+}
+
+// A recorder listens for a second before it asks what is there, so that nothing is missing: what is done meanwhile it has
+// heard twice over, and what was done before and after once.
+TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
+  start();
+  const std::string file = path("run.mcap");
+  std::map<std::string, std::size_t> objects;
+  std::size_t added = 0;
+  {
+    Client client = connect();
+    const auto add_next = [&] {
+      const std::string crate = "crate " + std::to_string(added++);
+      ASSERT_TRUE(client.add({.name = crate, .shape = {SphereShape{.radius_m = 0.1}}}));
+      ASSERT_TRUE(client.add_fence({.name = "fence of " + crate, .shape = {SphereShape{.radius_m = 1}}, .keep = true}));
+      if (added % 3 == 0) ASSERT_TRUE(client.remove(crate));
+      else objects[crate] = 1;
+      std::this_thread::sleep_for(10ms);
+    };
+    add_next();
+    ChildProcess& recorder = record_beside(file);
+    ASSERT_TRUE(test::eventually([&] { return add_next(), has(file, "collided/status_v2", 1); }, 30s));
+    const std::size_t while_it_began = added;
+    for (int i = 0; i < 10; ++i) add_next();
+    ASSERT_TRUE(test::eventually([&] { return has(file, "collided/query_v2", while_it_began + 20); }, 20s));
+    recorder.signal(SIGINT);
+    ASSERT_EQ(recorder.wait(10s), 0) << recorder.errors();
+  }
+  // The adding of each, in the opening or as it was heard. What was removed before the opening need not be in it.
+  std::map<std::string, std::size_t> adds, fences;
+  const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
+  for (const mcap::Message& message : mcap::read(bytes).messages) {
+    dds::Sample<wire::Query> query;
+    if (message.head.channel != static_cast<std::uint16_t>(recording::Recorded::query) ||
+        !wire::read_cdr(message.data, query) ||
+        query->kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command))
+      continue;
+    const nlohmann::json text = nlohmann::json::parse(query->text);
+    if (text.at("command") == "add") ++adds[text.at("name")];
+    if (text.at("command") == "fence") ++fences[text.at("name")];
+  }
+  EXPECT_EQ(fences.size(), added);
+  for (const auto& [name, count] : fences) EXPECT_EQ(count, 1U) << name;
+  for (const auto& [name, count] : adds) EXPECT_EQ(count, 1U) << name;
+  for (const auto& [name, count] : objects) EXPECT_EQ(adds[name], count) << name;
+  servers_.back()->signal(SIGTERM);
+  ASSERT_EQ(servers_.back()->wait(15s), 0);
+  start({}, "again");
+  const Result<ReplayReport> again = replay(here(), {.path = file, .rate = 100});
+  ASSERT_TRUE(again) << again.error().message;
+  for (const std::string& warning : again->warnings) ADD_FAILURE() << warning;
+  Client client = connect();
+  const Result<std::string> listed = client.command("list", R"({"name":"crate*"})");
+  ASSERT_TRUE(listed) << listed.error().message;
+  const nlohmann::json answer = nlohmann::json::parse(*listed);
+  std::map<std::string, std::size_t> made;
+  for (const nlohmann::json& object : answer.at("objects")) ++made[object.at("name")];
+  EXPECT_EQ(made, objects);
+  EXPECT_EQ(client.fences()->size(), added);
 }
 
 // What the server itself remembered says the same, from before anybody thought of recording.

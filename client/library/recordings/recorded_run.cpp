@@ -126,9 +126,12 @@ class Sorting {
     if (request.opening) settle_opening(request);
   }
 
-  /// Takes a command of the opening. It has no reply in the recording, and two of them may have the same number.
+  /// Takes a command of the opening. It has no reply in the recording, but where it was under way then; and two that the
+  /// server has put together may have the same number.
   void settle_opening(Request& request) {
-    note_command(request.questions.begin()->second, {0, 0});
+    const std::size_t index = request.questions.begin()->second;
+    note_command(index, {0, 0});
+    opening_commands_[{query_->client, query_->request}] = index;
     requests_.erase({query_->client, query_->request});
   }
 
@@ -145,15 +148,23 @@ class Sorting {
   void take_reply(std::size_t index) {
     if (is_farewell(*reply_)) return note_command(index, {reply_->epoch, reply_->version});
     const auto found = requests_.find({reply_->client, reply_->request});
+    const bool is_refused = reply_->status == static_cast<std::uint8_t>(ReplyStatus::refused);
+    if (is_refused) forget_opening_command();
     if (found == requests_.end() || reply_->status == static_cast<std::uint8_t>(ReplyStatus::progress)) return;
     Request& request = found->second;
-    request.refused = request.refused || reply_->status == static_cast<std::uint8_t>(ReplyStatus::refused);
+    request.refused = request.refused || is_refused;
     request.replies.push_back(index);
     request.answered.insert(reply_->chunk_index);
     request.state = {reply_->epoch, reply_->version};
     const auto text = dds::view(reply_->text);
     request.reply_chunks = reply_->chunk_count;
     request.text[reply_->chunk_index].assign(text.begin(), text.end());
+  }
+
+  /// The reply refuses a command that was under way when the recording began.
+  void forget_opening_command() {
+    const auto found = opening_commands_.find({reply_->client, reply_->request});
+    if (found != opening_commands_.end()) std::erase(run_.commands[{0, 0}], found->second);
   }
 
   static std::uint64_t reported_version(const Request& request) {
@@ -193,8 +204,9 @@ class Sorting {
   dds::Sample<wire::Query> query_;
   dds::Sample<wire::Reply> reply_;
   dds::Sample<wire::Status> status_;
-  std::map<std::pair<std::uint64_t, std::uint64_t>, Request> requests_;  // client, number
-  StateNumber newest_;  // of those read so far
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Request> requests_;              // client, number
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::size_t> opening_commands_;  // items, by client and number
+  StateNumber newest_;                                                               // of those read so far
   std::uint64_t broken_ = 0;
 };
 

@@ -196,6 +196,11 @@ std::string Recording::State::begin_with_opening() {
   const Result<std::vector<std::byte>> file = client::fetch_recorded(*connection_, std::chrono::nanoseconds(0));
   if (!file) return file.error().message;
   const mcap::Contents contents = mcap::read(*file);
+  const auto about = contents.metadata.find("recording");
+  if (about != contents.metadata.end() && about->second.contains(recording::kOpeningCommands)) {
+    const auto noted = recording::command_numbers(about->second.at(recording::kOpeningCommands));
+    opening_commands_ = {noted.begin(), noted.end()};
+  }
   writer_.metadata("recording", {{"opening_messages", std::to_string(contents.messages.size())}});
   for (const mcap::Message& message : contents.messages) {
     const auto topic = recording::recorded_topic(contents.channels.at(message.head.channel), contents);
@@ -211,6 +216,14 @@ std::string Recording::State::begin_with_opening() {
   return {};
 }
 
+/// The readers are there before the opening, so what was done in between is heard as well.
+bool Recording::State::is_in_opening(const RecordingQueue::Entry& entry) {
+  if (entry.client == 0 || opening_commands_.erase({entry.client, entry.request}) == 0) return false;
+  const std::lock_guard lock(mutex_);
+  --given_[entry.channel - std::size_t{1}];
+  return true;
+}
+
 void Recording::State::run() {
   RecordingQueue::Batch batch;
   Clock::time_point next_chunk = Clock::now() + kChunkPeriod;
@@ -222,6 +235,7 @@ void Recording::State::run() {
     queue_.take(batch, std::chrono::milliseconds(100));
     add_own_channels();
     for (const RecordingQueue::Entry& entry : batch.entries) {
+      if (is_in_opening(entry)) continue;
       writer_.write(entry.channel, entry.log_time, entry.publish_time,
                     std::span(batch.bytes).subspan(entry.begin, entry.size));
     }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "collided/recording.hpp"
 #include "idl/mcap/output.hpp"
 #include "idl/mcap/writer.hpp"
+#include "idl/recording/opening_commands.hpp"
 
 namespace collided {
 
@@ -40,6 +42,8 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   void wait_until_heard() const;
   // Writes what is in the world already. Returns why that is not possible; empty: done.
   std::string begin_with_opening();
+  // Whether it is a command that the opening has taken into account; it is left out of the file then.
+  bool is_in_opening(const client::RecordingQueue::Entry& entry);
   // The writing thread.
   void run();
   void note_written();
@@ -62,6 +66,7 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   mcap::FileOutput output_;
   mcap::FileWriter writer_;
   client::RecordingQueue queue_;
+  std::set<recording::CommandNumber> opening_commands_;  // those that may be heard beside it; the writing thread's
   std::atomic<bool> stopping_{false};
 
   mutable std::mutex mutex_;  // guards the members from here to the topics

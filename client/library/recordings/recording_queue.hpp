@@ -9,10 +9,12 @@
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "idl/cdr.hpp"
 #include "idl/recording/recorded_topics.hpp"
+#include "idl/topics.hpp"
 
 namespace collided::client {
 
@@ -32,7 +34,8 @@ class RecordingQueue {
     std::uint16_t channel = 0;
     std::uint64_t log_time = 0;
     std::uint64_t publish_time = 0;
-    std::size_t begin = 0, size = 0;  // of its data in the batch's bytes
+    std::size_t begin = 0, size = 0;        // of its data in the batch's bytes
+    std::uint64_t client = 0, request = 0;  // of a command
   };
   struct Batch {
     std::vector<Entry> entries;
@@ -41,12 +44,16 @@ class RecordingQueue {
 
   template <class T>
   void put(recording::Recorded topic, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) {
-    put(static_cast<std::uint16_t>(topic), wire::cdr_size(sample), log_time, publish_time,
-        [&](std::span<std::byte> room) { wire::write_cdr(sample, room); });
+    Entry entry{.channel = static_cast<std::uint16_t>(topic), .log_time = log_time, .publish_time = publish_time};
+    if constexpr (std::is_same_v<T, wire::Query>) {
+      if (sample.kind == static_cast<std::uint8_t>(wire_contract::RequestKind::command))
+        entry.client = sample.client, entry.request = sample.request;
+    }
+    put(entry, wire::cdr_size(sample), [&](std::span<std::byte> room) { wire::write_cdr(sample, room); });
   }
   /// channel  number in the file, of one of its own channels
   void put(std::uint16_t channel, std::string_view text, std::uint64_t log_time) {
-    put(channel, text.size(), log_time, log_time,
+    put({.channel = channel, .log_time = log_time, .publish_time = log_time}, text.size(),
         [&](std::span<std::byte> room) { std::ranges::copy(std::as_bytes(std::span(text)), room.begin()); });
   }
 
@@ -58,18 +65,18 @@ class RecordingQueue {
 
  private:
   template <class Write>
-  void put(std::uint16_t channel, std::size_t size, std::uint64_t log_time, std::uint64_t publish_time,
-           const Write& write) {
+  void put(Entry entry, std::size_t size, const Write& write) {
     const std::lock_guard lock(mutex_);
-    const std::size_t begin = waiting_.bytes.size();
-    if (begin + size > kMostBytes) {
-      ++dropped_[channel - std::size_t{1}];
+    entry.begin = waiting_.bytes.size();
+    entry.size = size;
+    if (entry.begin + size > kMostBytes) {
+      ++dropped_[entry.channel - std::size_t{1}];
       return;
     }
-    waiting_.bytes.resize(begin + size);
-    write(std::span(waiting_.bytes).subspan(begin));
-    waiting_.entries.push_back({channel, log_time, publish_time, begin, size});
-    if (begin + size >= kWakeBytes) came_.notify_one();
+    waiting_.bytes.resize(entry.begin + size);
+    write(std::span(waiting_.bytes).subspan(entry.begin));
+    waiting_.entries.push_back(entry);
+    if (entry.begin + size >= kWakeBytes) came_.notify_one();
   }
 
   static constexpr std::size_t kWakeBytes = std::size_t{1} << 20;

@@ -43,6 +43,8 @@ void FlightCommands::asked(const wire::Query& query) {
   if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
   if (query.client == 0)
     return done(wire::cdr_bytes(query), json::object(), [](const std::string*, bool) { return false; });
+  noted_.emplace_back(query.client, query.request);
+  if (noted_.size() > kMostNoted) noted_.pop_front();
   unanswered_.push_back({query.client, query.request, wire::cdr_bytes(query)});
   if (unanswered_.size() <= kMostUnanswered) return;
   unanswered_.pop_front();

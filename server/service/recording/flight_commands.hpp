@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "idl/cdr.hpp"
+#include "idl/recording/opening_commands.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "server/service/recording/flight_fences.hpp"
 
@@ -25,6 +26,7 @@ class FlightCommands {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
   static constexpr std::size_t kMostUnanswered = 64;
+  static constexpr std::size_t kMostNoted = 4'096;
   /// Takes away objects that a lost publisher left: those of a name (nullptr: all), or of them only the moving ones.
   /// True where there was one.
   using TakePublished = std::function<bool(const std::string* name, bool moving_only)>;
@@ -38,6 +40,8 @@ class FlightCommands {
   /// Calls put(channel, CDR bytes) with each command, oldest first, then those of fences; those without an answer so far come last.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   std::uint64_t left_out() const { return left_out_ + fences_.left_out(); }
+  /// The newest kMostNoted commands of clients that asked() has noted, oldest first.
+  std::vector<recording::CommandNumber> noted() const { return {noted_.begin(), noted_.end()}; }
 
  private:
   struct Kept {
@@ -62,6 +66,7 @@ class FlightCommands {
   std::vector<Kept> kept_;
   FlightFences fences_;
   std::deque<Unanswered> unanswered_;
+  std::deque<recording::CommandNumber> noted_;
   std::size_t bytes_ = 0;
   std::uint64_t left_out_ = 0;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "idl/cdr.hpp"
+#include "idl/recording/opening_commands.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "server/service/recording/flight_commands.hpp"
 
@@ -40,6 +41,8 @@ class FlightOpening {
   /// Calls put(channel, CDR bytes) with what makes the same state again: all definitions, then for each publisher its
   /// poses with the number of its newest sample, then the commands, then the contacts, then who is in fences.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
+  /// Numbers of the commands that it has taken into account, the newest ones.
+  std::vector<recording::CommandNumber> noted_commands() const { return commands_.noted(); }
   /// Samples that had no room; the state that is made again lacks them.
   std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
 

@@ -10,6 +10,7 @@
 
 #include "idl/mcap/output.hpp"
 #include "idl/mcap/writer.hpp"
+#include "idl/recording/opening_commands.hpp"
 #include "server/service/runtime/named_thread.hpp"
 
 namespace collided::engine::service {
@@ -119,7 +120,8 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
     std::uint64_t opening_messages = 0;
     opening.write([&](recording::Recorded, std::span<const std::byte>) { ++opening_messages; });
     writer.metadata("recording", {{"opening_messages", std::to_string(opening_messages)},
-                                  {"dropped", std::to_string(file.dropped)}});
+                                  {"dropped", std::to_string(file.dropped)},
+                                  {recording::kOpeningCommands, recording::text_of(opening.noted_commands())}});
     opening.write([&](recording::Recorded topic, std::span<const std::byte> data) {
       writer.write(static_cast<std::uint16_t>(topic), file.from_ns, file.from_ns, data);
     });
