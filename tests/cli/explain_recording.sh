@@ -21,6 +21,10 @@ same() {  # WHAT, of which "$folder/live" and "$folder/then" hold the answers
 server=$!
 "$collide" status --wait 20s -q >/dev/null || fail "no server"
 "$collide" add tower box 1 1 4 --at 12 1.032 2 -q >/dev/null
+"$collide" fence add yard box 11 -1 0 13 1.5 2 --only 'drone*' --keep -q >/dev/null
+"$collide" nearest add who 'drone*' tower 50 --keep -q >/dev/null
+"$collide" fence add gone sphere 0 0 0 1 --keep -q >/dev/null
+"$collide" fence rm gone -q >/dev/null
 # A drone on its way into the tower and out again, and then at rest for as long as is asked here.
 awk 'BEGIN { print "t,name,x,y,z"; for (i = 0; i <= 3000; ++i) { t = i * 0.04; y = t < 1 ? -2 + 2.4 * t : 0.4 - 2.4 * (t - 1); print t ",drone,12," (y < -2 ? -2 : y) ",1" } }' >"$folder/poses.csv"
 "$collide" publish "$folder/poses.csv" --shape sphere:0.5 -q >/dev/null &
@@ -61,7 +65,21 @@ explain ray 12 1 6 0 0 -1 --recording "$run" >"$folder/then"
 grep -q '^hit  tower' "$folder/then" || fail "at its end it said $(cat "$folder/then" "$folder/err")"
 [[ $(explain event 999999 --recording "$run") == "exit code 1" ]] || fail "an event that it lacks: $(cat "$folder/err")"
 [[ $(explain ray 0 0 1 1 0 0 --recording "$run" --as-of 5) == "exit code 2" ]] || fail "of 1970: $(cat "$folder/err")"
-[[ $(explain fence dock --recording "$run") == "exit code 2" ]] || fail "a fence: $(cat "$folder/err")"
+# A fence and a question for the nearest, of a drone that rests by then; and of when it was in.
+for question in "fence yard" "nearest who" "fence yard --why-not tower"; do
+  explain $question >"$folder/live"
+  explain $question --recording "$run" >"$folder/then"
+  same "'$question'"
+done
+grep -q '^  event .* exit drone  (separated)  seq [0-9]*$' "$folder/live" || fail "the fence told $(cat "$folder/live")"
+explain fence yard --recording "$run" --as-of "$instant" >"$folder/then"
+grep -q '^yard: a box, 1 in it' "$folder/then" || fail "of the fence then it said $(cat "$folder/then" "$folder/err")"
+grep -q '^  inside   drone  .* deep  since ' "$folder/then" || fail "of who was in it said $(cat "$folder/then")"
+grep -q ' enter drone  seq [0-9]*$' "$folder/then" || fail "of what was told until then it said $(cat "$folder/then")"
+! grep -q ' exit ' "$folder/then" || fail "it tells what came later: $(cat "$folder/then")"
+[[ $(explain fence gone --recording "$run") == "exit code 5" ]] || fail "a fence that was gone: $(cat "$folder/err")"
+grep -q "run.mcap: server refused: no fence 'gone'" "$folder/err" || fail "of a fence that was gone it said $(cat "$folder/err")"
+[[ $(explain fence yard --as-of "$instant") == "exit code 2" ]] || fail "the live fence then: $(cat "$folder/err")"
 [[ -z $(ls "$folder" | grep collide-explain || true) ]] || fail "it left $(ls "$folder")"
 
 kill "$pilot"; wait "$pilot" 2>/dev/null || true

@@ -53,7 +53,7 @@ Record explained_nearest_record(const nlohmann::json& answer) {
           {"left_out", raw("left_out")},
           {"asked_for", raw("asked_for")},
           {"events", raw("events")},
-          {"cut_short", count_of(answer, "cut_short")},
+          {"cut_short", answer.contains("cut_short") ? Value(count_of(answer, "cut_short")) : none},
           {"late", flag_of(answer, "late") ? Value(true) : none},
           {"time_ns", answer.value("time_ns", std::int64_t{0})},
           {"world", version_of(answer)}};

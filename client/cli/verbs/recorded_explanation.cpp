@@ -18,8 +18,10 @@
 #include "client/cli/output/progress.hpp"
 #include "client/cli/server_aside.hpp"
 #include "client/cli/server_command.hpp"
+#include "client/cli/verbs/recorded_standing.hpp"
 #include "client/cli/verbs/undo.hpp"
 #include "idl/commands.hpp"
+#include "idl/glob.hpp"
 #include "idl/instant.hpp"
 
 namespace collided::cli {
@@ -163,15 +165,6 @@ Event recorded_event(const RecordedWorld& world, const RecordedEvents& recorded,
   return *found;
 }
 
-/// A glob that a name matches, and few others do.
-std::string glob_for(std::string name) {
-  constexpr std::string_view kSpecial = "*?[]\\";
-  for (char& letter : name) {
-    if (kSpecial.find(letter) != std::string_view::npos) letter = '?';
-  }
-  return name;
-}
-
 /// The replay's event that is the recorded one again: of the same two, and the nearest to it in time.
 std::optional<Event> same_event(Watch& watch, const Event& recorded, nanoseconds shift) {
   constexpr std::chrono::seconds kPatience{2};
@@ -215,12 +208,41 @@ nlohmann::json explain_recorded(Session& session, const Globals& globals, const 
   return server.answer_after(stretch_about(instant, instant, lead, recorded), ask_then);
 }
 
+nlohmann::json explain_recorded_standing(Session& session, const Globals& globals, const RecordedWorld& world,
+                                         nlohmann::json arguments, const AskExplanation& ask) {
+  // The last of the others may be the one that was nearest.
+  constexpr std::uint64_t kMostOthers = 1'000;
+  const bool is_nearest = arguments.contains("nearest");
+  const std::uint64_t most = arguments.value("most", std::uint64_t{3});
+  if (is_nearest) arguments["most"] = std::max(most, kMostOthers);
+  const RecordedEvents recorded = read(session, globals, world);
+  const nanoseconds instant = instant_of(world, recorded);
+  RecordedServer server(session, globals, world, recorded);
+  const auto ask_then = [&](Session& its_own, const Globals& its_globals, nanoseconds) {
+    try {
+      return ask(its_own, its_globals, arguments);
+    } catch (const Failure& failed) {
+      if (failed.code != Exit::refused) throw;
+      throw Failure(
+          failed.code, fmt::format("{}: {}", printable(world.path), failed.what()),
+          fmt::format("collide events {} --of {} lists what was told; earlier versions did not record what stood",
+                      shell_word(world.path), is_nearest ? "nearest" : "fences"));
+    }
+  };
+  // What it had told is in the recording, so nothing needs to move again in time.
+  nlohmann::json answer = server.answer_after({.from = instant, .to = instant}, ask_then);
+  const nanoseconds through = world.as_of.empty() ? nanoseconds::max() : instant;
+  if (is_nearest) put_recorded_news_of_nearest(answer, world.path, through, most);
+  else put_recorded_news_of_fence(answer, world.path, through);
+  return answer;
+}
+
 nlohmann::json explain_recorded_event(Session& session, const Globals& globals, const RecordedWorld& world,
                                       std::uint64_t sequence, const AskExplanation& ask) {
   const RecordedEvents recorded = read(session, globals, world);
   const Event event = recorded_event(world, recorded, sequence);
   RecordedServer server(session, globals, world, recorded);
-  Watch watch = take(server.client().watch({.only = glob_for(event.a)}));
+  Watch watch = take(server.client().watch({.only = wire_contract::glob_of(event.a)}));
   const auto ask_of_it = [&](Session& its_own, const Globals& its_globals, nanoseconds shift) {
     const std::optional<Event> again = same_event(watch, event, shift);
     if (!again) {

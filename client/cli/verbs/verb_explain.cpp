@@ -46,11 +46,13 @@ class ExplainCommand : public Command {
     app.add_option(
         "--last", last_,
         "pair: how far back their paths are looked at: 5s (as far as poses are remembered; of a recording 5s)");
-    app.add_option("--as-of", world_.as_of,
-                   "pair, ray: all objects at one instant: settled, -2s (before now, or a recording's end), "
-                   "2026-11-22T12:03:10.5Z; of a recording also +2s, after its begin");
-    app.add_option("--recording", world_.path,
-                   "pair, ray, event: from this recording, by a server of its own instead of the one that runs");
+    app.add_option(
+        "--as-of", world_.as_of,
+        "pair, ray, of a recording also fence, nearest: all objects at one instant: settled, -2s (before now, "
+        "or a recording's end), 2026-11-22T12:03:10.5Z; of a recording also +2s, after its begin");
+    app.add_option(
+        "--recording", world_.path,
+        "From this recording, by a server of its own instead of the one that runs; of events those of contacts");
     app.add_option("--scene", world_.scenes, "With --recording: a file that its server had loaded; may be repeated")
         ->allow_extra_args(false);
     app.add_option("--to", to_, "ray: aim at this point instead of giving a direction");
@@ -116,12 +118,11 @@ class ExplainCommand : public Command {
   }
 
   Exit explain_fence(Session& session, const Globals& globals) {
-    refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
-    if (!world_.path.empty()) throw bad_use("a recording holds no fences", kForms);
+    refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
     if (words_.size() != 2) throw bad_use("which fence?", kForms);
     nlohmann::json arguments{{"fence", words_[1]}};
     add_common(arguments);
-    const nlohmann::json answer = ask_server(session, globals, std::move(arguments), {why_not_});
+    const nlohmann::json answer = ask_of_standing(session, globals, std::move(arguments), "fence");
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields(usual_explained_fence_fields());
     if (printer.human()) print_explained_fence(printer, answer);
@@ -130,12 +131,11 @@ class ExplainCommand : public Command {
   }
 
   Exit explain_nearest(Session& session, const Globals& globals) {
-    refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &of_}, "question for the nearest");
-    if (!world_.path.empty()) throw bad_use("a recording holds no questions for the nearest", kForms);
+    refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "question for the nearest");
     if (words_.size() != 2) throw bad_use("which question?", kForms);
     nlohmann::json arguments{{"nearest", words_[1]}};
     add_common(arguments);
-    const nlohmann::json answer = ask_server(session, globals, std::move(arguments), {why_not_});
+    const nlohmann::json answer = ask_of_standing(session, globals, std::move(arguments), "question for the nearest");
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields(usual_explained_nearest_fields());
     if (printer.human()) print_explained_nearest(printer, answer);
@@ -183,6 +183,14 @@ class ExplainCommand : public Command {
   void add_common(nlohmann::json& arguments) const {
     if (!why_not_.empty()) arguments["why_not"] = why_not_;
     if (!most_.empty()) arguments["most"] = parse_count(most_);
+  }
+
+  nlohmann::json ask_of_standing(Session& session, const Globals& globals, nlohmann::json arguments,
+                                 std::string_view what) const {
+    if (!world_.path.empty())
+      return explain_recorded_standing(session, globals, world_, std::move(arguments), asking({why_not_}));
+    refuse_others({&world_.as_of}, what);
+    return ask_server(session, globals, std::move(arguments), {why_not_});
   }
 
   nlohmann::json ask_of_event(Session& session, const Globals& globals, std::uint64_t sequence) const {
