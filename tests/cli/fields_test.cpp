@@ -241,6 +241,21 @@ TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
   EXPECT_NE(at_terminal("status").out.find("\n3 pairs in doubt"), std::string::npos) << at_terminal("status").out;
 }
 
+TEST_F(Fields, SearchesThatWereCutShortAreCountedInTheStatus) {
+  std::uint64_t count = 0;
+  fake::server().command = [&](const std::string& name, const json&, const Shape&) -> Result<std::string> {
+    return std::string(name == "figures" ? json{{"fences", {{"cut_short", count}}}}.dump() : "{}");
+  };
+  EXPECT_EQ(collide("status --fields cut_short").out, "0\n");
+  EXPECT_EQ(at_terminal("status").out.find("limit"), std::string::npos);
+  for (const auto& [searches, words] :
+       {std::pair(1, "\n1 search of fences ended at the limit"), std::pair(3, "\n3 searches of fences")}) {
+    count = static_cast<std::uint64_t>(searches);
+    EXPECT_EQ(collide("status --fields cut_short").out, std::to_string(searches) + "\n");
+    EXPECT_NE(at_terminal("status").out.find(words), std::string::npos) << at_terminal("status").out;
+  }
+}
+
 TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
   const std::vector<std::pair<EndReason, const char*>> words{{EndReason::separated, "separated"},
                                                              {EndReason::removed, "removed"},

@@ -31,7 +31,8 @@ class StatusCommand : public Command {
     const ServerStatus status = take(session.client(globals).status());
     const nlohmann::json covers = covers_of(session.client(globals));
     const nlohmann::json figures = figures_of(session.client(globals));
-    const nlohmann::json in_doubt = in_doubt_of(figures);
+    const nlohmann::json in_doubt = count_in(figures, "pairs", "in_doubt");
+    const nlohmann::json cut_short = count_in(figures, "fences", "cut_short");
     const bool keeps_nothing = figures.is_object() && flag_of(figures, "keeps_nothing");
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
@@ -40,6 +41,12 @@ class StatusCommand : public Command {
         printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) +
                                                      " pairs in doubt: neither known to touch nor to be apart"));
       }
+      if (cut_short.is_number_unsigned() && cut_short != 0u) {
+        printer.line(printer.paint(
+            Paint::doubt,
+            fmt::format("{} search{} of fences ended at the limit: who came and went then may not have been told",
+                        format_count(cut_short.get<std::uint64_t>()), cut_short == 1u ? "" : "es")));
+      }
       print_covers(printer, covers);
       if (keeps_nothing)
         printer.line(printer.paint(Paint::doubt, "keeps nothing: what commands do is lost with a crash (--state-dir)"));
@@ -47,6 +54,7 @@ class StatusCommand : public Command {
     } else {
       Record all = record(status, options.domain);
       all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
+      all.push_back({"cut_short", cut_short.is_number_unsigned() ? Value(cut_short.get<std::uint64_t>()) : Value()});
       all.push_back({"keeps_nothing", keeps_nothing});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
@@ -79,9 +87,9 @@ class StatusCommand : public Command {
     const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
     return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
   }
-  static nlohmann::json in_doubt_of(const nlohmann::json& figures) {
-    const bool is_told = figures.is_object() && figures.contains("pairs") && figures["pairs"].is_object();
-    return is_told ? figures["pairs"].value("in_doubt", nlohmann::json()) : nlohmann::json();
+  static nlohmann::json count_in(const nlohmann::json& figures, const char* group, const char* key) {
+    const bool is_told = figures.is_object() && figures.contains(group) && figures[group].is_object();
+    return is_told ? figures[group].value(key, nlohmann::json()) : nlohmann::json();
   }
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {

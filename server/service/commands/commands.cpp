@@ -238,6 +238,8 @@ json Commands::plan(const Arguments& arguments) const {
   json structures = json::array();
   std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
   rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
+  if (const std::uint64_t cut_short = with_.loop.sums().fences_cut_short.get(); cut_short > 0)
+    rows.push_back(plan_of_cut_searches(cut_short));
   if (with_.durable == nullptr) {
     rows.push_back({.structure = "journal",
                     .built = false,

@@ -193,6 +193,11 @@ PlanRow plan_of_probes(std::size_t count, bool are_read) {
   return {"probes", true, number(count, "probes that somebody reads"), ""};
 }
 
+PlanRow plan_of_cut_searches(std::uint64_t count) {
+  return {"searches of fences", true,
+          number(count, "ended at their limit of looks so far: who came and went then may not have been told"), ""};
+}
+
 std::vector<PairRow> pair_table() {
   const std::string closed = "closed form, exact";
   const std::string searched =

@@ -454,6 +454,12 @@ TEST(WorldPlan, ProbesAreBuiltWhereSomebodyReadsThem) {
   EXPECT_EQ(plan_of_probes(3, true).saves, "");
 }
 
+TEST(WorldPlan, SearchesThatEndedAtTheirLimitAreTold) {
+  EXPECT_TRUE(plan_of_cut_searches(2).built);
+  EXPECT_EQ(plan_of_cut_searches(2).reason,
+            "2 ended at their limit of looks so far: who came and went then may not have been told");
+}
+
 struct Surface {
   TriangleMesh mesh;
   Bvh tree = Bvh::build(mesh);
