@@ -527,6 +527,56 @@ COLLIDED_API uint64_t collided_nearest_watch_lost(const collided_nearest_watch* 
 COLLIDED_API int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch);
 COLLIDED_API void collided_nearest_watch_close(collided_nearest_watch* watch);
 
+/* ---- Recordings ---- */
+
+/* What fences, margins and questions for the nearest told in a recording (collide record); no server is needed. See
+ * collided::recorded_fence_events. */
+typedef struct collided_recorded_fences collided_recorded_fences;
+
+/* what a time in a recording counts from; NONE: there is no such limit */
+enum { COLLIDED_SINCE_NONE = 0, COLLIDED_SINCE_1970 = 1, COLLIDED_SINCE_BEGIN = 2, COLLIDED_SINCE_END = 3 };
+
+typedef struct collided_recorded_options {
+  uint32_t size;
+  int32_t from_since; /* what held then comes first, then what happened from then on */
+  int32_t to_since;
+  int32_t reserved;
+  int64_t from_ns;
+  int64_t to_ns;    /* included */
+  const char* only; /* globs, may be null */
+  const char* skip;
+} collided_recorded_options;
+
+typedef struct collided_recorded_about {
+  uint32_t size;
+  uint32_t reserved;
+  size_t fences; /* events of fences, and of the others */
+  size_t margins;
+  size_t nearest;
+  size_t warnings;
+  uint64_t lost;    /* events of all three that are known to be missing */
+  int64_t begin_ns; /* of the recording, since 1970 */
+  int64_t end_ns;
+} collided_recorded_about;
+
+/* options  may be null
+ * returns  in *recorded, to be given to collided_free_recorded_fences; null after an error */
+COLLIDED_API int collided_read_recorded_fences(const char* path, const collided_recorded_options* options,
+                                               collided_recorded_fences** recorded, collided_error* error);
+COLLIDED_API void collided_free_recorded_fences(collided_recorded_fences* recorded);
+COLLIDED_API void collided_about_recorded_fences(const collided_recorded_fences* recorded,
+                                                 collided_recorded_about* about);
+/* An event by its place, from 0; its texts are valid until `recorded` is freed. COLLIDED_NOTHING for a number that is too
+ * large. */
+COLLIDED_API int collided_recorded_fence_event(const collided_recorded_fences* recorded, size_t number,
+                                               collided_fence_event* event);
+COLLIDED_API int collided_recorded_margin_event(const collided_recorded_fences* recorded, size_t number,
+                                                collided_margin_event* event);
+COLLIDED_API int collided_recorded_nearest_event(const collided_recorded_fences* recorded, size_t number,
+                                                 collided_nearest_event* event);
+/* A sentence about damage of the file, or what is missing; null for a number that is too large. */
+COLLIDED_API const char* collided_recorded_warning(const collided_recorded_fences* recorded, size_t number);
+
 /* ---- Why? ---- */
 
 typedef struct collided_explanation collided_explanation;

@@ -445,6 +445,60 @@ static void nearest(collided_client* client) {
   expect(removed == 1, "one question removed");
 }
 
+/* What the fence, the margin and the question above told, read from the server's memory of it. */
+static void recordings(collided_client* client) {
+  collided_error error;
+  collided_recorded_options options;
+  collided_recorded_about about;
+  collided_recorded_fences* recorded = NULL;
+  collided_fence_event fence;
+  collided_margin_event margin;
+  collided_nearest_event nearest;
+  char* answer = NULL;
+  char* path;
+  size_t i, first = 0;
+  error.size = sizeof error;
+  must(collided_command(client, "recording", "{\"last_s\":60}", 10000000000L, &answer, &error), &error, "record");
+  path = strstr(answer, "\"path\":\"");
+  expect(path != NULL, "where the recording is");
+  if (path == NULL) return;
+  path += strlen("\"path\":\"");
+  *strchr(path, '"') = 0;
+  memset(&options, 0, sizeof options);
+  options.size = sizeof options;
+  options.only = "c_*";
+  must(collided_read_recorded_fences(path, &options, &recorded, &error), &error, "read it");
+  about.size = sizeof about;
+  collided_about_recorded_fences(recorded, &about);
+  expect(about.fences >= 3 && about.margins >= 2 && about.nearest >= 2, "all three are in it");
+  expect(about.lost == 0 && about.warnings == 0 && about.begin_ns < about.end_ns, "nothing is missing");
+  fence.size = sizeof fence;
+  margin.size = sizeof margin;
+  nearest.size = sizeof nearest;
+  for (i = 0; i < about.fences; ++i) {
+    expect(collided_recorded_fence_event(recorded, i, &fence) == COLLIDED_OK, "each event of a fence");
+    if (first == 0 && !strcmp(fence.fence, "c_dock")) first = i + 1;
+  }
+  expect(collided_recorded_fence_event(recorded, about.fences, &fence) == COLLIDED_NOTHING, "no more of them");
+  expect(first > 0 && collided_recorded_fence_event(recorded, first - 1, &fence) == COLLIDED_OK && fence.kind == 1 &&
+             !strcmp(fence.object, "c_cart"),
+         "the cart enters first");
+  expect(collided_recorded_margin_event(recorded, 0, &margin) == COLLIDED_OK && margin.margin[0] != 0, "a margin's");
+  expect(collided_recorded_nearest_event(recorded, 0, &nearest) == COLLIDED_OK && !strcmp(nearest.nearest, "c_first"), "a question's");
+  expect(collided_recorded_warning(recorded, 0) == NULL, "no warning");
+  collided_free_recorded_fences(recorded);
+  options.from_since = COLLIDED_SINCE_END;
+  options.from_ns = 1;
+  must(collided_read_recorded_fences(path, &options, &recorded, &error), &error, "read what holds at its end");
+  collided_about_recorded_fences(recorded, &about);
+  expect(about.fences == 0 && about.margins == 0 && about.nearest == 0, "nothing is left in any");
+  collided_free_recorded_fences(recorded);
+  options.to_since = 4;
+  expect(collided_read_recorded_fences(path, &options, &recorded, &error) == COLLIDED_BAD_INPUT && recorded == NULL, "since when");
+  expect(collided_read_recorded_fences("/nowhere.mcap", NULL, &recorded, &error) == COLLIDED_BAD_INPUT, "no file");
+  collided_free_text(answer);
+}
+
 /* Why a ray meets the floor and neither the glass nor the mast, and what is behind a fence and an event of it. */
 static void explanations(collided_client* client) {
   static const double origin[3] = {900, 0, 5};
@@ -617,6 +671,7 @@ int main(int count, char** words) {
   fences(client);
   margins(client);
   nearest(client);
+  recordings(client);
   explanations(client);
   voxels(client);
   collided_close(client);

@@ -475,6 +475,54 @@ class World(WithServer):
         for name in ("py_lamp_a", "py_lamp_b", "py_walker"):
             self.client.remove(name)
 
+    def test_a_recording_tells_what_the_watches_told(self):
+        self.client.add("py_truck", collided.Sphere(0.5), (900, 0, 0))
+        self.client.add("py_wall", collided.Sphere(0.5), (904, 0, 0))
+        self.addCleanup(self.client.remove, "py_*")
+        self.client.add_fence("py_bay", collided.Box((1, 1, 1), (910, 0, 0)), only="py_truck")
+        self.addCleanup(self.client.remove_fences, "py_bay")
+        self.client.add_margin("py_gap", "py_wall", "py_truck", [2.0])
+        self.addCleanup(self.client.remove_margins, "py_gap")
+        self.client.add_nearest("py_who", "py_truck", (910, 0, 0), 5)
+        self.addCleanup(self.client.remove_nearest, "py_who")
+        told = {"fences": [], "margins": [], "nearest": []}
+        with self.client.watch_fences("py_bay") as fences, self.client.watch_margins("py_gap") as margins, \
+                self.client.watch_nearest("py_who") as nearest:
+            until = time.monotonic() + 20
+            while not all(watch.in_step for watch in (fences, margins, nearest)) and time.monotonic() < until:
+                time.sleep(0.01)
+            self.client.move("py_truck", (910, 0, 0))
+            self.client.move("py_truck", (900, 0, 0))
+            for kind, watch, count in (("fences", fences, 2), ("margins", margins, 8), ("nearest", nearest, 2)):
+                while len(told[kind]) < count:
+                    event = watch.next(20)
+                    self.assertIsNotNone(event, (kind, told[kind]))
+                    told[kind].append(event)
+        self.assertEqual([event.kind for event in told["fences"]], ["enter", "exit"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "last.mcap")
+            subprocess.run([COLLIDE, "--domain", str(DOMAIN), "record", path, "--last", "30s"], check=True, capture_output=True)
+            recorded = collided.recorded_fence_events(path, only="py_[bgw]*")
+            self.assertEqual((recorded.lost, recorded.warnings), (0, []))
+            self.assertLess(recorded.begin_ns, recorded.end_ns)
+            self.assertEqual([event for event in recorded.fences if event.fence == "py_bay"], told["fences"])
+            self.assertEqual([event for event in recorded.margins if event.margin == "py_gap"], told["margins"])
+            self.assertEqual([event for event in recorded.nearest if event.nearest == "py_who"], told["nearest"])
+            self.assertEqual(collided.recorded_fence_events(path, only="py_none"),
+                             collided.RecordedFenceEvents([], [], [], recorded.begin_ns, recorded.end_ns, 0, []))
+            # Between its coming in and its going out it was in.
+            entered, left = told["fences"]
+            between = entered.world_time_ns - int(entered.bracket[1] * 1e9) + 1
+            (inside,) = collided.recorded_fence_events(path, only="py_bay", from_ns=between, to_ns=between).fences
+            self.assertEqual((inside.kind, inside.object, inside.episode), ("inside", "py_truck", entered.episode))
+            self.assertEqual(collided.recorded_fence_events(path, only="py_bay", from_ns=0, since="end").fences, [])
+            self.assertEqual(len(collided.recorded_fence_events(path, only="py_bay", from_ns=0, since="begin").fences), 2)
+            for wrong in (lambda: collided.recorded_fence_events(path, since="noon"),
+                          lambda: collided.recorded_fence_events(path, from_ns=1, to_ns=0),
+                          lambda: collided.recorded_fence_events(os.path.join(folder, "none.mcap"))):
+                with self.assertRaises(collided.BadInput):
+                    wrong()
+
     def test_explanations_say_why_and_why_not(self):
         self.client.add("py_glass", collided.Box((0.5, 0.5, 0.5)), (800, 0, 2), layers=2)
         self.client.add("py_floor", collided.Box((5, 5, 0.5)), (800, 0, -0.5))

@@ -1,5 +1,6 @@
 #include <optional>
 
+#include "client/library/c/fence_events.hpp"
 #include "client/library/c/values.hpp"
 
 using namespace collided;
@@ -40,68 +41,6 @@ Result<Fence> fence_of(const collided_fence& given) {
   if (!shape) return shape.error();
   fence.shape = std::move(*shape);
   return fence;
-}
-
-/// What events of all kinds have in common.
-template <class Told, class NewsEvent>
-Told lent(const NewsEvent& event) {
-  Told told{};
-  told.kind = static_cast<std::int32_t>(event.kind);
-  told.reason = static_cast<std::int32_t>(event.reason);
-  told.doubt = static_cast<std::int32_t>(event.doubt);
-  told.resync = event.resync ? 1 : 0;
-  told.epoch = event.epoch;
-  told.sequence = event.sequence;
-  told.world_time_ns = event.world_time.count();
-  told.bracket_low_s = event.bracket_low_s;
-  told.bracket_high_s = event.bracket_high_s;
-  return told;
-}
-
-collided_fence_event lent_fence(const FenceEvent& event) {
-  auto told = lent<collided_fence_event>(event);
-  told.object = event.object.c_str();
-  told.fence = event.fence.c_str();
-  told.episode = event.episode;
-  told.entered_ns = event.entered.count();
-  told.left_low_s = event.left_low_s;
-  told.left_high_s = event.left_high_s;
-  put(event.point, told.point);
-  return told;
-}
-
-collided_margin_event lent_margin(const MarginEvent& event) {
-  auto told = lent<collided_margin_event>(event);
-  told.margin = event.margin.c_str();
-  told.object = event.object.c_str();
-  told.around = event.around.c_str();
-  told.band_m = event.band_m;
-  told.episode = event.episode;
-  told.entered_ns = event.entered.count();
-  told.distance_m = event.distance_m;
-  told.distance_error_m = event.distance_error_m;
-  put(event.point, told.point);
-  put(event.normal, told.normal);
-  told.closing_mps = event.closing_mps;
-  told.closing_error_mps = event.closing_error_mps;
-  if (event.contact_in) {
-    told.has_contact_in = 1;
-    told.contact_in_low_s = event.contact_in->low_s;
-    told.contact_in_high_s = event.contact_in->high_s;
-  }
-  return told;
-}
-
-collided_nearest_event lent_nearest(const NearestEvent& event) {
-  auto told = lent<collided_nearest_event>(event);
-  told.nearest = event.nearest.c_str();
-  told.from = event.from.c_str();
-  told.to = event.to.c_str();
-  told.distance_m = event.distance_m;
-  told.distance_error_m = event.distance_error_m;
-  put(event.point, told.point);
-  put(event.normal, told.normal);
-  return told;
 }
 
 /// The next event of a watch of any kind.
@@ -217,7 +156,7 @@ int collided_fence_watch_start(collided_client* client, const char* only, const 
 
 int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
                               collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lent_fence);
+  return next_event(watch, wait_ns, event, error, lend_fence);
 }
 uint64_t collided_fence_watch_lost(const collided_fence_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_fence_watch_in_step(const collided_fence_watch* watch) {
@@ -233,7 +172,7 @@ int collided_margin_watch_start(collided_client* client, const char* only, const
 
 int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
                                collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lent_margin);
+  return next_event(watch, wait_ns, event, error, lend_margin);
 }
 uint64_t collided_margin_watch_lost(const collided_margin_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_margin_watch_in_step(const collided_margin_watch* watch) {
@@ -249,7 +188,7 @@ int collided_nearest_watch_start(collided_client* client, const char* only, cons
 
 int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns, collided_nearest_event* event,
                                 collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lent_nearest);
+  return next_event(watch, wait_ns, event, error, lend_nearest);
 }
 uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch) {

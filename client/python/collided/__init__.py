@@ -36,6 +36,7 @@ from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEv
 from ._groups import Clearance, ClearancePair
 from ._library import version
 from ._publisher import Publisher
+from ._recordings import RecordedFenceEvents, recorded_fence_events
 from ._shapes import (
     Box,
     Capsule,
@@ -101,6 +102,7 @@ __all__ = [
     "PairAnswer",
     "Polyline",
     "Publisher",
+    "RecordedFenceEvents",
     "Refused",
     "Shape",
     "Sphere",
@@ -112,5 +114,6 @@ __all__ = [
     "Voxels",
     "Watch",
     "connect",
+    "recorded_fence_events",
     "version",
 ]

@@ -355,3 +355,30 @@ class WatchOptions(Structure):
         ("capacity", c_size_t),
         ("since_ns", c_int64),
     ]
+
+
+class RecordedOptions(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("from_since", c_int32),
+        ("to_since", c_int32),
+        ("reserved", c_int32),
+        ("from_ns", c_int64),
+        ("to_ns", c_int64),
+        ("only", c_char_p),
+        ("skip", c_char_p),
+    ]
+
+
+class RecordedAbout(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_uint32),
+        ("fences", c_size_t),
+        ("margins", c_size_t),
+        ("nearest", c_size_t),
+        ("warnings", c_size_t),
+        ("lost", c_uint64),
+        ("begin_ns", c_int64),
+        ("end_ns", c_int64),
+    ]
