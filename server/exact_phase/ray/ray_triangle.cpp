@@ -1,9 +1,6 @@
-#include <algorithm>
-
-#include "server/exact_phase/arithmetic/triple.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/exact_phase/ray/ray_triangle_filter.hpp"
 #include "server/exact_phase/ray/ray_triangle_kernel.hpp"
-#include "server/exact_phase/ray/ray_triangle_sides.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
@@ -51,64 +48,19 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
   return climb_higher(ray, triangle, hit);
 }
 
-inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2; }
-
-/// The line surely meets the triangle's inside: computes where, and whether that is within the ray.
-ExactResult finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
-  const Triple a = triple(triangle.a);
-  const Triple to_a = a - triple(ray.origin);
-  const Triple normal = cross(a - triple(triangle.c), triple(triangle.b) - a);
-  const double numerator = dot(to_a, normal);
-  const double denominator = dot(triple(ray.direction), normal);
-  const double ab2 = s.edge2[0];
-  const double ca2 = s.edge2[2];
-  const double to_a2 = s.corner2[0];
-  // The largest edge and corner distance are in range; the ones used here may still be tiny.
-  if (!in_filter_range(std::min({ab2, ca2, to_a2}))) return climb_from_filter(ray, triangle, hit);
-  const double area_scale = std::sqrt(ab2 * ca2);
-  const double numerator_error = kTripleProductError * std::sqrt(to_a2) * area_scale;
-  const double length = std::sqrt(s.direction2);
-  const double denominator_error = kTripleProductError * length * area_scale;
-  const double size = std::abs(denominator);
-  if (!(std::abs(numerator) > numerator_error) || !(size > 2 * denominator_error)) {
-    return climb_from_filter(ray, triangle, hit);
-  }
-  if ((numerator > 0) != (denominator > 0)) return {Decision::no, Level::filter};
-  const double parameter = numerator / denominator;
-  const double distance = parameter * length;
-  // A quotient whose terms have relative errors n and d errs by (n + d) / (1 - d); then come quotient, norm and
-  // product.
-  const double denominator_part = denominator_error / size;
-  const double relative =
-      (numerator_error / std::abs(numerator) + denominator_part) / (1 - denominator_part) * (1 + kBoundSlack) +
-      8 * kRoundoff;
-  const double error = distance * relative;
-  if (distance - error > ray.length_m) return {Decision::no, Level::filter};
-  if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
-  if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
-    ++rungs.sharpened;
-    const ExactResult exact = climb_higher(ray, triangle, hit);
-    return {exact.decision, Level::filter};
-  }
-  hit.distance_m = distance;
-  hit.distance_error_m = error;
-  hit.exit_m = distance;
-  hit.exit_error_m = error;
-  hit.inside = false;
-  hit.point = ray.origin + parameter * ray.direction;
-  const double against = (denominator > 0 ? -1 : 1) / std::sqrt(dot(normal, normal));
-  hit.normal = Vec3(normal.x * against, normal.y * against, normal.z * against);
-  hit.weights = normalized_weights(s.side[1], s.side[2], s.side[0]);
-  return {Decision::yes, Level::filter};
+[[gnu::noinline]] ExactResult sharpen(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  ++rungs.sharpened;
+  const ExactResult exact = climb_higher(ray, triangle, hit);
+  return {exact.decision, Level::filter};
 }
 
 }  // namespace
 
 ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
-  RaySides sides;
-  switch (ray_sides(ray, triangle, sides)) {
-    case SidesVerdict::miss: return {Decision::no, Level::filter};
-    case SidesVerdict::inside: return finish(ray, triangle, sides, hit);
+  switch (filter_ray(ray, triangle, hit)) {
+    case FilterVerdict::miss: return {Decision::no, Level::filter};
+    case FilterVerdict::hit: return {Decision::yes, Level::filter};
+    case FilterVerdict::blunt: return sharpen(ray, triangle, hit);
     default: return climb_from_filter(ray, triangle, hit);
   }
 }

@@ -8,12 +8,17 @@
 
 namespace collided::engine::kernel {
 
-/// Weights whose sum is 1 up to one rounding; values slightly below zero become zero.
+/// Weights whose sum is 1 up to one rounding, from the first two; values slightly below zero become zero.
+inline Vec3 weights_of_parts(double a, double b) {
+  const double weight_a = std::clamp(a, 0.0, 1.0);
+  const double weight_b = std::clamp(b, 0.0, 1.0 - weight_a);
+  return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
+}
+
+/// The same from numbers in their ratio.
 inline Vec3 normalized_weights(double a, double b, double c) {
   const double sum = a + b + c;
-  const double weight_a = std::clamp(a / sum, 0.0, 1.0);
-  const double weight_b = std::clamp(b / sum, 0.0, 1.0 - weight_a);
-  return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
+  return weights_of_parts(a / sum, b / sum);
 }
 
 /// Of corners scaled to 1: an area or product below this is roundings for the most part (a few 1e-16 each, three digits

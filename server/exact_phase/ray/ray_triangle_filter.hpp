@@ -1,0 +1,18 @@
+#pragma once
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/ray.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine::kernel {
+
+/// What double with its error bound says about a ray and a triangle. blunt: the ray surely meets it, but the distance is
+/// not as precise as the thread's Precision asks.
+enum class FilterVerdict : int { miss, hit, blunt, unsure };
+
+/// The first rung of cast_ray: decides nearly all rays. Fills `hit` on FilterVerdict::hit only.
+///
+/// SIMD, chosen at run time; every variant runs the same operations in the same order, so all give the same bits.
+FilterVerdict filter_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
+
+}  // namespace collided::engine::kernel
