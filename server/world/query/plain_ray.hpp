@@ -12,7 +12,6 @@ namespace collided::engine {
 /// need, and what it met is written into the answer once, at the end.
 struct PlainRay {
   Ray ray;
-  double direction_m = 0;
   double limit = 0;  // in lengths of the direction; negative: the search is over
   WalkCost walk = {};
   std::uint32_t exact_tests = 0;

@@ -45,7 +45,8 @@ struct PlainCandidate {
     ray.met = triangle;
     ray.scene = scene;
     if (any) return ray.limit = -1;
-    const double reach = (hit.distance_m + hit.distance_error_m) / ray.direction_m * (1 + kFewSlack);
+    const double direction_m = length_of_direction(&ray.ray.direction[0]);
+    const double reach = (hit.distance_m + hit.distance_error_m) / direction_m * (1 + kFewSlack);
     if (reach < ray.limit) ray.limit = reach;
     return ray.limit;
   }
@@ -85,7 +86,7 @@ void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, Hit
   for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
 }
 
-void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers) {
+inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers) {
   const StaticScene& scene = *ray.scene;
   const std::uint32_t part = scene.part_of(ray.met);
   const ObjectId object = scene.part_objects[part];
@@ -97,32 +98,7 @@ void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers)
   answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
 }
 
-}  // namespace
-
-bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
-  if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
-  if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
-  const auto has_solids = [](const auto& scene) { return !scene->solid_parts.empty(); };
-  if (std::any_of(snapshot.scenes.begin(), snapshot.scenes.end(), has_solids)) return false;
-  return scratch.all_open && !snapshot.covers && !(snapshot.grid && snapshot.grid->size() > 0);
-}
-
-bool start_plain_ray(const double* numbers, PlainRay& ray) {
-  ray.ray = ray_of(numbers);
-  ray.direction_m = length_of_direction(numbers);
-  const double length_m = numbers[6];
-  ray.limit =
-      length_m == std::numeric_limits<double>::infinity() ? length_m : length_m / ray.direction_m * (1 + kFewSlack);
-  ray.walk = {};
-  ray.exact_tests = 0;
-  ray.level = Level::filter;
-  ray.is_undecided = false;
-  ray.met = kNoTriangle;
-  // A length divided by a denormal direction may overflow.
-  return length_m == std::numeric_limits<double>::infinity() || ray.limit <= std::numeric_limits<double>::max();
-}
-
-void walk_plain_ray(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
+inline void walk(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
   for (const auto& scene : snapshot.scenes) {
     const PlainCandidate candidate{&ray, scene.get(), &snapshot, mode == HitMode::any};
     if (mode != HitMode::any) {
@@ -135,12 +111,22 @@ void walk_plain_ray(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
   }
 }
 
-void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
-  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, mode, rays, tasks);
+inline bool start(const double* numbers, PlainRay& ray) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const double length_m = numbers[6];
+  ray.ray = ray_of(numbers);
+  ray.limit = length_m == kEndless ? length_m : length_m / length_of_direction(numbers + 3) * (1 + kFewSlack);
+  ray.walk = {};
+  ray.exact_tests = 0;
+  ray.level = Level::filter;
+  ray.is_undecided = false;
+  ray.met = kNoTriangle;
+  // A length divided by a denormal direction may overflow.
+  return length_m == kEndless || ray.limit <= std::numeric_limits<double>::max();
 }
 
 /// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
-void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
+inline void write(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
   const bool is_hit = ray.met != kNoTriangle;
   const bool is_open = ray.is_undecided && !(is_hit && mode == HitMode::any);
   const Verdict plain = is_hit ? Verdict::hit : Verdict::miss;
@@ -151,6 +137,26 @@ void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray
   answers.nodes[place] = ray.walk.nodes;
   answers.exact_tests[place] = ray.exact_tests;
   if (is_hit) append_hit(snapshot, ray, answers);
+}
+
+}  // namespace
+
+bool start_plain_ray(const double* numbers, PlainRay& ray) { return start(numbers, ray); }
+
+void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
+  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, mode, rays, tasks);
+}
+
+void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
+  write(snapshot, mode, ray, place, answers);
+}
+
+bool answer_plain_ray(const Snapshot& snapshot, HitMode mode, const double* numbers, PlainRay& ray, std::size_t place,
+                      Answers& answers) {
+  if (!start(numbers, ray)) return false;
+  walk(snapshot, mode, ray);
+  write(snapshot, mode, ray, place, answers);
+  return true;
 }
 
 }  // namespace collided::engine

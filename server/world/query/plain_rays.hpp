@@ -9,18 +9,30 @@
 namespace collided::engine {
 
 /// Whether all rays asked are plain, but for those that start_plain_ray refuses.
-bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch);
+///
+/// scratch  filled for the question's filter
+inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+  if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
+  if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
+  if (!scratch.all_open || scratch.has_solids || snapshot.covers) return false;
+  return !(snapshot.grid && snapshot.grid->size() > 0);
+}
 
 /// numbers  as Questions::numbers, already validated
 /// returns  false for a ray whose length is not known in lengths of its direction: that is one for ask_ray
 bool start_plain_ray(const double* numbers, PlainRay& ray);
-void walk_plain_ray(const Snapshot& snapshot, HitMode mode, PlainRay& ray);
-/// The same for up to kPlainRaysAtOnce rays, each scene's walks together.
+/// Walks up to kPlainRaysAtOnce rays, each scene's walks together.
 ///
 /// tasks  memory for one a ray
 inline constexpr std::size_t kPlainRaysAtOnce = 64;
 void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks);
 /// Writes the answer's columns and appends the hit.
 void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers);
+/// All three for a ray alone.
+///
+/// ray      memory for it
+/// returns  that of start_plain_ray; false: nothing is written
+bool answer_plain_ray(const Snapshot& snapshot, HitMode mode, const double* numbers, PlainRay& ray, std::size_t place,
+                      Answers& answers);
 
 }  // namespace collided::engine

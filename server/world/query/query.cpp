@@ -31,21 +31,9 @@ const char* name_of(QuestionKind kind) {
   return "";
 }
 
-std::uint32_t numbers_of(QuestionKind kind) {
-  switch (kind) {
-    case QuestionKind::ray: return kRayNumbers;
-    case QuestionKind::sphere: return kSphereNumbers;
-    case QuestionKind::box: return kBoxNumbers;
-    case QuestionKind::near: return kNearNumbers;
-    case QuestionKind::sweep: return kSweepNumbers;
-    case QuestionKind::inside: return kInsideNumbers;
-    case QuestionKind::what_if: return kPoseNumbers;
-  }
-  return 0;
-}
 namespace {
 
-/// Marks the scenes in which every part may answer, so that no walk need test single parts.
+/// Marks the scenes in which every part may answer, so that no walk need test single parts, and looks for solids.
 void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   scratch.open_scenes.clear();
   for (const auto& scene : snapshot.scenes) {
@@ -54,6 +42,8 @@ void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
     scratch.open_scenes.push_back(is_open ? 1 : 0);
   }
   scratch.all_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
+  scratch.has_solids = std::any_of(snapshot.scenes.begin(), snapshot.scenes.end(),
+                                   [](const auto& scene) { return !scene->solid_parts.empty(); });
 }
 
 /// Layers and name patterns let the object count.
@@ -80,13 +70,15 @@ void fill_unknown(const Snapshot& snapshot, const Questions& asked, QueryScratch
   unknown.scenes.assign(snapshot.scenes.size(), 0);
 }
 
+/// Whether the scratch holds what fill_allowed would write.
+bool is_allowed_known(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+  return scratch.allowed_table == snapshot.objects.get() && scratch.allowed_version == snapshot.table_version &&
+         scratch.allowed_mask == asked.mask && scratch.allowed_only == asked.only && scratch.allowed_skip == asked.skip;
+}
+
 /// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
-void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
+[[gnu::noinline]] void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
   const ObjectTable* table = snapshot.objects.get();
-  if (scratch.allowed_table == table && scratch.allowed_version == snapshot.table_version &&
-      scratch.allowed_mask == asked.mask && scratch.allowed_only == asked.only && scratch.allowed_skip == asked.skip) {
-    return;
-  }
   scratch.allowed.assign(table->size(), 0);
   for (std::size_t slot = 0; slot < table->size(); ++slot) {
     const ObjectInfo* info = (*table)[slot].get();
@@ -265,7 +257,12 @@ struct QuestionBatch {
     finish(question, place);
   }
   void answer_rays(std::size_t place, std::size_t count) const;
-  void answer_plain_ray(std::size_t place) const;
+  void answer_plain_ray(std::size_t place) const {
+    const double* numbers = numbers_of(place);
+    if (!keeps_ray_rules(numbers)) return write_at_once(answers, place, Verdict::invalid);
+    PlainRay& memory = scratch.plain_rays.front();
+    if (!engine::answer_plain_ray(snapshot, asked.mode, numbers, memory, place, answers)) answer_one(place);
+  }
   void answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
   // These two return how many were answered before the pause.
   std::size_t answer_all_plain(std::size_t count, bool together) const;
@@ -280,15 +277,6 @@ struct QuestionBatch {
     return count;
   }
 };
-
-void QuestionBatch::answer_plain_ray(std::size_t place) const {
-  const double* numbers = numbers_of(place);
-  if (!keeps_ray_rules(numbers)) return write_at_once(answers, place, Verdict::invalid);
-  PlainRay& ray = scratch.plain_rays.front();
-  if (!start_plain_ray(numbers, ray)) return answer_one(place);
-  walk_plain_ray(snapshot, asked.mode, ray);
-  write_plain_ray(snapshot, asked.mode, ray, place, answers);
-}
 
 void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const {
   std::vector<PlainRay>& memory = scratch.plain_rays;
@@ -332,7 +320,6 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
 }
 
 std::size_t QuestionBatch::answer_all_plain(std::size_t count, bool together) const {
-  if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
   Pause pause(asked.pause_ns);
   if (!together) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -379,6 +366,25 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
   return bytes >= kCacheBytes;
 }
 
+/// Apart from `answer`, so that a ray alone carries nothing of it.
+[[gnu::noinline]] void answer_batch(const QuestionBatch& batch, std::size_t count) {
+  const bool together = batch.asked.kind == QuestionKind::ray && count >= kFewestTogether &&
+                        rays_gain_together(batch.snapshot, batch.asked, batch.scratch);
+  if (!are_plain_rays(batch.snapshot, batch.asked, batch.scratch)) {
+    batch.answers.cut(batch.answer_all(count, together));
+    return;
+  }
+  if (batch.scratch.plain_rays.empty()) batch.scratch.plain_rays.resize(kPlainRaysAtOnce);
+  batch.answers.cut(batch.answer_all_plain(count, together));
+}
+
+std::size_t count_of(const Questions& asked, std::uint32_t stride) {
+  const std::size_t size = asked.numbers.size();
+  if (stride == 0) return 0;
+  // A division would take as long as a node of the tree.
+  return size == stride ? 1 : size / stride;
+}
+
 }  // namespace
 
 bool is_question(QuestionKind kind, const double* numbers) {
@@ -416,19 +422,19 @@ void Answers::cut(std::size_t count) {
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
   const std::uint32_t stride = numbers_of(questions.kind);
-  const std::size_t size = questions.numbers.size();
-  // A division would take as long as a node of the tree.
-  const std::size_t count = size == stride ? 1 : stride == 0 ? 0 : size / stride;
-  answers.reset(stride == 0 ? 0 : count);
-  if (stride == 0 || count == 0) return;
+  const std::size_t count = count_of(questions, stride);
+  answers.reset(count);
+  if (count == 0) return;
   const OwnFloatEnvironment own_floats;
-  fill_allowed(snapshot, questions, scratch);
+  if (!is_allowed_known(snapshot, questions, scratch)) fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
-  const bool together = questions.kind == QuestionKind::ray && count >= kFewestTogether &&
-                        rays_gain_together(snapshot, questions, scratch);
-  answers.cut(are_plain_rays(snapshot, questions, scratch) ? batch.answer_all_plain(count, together)
-                                                           : batch.answer_all(count, together));
+  if (count == 1 && are_plain_rays(snapshot, questions, scratch)) {
+    if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
+    batch.answer_plain_ray(0);
+  } else {
+    answer_batch(batch, count);
+  }
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }
 

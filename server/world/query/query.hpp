@@ -33,7 +33,18 @@ inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kInsideNumbers = 3;
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
-std::uint32_t numbers_of(QuestionKind kind);
+constexpr std::uint32_t numbers_of(QuestionKind kind) {
+  switch (kind) {
+    case QuestionKind::ray: return kRayNumbers;
+    case QuestionKind::sphere: return kSphereNumbers;
+    case QuestionKind::box: return kBoxNumbers;
+    case QuestionKind::near: return kNearNumbers;
+    case QuestionKind::sweep: return kSweepNumbers;
+    case QuestionKind::inside: return kInsideNumbers;
+    case QuestionKind::what_if: return kPoseNumbers;
+  }
+  return 0;
+}
 
 /// Which of the things that are met become hits; signed_near, of near: of a solid that holds the point the distance is
 /// minus the depth.
@@ -136,6 +147,7 @@ struct QueryScratch {
   std::vector<std::uint8_t> allowed;      // by slot, for the filter below
   std::vector<std::uint8_t> open_scenes;  // by scene: every part of it may answer
   bool all_open = false;                  // of every scene
+  bool has_solids = false;                // any scene
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
   std::vector<PlainRay> plain_rays;                  // all that are under way at once

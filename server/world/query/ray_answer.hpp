@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/stable_length.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/query/query.hpp"
 
@@ -10,10 +11,12 @@ namespace collided::engine {
 
 // What the two ways of answering a ray share: ray_question.cpp for every kind, plain_rays.cpp for the plain ones.
 
-/// stable_length of a ray's direction, from numbers that are in memory already.
+/// stable_length of a ray's direction, from three numbers that are in memory already.
 inline double length_of_direction(const double* n) {
-  const double square = n[3] * n[3] + n[4] * n[4] + n[5] * n[5];
-  return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : Vec3(n[3], n[4], n[5]).stableNorm();
+  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  if (square > kSmallestPlain && square < kLargestPlain) [[likely]]
+    return std::sqrt(square);
+  return stable_length(Vec3(n[0], n[1], n[2]));
 }
 
 /// Number by number, as they were written just before: a copy in larger pieces waits until those stores have reached the

@@ -286,7 +286,7 @@ void finish_all(Question& question) {
 }
 
 inline RayWalk::RayWalk(Question& of, const double* numbers)
-    : question(of), ray(ray_of(numbers)), direction_m(length_of_direction(numbers)), limit(limit_of(numbers[6])) {
+    : question(of), ray(ray_of(numbers)), direction_m(length_of_direction(numbers + 3)), limit(limit_of(numbers[6])) {
   question.found.clear();
   // A length divided by a denormal direction may overflow: then the walk has no limit.
   if (!(limit <= kLargest)) {
