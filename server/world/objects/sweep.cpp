@@ -19,7 +19,7 @@ void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
   ++found.exact_tests;
   if (verdict.decision == Decision::undecided) found.undecided = true;
   if (!verdict.yes()) return;
-  if (!found.take(bracket, kNoTriangle, triangle)) return;
+  if (!found.take(bracket, kNoTriangle, triangle) || !sweep.contacts) return;
   const Vec3 center = sweep.mover.start + bracket.high * (sweep.mover.end - sweep.mover.start);
   found.contact = contact(Sphere{.center = center, .radius_m = sweep.mover.radius_m}, part);
 }

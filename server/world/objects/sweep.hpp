@@ -20,6 +20,7 @@ struct SphereSweep {
   MovingSphere mover;
   // Of the bracket, as a fraction of the motion.
   double width = 0;
+  bool contacts = true;     // compute the contact, not only its time
   SweptContact found = {};  // a is the sphere
 };
 

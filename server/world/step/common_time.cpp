@@ -337,6 +337,8 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.step_options.contacts) {
     found.contact.depth_error_m += placing_error_on(piece, a_triangle, b_triangle);
+    // Of a contact that goes on untold no event has the velocity.
+    if (!step_.step_options.persisted && ledger_.holds(found.a, found.b)) return found;
     const double slack_s = wire_contract::kNanosecond_s * static_cast<double>(piece.to_ns - piece.from_ns);
     set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
                  velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));

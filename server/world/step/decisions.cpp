@@ -107,7 +107,8 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
     if (sweep->undecided && !sweep->yes && !touch.yes) ++cost_.sweeps_skipped;
   }
   if (touch.undecided && !touch.yes) ++cost_.undecided;
-  const bool is_held = ledger_.holds(std::min(a, b), std::max(a, b));
+  const OpenContact* known = ledger_.find(std::min(a, b), std::max(a, b));
+  const bool is_held = known != nullptr && known->doubt == Doubt::none;
   // Once touching, a pair holds until it is known to be apart.
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes && !(touch.undecided && !is_held);
   const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
@@ -132,8 +133,9 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
     found.contact.normal = -found.contact.normal;
     found.contained = turned_round(contained);
   }
-  set_bracket(found, sweep, mover);
   const bool is_told = step_.step_options.persisted || !is_held;
+  // A contact that goes on untold has no use for its time, unless one of the two came to lie within the other.
+  if (is_told || found.contained != known->contained) set_bracket(found, sweep, mover);
   if (step_.step_options.contacts) {
     found.contact.depth_error_m +=
         placing_error_m(placed(slot_of(found.a)), found.a_triangle, placed(slot_of(found.b)), found.b_triangle);

@@ -120,9 +120,10 @@ class Decisions {
 
   // pair_decisions.cpp
   bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
-  std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
-  std::optional<SweptContact> sweep_sphere(std::uint32_t mover, std::uint32_t other);
-  SweptContact sweep_bodies(std::uint32_t first, std::uint32_t second);
+  std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, bool with_contact,
+                                            std::uint32_t& mover);
+  std::optional<SweptContact> sweep_sphere(std::uint32_t mover, std::uint32_t other, bool with_contact);
+  SweptContact sweep_bodies(std::uint32_t first, std::uint32_t second, bool with_contact);
   SweepOptions sweep_options(std::uint32_t mover) const;
   std::uint32_t sweep_looks() const;
 

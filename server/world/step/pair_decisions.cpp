@@ -45,7 +45,8 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   const Contained contained = look_within(a, b, touch);
   std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
-  if (!is_held) sweep = sweep_between(first, second, mover);
+  // Of a pair that touches at the end the contact there is told, and of the one on the way only its time.
+  if (!is_held) sweep = sweep_between(first, second, !touch.yes, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
          rows_.has_moved(mover) ? mover : first + second - mover, contained);
   // What lies in a solid has a gap too, and is in contact.
@@ -96,29 +97,33 @@ bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second) cons
 
 /// The first contact of the two motions. A lone sphere is swept exactly against anything that does not rotate; `mover`
 /// becomes the object whose motion the time refers to.
-std::optional<SweptContact> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
+std::optional<SweptContact> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, bool with_contact,
+                                                     std::uint32_t& mover) {
   if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
   if (!motion_.turns(first) && !motion_.turns(second)) {
-    if (std::optional<SweptContact> found = sweep_sphere(first, second)) return found;
+    if (std::optional<SweptContact> found = sweep_sphere(first, second, with_contact)) return found;
     mover = second;
-    if (const std::optional<SweptContact> found = sweep_sphere(second, first)) return turned_round(*found);
+    if (const std::optional<SweptContact> found = sweep_sphere(second, first, with_contact))
+      return turned_round(*found);
   }
   mover = motion_.is_swept(first) ? first : second;
   if (!motion_.is_swept(mover)) return std::nullopt;
-  return sweep_bodies(first, second);
+  return sweep_bodies(first, second, with_contact);
 }
 
-SweptContact Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
+SweptContact Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second, bool with_contact) {
   SweptContact touch;
   const SweptBody a(*rows_.info(first), motion_.body_motion(first));
   const SweptBody b(*rows_.info(second), motion_.body_motion(second));
-  sweep(a, b, sweep_options(motion_.is_swept(first) ? first : second), walk_, touch);
+  SweepOptions options = sweep_options(motion_.is_swept(first) ? first : second);
+  options.contacts = options.contacts && with_contact;
+  sweep(a, b, options, walk_, touch);
   return touch;
 }
 
 /// Sweeps the mover's sphere relative to the other object in its last orientation: the other's displacement is
 /// subtracted.
-std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
+std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other, bool with_contact) {
   const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
   if (!sphere) return std::nullopt;
   const bool other_moved = rows_.motion(other) == Motion::moved;
@@ -126,7 +131,8 @@ std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::ui
   SphereSweep sweep{.mover = {.start = place(before, sphere->center),
                               .end = place(rows_[mover].frame, sphere->center),
                               .radius_m = sphere->radius_m},
-                    .width = step_.options.sweep_width};
+                    .width = step_.options.sweep_width,
+                    .contacts = with_contact};
   if (other_moved) sweep.mover.start += rows_[other].frame.position - rows_[other].frame_before.position;
   sweep_object(sweep, placed(other), walk_);
   return sweep.found;
