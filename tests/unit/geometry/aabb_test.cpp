@@ -50,6 +50,27 @@ TEST(GeometryAabb, ContainsTheExactShapeTightly) {
   }
 }
 
+// No double is between a bound and the exact end of the ball, on either side of zero.
+TEST(GeometryAabb, ABallsBoundsAreTheNearestDoublesOutside) {
+  std::mt19937_64 generator = oracle::seeded(20261212);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const oracle::Family family : oracle::kFamilies) {
+    oracle::RandomShapes shapes(generator, family);
+    for (int i = 0; i < 1'000; ++i) {
+      const Sphere sphere{i % 2 == 0 ? shapes.point() : Vec3(-shapes.point()), shapes.size()};
+      const Aabb box = bounds(sphere);
+      for (int k = 0; k < 3; ++k) {
+        const Rational low = Rational(sphere.center[k]) - Rational(sphere.radius_m);
+        const Rational high = Rational(sphere.center[k]) + Rational(sphere.radius_m);
+        ASSERT_LE(Rational(box.low[k]), low);
+        ASSERT_GT(Rational(std::nextafter(box.low[k], kInfinity)), low);
+        ASSERT_GE(Rational(box.high[k]), high);
+        ASSERT_LT(Rational(std::nextafter(box.high[k], -kInfinity)), high);
+      }
+    }
+  }
+}
+
 // Exact sums are not widened: boxes that touch have bounds that touch and no more.
 TEST(GeometryAabb, ExactBoundsStayExact) {
   const Aabb box = bounds(Box{{0.5, 0, 0}, Mat3::Identity(), {0.5, 1, 2}});
