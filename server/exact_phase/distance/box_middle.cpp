@@ -26,6 +26,79 @@ constexpr int kEdgeStride = static_cast<int>(hn::MaxLanes(kEdgeDoubles));
 HWY_ALIGN constexpr double kFirstSide[kEdges] = {-1, 1, -1, 1};
 HWY_ALIGN constexpr double kSecondSide[kEdges] = {-1, -1, 1, 1};
 
+/// {x : -back_offset <= normal . x <= offset} for three normals; the first once more in the last lane.
+struct BoxSlabs {
+  double normal[3][kEdges];  // coordinate, slab
+  double offset[kEdges];
+  double back_offset[kEdges];
+};
+
+HWY_INLINE EdgeLanes dot(const EdgeLanes (&a)[3], const EdgeLanes (&b)[3]) {
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+
+/// Divides the vector in each lane by its length. False: its squares may leave the range of double, or it is zero.
+HWY_INLINE bool make_units(EdgeLanes (&v)[3]) {
+  constexpr double kFarFromOne = 0x1p200;
+  const EdgeLanes zero = hn::Zero(kEdgeDoubles);
+  const EdgeLanes square = dot(v, v);
+  auto is_plain = hn::Gt(square, zero);
+  for (const EdgeLanes& x : v) {
+    const EdgeLanes size = hn::Abs(x);
+    const auto is_near_one = hn::And(hn::Ge(size, hn::Set(kEdgeDoubles, 1 / kFarFromOne)),
+                                     hn::Le(size, hn::Set(kEdgeDoubles, kFarFromOne)));
+    is_plain = hn::And(is_plain, hn::Or(is_near_one, hn::Eq(size, zero)));
+  }
+  if (!hn::AllTrue(kEdgeDoubles, is_plain)) return false;
+  const EdgeLanes length = hn::Sqrt(square);
+  for (EdgeLanes& x : v) x = hn::Div(x, length);
+  return true;
+}
+
+/// The slabs that bound a box, grown by the slack of clipping; false as in make_units().
+HWY_INLINE bool set_slabs(const Core& box, double size_m, BoxSlabs& slabs) {
+  double axis[3][kEdges];      // coordinate, axis and round again
+  double unit[3][kEdges + 2];  // likewise
+  double half_m[kEdges];
+  for (int i = 0; i < kEdges; ++i) {
+    for (int c = 0; c < 3; ++c) axis[c][i] = box.axes(c, i % 3);
+    half_m[i] = box.half_m[i % 3];
+  }
+  for (int first = 0; first < kEdges; first += kEdgeStride) {
+    EdgeLanes own[3];
+    for (int c = 0; c < 3; ++c) own[c] = hn::LoadU(kEdgeDoubles, axis[c] + first);
+    if (!make_units(own)) return false;
+    for (int c = 0; c < 3; ++c) hn::StoreU(own[c], kEdgeDoubles, unit[c] + first);
+  }
+  for (int c = 0; c < 3; ++c) {
+    for (int i = kEdges; i < kEdges + 2; ++i) unit[c][i] = unit[c][i - 3];
+  }
+  const EdgeLanes slack_m = hn::Set(kEdgeDoubles, kClipSlack * size_m);
+  EdgeLanes center[3];
+  for (int c = 0; c < 3; ++c) center[c] = hn::Set(kEdgeDoubles, box.point[0][c]);
+  for (int first = 0; first < kEdges; first += kEdgeStride) {
+    EdgeLanes own[3], u[3], v[3], n[3];
+    for (int c = 0; c < 3; ++c) {
+      own[c] = hn::LoadU(kEdgeDoubles, axis[c] + first);
+      u[c] = hn::LoadU(kEdgeDoubles, unit[c] + first + 1);
+      v[c] = hn::LoadU(kEdgeDoubles, unit[c] + first + 2);
+    }
+    for (int c = 0; c < 3; ++c) {
+      const int c1 = (c + 1) % 3;
+      const int c2 = (c + 2) % 3;
+      n[c] = hn::Sub(hn::Mul(u[c1], v[c2]), hn::Mul(u[c2], v[c1]));
+    }
+    if (!make_units(n)) return false;
+    const EdgeLanes half = hn::LoadU(kEdgeDoubles, half_m + first);
+    const EdgeLanes reach_m = hn::Add(hn::Mul(half, hn::Abs(dot(n, own))), slack_m);
+    const EdgeLanes middle = dot(n, center);
+    for (int c = 0; c < 3; ++c) hn::StoreU(n[c], kEdgeDoubles, slabs.normal[c] + first);
+    hn::StoreU(hn::Add(middle, reach_m), kEdgeDoubles, slabs.offset + first);
+    hn::StoreU(hn::Add(hn::Neg(middle), reach_m), kEdgeDoubles, slabs.back_offset + first);
+  }
+  return true;
+}
+
 /// A segment in each lane.
 struct EdgesOfFour {
   EdgeLanes a[3];
@@ -39,21 +112,14 @@ struct EdgeShares {
   hn::Mask<EdgeDoubles> outside;
 };
 
-HWY_INLINE EdgeLanes along(const double (&normal)[3], const EdgeLanes (&p)[3]) {
-  const EdgeLanes xy =
-      hn::Add(hn::Mul(hn::Set(kEdgeDoubles, normal[0]), p[0]), hn::Mul(hn::Set(kEdgeDoubles, normal[1]), p[1]));
-  return hn::Add(xy, hn::Mul(hn::Set(kEdgeDoubles, normal[2]), p[2]));
-}
-
 HWY_INLINE void clip(EdgeShares& shares, EdgeLanes at_a, EdgeLanes at_b) {
   const EdgeLanes zero = hn::Zero(kEdgeDoubles);
   const EdgeLanes one = hn::Set(kEdgeDoubles, 1);
   const auto a_beyond = hn::Gt(at_a, zero);
   const auto b_beyond = hn::Gt(at_b, zero);
   shares.outside = hn::Or(shares.outside, hn::And(a_beyond, b_beyond));
-  const EdgeLanes rest = hn::IfThenElse(hn::Or(a_beyond, b_beyond), hn::Sub(at_a, at_b), one);
   // Where both ends are beyond, the lane is outside whatever comes out.
-  const EdgeLanes at = hn::Div(at_a, hn::IfThenElse(hn::Eq(rest, zero), one, rest));
+  const EdgeLanes at = hn::Div(at_a, hn::IfThenElse(hn::Xor(a_beyond, b_beyond), hn::Sub(at_a, at_b), one));
   shares.low = hn::IfThenElse(a_beyond, hn::Max(shares.low, at), shares.low);
   shares.high = hn::IfThenElse(hn::AndNot(a_beyond, b_beyond), hn::Min(shares.high, at), shares.high);
 }
@@ -62,8 +128,10 @@ HWY_INLINE EdgeShares shares_of(const EdgesOfFour& edges, const BoxSlabs& slabs)
   EdgeShares shares{hn::Zero(kEdgeDoubles), hn::Set(kEdgeDoubles, 1),
                     hn::Gt(hn::Zero(kEdgeDoubles), hn::Zero(kEdgeDoubles))};
   for (int s = 0; s < 3; ++s) {
-    const EdgeLanes a = along(slabs.normal[s], edges.a);
-    const EdgeLanes b = along(slabs.normal[s], edges.b);
+    const EdgeLanes normal[3] = {hn::Set(kEdgeDoubles, slabs.normal[0][s]), hn::Set(kEdgeDoubles, slabs.normal[1][s]),
+                                 hn::Set(kEdgeDoubles, slabs.normal[2][s])};
+    const EdgeLanes a = dot(normal, edges.a);
+    const EdgeLanes b = dot(normal, edges.b);
     const EdgeLanes offset = hn::Set(kEdgeDoubles, slabs.offset[s]);
     const EdgeLanes back_offset = hn::Set(kEdgeDoubles, slabs.back_offset[s]);
     clip(shares, hn::Sub(a, offset), hn::Sub(b, offset));
@@ -116,7 +184,9 @@ HWY_INLINE int add_middles(const Core& box, const BoxSlabs& slabs, double (&sum)
   return count;
 }
 
-std::optional<Vec3> MiddleOfBoxes(const Core& a, const Core& b, const BoxSlabs& slabs_a, const BoxSlabs& slabs_b) {
+std::optional<Vec3> MiddleOfBoxes(const Core& a, const Core& b, double size_m) {
+  BoxSlabs slabs_a, slabs_b;
+  if (!set_slabs(a, size_m, slabs_a) || !set_slabs(b, size_m, slabs_b)) return std::nullopt;
   double sum[3] = {0, 0, 0};
   int count = add_middles(a, slabs_b, sum);
   count += add_middles(b, slabs_a, sum);
@@ -135,52 +205,10 @@ namespace {
 
 HWY_EXPORT(MiddleOfBoxes);
 
-bool has_plain_square(double x) {
-  constexpr double kFarFromOne = 0x1p200;
-  const double size = std::abs(x);
-  return (size >= 1 / kFarFromOne && size <= kFarFromOne) || size == 0;
-}
-
-/// False: its squares may leave the range of double, or it is zero.
-bool make_unit(double (&v)[3]) {
-  if (!has_plain_square(v[0]) || !has_plain_square(v[1]) || !has_plain_square(v[2])) return false;
-  const double square = (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2];
-  if (!(square > 0)) return false;
-  const double length = std::sqrt(square);
-  for (double& x : v) x /= length;
-  return true;
-}
-
-/// The slabs that bound a box, grown by the slack of clipping; false as in make_unit().
-bool set_slabs(const Core& box, double size_m, BoxSlabs& slabs) {
-  const double slack_m = kClipSlack * size_m;
-  double axis[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int c = 0; c < 3; ++c) axis[i][c] = box.axes(c, i);
-    if (!make_unit(axis[i])) return false;
-  }
-  for (int i = 0; i < 3; ++i) {
-    const double(&u)[3] = axis[(i + 1) % 3];
-    const double(&v)[3] = axis[(i + 2) % 3];
-    double(&n)[3] = slabs.normal[i];
-    for (int c = 0; c < 3; ++c) n[c] = u[(c + 1) % 3] * v[(c + 2) % 3] - u[(c + 2) % 3] * v[(c + 1) % 3];
-    if (!make_unit(n)) return false;
-    const auto dot_with = [&n](double x, double y, double z) { return (n[0] * x + n[1] * y) + n[2] * z; };
-    const double own = dot_with(box.axes(0, i), box.axes(1, i), box.axes(2, i));
-    const double reach_m = box.half_m[i] * std::abs(own) + slack_m;
-    const double middle = dot_with(box.point[0][0], box.point[0][1], box.point[0][2]);
-    slabs.offset[i] = middle + reach_m;
-    slabs.back_offset[i] = -middle + reach_m;
-  }
-  return true;
-}
-
 }  // namespace
 
 std::optional<Vec3> middle_of_boxes(const Core& a, const Core& b, double size_m) {
-  BoxSlabs slabs_a, slabs_b;
-  if (!set_slabs(a, size_m, slabs_a) || !set_slabs(b, size_m, slabs_b)) return std::nullopt;
-  return HWY_DYNAMIC_DISPATCH(MiddleOfBoxes)(a, b, slabs_a, slabs_b);
+  return HWY_DYNAMIC_DISPATCH(MiddleOfBoxes)(a, b, size_m);
 }
 
 }  // namespace collided::engine::kernel

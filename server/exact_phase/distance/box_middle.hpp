@@ -6,13 +6,6 @@
 
 namespace collided::engine::kernel {
 
-/// {x : -back_offset <= normal . x <= offset} for three normals.
-struct BoxSlabs {
-  double normal[3][3];  // slab, coordinate
-  double offset[3];
-  double back_offset[3];
-};
-
 /// The mean of the middles of the edges of two boxes, each clipped by the other box: middle_of_both() for two boxes, to
 /// the last bit, with four edges at a time. Nothing where no edge is left, and where squares of the axes may leave the
 /// range of double.

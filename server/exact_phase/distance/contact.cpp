@@ -4,9 +4,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <variant>
 
+#include "server/exact_phase/arithmetic/ladder.hpp"
+#include "server/exact_phase/distance/box_push.hpp"
 #include "server/exact_phase/distance/core.hpp"
 #include "server/exact_phase/distance/facet_filter.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
@@ -64,11 +67,19 @@ struct Push {
 };
 
 template <class N>
+Pushes<N> pushes_between(const Vector<N>& n, const Core& a, const Core& b) {
+  if constexpr (std::same_as<N, Bounded>) {
+    if (a.is_box && b.is_box) return pushes_of_boxes(n, a, b);
+  }
+  return pushes_along(n, a, b);
+}
+
+template <class N>
 Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
   const Vector<N> n = direction<N>(axis);
   if (is_zero(n) == Decision::yes) return {.depth = {}, .normal = Vec3::Zero()};
   const Scaled length = sqrt(scaled(square(n)));
-  const Pushes<N> push = pushes_along(n, a, b);
+  const Pushes<N> push = pushes_between(n, a, b);
   const Bounded forward = plain(scaled(push.forward) / length);
   const Bounded backward = plain(scaled(push.backward) / length);
   const Vec3 normal = unit(n);
@@ -206,14 +217,16 @@ Contact contact_of_apart_cores(const Core& a, const Core& b) {
 /// Solves at a size near 1 and scales back, because squares of tiny and huge coordinates leave the range of double. A
 /// power of two changes no digits, except of coordinates that vanish beside the extent.
 template <class Solve>
-Contact at_unit_size(Core a, Core b, const Solve& solve) {
+Contact at_unit_size(const Core& a, const Core& b, const Solve& solve) {
   const double largest = std::max(extent(a) + a.radius_m, extent(b) + b.radius_m);
   int power = 0;
   if (std::isfinite(largest)) std::frexp(largest, &power);
   if (std::abs(power) < 200) return solve(a, b);
-  scale(a, -power);
-  scale(b, -power);
-  Contact contact = solve(a, b);
+  Core near_one_a = a;
+  Core near_one_b = b;
+  scale(near_one_a, -power);
+  scale(near_one_b, -power);
+  Contact contact = solve(near_one_a, near_one_b);
   for (double& x : contact.point) x = std::ldexp(x, power);
   contact.depth_m = std::ldexp(contact.depth_m, power);
   contact.depth_error_m = std::ldexp(contact.depth_error_m + kRoundoff, power);
@@ -226,8 +239,28 @@ Contact contact_of_cores(const Core& a, const Core& b, bool cores_meet) {
 
 }  // namespace
 
+namespace {
+
+/// nearest_value() of two spheres without the bounds of foot and direction, which a contact has no use for: the foot is
+/// the centre, so the quotients that lead to it are left out.
+template <class N>
+NearestValue nearest_of_balls(const Sphere& a, const Sphere& b) {
+  const Vector<N> center(b.center);
+  const Nearest<N> nearest = at_corner(Vector<N>(a.center) - center, center, 0);
+  NearestValue value;
+  value.gap = gap(nearest, N(b.radius_m) + N(a.radius_m));
+  value.away = unit(nearest.away);
+  value.foot = b.center + Vec3::Zero();  // no zero of the foot is negative
+  value.known = true;
+  value.crisp = sharp(value.gap, kRefineDistance) && sharp_direction(nearest.away);
+  return value;
+}
+
+}  // namespace
+
 Contact contact(const Sphere& a, const Sphere& b) {
-  return ball_contact(a, b.radius_m, nearest_value(a.center, a.radius_m, b), -Vec3::UnitX());
+  const NearestValue nearest = WholeLadder::sharpened([&]<class N>() { return nearest_of_balls<N>(a, b); });
+  return ball_contact(a, b.radius_m, nearest, -Vec3::UnitX());
 }
 
 Contact contact(const Sphere& a, const Box& b) {

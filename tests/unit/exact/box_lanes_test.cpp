@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "server/exact_phase/distance/box_middle.hpp"
+#include "server/exact_phase/distance/box_push.hpp"
+#include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/distance/facet_filter.hpp"
 #include "server/exact_phase/overlap/separation_filter.hpp"
 #include "tests/oracle/box_twins.hpp"
@@ -120,6 +123,46 @@ TEST(BoxLanes, AxesWithoutSquaresAreLeftToThePlainForm) {
   Box flat{.center = Vec3::Zero(), .axes = Mat3::Identity(), .half_m = Vec3::Ones()};
   flat.axes.col(0) *= 0x1p-300;
   EXPECT_FALSE(kernel::middle_of_boxes(Core(flat), Core(flat), 4).has_value());
+}
+
+// To the last bit of value and bound, since both stand in recorded events; out of range both are no number.
+TEST(BoxLanes, PushesAreThoseOfOneOperationAfterTheOther) {
+  const auto is_same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  int finite = 0;
+  for_boxes(20261208, [&](const Box& a, const Box& b, int i) {
+    const Core core_a(a);
+    const Core core_b(b);
+    const auto n = kernel::direction<Bounded>(kernel::facet_axis_of_boxes(core_a, core_b, i % 15));
+    const kernel::Pushes<Bounded> fast = kernel::pushes_of_boxes(n, core_a, core_b);
+    const kernel::Pushes<Bounded> slow = kernel::pushes_along(n, core_a, core_b);
+    EXPECT_TRUE(is_same(fast.forward.value, slow.forward.value)) << i;
+    EXPECT_TRUE(is_same(fast.forward.error, slow.forward.error)) << i;
+    EXPECT_TRUE(is_same(fast.backward.value, slow.backward.value)) << i;
+    EXPECT_TRUE(is_same(fast.backward.error, slow.backward.error)) << i;
+    finite += std::isfinite(slow.forward.value) && slow.forward.error > 0 ? 1 : 0;
+  });
+  EXPECT_GT(finite, kPairs);
+}
+
+TEST(BoxLanes, TheReachOfABoxIsThatOfAnyConvexSet) {
+  std::mt19937_64 random = oracle::seeded(20261210);
+  std::uniform_real_distribution<double> part(-1, 1);
+  int finite = 0;
+  for_boxes(20261211, [&](const Box& a, const Box& b, int i) {
+    const kernel::Convex box(a);
+    const Vec3 n = i % 3 == 0 ? Vec3(b.axes.col(i / 3 % 3)) : Vec3(part(random), part(random), part(random));
+    const int side = i % 2 == 0 ? 1 : -1;
+    const Bounded fast = kernel::reach_value(box, n, side, b.center);
+    const Bounded slow = kernel::reach_along<Bounded>(box, n, side, b.center).part[0].rational;
+    if (!std::isfinite(slow.bound())) {
+      EXPECT_FALSE(std::isfinite(fast.bound())) << i;
+      return;
+    }
+    EXPECT_EQ(fast.value, slow.value) << i;
+    EXPECT_EQ(fast.error, slow.error) << i;
+    ++finite;
+  });
+  EXPECT_GT(finite, kPairs);
 }
 
 // A factor that is exact leaves out operations of the running bound, and no bit of the result.

@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "tests/oracle/ball_twins.hpp"
+#include "tests/oracle/random_shapes.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided::engine::contact_test {
 namespace {
@@ -20,6 +25,32 @@ void expect_contact(const Contact& c, double depth_m, const Vec3& normal, const 
 TEST(ExactContact, Spheres) {
   expect_contact(contact(Sphere{{0, 0, 0}, 3}, Sphere{{0, 4, 0}, 2}), 1, {0, 1, 0}, {0, 2.5, 0});
   expect_contact(contact(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 0}, 1}), 2, {1, 0, 0}, {0, 0, 0});  // ties: +x
+}
+
+// To the last bit, since depths and points stand in recorded events; touching, concentric and of no size included.
+TEST(ExactContact, SpheresAsAnyPointAndASphere) {
+  std::mt19937_64 random = oracle::seeded(20261209);
+  int met = 0;
+  int touching = 0;
+  for (const oracle::Family family : oracle::kFamilies) {
+    oracle::RandomShapes shapes(random, family);
+    for (int i = 0; i < 20'000; ++i) {
+      const Sphere a = shapes.sphere();
+      Sphere b = shapes.sphere();
+      if (i % 5 == 0) b.center = a.center + (a.radius_m + b.radius_m) * Vec3(0.6, i % 2 == 0 ? 0.8 : -0.8, 0);
+      if (!overlaps(a, b).yes()) continue;
+      const Contact fast = contact(a, b);
+      const Contact slow = oracle::plain_contact(a, b);
+      ASSERT_EQ(fast.point, slow.point) << i;
+      ASSERT_EQ(fast.normal, slow.normal) << i;
+      ASSERT_EQ(fast.depth_m, slow.depth_m) << i;
+      ASSERT_EQ(fast.depth_error_m, slow.depth_error_m) << i;
+      ++met;
+      touching += fast.depth_m < 1e-12 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met, 20'000);
+  EXPECT_GT(touching, 1'000);
 }
 
 TEST(ExactContact, SphereAgainstTheRest) {
