@@ -272,20 +272,24 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
 
 namespace {
 
-const Box* only_box(const ObjectInfo& info) {
-  return info.mesh || info.primitives.size() != 1 ? nullptr : std::get_if<Box>(&info.primitives.front());
+/// The object's shape, where it is one of this kind and nothing else.
+template <class Shape>
+const Shape* only(const ObjectInfo& info) {
+  return info.mesh || info.primitives.size() != 1 ? nullptr : std::get_if<Shape>(&info.primitives.front());
+}
+
+/// How far off the placing of an object of one bounded primitive may be.
+double only_placing_error_m(const Placed& object) {
+  return object.pose == nullptr ? 0 : placing_error_m(*object.frame, object.info->primitives.front());
 }
 
 /// What search_parts() does for two objects of one box each, without variants, where the filter in double decides.
 /// False: it does not, and nothing was done.
 bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
-  const Box* own_a = only_box(*a.info);
-  const Box* own_b = only_box(*b.info);
+  const Box* own_a = only<Box>(*a.info);
+  const Box* own_b = only<Box>(*b.info);
   if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
-  const auto error_m = [](const Placed& object) {
-    return object.pose == nullptr ? 0 : placing_error_m(*object.frame, object.info->primitives.front());
-  };
-  const double off_m = (error_m(a) + error_m(b)) * (1 + kBoundSlack);
+  const double off_m = (only_placing_error_m(a) + only_placing_error_m(b)) * (1 + kBoundSlack);
   if (!(off_m > 0)) return false;
   const Box box_a = place(*a.frame, *own_a);
   const Box box_b = place(*b.frame, *own_b);
@@ -297,10 +301,28 @@ bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
   return true;
 }
 
+/// What search_parts() does for two objects of one sphere each, without variants, where placing them rounds nothing.
+/// False: it does, and nothing was done.
+bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
+  const Sphere* own_a = only<Sphere>(*a.info);
+  const Sphere* own_b = only<Sphere>(*b.info);
+  if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
+  if (only_placing_error_m(a) > 0 || only_placing_error_m(b) > 0) return false;
+  const Sphere ball_a = place(*a.frame, *own_a);
+  const Sphere ball_b = place(*b.frame, *own_b);
+  const ExactResult verdict = overlaps(ball_a, ball_b);
+  ++touch.exact_tests;
+  touch.level = std::max(touch.level, verdict.level);
+  touch.undecided = touch.undecided || verdict.decision == Decision::undecided;
+  touch.yes = verdict.yes();
+  if (touch.yes && touch.wanted) touch.contact = contact(ball_a, ball_b);
+  return true;
+}
+
 }  // namespace
 
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
-  if (search_boxes(a, b, touch)) return;
+  if (search_boxes(a, b, touch) || search_balls(a, b, touch)) return;
   const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
     search_object(place(*a.frame, primitive), a.given(primitive), b, touch, cost);

@@ -35,6 +35,7 @@ void Candidates::decide_pairs(const Grid& grid) {
     for (const std::uint32_t slot : query_movers.slots) {
       if (!look_around(grid, slot, query_movers.all)) return;
     }
+    consider_waiting();
     return;
   }
   const auto found = [&](std::uint32_t first, std::uint32_t second) { return wait_for(first, second); };
@@ -74,9 +75,10 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
 /// more.
 bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
   const auto found = [&](std::uint32_t other) {
+    // Asked first is what is near in memory: of most others the description is not read yet.
     const bool looks_too =
-        rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
-    return other == mover || (looks_too && other < mover) || consider(mover, other);
+        (all_look || rows_.has_moved(other) || step_.motion.is_open(other)) && rows_.info(other)->moving;
+    return other == mover || (looks_too && other < mover) || wait_for(mover, other);
   };
   grid.walk_box(step_.motion.bounds()[mover], found, walk_);
   return !cost_.truncated;

@@ -42,7 +42,7 @@ struct MoverContact {
   ObjectId body = 0;       // the other one
   std::uint32_t triangle = kNoTriangle;
   Vec3 normal = Vec3::Zero();  // from the mover to the body
-  std::optional<Box> box{};    // the body as placed, where it is one box and nothing else
+  mutable std::optional<Box> box{};  // the body as placed, once it was asked for
   // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
 };
@@ -101,9 +101,6 @@ class Correction {
     if (sides_.size() < 2 || sides_.size() > kMostContacts) return;
     std::sort(sides_.begin(), sides_.end(),
               [](const MoverContact& x, const MoverContact& y) { return x.body < y.body; });
-    for (MoverContact& side : sides_) {
-      if (const Box* own = lone_box(info(side.body))) side.box = place(rows_[slot_of(side.body)].frame, *own);
-    }
   }
 
   void look_at() {
@@ -159,21 +156,32 @@ class Correction {
   }
 
   /// The comparison of covers() for two boxes in plain double, where it is clear.
-  static Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
-                                             const Vec3& origin) {
-    if (!one.box || !other.box) return Decision::undecided;
+  Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
+                                      const Vec3& origin) const {
+    const Box* box = placed_box(one);
+    const Box* other_box = placed_box(other);
+    if (box == nullptr || other_box == nullptr) return Decision::undecided;
     double scale_m = 0;
-    const auto reach_m = [&](const Box& box) {
-      const Vec3 to_center = box.center - origin;
+    const auto reach_m = [&](const Box& placed) {
+      const Vec3 to_center = placed.center - origin;
       double reach = along.dot(to_center);
-      for (int i = 0; i < 3; ++i) reach += box.half_m[i] * std::abs(along.dot(box.axes.col(i)));
-      scale_m += box.center.cwiseAbs().sum() + to_center.cwiseAbs().sum() + 2 * box.half_m.sum();
+      for (int i = 0; i < 3; ++i) reach += placed.half_m[i] * std::abs(along.dot(placed.axes.col(i)));
+      scale_m += placed.center.cwiseAbs().sum() + to_center.cwiseAbs().sum() + 2 * placed.half_m.sum();
       return reach;
     };
-    const double farther_m = reach_m(*other.box) - reach_m(*one.box);
+    const double farther_m = reach_m(*other_box) - reach_m(*box);
     const double error_m = kQuickReach * scale_m;
     if (farther_m > error_m) return Decision::no;
     return farther_m < -error_m ? Decision::yes : Decision::undecided;
+  }
+
+  /// The body's box as placed; null where it is anything else. Few are asked for: most normals oppose each other.
+  const Box* placed_box(const MoverContact& side) const {
+    if (side.box) return &*side.box;
+    const Box* own = lone_box(info(side.body));
+    if (own == nullptr) return nullptr;
+    side.box = place(rows_[slot_of(side.body)].frame, *own);
+    return &*side.box;
   }
 
   double rounding_m(ObjectId id) const {
