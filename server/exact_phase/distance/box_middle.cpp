@@ -45,8 +45,8 @@ HWY_INLINE bool make_units(EdgeLanes (&v)[3]) {
   auto is_plain = hn::Gt(square, zero);
   for (const EdgeLanes& x : v) {
     const EdgeLanes size = hn::Abs(x);
-    const auto is_near_one = hn::And(hn::Ge(size, hn::Set(kEdgeDoubles, 1 / kFarFromOne)),
-                                     hn::Le(size, hn::Set(kEdgeDoubles, kFarFromOne)));
+    const auto is_near_one =
+        hn::And(hn::Ge(size, hn::Set(kEdgeDoubles, 1 / kFarFromOne)), hn::Le(size, hn::Set(kEdgeDoubles, kFarFromOne)));
     is_plain = hn::And(is_plain, hn::Or(is_near_one, hn::Eq(size, zero)));
   }
   if (!hn::AllTrue(kEdgeDoubles, is_plain)) return false;

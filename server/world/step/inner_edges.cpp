@@ -41,7 +41,7 @@ struct MoverContact {
   std::size_t number = 0;  // index of the open contact
   ObjectId body = 0;       // the other one
   std::uint32_t triangle = kNoTriangle;
-  Vec3 normal = Vec3::Zero();  // from the mover to the body
+  Vec3 normal = Vec3::Zero();        // from the mover to the body
   mutable std::optional<Box> box{};  // the body as placed, once it was asked for
   // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
