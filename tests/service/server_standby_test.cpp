@@ -157,6 +157,18 @@ TEST_F(ServerStandby, WhatItCannotDoIsAnAlarm) {
       << members()["standby"].alarm;
 }
 
+TEST_F(ServerStandby, APrimaryThatKeepsNothingCannotBeFollowedAndThatIsSaid) {
+  ChildProcess primary({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--member", "primary", "--state-dir",
+                        folder_.write("no folder", "")},
+                       folder_.path(), "primary");
+  ASSERT_TRUE(primary.says("ready:", 20s)) << primary.errors();
+  start_standby();
+  EXPECT_TRUE(test::eventually(
+      [&] { return members()["standby"].alarm.starts_with("'primary' does not send what it keeps"); }, 40s))
+      << members()["standby"].alarm << standbys_[0]->errors();
+  EXPECT_EQ(members()["standby"].state, "recovering");
+}
+
 TEST_F(ServerStandby, TwoStandbysBothFollow) {
   start({"--member", "primary"});
   start_standby();

@@ -16,6 +16,8 @@ constexpr std::int64_t kFetchPatienceNs = 3'000'000'000;
 /// What a change needs may still be on its way from a publisher.
 constexpr std::int64_t kRetryForNs = 3'000'000'000;
 constexpr std::size_t kMostAlarms = 8;
+/// A primary that is there and can send it has done so by then.
+constexpr std::uint64_t kFetchesInVain = 3;
 
 }  // namespace
 
@@ -45,7 +47,11 @@ void ChangeFollower::follow(std::uint64_t primary, const std::string& name) {
 
 std::vector<std::string> ChangeFollower::alarms() const {
   const std::lock_guard lock(mutex_);
-  return alarms_;
+  std::vector<std::string> all = alarms_;
+  if (!is_whole_.load() && fetch_.load() > kFetchesInVain)
+    all.push_back(fmt::format(
+        "'{}' does not send what it keeps: it needs a state folder, and its log says what is wrong", primary_name_));
+  return all;
 }
 
 void ChangeFollower::raise(std::string sentence) {
