@@ -12,7 +12,7 @@ constexpr std::size_t kMostInBlock = 16;
 }  // namespace
 
 void MoveLog::push_back(const Move& move) {
-  if (blocks_.empty() || blocks_.back().size() == blocks_.back().capacity()) {
+  if (is_full()) {
     std::size_t room = blocks_.empty() ? 1 : std::min(kMostInBlock, 2 * blocks_.back().size());
     // Objects that began together would all need their next block in one step: one of them is shorter, by where this lies.
     if (!blocks_.empty() && 2 * blocks_.back().size() == kMostInBlock)
@@ -26,6 +26,13 @@ void MoveLog::pop_front() {
   if (++forgotten_ < blocks_.front().size()) return;
   blocks_.erase(blocks_.begin());
   forgotten_ = 0;
+}
+
+std::size_t MoveLog::pop_block() {
+  const std::size_t count = blocks_.front().size() - forgotten_;
+  blocks_.erase(blocks_.begin());
+  forgotten_ = 0;
+  return count;
 }
 
 std::size_t MoveLog::size() const {

@@ -24,8 +24,14 @@ class MoveLog {
   const Move& back() const { return blocks_.back().back(); }
 
   void push_back(const Move& move);
+  /// Whether the next move begins a block.
+  bool is_full() const { return blocks_.empty() || blocks_.back().size() == blocks_.back().capacity(); }
   /// Forgets the first move.
   void pop_front();
+  /// The last move of the first block; null where that is the only one.
+  const Move* end_of_first_block() const { return blocks_.size() > 1 ? &blocks_.front().back() : nullptr; }
+  /// Forgets the first block, of two or more. Returns how many moves it had.
+  std::size_t pop_block();
   std::size_t size() const;
 
   /// Calls visit(move) for each, in order.

@@ -65,7 +65,7 @@ void PoseMemory::note(const Step& step) {
 /// Moves the start of the reach: by age, and in small steps where the poses exceed the memory limit.
 void PoseMemory::move_floor() {
   from_ns_ = std::max(from_ns_, to_ns_ - options_.reach_ns);
-  if (move_count_ * sizeof(Move) > options_.max_bytes) from_ns_ += (to_ns_ - from_ns_) / 64;
+  if (is_over_limit()) from_ns_ += (to_ns_ - from_ns_) / 64;
   while (!gone_.empty() && gone_.front().gone_ns <= from_ns_) {
     move_count_ -= gone_.front().moves.size();
     gone_.pop_front();
@@ -75,7 +75,8 @@ void PoseMemory::move_floor() {
 void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
   Life& life = lives_[slot];
   const std::shared_ptr<const ObjectInfo>& info = step.rows.table()[slot];
-  if (life.info && (!info || info->id != life.info->id)) end(life);
+  // Mostly it is the one from before, which need not be looked at.
+  if (life.info && life.info != info && (!info || info->id != life.info->id)) end(life);
   if (!info) return;
   const ObjectRow& row = step.rows[slot];
   if (!life.info) {
@@ -95,12 +96,23 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
 }
 
 void PoseMemory::add_move(Life& life, const Move& move) {
-  forget(life);
+  if (is_over_limit()) forget(life);
+  else if (life.moves.is_full()) forget_blocks(life);
   const double travel_m = (move.pose.position - life.last().position).norm();
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(move.to_ns - move.from_ns);
   if (motion_s > 0) life.largest_mps = std::max(life.largest_mps, travel_m / motion_s);
   life.moves.push_back(move);
   ++move_count_;
+}
+
+/// Forgets whole blocks of moves that ended before the reach. To look for single ones at each move would bring memory
+/// into the cache that nothing else needs.
+void PoseMemory::forget_blocks(Life& life) {
+  for (const Move* end = life.moves.end_of_first_block(); end != nullptr && end->to_ns <= from_ns_;
+       end = life.moves.end_of_first_block()) {
+    life.first = end->pose;
+    move_count_ -= life.moves.pop_block();
+  }
 }
 
 /// Forgets moves that ended before the reach: the last of them becomes the object's first pose.
@@ -111,7 +123,7 @@ void PoseMemory::forget(Life& life) {
   }
 }
 
-/// Objects that have come to rest have moves to forget too, a few objects a step.
+/// What blocks hold of the time before the reach, and objects that have come to rest, a few objects a step.
 void PoseMemory::forget_in_turn() {
   const std::size_t count = std::min<std::size_t>(64, lives_.size());
   for (std::size_t i = 0; i < count; ++i, ++turn_) {

@@ -101,7 +101,9 @@ class PoseMemory {
 
   void note_object(const Step& step, std::uint32_t slot);
   void add_move(Life& life, const Move& move);
+  bool is_over_limit() const { return move_count_ * sizeof(Move) > options_.max_bytes; }
   void forget(Life& life);
+  void forget_blocks(Life& life);
   void forget_in_turn();
   void end(Life& life);
   void move_floor();

@@ -15,6 +15,12 @@ Move move_until(std::int64_t to_ns) {
   return {.from_ns = to_ns - 1, .to_ns = to_ns, .pose = {.position = {1e-9 * static_cast<double>(to_ns), 0, 0}}};
 }
 
+/// How many moves lie beside the first, one after the other in memory.
+std::size_t moves_in_first_block(const MoveLog& log) {
+  const Move* const end = log.end_of_first_block();
+  return end == nullptr ? log.size() : static_cast<std::size_t>(end - &log.front()) + 1;
+}
+
 // A step must not stand still where a thousand objects' logs grow in it.
 TEST(MoveLog, GrowingMovesNothing) {
   MoveLog log;
@@ -35,10 +41,20 @@ TEST(MoveLog, FindsWhatAPlainQueueFinds) {
     std::deque<Move> twin;
     std::int64_t end_ns = 0;
     for (int i = 0; i < 200; ++i) {
-      if (random() % 3 > 0 || twin.empty()) {
+      const std::size_t in_first_block = log.empty() ? 0 : moves_in_first_block(log);
+      const Move* const end = log.end_of_first_block();
+      ASSERT_EQ(end != nullptr, in_first_block < twin.size());
+      if (end != nullptr) { ASSERT_EQ(end->to_ns, twin[in_first_block - 1].to_ns); }
+      if (end != nullptr && random() % 20 == 0) {
+        ASSERT_EQ(log.pop_block(), in_first_block);
+        twin.erase(twin.begin(), twin.begin() + static_cast<std::ptrdiff_t>(in_first_block));
+      } else if (random() % 3 > 0 || twin.empty()) {
+        const bool begins_block = log.is_full();
+        const Move* const last = log.empty() ? nullptr : &log.back();
         end_ns += static_cast<std::int64_t>(random() % 3);  // several may end at one time
         log.push_back(move_until(end_ns));
         twin.push_back(move_until(end_ns));
+        if (!begins_block) { ASSERT_EQ(&log.back(), last + 1); }
       } else {
         log.pop_front();
         twin.pop_front();
