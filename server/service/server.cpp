@@ -22,6 +22,7 @@
 #include "server/service/durability/epoch.hpp"
 #include "server/service/events/dds_event_writer.hpp"
 #include "server/service/fleet/change_feed.hpp"
+#include "server/service/fleet/first_look.hpp"
 #include "server/service/fleet/membership.hpp"
 #include "server/service/fleet/served_followers.hpp"
 #include "server/service/fleet/standby.hpp"
@@ -49,49 +50,18 @@ StartError not_alone(const Options& options, long pid) {
                   pid, options.name_space, options.domain));
 }
 
-/// Calls hear(sample) with what living servers of the namespace say on a topic, for as long as a server that is there needs to be
-/// heard: DDS keeps the last word for those that join.
-template <class T, class Hear>
-void listen(const dds::Participant& participant, const Options& options, Hear&& hear, std::int64_t least_ns = 0) {
-  constexpr std::int64_t kListenInTheOpenNs = 250'000'000;
-  // Another one must come through the handshake first.
-  constexpr std::int64_t kListenBehindKeysNs = 1'000'000'000;
-  const dds::Topic<T> topic(participant, options.name_space);
-  dds::Reader<T> reader(topic);
-  dds::WaitSet waitset(participant);
-  waitset.attach(reader, 1);
-  dds::Sample<T> sample;
-  const std::int64_t usual_ns = options.keys.empty() ? kListenInTheOpenNs : kListenBehindKeysNs;
-  const std::int64_t until_ns = steady_ns() + std::max(usual_ns, least_ns);
-  for (std::int64_t now_ns = steady_ns(); now_ns < until_ns; now_ns = steady_ns()) {
-    waitset.wait(until_ns - now_ns);
-    while (reader.take(sample)) {
-      if (sample.info().valid_data && sample.info().instance_state == DDS_ALIVE_INSTANCE_STATE) hear(*sample);
-    }
-  }
-}
-
 /// Throws StartError where another server has this namespace: both would answer every question.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
-  listen<wire::Status>(participant, options,
-                       [&](const wire::Status& status) { throw not_alone(options, static_cast<long>(status.pid)); });
+  if (const std::optional<long> pid = heard_primary(participant, options.name_space, !options.keys.empty()))
+    throw not_alone(options, *pid);
 }
 
 bool is_there_a_primary(const dds::Participant& participant, const Options& options) {
   // One that stands by may be about to take the place of the one that this server was.
   constexpr std::int64_t kLongNs = 1'000'000'000;
-  bool is_there = false;
-  listen<wire::Status>(
-      participant, options, [&](const wire::Status&) { is_there = true; }, std::max(kLongNs, 2 * options.take_over_ns));
-  return is_there;
-}
-
-/// Of the servers of the namespace.
-std::uint64_t greatest_epoch(const dds::Participant& participant, const Options& options) {
-  std::uint64_t greatest = 0;
-  listen<wire::Member>(participant, options,
-                       [&](const wire::Member& member) { greatest = std::max<std::uint64_t>(greatest, member.epoch); });
-  return greatest;
+  return heard_primary(participant, options.name_space, !options.keys.empty(),
+                       std::max(kLongNs, 2 * options.take_over_ns))
+      .has_value();
 }
 
 unsigned thread_count(const Options& options) {
@@ -193,7 +163,8 @@ struct Server::Parts {
 
 Epoch Server::Parts::make_epoch() {
   if (!is_standby() && !options.joins) make_sure_to_be_alone(participant, options);
-  const std::uint64_t greatest = is_standby() ? greatest_epoch(participant, options) : 0;
+  const std::uint64_t greatest =
+      is_standby() ? greatest_epoch(participant, options.name_space, !options.keys.empty()) : 0;
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
   if (kept.rival_pid != 0 && is_standby())

@@ -71,7 +71,7 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
 std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   if (!fits(frame)) { return std::nullopt; }
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
-  HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}};
+  HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}, frame.version == 0};
   heard.entries.reserve(frame.kinds._length);
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
     Event event = decode_pair(frame, i, names);

@@ -111,16 +111,18 @@ void WatchState::note_told(const Event& event) {
   told_to_ = std::max(told_to_, event.world_time);
 }
 
-bool WatchState::was_told(const Event& event) const {
+bool WatchState::was_told(const Event& event, bool is_again) const {
   if (told_to_.count() == 0) { return false; }
   const std::chrono::nanoseconds time = happened(event);
-  if (time <= joined_) { return true; }  // the state that was adopted first had it
   const auto told = told_.find(names_of(event));
   if (told != told_.end()) {
-    if (time < told->second.time - kRounded) { return true; }
     const bool is_kind_told = (told->second.kinds & (1U << static_cast<unsigned>(event.kind))) != 0;
-    if (time <= told->second.time + kRounded && is_kind_told) { return true; }
+    const bool is_then = time >= told->second.time - kRounded && time <= told->second.time + kRounded;
+    if (is_then && is_kind_told) { return true; }
+    if (is_again && time < told->second.time - kRounded) { return true; }
   }
+  if (!is_again) { return false; }
+  if (time <= joined_) { return true; }  // the state that was adopted first had it
   if (held_.contains(pair_of(event)) || carried_.contains(names_of(event))) { return false; }
   // An end without a beginning is that of a contact which has ended here.
   return event.kind != EventKind::began && time <= told_to_ + kCommandsApart;
@@ -154,7 +156,7 @@ void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
     if (run_start_ == 0 || entry.event.sequence != applied_ + 1) { run_start_ = entry.event.sequence; }
     applied_ = entry.event.sequence;
     note(entry);
-    if (mode_ != Mode::starting && !was_told(entry.event)) { apply(entry.event); }
+    if (mode_ != Mode::starting && !was_told(entry.event, frame.is_again)) { apply(entry.event); }
   }
 }
 

@@ -40,6 +40,7 @@ struct HeardFrame {
     std::uint8_t shard = 0;
   };
   std::vector<Entry> entries;
+  bool is_again = false;  // a server whose place the sender has taken may have told them
 };
 
 /// The contacts of one shard that held after event `as_of_sequence`, as events of kind `open`.
@@ -107,7 +108,8 @@ class WatchState {
   void note_told(const Event& event);
   /// Whether the event was told in the life before: a server that takes another one's place tells again what its
   /// predecessor may not have told any more.
-  bool was_told(const Event& event) const;
+  /// is_again  as of its frame; else only the very event is meant, which that server has worked out after it took the place
+  bool was_told(const Event& event, bool is_again) const;
   bool has_ended_before(const Event& contact) const;
 
   void apply(const Event& event);

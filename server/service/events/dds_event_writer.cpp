@@ -106,7 +106,8 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
 void DdsEventWriter::speak() {
   is_silent_ = false;
   untold_.tell_all(steady_ns(), [&](const UntoldEvents::UntoldFrame& frame) {
-    write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, frame.stamp);
+    const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
+    write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
   });
 }
 

@@ -45,7 +45,7 @@ struct ServingSide {
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();
     test::count_new_listeners(true);
-    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr, stands_by);
+    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr, takes_questions);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {
@@ -67,7 +67,7 @@ struct ServingSide {
 
   World world{WorldOptions{}};
   WorldClock clock;
-  std::atomic<bool> stands_by{false};
+  std::atomic<bool> takes_questions{true};
   WriteBarriers write_barriers;
   SnapshotLeases leases{world};
   QuestionCounts counts;

@@ -387,6 +387,7 @@ class FakeServer {
       reply->request = request;
       reply->chunk_count = 1;
       reply->server = server_;
+      reply->epoch = 100 + server_;
       static_cast<void>(writer->write(*reply));
     }
   }
