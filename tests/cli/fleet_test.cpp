@@ -120,6 +120,17 @@ TEST_F(FleetVerb, HandoverSaysWhoHasThePlaceOnceItHas) {
   EXPECT_EQ(sent["to"], "b");
 }
 
+// The new server may be quicker than the old one's answer, which counts no more then.
+TEST_F(FleetVerb, HandoverIsDoneThoughItsAnswerIsLost) {
+  fake::server().members = {member("a"), member("b", FleetRole::standby)};
+  fake::server().command = [&](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    fake::server().members = {member("b")};
+    fake::server().members[0].server = 2;
+    return Error{ErrorCode::disconnected, "handover: the server was replaced by another one meanwhile", ""};
+  };
+  EXPECT_EQ(at_terminal("handover").out, "b has the place of a\n");
+}
+
 TEST_F(FleetVerb, HandoverThatNobodyTakesIsNoneAndARefusalIsSaid) {
   fake::server().members = {member("a"), member("b", FleetRole::standby)};
   fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) {

@@ -74,6 +74,8 @@ TEST_F(ServerStandby, ItHoldsWhatPublishersSendAndWhatCommandsDoBeforeAndAfterIt
   const auto moved_early = add_ball(publisher, "moved early", at(0, 0, 5));
   const auto mover = add_ball(publisher, "mover", at(0, 5, 5));
   move(publisher, moved_early, at(1, 0, 5));
+  // What a publisher sends takes another way than commands.
+  ASSERT_TRUE(test::eventually([&] { return !!client.command("get", R"({"name": "mover"})", {}, 5s); }));
   const Shape ball{SphereShape{.radius_m = 0.3}};
   command(client, "add", R"({"name": "crate", "pose": [3, 0, 9, 1, 0, 0, 0]})", ball);
   command(client, "add", R"({"name": "box", "pose": [3, 3, 9, 1, 0, 0, 0]})", ball);

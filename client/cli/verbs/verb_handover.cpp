@@ -23,25 +23,36 @@ class HandoverCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     const std::optional<FleetMember> from = primary(session, globals);
-    const nlohmann::json answer = server_command(session, globals, wire_contract::command::kHandOver, {{"to", to_}});
-    const std::string to = answer.value("to", std::string());
+    const std::string to = asked(session, globals, from.has_value());
     for (int looks = 0; looks < kMostLooks; ++looks) {
       const std::optional<FleetMember> now = primary(session, globals);
-      if (!now || now->name != to) continue;
+      const bool is_done = now && (to.empty() ? !from || now->server != from->server : now->name == to);
+      if (!is_done) continue;
       const std::string whose = from ? printable(from->name) : std::string("the one before");
       Printer printer = make_printer(session.io, globals);
-      if (!printer.human()) printer.record({{"to", to}, {"epoch", now->epoch}});
-      else if (!globals.quiet) printer.line(fmt::format("{} has the place of {}", printable(to), whose));
+      if (!printer.human()) printer.record({{"to", now->name}, {"epoch", now->epoch}});
+      else if (!globals.quiet) printer.line(fmt::format("{} has the place of {}", printable(now->name), whose));
       printer.finish();
       return Exit::yes;
     }
-    throw Failure(Exit::no, fmt::format("'{}' has not taken the place", printable(to)),
+    throw Failure(Exit::no,
+                  to.empty() ? std::string("nobody has taken the place")
+                             : fmt::format("'{}' has not taken the place", printable(to)),
                   "collide fleet shows who is there; the server's log says why");
   }
 
  private:
   static constexpr int kMostLooks = 6;  // each takes as long as listening does
 
+  /// Who is to take the place. Where that one was quicker than the answer it is as it was asked for.
+  std::string asked(Session& session, const Globals& globals, bool was_there) const {
+    try {
+      return text_of(server_command(session, globals, wire_contract::command::kHandOver, {{"to", to_}}), "to");
+    } catch (const Failure& failed) {
+      if (failed.code != Exit::no_server || !was_there) throw;
+      return to_;
+    }
+  }
   /// Nothing while there is none, or there are two.
   static std::optional<FleetMember> primary(Session& session, const Globals& globals) {
     const Result<Fleet> found = fleet(connect_options(session.io, globals));
