@@ -117,7 +117,8 @@ struct Server::Parts {
   /// The primary hands over to this server. Returns why it does not take the place; empty: it has.
   std::string take_place(const HandoverWords& words);
   /// Has a standby take this server's place, where one is ready. False: none has, and this server goes on.
-  bool hand_over();
+  /// name  of the standby; empty: any
+  bool hand_over(const std::string& name);
   /// The name of the server that will take this one's place when it ends, which is soon then. Throws BadCommand.
   std::string hand_over_to(const std::string& name);
   /// Sends all that is kept to a server that follows, in its place among the changes.
@@ -429,13 +430,14 @@ void Server::Parts::tick() {
   }
 }
 
-bool Server::Parts::hand_over() {
-  if (!feed || !succession.heir("")) return false;
+bool Server::Parts::hand_over(const std::string& name) {
+  const std::optional<Succession::Heir> to = feed ? succession.heir(name) : std::nullopt;
+  if (!to) return false;
   takes_questions.store(false);
   // What was carried out so far has its place before the handing over.
   let_jobs_end();
   if (durable) durable->wait(std::chrono::seconds(1));
-  return succession.hand_over(*feed);
+  return succession.hand_over(*feed, *to);
 }
 
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
@@ -488,8 +490,8 @@ std::string Server::start() {
 bool Server::has_given_way() const { return parts_->succession.has_given_way(); }
 
 bool Server::goes_on() {
-  Parts& p = *parts_;
-  return p.succession.is_asked_to_hand_over() && !p.hand_over();
+  const std::string chosen = parts_->succession.take_choice();
+  return !chosen.empty() && !parts_->hand_over(chosen);
 }
 
 void Server::write_flight_recorder() {
@@ -508,7 +510,7 @@ void Server::write_flight_recorder() {
 void Server::stop() {
   Parts& p = *parts_;
   if (!p.world_thread.joinable()) return;
-  static_cast<void>(p.hand_over());
+  static_cast<void>(p.hand_over(""));
   // It calls the standby; and no place is taken any more.
   p.membership->leave();
   p.standby.reset();

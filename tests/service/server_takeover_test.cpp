@@ -199,6 +199,24 @@ TEST_F(ServerTakeover, HandingOverLosesNothingAndEndsTheOneThatHandsOver) {
   EXPECT_EQ(member("south").role, FleetRole::primary);
 }
 
+TEST_F(ServerTakeover, WhereNobodyTakesThePlaceTheServerGoesOnAndCanBeEnded) {
+  ChildProcess& primary = join("north", false);
+  Client client = connect();
+  Publisher publisher = publish(client, "nobody");
+  ChildProcess& standby = join("south", true);
+  ASSERT_TRUE(becomes_ready("south", publisher)) << standby.errors();
+  standby.signal(SIGSTOP);  // for a moment it counts as ready
+  ASSERT_TRUE(client.command("handover", "{}", {}, 5s));
+  EXPECT_TRUE(test::eventually(
+      [&] { return primary.errors().find("has not taken this server's place within 3 s") != std::string::npos; }, 20s))
+      << primary.errors();
+  const RayQuestion ray{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .length_m = 100};
+  EXPECT_TRUE(test::eventually([&] { return !!client.ask(ray, {.timeout = 5s}); }, 20s));
+  standby.signal(SIGKILL);
+  primary.signal(SIGTERM);
+  EXPECT_EQ(primary.wait(20s), 0) << primary.errors();
+}
+
 TEST_F(ServerTakeover, ASignalToEndHandsOverToo) {
   ChildProcess& primary = join("north", false);
   Client client = connect();

@@ -93,6 +93,7 @@ bool ServerPulse::is_heir(const wire::Status& status) const {
 
 void ServerPulse::greeted(std::uint64_t server, std::uint64_t epoch) {
   epoch_.store(epoch, std::memory_order_relaxed);
+  is_stopping_.store(false, std::memory_order_relaxed);  // whoever did was another one, or it would not have answered
   server_.store(server, std::memory_order_release);
   hear_reply();
 }

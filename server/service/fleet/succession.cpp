@@ -114,36 +114,25 @@ void Succession::choose(const std::string& name) {
   with_.end();
 }
 
-bool Succession::is_asked_to_hand_over() const {
+std::string Succession::take_choice() {
   const std::lock_guard lock(mutex_);
-  return !chosen_.empty();
+  return std::exchange(chosen_, {});
 }
 
-bool Succession::hand_over(ChangeFeed& feed) {
+bool Succession::hand_over(ChangeFeed& feed, const Heir& to) {
   if (role() != MemberRole::primary || has_heir_.load()) return false;
-  std::string chosen;
-  {
-    const std::lock_guard lock(mutex_);
-    chosen = std::exchange(chosen_, {});
-  }
-  const std::optional<Heir> to = heir(chosen);
-  if (!to) {
-    with_.takes_questions.store(true);
-    return false;
-  }
   hands_over_.store(true);
-  with_.takes_questions.store(false);
-  const auto words = std::make_shared<HandoverWords>(HandoverWords{.to = to->server, .progress = {}});
-  if (!done_on_world_thread([this, words] { words->progress = with_.say_last_words(); })) return false;
-  feed.tell({.text = handover_text(*words), .blob = {}});
+  const auto words = std::make_shared<HandoverWords>(HandoverWords{.to = to.server, .progress = {}});
+  if (done_on_world_thread([this, words] { words->progress = with_.say_last_words(); }))
+    feed.tell({.text = handover_text(*words), .blob = {}});
   constexpr std::int64_t kPatienceNs = 3'000'000'000;
   const std::int64_t until_ns = steady_ns() + kPatienceNs;
   while (!has_heir_.load() && steady_ns() < until_ns) std::this_thread::sleep_for(kLook);
   if (has_heir_.load()) {
-    with_.notice(fmt::format("'{}' has this server's place", to->name));
+    with_.notice(fmt::format("'{}' has this server's place", to.name));
     return true;
   }
-  with_.notice(fmt::format("'{}' has not taken this server's place within 3 s", to->name));
+  with_.notice(fmt::format("'{}' has not taken this server's place within 3 s", to.name));
   hands_over_.store(false);
   with_.takes_questions.store(true);
   static_cast<void>(done_on_world_thread(with_.speak));

@@ -62,10 +62,11 @@ class Succession {
   std::optional<Heir> heir(const std::string& name) const;
   /// This server is to hand over to that one when it ends.
   void choose(const std::string& name);
-  bool is_asked_to_hand_over() const;
-  /// Hands over to the one that was chosen, or else to any that is ready, and waits until that one is the primary. False: there
-  /// is none, or it does not take the place, and this server goes on. Nothing else may change the world meanwhile.
-  bool hand_over(ChangeFeed& feed);
+  /// Who was chosen, once; empty: nobody.
+  std::string take_choice();
+  /// Hands over, and waits until that one is the primary. False: it does not take the place, and this server goes on.
+  /// Nothing else may change the world meanwhile.
+  bool hand_over(ChangeFeed& feed, const Heir& to);
   /// Whether this server ends since another one is the primary now without having been asked to.
   bool has_given_way() const { return has_given_way_.load(); }
 
