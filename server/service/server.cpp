@@ -377,6 +377,9 @@ bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
 
 std::string Server::Parts::take_place(const HandoverWords& words) {
   succession.catch_up(words.progress);
+  // Clients take another server's word once they have heard that the primary stops, which comes to them another way than this
+  // to here: they are given what they have where a primary dies.
+  std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kTakeOverNs - wire_contract::kMayHaveHeirNs));
   return standby->take_place("the primary hands over") ? std::string()
                                                        : "it hands over, and this server does not hold all that it had";
 }
