@@ -238,7 +238,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space),
       succession({.on_world_thread = [this](std::function<void()> job) { return inbox.push_job(std::move(job)); },
-                  .speak = [this] { loop.speak(); },
+                  .speak = [this](std::int64_t heard_ns) { loop.speak(heard_ns); },
                   .fall_silent = [this] { loop.fall_silent(); },
                   .say_last_words = [this] { return loop.say_last_words(); },
                   .has_come_as_far = [this](const PublisherProgress& far) { return has_come_as_far(far); },
@@ -364,7 +364,9 @@ void Server::Parts::stand_by() {
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       options.take_over_ns,
-      [this](std::uint64_t primary, const std::string& why) { return succession.take_over(primary, why); },
+      [this](std::uint64_t primary, std::int64_t heard_ns, const std::string& why) {
+        return succession.take_over(primary, heard_ns, why);
+      },
       [this] { succession.cannot_follow(); });
 }
 

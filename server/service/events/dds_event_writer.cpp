@@ -103,9 +103,9 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
   write(writer, *frame_);
 }
 
-void DdsEventWriter::speak() {
+void DdsEventWriter::speak(std::int64_t heard_ns) {
   is_silent_ = false;
-  untold_.tell_all(steady_ns(), [&](const UntoldEvents::UntoldFrame& frame) {
+  untold_.tell_all(heard_ns, [&](const UntoldEvents::UntoldFrame& frame) {
     const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
     write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
   });

@@ -29,7 +29,7 @@ class DdsEventWriter : public EventWriter {
   DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
 
   void fall_silent() override { is_silent_ = true; }
-  void speak() override;
+  void speak(std::int64_t heard_ns) override;
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
   bool probes_wanted() const override { return probe_readers_.load() > 0; }

@@ -43,8 +43,9 @@ class EventWriter {
   virtual ~EventWriter() = default;
   /// From now on nothing is written, as of a server that stands by; all else is as if it were.
   virtual void fall_silent() {}
-  /// Ends that: first come the newest events that were not written.
-  virtual void speak() {}
+  /// Ends that: first come the events that the server which spoke so far may not have written.
+  /// heard_ns  when that one was heard last, steady clock; 0: this one tells all that it kept
+  virtual void speak(std::int64_t /*heard_ns*/) {}
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;

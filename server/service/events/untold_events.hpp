@@ -21,27 +21,27 @@ class UntoldEvents {
     std::int64_t kept_ns = 0;  // steady clock
   };
 
-  /// Keeps a frame, and lets go of those that are older than kReachNs or more than kMostEvents before.
+  /// Keeps a frame, and lets go of those that are more than kMostEvents before.
   void keep(const EventColumns& events, const Stamp& stamp, bool is_of_fences, std::int64_t now_ns);
-  /// Calls tell(const UntoldFrame&) with each that is not too old, in order, and forgets all.
+  /// Calls tell(const UntoldFrame&) with those that the other one may not have told, in order, and forgets all.
+  /// heard_ns  when it was heard last, steady clock; 0: never
   template <class Tell>
-  void tell_all(std::int64_t now_ns, Tell&& tell) {
-    forget_old(now_ns);
-    for (const UntoldFrame& frame : frames_) tell(frame);
+  void tell_all(std::int64_t heard_ns, Tell&& tell) {
+    for (const UntoldFrame& frame : frames_) {
+      if (frame.kept_ns >= heard_ns - kReachNs) tell(frame);
+    }
     frames_.clear();
     event_count_ = 0;
   }
 
  private:
-  /// Ten times as long as a primary is silent before it is given up.
-  static constexpr std::int64_t kReachNs = 10 * wire_contract::kTakeOverNs;
+  /// The same step may be told by the one and kept by the other so far apart.
+  static constexpr std::int64_t kReachNs = 2'000'000'000;
   /// A subscriber remembers as many that it has heard.
   static constexpr std::size_t kMostEvents = wire_contract::kEventTopic.keep_last;
 
-  void forget_old(std::int64_t now_ns);
-
   std::deque<UntoldFrame> frames_;
-  std::size_t event_count_ = 0;
+  std::size_t event_count_ = 0;  // of all frames
 };
 
 }  // namespace collided::engine::service

@@ -40,9 +40,9 @@ void PrimaryPulse::run() {
     take();
     const std::int64_t now_ns = steady_ns();
     // Of its own standstill the primary is not to be blamed: it is given the whole time again.
-    if (now_ns - looked_ns_ > kStoodStillNs && heard_ns_ != 0) heard_ns_ = now_ns;
+    if (now_ns - looked_ns_ > kStoodStillNs && blamed_ns_ != 0) blamed_ns_ = now_ns;
     looked_ns_ = now_ns;
-    const std::int64_t silent_ns = heard_ns_ == 0 ? 0 : now_ns - heard_ns_;
+    const std::int64_t silent_ns = blamed_ns_ == 0 ? 0 : now_ns - blamed_ns_;
     is_silent_.store(silent_ns > silent_after_ns_);
     if (is_silent_.load() && with_.is_silent(silent_ns)) return;
   }
@@ -51,7 +51,9 @@ void PrimaryPulse::run() {
 void PrimaryPulse::take() {
   const std::uint64_t primary = with_.primary();
   while (reader_.take(status_)) {
-    if (status_.info().valid_data && status_->server == primary) heard_ns_ = steady_ns();
+    if (!status_.info().valid_data || status_->server != primary) continue;
+    blamed_ns_ = steady_ns();
+    heard_ns_.store(blamed_ns_);
   }
 }
 

@@ -30,6 +30,8 @@ class PrimaryPulse {
 
   /// Whether it counts as silent. Any thread.
   bool is_silent() const { return is_silent_.load(); }
+  /// When it was heard last, steady clock; 0: never. Any thread.
+  std::int64_t heard_ns() const { return heard_ns_.load(); }
 
  private:
   void run();
@@ -41,9 +43,10 @@ class PrimaryPulse {
   dds::Reader<wire::Status> reader_;
   dds::WaitSet waitset_;
   dds::Sample<wire::Status> status_;  // this and the next two are of the thread
-  std::int64_t heard_ns_ = 0;         // the newest status, steady clock; 0: none has come yet
+  std::int64_t blamed_ns_ = 0;        // since when its silence counts, steady clock; 0: it does not yet
   std::int64_t looked_ns_ = 0;
   std::atomic<bool> is_silent_{false};
+  std::atomic<std::int64_t> heard_ns_{0};  // the newest status, steady clock; 0: none has come yet
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };

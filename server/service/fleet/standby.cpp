@@ -104,7 +104,8 @@ bool Standby::succeed(std::int64_t silent_ns) {
 bool Standby::take_place(const std::string& why) {
   const std::lock_guard lock(taking_mutex_);
   if (has_place_) return true;
-  if (state() != ServerState::ready || !take_over_(follower_.primary(), why)) return false;
+  const std::int64_t heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns();
+  if (state() != ServerState::ready || !take_over_(follower_.primary(), heard_ns, why)) return false;
   has_place_ = true;
   follower_.give_up();
   return true;

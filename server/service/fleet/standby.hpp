@@ -24,8 +24,8 @@ namespace collided::engine::service {
 /// threads  hear() and note_own() are for the Membership's thread, the rest is for any
 class Standby {
  public:
-  /// Makes this server the primary in the place of that one; false: not yet.
-  using TakeOver = std::function<bool(std::uint64_t primary, const std::string& why)>;
+  /// Makes this server the primary in the place of that one, which was heard last at heard_ns; false: not yet.
+  using TakeOver = std::function<bool(std::uint64_t primary, std::int64_t heard_ns, const std::string& why)>;
   /// silent_after_ns  when the primary is given up; 0: never
   /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,

@@ -1,0 +1,62 @@
+#include "server/service/events/untold_events.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace collided::engine::service {
+namespace {
+
+constexpr std::int64_t kOneSecond = 1'000'000'000;
+
+EventColumns events_of(std::uint64_t first, std::size_t count) {
+  EventColumns events;
+  events.first_sequence = first;
+  events.kinds.resize(count);
+  return events;
+}
+
+std::vector<std::uint64_t> told(UntoldEvents& untold, std::int64_t heard_ns) {
+  std::vector<std::uint64_t> first;
+  untold.tell_all(heard_ns,
+                  [&](const UntoldEvents::UntoldFrame& frame) { first.push_back(frame.events.first_sequence); });
+  return first;
+}
+
+TEST(UntoldEvents, AreToldFromBeforeTheOtherOneFellSilentHoweverLongThatWas) {
+  UntoldEvents untold;
+  for (std::int64_t second = 1; second <= 60; ++second) {
+    untold.keep(events_of(static_cast<std::uint64_t>(second), 1), {}, false, second * kOneSecond);
+  }
+  // Silent since second 20 and a bit: the place is taken 40 s later.
+  const std::vector<std::uint64_t> all = told(untold, 20 * kOneSecond + kOneSecond / 2);
+  ASSERT_EQ(all.size(), 42U);
+  EXPECT_EQ(all.front(), 19U);
+  EXPECT_EQ(all.back(), 60U);
+  EXPECT_TRUE(told(untold, 0).empty()) << "they are told once";
+}
+
+TEST(UntoldEvents, AllAreToldWhereNobodyWasHeard) {
+  UntoldEvents untold;
+  untold.keep(events_of(7, 3), {}, false, kOneSecond);
+  untold.keep(events_of(10, 1), {}, true, 100 * kOneSecond);
+  EXPECT_EQ(told(untold, 0), (std::vector<std::uint64_t>{7, 10}));
+}
+
+TEST(UntoldEvents, AsManyAreKeptAsASubscriberRemembersThatItHasHeard) {
+  constexpr std::size_t kMost = wire_contract::kEventTopic.keep_last;
+  UntoldEvents untold;
+  for (std::uint64_t i = 0; i < 3 * kMost; ++i) untold.keep(events_of(i, 1), {}, false, kOneSecond);
+  const std::vector<std::uint64_t> all = told(untold, kOneSecond);
+  ASSERT_EQ(all.size(), kMost);
+  EXPECT_EQ(all.front(), 2 * kMost);
+}
+
+TEST(UntoldEvents, FramesWithoutEventsAreNotKept) {
+  UntoldEvents untold;
+  untold.keep(events_of(1, 0), {}, false, kOneSecond);
+  EXPECT_TRUE(told(untold, 0).empty());
+}
+
+}  // namespace
+}  // namespace collided::engine::service
