@@ -100,6 +100,8 @@ void Inbox::Merged::clear() {
   poses.clear();
   teleported.clear();
   incarnation = sequence = definitions_through = 0;
+  source_time_ns = received_ns = 0;
+  flags = 0;
 }
 
 void Inbox::merge(const PoseSample& sample) {
@@ -123,8 +125,13 @@ void Inbox::merge(const PoseSample& sample) {
   }
   merged.sequence = std::max(merged.sequence, sample.sequence);
   merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
-  merged.source_time_ns = sample.source_time_ns;
-  merged.received_ns = sample.received_ns;
+  merged.flags |= sample.flags & (wire_contract::kAllSaid | wire_contract::kStreamed);
+  // A sign of life has no time, and must not take that of the poses before it.
+  const bool is_sign_of_life = count == 0 && sample.source_time_ns == 0;
+  if (!is_sign_of_life) {
+    merged.source_time_ns = sample.source_time_ns;
+    merged.received_ns = sample.received_ns;
+  }
   for (std::size_t i = 0; i < count; ++i) merge_pose(merged, sample, i);
 }
 
@@ -158,7 +165,7 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   slice->source_time_ns = merged.source_time_ns;
   slice->received_ns = merged.received_ns;
   slice->has_odd_columns = false;  // a spare sample still says what it was
-  slice->flags = teleported ? wire_contract::kTeleported : 0;
+  slice->flags = merged.flags | (teleported ? wire_contract::kTeleported : 0);
   slice->object_numbers.clear();
   slice->poses.clear();
   slice->velocities.clear();

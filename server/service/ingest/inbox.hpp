@@ -92,8 +92,9 @@ class Inbox {
     std::uint64_t incarnation = 0;  // of all the poses here
     std::uint64_t sequence = 0;     // the greatest merged
     std::uint64_t definitions_through = 0;
-    std::int64_t source_time_ns = 0;  // of the batch merged last
+    std::int64_t source_time_ns = 0;  // of the batch merged last that has a time
     std::int64_t received_ns = 0;
+    std::uint8_t flags = 0;                // those that say something of the publisher, not of the batch
     NumberIndex index;                     // object number to place
     std::vector<std::uint32_t> numbers;    // object numbers, by place
     std::vector<double> poses;             // kPoseNumbers each, by place

@@ -191,6 +191,31 @@ TEST(Inbox, WhatWasMergedHasTheStampsOfTheNewest) {
 }
 
 // A program that starts again while its earlier poses wait: they are of another life.
+// Else the poses would be dated by their reception: later than they were.
+TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
+  auto posed = batch(1, {{1, 1}}, wire_contract::kStreamed);
+  posed->source_time_ns = 500;
+  posed->received_ns = 900;
+  inbox.push(std::move(posed));
+  auto sign_of_life = batch(2, {}, wire_contract::kAllSaid);
+  sign_of_life->received_ns = 950;
+  inbox.push(std::move(sign_of_life));
+  std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U);
+  const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[0]);
+  EXPECT_EQ(merged.source_time_ns, 500);
+  EXPECT_EQ(merged.received_ns, 900);
+  EXPECT_EQ(merged.sequence, 2U);
+  EXPECT_EQ(merged.flags, wire_contract::kStreamed | wire_contract::kAllSaid) << "what was said of the publisher holds";
+  // And nothing is left over for the next that is merged.
+  inbox.push(batch(3, {{1, 2}}));
+  arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->flags, 0);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->source_time_ns, 0);
+}
+
 TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
   Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
   inbox.push(batch(50, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
