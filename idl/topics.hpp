@@ -31,8 +31,8 @@ inline const char* name_of(RequestKind kind) {
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 /// Which hits are wanted: the first one, any one, or all of them. signed_near, of near: of a solid that holds the point
-/// the distance is minus the depth, not 0.
-enum class HitMode : std::uint8_t { closest, any, all, signed_near };
+/// the distance is minus the depth, not 0. verdict, of rays, spheres, boxes and inside: none, only whether there is one.
+enum class HitMode : std::uint8_t { closest, any, all, signed_near, verdict };
 /// How much a question matters while not all can be answered: low ones are refused first, high ones never.
 enum class Importance : std::uint8_t { normal, low, high };
 /// invalid: the question's numbers are none that can be answered.

@@ -29,6 +29,8 @@ COLLIDED_SAME(HitMode, HitMode, closest);
 COLLIDED_SAME(HitMode, HitMode, any);
 COLLIDED_SAME(HitMode, HitMode, all);
 COLLIDED_SAME(HitMode, HitMode, signed_near);
+static_assert(static_cast<std::uint8_t>(wire_contract::HitMode::verdict) >
+              static_cast<std::uint8_t>(HitMode::signed_near));
 COLLIDED_SAME(Verdict, Verdict, miss);
 COLLIDED_SAME(Verdict, Verdict, hit);
 COLLIDED_SAME(Verdict, Verdict, undecided);

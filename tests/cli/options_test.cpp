@@ -51,8 +51,10 @@ TEST_F(Options, OfAQuestionReachTheServerEachForItself) {
   EXPECT_FALSE(plain.fresh);
   EXPECT_EQ(plain.only + plain.skip, "");
   EXPECT_EQ(ray_options("--any").mode, HitMode::any);
+  EXPECT_EQ(ray_options("--verdict").mode, HitMode::verdict);
   EXPECT_EQ(ray_options("--all").mode, HitMode::all);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all --any").code, 2);
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --verdict --any").code, 2);
   EXPECT_EQ(ray_options("--importance low").importance, Importance::low);
   EXPECT_EQ(ray_options("--importance high").importance, Importance::high);
   EXPECT_EQ(ray_options("--importance normal").importance, Importance::normal);

@@ -114,6 +114,16 @@ class Questions(WithServer):
                 self.assertEqual(answer.hits[0].object, line["object"])
                 self.assertEqual(answer.hits[0].distance, line["distance"])  # to the last bit
 
+    def test_a_verdict_alone_has_no_hits(self):
+        origins, directions = rays(300, SEED + 2)
+        expected = self.client.rays(origins, directions, mode="any")
+        answers = self.client.rays(origins, directions, mode="verdict")
+        self.assertEqual([answer.verdict for answer in answers], [answer.verdict for answer in expected])
+        self.assertEqual(sum(len(answer.hits) for answer in answers), 0)
+        self.assertGreater(sum(len(answer.hits) for answer in expected), 10)
+        with self.assertRaisesRegex(collided.Refused, "near questions do not have hit mode 4"):
+            self.client.nearest([[0, 0, 0]], mode="verdict")
+
     def test_columns_are_of_each_first_hit(self):
         origins, directions = rays(300, SEED + 1)
         answers = self.client.rays(origins, directions, mode="all")

@@ -115,6 +115,7 @@ void print_for_people(Printer& printer, const AnswerView& view, const RawJson& i
   }
   if (answer.verdict == Verdict::invalid) printer.line(prefix + printer.paint(Paint::bad, "invalid"));
   if (answer.verdict == Verdict::miss) printer.line(prefix + nothing_line(printer, view.kind));
+  if (answer.verdict == Verdict::hit && answer.hits.empty()) printer.line(prefix + printer.paint(Paint::good, "hit"));
   for (const Hit& hit : answer.hits) {
     const bool in_table = measures_depth(view.kind) && !view.with_id;
     if (in_table) contact_row(printer, view, hit);

@@ -133,11 +133,13 @@ class RayCommand : public AskCommand {
     app.add_option("--length", length_, "Nothing farther than this (inf)");
     app.add_flag("--all", all_, "Everything along the ray, in order");
     app.add_flag("--any", any_, "Whatever is found first");
+    app.add_flag("--verdict", verdict_, "Only whether there is a hit, not where");
   }
   void adjust(AskOptions& options) override {
-    if (all_ && any_) throw bad_use("--all and --any exclude each other");
+    if (int{all_} + int{any_} + int{verdict_} > 1) throw bad_use("--all, --any and --verdict exclude each other");
     if (all_) options.mode = HitMode::all;
     if (any_) options.mode = HitMode::any;
+    if (verdict_) options.mode = HitMode::verdict;
     view_.several = all_;
   }
   Numbers numbers() const override {
@@ -151,6 +153,7 @@ class RayCommand : public AskCommand {
   std::string length_;
   bool all_ = false;
   bool any_ = false;
+  bool verdict_ = false;
 };
 
 class SphereCommand : public AskCommand {

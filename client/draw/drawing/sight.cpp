@@ -99,11 +99,11 @@ std::vector<Answer> Rays::ask(std::span<const Question> questions, const AskOpti
 std::vector<Answer> Rays::first_hits(std::span<const RayQuestion> rays) { return ask(rays, options_); }
 
 std::vector<std::uint8_t> Rays::are_free(std::span<const RayQuestion> rays) {
-  AskOptions any = options_;
-  any.mode = HitMode::any;
+  AskOptions verdict = options_;
+  verdict.mode = HitMode::verdict;
   std::vector<std::uint8_t> free;
   free.reserve(rays.size());
-  for (const Answer& answer : ask(rays, any)) free.push_back(answer.verdict == Verdict::hit ? 0 : 1);
+  for (const Answer& answer : ask(rays, verdict)) free.push_back(answer.verdict == Verdict::hit ? 0 : 1);
   return free;
 }
 

@@ -21,7 +21,9 @@ namespace collided {
 /// any          of a ray one hit, not necessarily the first; of a sphere, a box or inside yes or no, without a depth
 /// all          every hit
 /// signed_near  of near: where a solid holds the point, the distance is minus the depth instead of 0
-enum class HitMode { closest, any, all, signed_near };
+/// verdict      none: hit or miss alone, the answer has no hits. Of rays, spheres, boxes and inside; the cheapest where
+///              only that counts, as of a line of sight
+enum class HitMode { closest, any, all, signed_near, verdict };
 /// How much a question matters while the server cannot answer all: low ones are refused first, high ones never.
 enum class Importance { normal, low, high };
 

@@ -16,7 +16,7 @@ from ._library import call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
 from ._structs import AskOptions, CPairAnswer
 
-_MODES = {"closest": 0, "any": 1, "all": 2}
+_MODES = {"closest": 0, "any": 1, "all": 2, "verdict": 4}
 _IMPORTANCES = {"normal": 0, "low": 1, "high": 2}
 
 

@@ -45,7 +45,8 @@ class Client(Asking, Standing, Explaining):
     """A connection to one server, made by connect(). Several threads may call at once.
 
     Questions take these keywords:
-      mode        "closest" (default), "any" or "all": which hits of rays, spheres and boxes are wanted
+      mode        "closest" (default), "any" or "all": which hits of rays, spheres and boxes are wanted; "verdict": none,
+                  only whether there is one
       only, skip  name globs of objects that may answer, and that are left out
       mask        bits; objects with one of these layers may answer
       max_hits    of each question; beyond it hits are cut off and the answer is undecided (truncated)

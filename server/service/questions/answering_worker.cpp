@@ -196,8 +196,10 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   const wire::Query& query = *ask.query;
   wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
   const std::span<const double> rows = rows_left(ask);
+  const bool with_hits = query.mode != static_cast<std::uint8_t>(wire_contract::HitMode::verdict);
   Questions questions{.kind = static_cast<QuestionKind>(query.kind),
-                      .mode = static_cast<HitMode>(query.mode),
+                      .mode = with_hits ? static_cast<HitMode>(query.mode) : HitMode::any,
+                      .with_hits = with_hits,
                       .mask = query.mask,
                       .max_hits = query.max_hits,
                       .only = query.only,

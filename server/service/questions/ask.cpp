@@ -50,6 +50,16 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
   return std::nullopt;
 }
 
+bool has_mode(RequestKind kind, HitMode mode) {
+  switch (mode) {
+    case HitMode::signed_near: return kind == RequestKind::near;
+    case HitMode::verdict:
+      return kind == RequestKind::ray || kind == RequestKind::sphere || kind == RequestKind::box ||
+             kind == RequestKind::inside;
+    default: return true;
+  }
+}
+
 }  // namespace
 
 void Ask::reset() {
@@ -118,8 +128,9 @@ std::optional<std::string> why_refused(const wire::Query& query) {
   if (kind == RequestKind::what_if && std::uint64_t{*count} * wire::moved_count(query) > kMaxPosesPerChunk)
     return fmt::format("a chunk of {} poses; allowed {}", std::uint64_t{*count} * wire::moved_count(query),
                        kMaxPosesPerChunk);
-  const HitMode last_mode = kind == RequestKind::near ? HitMode::signed_near : HitMode::all;
-  if (auto reason = why_unknown("hit mode", query.mode, last_mode)) return reason;
+  if (auto reason = why_unknown("hit mode", query.mode, HitMode::verdict)) return reason;
+  if (!has_mode(kind, static_cast<HitMode>(query.mode)))
+    return fmt::format("{} questions do not have hit mode {}", wire_contract::name_of(kind), query.mode);
   if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
   if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {

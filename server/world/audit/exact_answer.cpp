@@ -195,6 +195,7 @@ bool ExactAnswer::are_touched(const std::set<ObjectId>& objects) const {
 }
 
 std::string ExactAnswer::difference(const Answers& given) const {
+  if (!question_.with_hits) return difference_of_verdict(given.answers[0]);
   switch (question_.kind) {
     case QuestionKind::ray: return difference_of_ray(given);
     case QuestionKind::sphere:
@@ -203,6 +204,14 @@ std::string ExactAnswer::difference(const Answers& given) const {
     case QuestionKind::near: return difference_of_near(given);
     default: return {};
   }
+}
+
+std::string ExactAnswer::difference_of_verdict(Verdict given) const {
+  const bool is_met = !met_.empty() || !touched_.empty();
+  const bool may_be_met = is_met || !doubtful_.empty();
+  if (given == Verdict::hit && !may_be_met) return "nothing is met, answered was a hit";
+  if (given == Verdict::miss && is_met) return "something is met, answered was a miss";
+  return {};
 }
 
 std::string ExactAnswer::difference_of_ray(const Answers& given) const {

@@ -59,6 +59,7 @@ class ExactAnswer {
   /// near: bounds of the asked shape as given
   void find_touched(const Snapshot& snapshot, const Primitive& asked, const GivenPart& given_asked, const Aabb& near);
   void find_nearest(const Snapshot& snapshot, double far_m);
+  std::string difference_of_verdict(Verdict given) const;
   std::string difference_of_ray(const Answers& given) const;
   std::string difference_of_first(const AnswerHit& hit) const;
   std::string difference_of_overlaps(const Answers& given) const;

@@ -29,6 +29,7 @@ struct PlainCandidate {
   const StaticScene* scene;
   const Snapshot* snapshot;
   bool any;
+  bool with_hits;
 
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     PlainRay& ray = *of;
@@ -58,21 +59,29 @@ struct PlainCandidate {
     const int order = compare_hits(of->ray, corners, of->scene->mesh.triangle(of->met));
     return order != 0 ? order < 0 : precedes_in_answer(*snapshot, *scene, triangle, *of->scene, of->met);
   }
-  /// Takes the triangle that a walk for any hit ended at, unless it was offered as a candidate already.
+  /// Takes the triangle that a walk for any hit ended at, unless it was offered as a candidate already. It is surely met,
+  /// so that only what a hit tells is left to be worked out.
   void meet(std::uint32_t triangle, const Triangle& corners) const {
-    if (triangle != Bvh::kNoTriangle && of->limit >= 0) (*this)(triangle, corners, of->limit);
+    if (triangle == Bvh::kNoTriangle || of->limit < 0) return;
+    if (with_hits) {
+      (*this)(triangle, corners, of->limit);
+      return;
+    }
+    of->met = triangle;
+    of->scene = scene;
+    of->limit = -1;
   }
 };
 
 /// Walks the rays through one scene together.
-void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, HitMode mode, std::span<PlainRay*> rays,
-                         std::span<Bvh::RayTask> tasks) {
+void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, const Questions& asked,
+                         std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
   std::array<PlainCandidate, kPlainRaysAtOnce> candidates;
-  const bool any = mode == HitMode::any;
+  const bool any = asked.mode == HitMode::any;
   std::size_t count = 0;
   for (PlainRay* ray : rays) {
     if (ray->limit < 0) continue;
-    candidates[count] = {ray, &scene, &snapshot, any};
+    candidates[count] = {ray, &scene, &snapshot, any, asked.with_hits};
     Bvh::RayTask& task = tasks[count];
     task.ray = &ray->ray;
     task.limit = ray->limit;
@@ -98,10 +107,11 @@ inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& a
   answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
 }
 
-inline void walk(const Snapshot& snapshot, HitMode mode, PlainRay& ray) {
+inline void walk(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
+  const bool any = asked.mode == HitMode::any;
   for (const auto& scene : snapshot.scenes) {
-    const PlainCandidate candidate{&ray, scene.get(), &snapshot, mode == HitMode::any};
-    if (mode != HitMode::any) {
+    const PlainCandidate candidate{&ray, scene.get(), &snapshot, any, asked.with_hits};
+    if (!any) {
       scene->tree.walk_ray_nearest(ray.ray, ray.limit, scene->mesh, candidate, ray.walk);
       continue;
     }
@@ -126,36 +136,40 @@ inline bool start(const double* numbers, PlainRay& ray) {
 }
 
 /// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
-inline void write(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
+inline void write(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
+                  Answers& answers) {
   const bool is_hit = ray.met != kNoTriangle;
-  const bool is_open = ray.is_undecided && !(is_hit && mode == HitMode::any);
+  const bool is_told = is_hit && asked.with_hits;
+  const bool is_open = ray.is_undecided && !(is_hit && asked.mode == HitMode::any);
   const Verdict plain = is_hit ? Verdict::hit : Verdict::miss;
   answers.answers[place] = is_open ? Verdict::undecided : plain;
   answers.reasons[place] = is_open ? UndecidedReason::numeric : UndecidedReason::none;
   answers.levels[place] = static_cast<std::uint8_t>(ray.level);
-  answers.hit_counts[place] = is_hit ? 1 : 0;
+  answers.hit_counts[place] = is_told ? 1 : 0;
   answers.nodes[place] = ray.walk.nodes;
   answers.exact_tests[place] = ray.exact_tests;
-  if (is_hit) append_hit(snapshot, ray, answers);
+  if (is_told) append_hit(snapshot, ray, answers);
 }
 
 }  // namespace
 
 bool start_plain_ray(const double* numbers, PlainRay& ray) { return start(numbers, ray); }
 
-void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
-  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, mode, rays, tasks);
+void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span<PlainRay*> rays,
+                     std::span<Bvh::RayTask> tasks) {
+  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, asked, rays, tasks);
 }
 
-void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers) {
-  write(snapshot, mode, ray, place, answers);
+void write_plain_ray(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
+                     Answers& answers) {
+  write(snapshot, asked, ray, place, answers);
 }
 
-bool answer_plain_ray(const Snapshot& snapshot, HitMode mode, const double* numbers, PlainRay& ray, std::size_t place,
-                      Answers& answers) {
+bool answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers, PlainRay& ray,
+                      std::size_t place, Answers& answers) {
   if (!start(numbers, ray)) return false;
-  walk(snapshot, mode, ray);
-  write(snapshot, mode, ray, place, answers);
+  walk(snapshot, asked, ray);
+  write(snapshot, asked, ray, place, answers);
   return true;
 }
 

@@ -25,14 +25,16 @@ bool start_plain_ray(const double* numbers, PlainRay& ray);
 ///
 /// tasks  memory for one a ray
 inline constexpr std::size_t kPlainRaysAtOnce = 64;
-void walk_plain_rays(const Snapshot& snapshot, HitMode mode, std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks);
+void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span<PlainRay*> rays,
+                     std::span<Bvh::RayTask> tasks);
 /// Writes the answer's columns and appends the hit.
-void write_plain_ray(const Snapshot& snapshot, HitMode mode, const PlainRay& ray, std::size_t place, Answers& answers);
+void write_plain_ray(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
+                     Answers& answers);
 /// All three for a ray alone.
 ///
 /// ray      memory for it
 /// returns  that of start_plain_ray; false: nothing is written
-bool answer_plain_ray(const Snapshot& snapshot, HitMode mode, const double* numbers, PlainRay& ray, std::size_t place,
-                      Answers& answers);
+bool answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers, PlainRay& ray,
+                      std::size_t place, Answers& answers);
 
 }  // namespace collided::engine

@@ -146,11 +146,11 @@ void write_answer(Answers& answers, std::size_t place, Question& question) {
   answers.answers[place] = answer;
   answers.reasons[place] = reason;
   answers.levels[place] = static_cast<std::uint8_t>(question.level);
-  answers.hit_counts[place] = static_cast<std::uint32_t>(question.found.size());
+  answers.hit_counts[place] = question.asked.with_hits ? static_cast<std::uint32_t>(question.found.size()) : 0;
   answers.nodes[place] = question.walk.nodes;
   answers.exact_tests[place] = question.exact_tests;
   if (question.bracket) answers.brackets.push_back(*question.bracket);
-  if (&question.found == &answers.hits) return;
+  if (&question.found == &answers.hits || !question.asked.with_hits) return;
   for (const AnswerHit& hit : question.found) answers.hits.push_back(hit);
 }
 
@@ -240,6 +240,7 @@ struct QuestionBatch {
     if (snapshot.covers) doubt_where_not_covered(answers, place, question, numbers_of(place));
     if (scratch.unknown && scratch.unknown->is_any)
       doubt_where_unknown(answers, place, question, numbers_of(place), *scratch.unknown);
+    if (!asked.with_hits) question.found.clear();
   }
   /// A question alone finds its hits where they are wanted.
   void answer_one(std::size_t place) const {
@@ -261,7 +262,7 @@ struct QuestionBatch {
     const double* numbers = numbers_of(place);
     if (!keeps_ray_rules(numbers)) return write_at_once(answers, place, Verdict::invalid);
     PlainRay& memory = scratch.plain_rays.front();
-    if (!engine::answer_plain_ray(snapshot, asked.mode, numbers, memory, place, answers)) answer_one(place);
+    if (!engine::answer_plain_ray(snapshot, asked, numbers, memory, place, answers)) answer_one(place);
   }
   void answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
   // These two return how many were answered before the pause.
@@ -288,9 +289,9 @@ void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std:
     is_plain[i] = keeps_ray_rules(numbers) && start_plain_ray(numbers, memory[i]);
     if (is_plain[i]) walks[size++] = &memory[i];
   }
-  walk_plain_rays(snapshot, asked.mode, std::span(walks).first(size), tasks);
+  walk_plain_rays(snapshot, asked, std::span(walks).first(size), tasks);
   for (std::size_t i = 0; i < count; ++i) {
-    is_plain[i] ? write_plain_ray(snapshot, asked.mode, memory[i], first + i, answers) : answer_one(first + i);
+    is_plain[i] ? write_plain_ray(snapshot, asked, memory[i], first + i, answers) : answer_one(first + i);
   }
 }
 

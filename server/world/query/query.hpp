@@ -47,7 +47,7 @@ constexpr std::uint32_t numbers_of(QuestionKind kind) {
 }
 
 /// Which of the things that are met become hits; signed_near, of near: of a solid that holds the point the distance is
-/// minus the depth.
+/// minus the depth. The wire's `verdict` is `any` without hits (Questions::with_hits).
 enum class HitMode : std::uint8_t { closest, any, all, signed_near };
 
 enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
@@ -64,6 +64,7 @@ enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
 struct Questions {
   QuestionKind kind = QuestionKind::ray;
   HitMode mode = HitMode::closest;
+  bool with_hits = true;  // false, of mode any: the verdict alone, no hits
   std::uint32_t mask = 0xffffffff;
   std::uint32_t max_hits = 1000;
   // Patterns of names: only those that match the first, and none that match the second; empty: no restriction.
@@ -132,7 +133,8 @@ struct Answers {
   // Of sweeps, one for each hit, fractions of the motion: no contact up to `low`, contact by `high`. Else empty.
   std::vector<TimeBracket> brackets = {};
   std::vector<NotCovered> not_covered = {};  // one for each answer with that reason, in order of the questions
-  std::int64_t oldest_pose_ns = -1;          // oldest Snapshot::posed_ns among the hit objects; -1: only static ones
+  // Oldest Snapshot::posed_ns among the objects that were hit, told or not; -1: only static ones.
+  std::int64_t oldest_pose_ns = -1;
 
   /// Without hits, and with room for one answer per question, which the caller writes.
   void reset(std::size_t count);

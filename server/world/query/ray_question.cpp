@@ -156,6 +156,10 @@ struct SceneWalk {
   /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
   void meet(std::uint32_t triangle, const Triangle& corners) const {
     if (triangle == Bvh::kNoTriangle || walk->over()) return;
+    if (!walk->question.asked.with_hits) {
+      walk->keep({}, scene->part_objects[scene->part_of(triangle)], kNoTriangle, nullptr);
+      return;
+    }
     (*this)(triangle, corners, walk->limit);
   }
 };

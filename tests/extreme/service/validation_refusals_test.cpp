@@ -159,7 +159,9 @@ TEST_F(ExtremeBorderChunk, Codes) {
   expect_refused("the columns of inside questions are not of one length, or others are filled too");
   query.kind = 1;
   query.mode = 3;
-  expect_refused("hit mode 3 is not known; allowed 0 to 2");
+  expect_refused("ray questions do not have hit mode 3");
+  query.mode = 5;
+  expect_refused("hit mode 5 is not known; allowed 0 to 4");
   query.mode = 2;
   query.importance = 3;
   expect_refused("importance 3 is not known; allowed 0 to 2");

@@ -1,8 +1,8 @@
 // Rays, one thread: closest hits alone and in batches, and any hit, beside Embree default, robust, packets, stream and
 // occluded, CGAL with exact predicates, Bullet and ODE, in turn in one run. "collided" is what a user gets: whole answers
 // of the world, every column filled; alone means one call of answer() a ray. "bare walk" is the index alone, with what it
-// tells decided exactly, and "plain tests" the same decided in plain double: what certainty costs. The note says on what
-// rung of the ladder rays were decided.
+// tells decided exactly, and "plain tests" the same decided in plain double: what certainty costs. "verdict" is asked
+// without hits, as Embree's occluded answers. The note says on what rung of the ladder rays were decided.
 
 #include <algorithm>
 #include <array>
@@ -409,6 +409,11 @@ void Bench::any(const std::string& name, const std::vector<Ray>& rays) {
                                         Verdict::hit;
                                }),
                                .bytes_each = world_.bytes_a_triangle()}};
+  methods.push_back({.name = "collided, verdict",
+                     .run = by([&](std::size_t i) {
+                       const std::span<const double> ray = question(i, 1);
+                       return world_.ask(QuestionKind::ray, HitMode::any, ray, 1, false).answers[0] == Verdict::hit;
+                     })});
   methods.push_back({.name = "collided, bare walk", .run = by([&](std::size_t i) {
                                                       WalkCost unread;
                                                       return meets_any(tree_, mesh_, rays[i], unread);

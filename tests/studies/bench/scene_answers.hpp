@@ -28,8 +28,10 @@ class SceneAnswers {
            static_cast<double>(indexed_.geometry->mesh.triangles.size());
   }
   /// Valid until the next call.
-  const Answers& ask(QuestionKind kind, HitMode mode, std::span<const double> numbers, std::uint32_t max_hits) {
-    answer(*snapshot_, {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers}, answers_, scratch_);
+  const Answers& ask(QuestionKind kind, HitMode mode, std::span<const double> numbers, std::uint32_t max_hits,
+                     bool with_hits = true) {
+    answer(*snapshot_, {.kind = kind, .mode = mode, .with_hits = with_hits, .max_hits = max_hits, .numbers = numbers},
+           answers_, scratch_);
     return answers_;
   }
 

@@ -33,10 +33,14 @@ class WorldPlainRays : public testing::Test {
     ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(indexed_.back())));
     world_.step(++now_ns_, 1, {});
   }
-  Answers ask(HitMode mode, std::span<const double> numbers, std::int64_t deadline_ns) {
+  Answers ask(HitMode mode, std::span<const double> numbers, std::int64_t deadline_ns, bool with_hits = true) {
     Answers answers;
-    answer(*world_.newest(), {.kind = QuestionKind::ray, .mode = mode, .deadline_ns = deadline_ns, .numbers = numbers},
-           answers, scratch_);
+    const Questions asked{.kind = QuestionKind::ray,
+                          .mode = mode,
+                          .with_hits = with_hits,
+                          .deadline_ns = deadline_ns,
+                          .numbers = numbers};
+    answer(*world_.newest(), asked, answers, scratch_);
     return answers;
   }
   Answers plainly(HitMode mode, std::span<const double> numbers) { return ask(mode, numbers, 0); }
@@ -149,6 +153,42 @@ TEST_F(WorldPlainRays, HaveTheAnswersOfTheGeneralWay) {
     }
   }
   EXPECT_GT(hits, 2000U);
+}
+
+// Where only the verdict is asked, most walks end without a test in doubles: floats were certain already.
+TEST_F(WorldPlainRays, TheVerdictAloneIsThatOfAnyHit) {
+  std::mt19937_64 random = oracle::seeded(20261128);
+  TriangleMesh mesh = scenes::scattered(500, 0.3, random());
+  scenes::append(mesh, scenes::degenerate(200, random()));
+  scenes::append(mesh, scenes::slanted(20, 1, random()));
+  add("z", mesh);
+  add("sphere", scenes::icosphere(3, 0.8));
+  std::size_t hits = 0;
+  std::uint64_t tests = 0;
+  std::uint64_t tests_of_any = 0;
+  for (int round = 0; round < 16; ++round) {
+    const std::vector<double> numbers = round % 2 == 0 ? hard_rays(mesh, 300, random) : fan(300, random);
+    const Answers expected = plainly(HitMode::any, numbers);
+    for (const std::int64_t deadline_ns : {std::int64_t{0}, wire_contract::steady_ns() + kAnHourNs}) {
+      const Answers together = ask(HitMode::any, numbers, deadline_ns, false);
+      EXPECT_EQ(together.answers, expected.answers);
+      EXPECT_EQ(together.reasons, expected.reasons);
+      EXPECT_TRUE(together.hits.empty());
+      EXPECT_EQ(together.hit_counts, std::vector<std::uint32_t>(300, 0));
+      for (std::size_t i = 0; i < 300; ++i) {
+        const auto one = std::span(numbers).subspan(i * kRayNumbers, kRayNumbers);
+        const Answers alone = ask(HitMode::any, one, deadline_ns, false);
+        ASSERT_EQ(alone.answers[0], expected.answers[i]) << "ray " << i;
+        EXPECT_TRUE(alone.hits.empty() && alone.hit_counts[0] == 0);
+        tests += alone.exact_tests[0];
+        tests_of_any += expected.exact_tests[i];
+      }
+    }
+    hits += expected.hits.size();
+  }
+  EXPECT_GT(hits, 1000U);
+  // Both ways of the two are counted; most hits need no test of their own.
+  EXPECT_LT(tests + hits, tests_of_any);
 }
 
 /// What the walk tells, taken as the product takes it; told again: while it was the nearest already.
