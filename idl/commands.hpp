@@ -206,7 +206,7 @@ inline constexpr const char* kAllowed = "allowed";
 inline constexpr const char* kClearance = "clearance";
 
 /// An object that no publisher has moves along with another one, until one of the two is removed or the first is
-/// detached. child, parent, pose (of the child in the parent's frame; absent: as they are) -> child, parent, version
+/// detached. child, parent, pose (of the child in the parent's frame; absent: as they are) -> child, parent, pose, version
 inline constexpr const char* kAttach = "attach";
 /// child: stays where it is -> child, parent (that it had), version
 inline constexpr const char* kDetach = "detach";

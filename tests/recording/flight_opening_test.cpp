@@ -205,6 +205,47 @@ TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
       << "the scenes of the start are gone too";
 }
 
+TEST(FlightOpening, HasTheRulesThatStandInTheirOrder) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"deny","a":"x","b":"y"})");
+  EXPECT_TRUE(written(opening).commands.empty()) << "there is nothing to take back";
+  ask(opening, R"({"command":"allow","a":"robot/*","b":"table","because":"it stands there"})");
+  ask(opening, R"({"command":"deny","a":"robot/hand","b":"table"})");
+  for (int i = 0; i < 5; ++i) {
+    ask(opening, R"({"command":"allow","a":"cup","b":"table"})");
+    ask(opening, R"({"command":"deny","a":"table","b":"cup"})");
+  }
+  EXPECT_EQ(written(opening).commands,
+            (std::vector<std::string>{R"({"command":"allow","a":"robot/*","b":"table","because":"it stands there"})",
+                                      R"({"command":"deny","a":"robot/hand","b":"table"})",
+                                      R"({"command":"deny","a":"table","b":"cup"})"}));
+}
+
+// Where the two are by now is another place, and the publisher of the parent may have moved it since.
+TEST(FlightOpening, HasWhatIsAttachedWithThePlaceThatItTook) {
+  FlightOpening opening;
+  const std::string placed =
+      R"({"child":"crate","command":"attach","parent":"arm/hand","pose":[0.0,0.0,-1.0,1.0,0.0,0.0,0.0]})";
+  const auto attach = [&] {
+    ask(opening, R"({"command":"attach","child":"crate","parent":"arm/hand"})",
+        R"({"child":"crate","parent":"arm/hand","pose":[0.0,0.0,-1.0,1.0,0.0,0.0,0.0],"version":7})");
+  };
+  const std::string add = R"({"command":"add","name":"crate"})";
+  ask(opening, add);
+  for (int i = 0; i < 5; ++i) attach();
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, placed}));
+  // The server says itself where something stays that is attached no longer, whatever ended that.
+  const std::string stays = R"({"command":"move","name":"crate","pose":[4,5,6,1,0,0,0],"teleport":true})";
+  opening.fold(*command(stays));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, stays}));
+  attach();
+  ask(opening, R"({"command":"detach","child":"crate"})", R"({"child":"crate","parent":"arm/hand","version":9})");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, stays}));
+  attach();
+  ask(opening, R"({"command":"remove","name":"crate"})", R"({"removed":["crate"]})");
+  EXPECT_TRUE(written(opening).commands.empty());
+}
+
 TEST(FlightOpening, WhatWasRefusedChangedNothing) {
   FlightOpening opening;
   ask(opening, R"({"command":"add","name":"crate"})");

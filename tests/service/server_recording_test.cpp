@@ -285,6 +285,60 @@ TEST_F(ServerRecording, TheFlightRecorderHasItAll) {
   EXPECT_EQ(again->not_compared, 0U);
 }
 
+// Rules and what is attached came long before; the parent has moved since, so the place in its frame is what counts.
+TEST_F(ServerRecording, RulesAndAttachmentsFromBeforeAreInTheFlightRecorderToo) {
+  start();
+  const std::string file = path("opening.mcap");
+  nlohmann::json lid_was;
+  nlohmann::json rules_were;
+  const auto get = [](Client& client, const std::string& name) {
+    const Result<std::string> answer = client.command("get", nlohmann::json{{"name", name}}.dump());
+    EXPECT_TRUE(answer);
+    return answer ? nlohmann::json::parse(*answer).at("pose") : nlohmann::json();
+  };
+  const auto rules = [](Client& client) {
+    const Result<std::string> answer = client.command("allowed", "{}");
+    EXPECT_TRUE(answer);
+    return answer ? nlohmann::json::parse(*answer).at("rules") : nlohmann::json();
+  };
+  {
+    Client client = connect();
+    Publisher publisher = publish(client, "moving");
+    const Publisher::Object crate = add_ball(publisher, "crate", at(3, 3, 1));
+    ASSERT_TRUE(publisher.wait_applied(5s));
+    for (const char* name : {"lid", "loose"})
+      ASSERT_TRUE(client.command("add", nlohmann::json{{"name", name}, {"pose", {3, 3, 2, 1, 0, 0, 0}}}.dump(),
+                                 {BoxShape{.half_m = {0.1, 0.1, 0.1}}}));
+    for (const char* name : {"lid", "loose"})
+      ASSERT_TRUE(client.command("attach", nlohmann::json{{"child", name}, {"parent", "crate"}}.dump()));
+    ASSERT_TRUE(client.command("allow", R"({"a":"lid","b":"*"})"));
+    ASSERT_TRUE(client.command("deny", R"({"a":"lid","b":"loose"})"));
+    move(publisher, crate, at(5, 6, 1));
+    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(client.command("detach", R"({"child":"loose"})"));
+    move(publisher, crate, at(6, 6, 1));
+    ASSERT_TRUE(publisher.wait_applied(5s));
+    lid_was = get(client, "lid");
+    rules_were = rules(client);
+    EXPECT_EQ(lid_was, (nlohmann::json{6.0, 6.0, 2.0, 1.0, 0.0, 0.0, 0.0}));
+    EXPECT_EQ(get(client, "loose"), (nlohmann::json{5.0, 6.0, 2.0, 1.0, 0.0, 0.0, 0.0}));
+    ASSERT_TRUE(fetch_recording(here(), 0s, file));
+  }
+  servers_.back()->signal(SIGTERM);
+  EXPECT_EQ(servers_.back()->wait(15s), 0);
+  // What the server itself keeps would bring it all back.
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+    if (entry.path() != file) std::filesystem::remove_all(entry.path());
+  start({}, "again");
+  const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
+  ASSERT_TRUE(again) << again.error().message;
+  for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
+  Client client = connect();
+  EXPECT_EQ(get(client, "lid"), lid_was);
+  EXPECT_EQ(get(client, "loose"), (nlohmann::json{5.0, 6.0, 2.0, 1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(rules(client), rules_were);
+}
+
 // In time: the poses come as they came, so the same contacts begin and end.
 TEST_F(ServerRecording, PosesComeAgainInTime) {
   start();

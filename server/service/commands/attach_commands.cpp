@@ -48,20 +48,24 @@ json Commands::attach(const CommandAsk& ask, const Arguments& arguments) {
                      {"pose", pose_json(attached.in_parent)}};
     with_.durable->attached(attached.child_name, again.dump());
   }
-  return {{"child", attached.child_name}, {"parent", attached.parent_name}, {"version", step()}};
+  json answer{
+      {"child", attached.child_name}, {"parent", attached.parent_name}, {"pose", pose_json(attached.in_parent)}};
+  answer["version"] = step();
+  return answer;
 }
 
 /// Keeps that a child is free, and where it is.
 void Commands::keep_detached(const std::string& child) {
-  if (with_.durable == nullptr) return;
   const World& world = with_.loop.world();
   const std::optional<ObjectId> id = world.find(child);
-  with_.durable->detached(child);
+  if (with_.durable != nullptr) with_.durable->detached(child);
   if (!id) return;
   const SnapshotRing::Lease state = world.newest();
   const json again{
       {"command", names::kMove}, {"name", child}, {"pose", pose_json(state->poses[slot_of(*id)])}, {"teleport", true}};
-  with_.durable->object_moved(world.info(*id)->scene, child, {0, 0, again.dump(), {}});
+  const CommandAsk ask{0, 0, again.dump(), {}};
+  tell_flight_recorder(ask);
+  if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->scene, child, ask);
 }
 
 json Commands::detach(const CommandAsk& ask, const Arguments& arguments) {

@@ -13,8 +13,9 @@ using nlohmann::json;
 using recording::Recorded;
 namespace names = wire_contract::command;
 
-constexpr std::array kChanges{names::kAdd,  names::kMove,  names::kRemove, names::kProbe,
-                              names::kLoad, names::kClear, names::kFence};
+constexpr std::array kChanges{names::kAdd,  names::kMove,   names::kRemove, names::kProbe,
+                              names::kLoad, names::kClear,  names::kFence,  names::kAllow,
+                              names::kDeny, names::kAttach, names::kDetach};
 
 std::string text_of(const json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
@@ -26,13 +27,19 @@ bool truth_of(const json& object, const char* key, bool otherwise) {
   return found != object.end() && found->is_boolean() ? found->get<bool>() : otherwise;
 }
 
-std::vector<std::byte> removal_of(const std::string& name) {
+std::vector<std::byte> command_of(const json& arguments) {
   dds::Sample<wire::Query> query;
   query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
   query->chunk_count = 1;
-  static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(
-                                                   -1, ' ', false, json::error_handler_t::replace)));
+  static_cast<void>(dds::set_text(query->text, arguments.dump(-1, ' ', false, json::error_handler_t::replace)));
   return wire::cdr_bytes(*query);
+}
+
+/// Of both ways to write the pair.
+std::string pair_of(const json& arguments) {
+  const std::string a = text_of(arguments, "a");
+  const std::string b = text_of(arguments, "b");
+  return std::min(a, b) + '\n' + std::max(a, b);
 }
 
 }  // namespace
@@ -87,7 +94,16 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
   }
   if (command.what == names::kClear) return cleared(std::move(command), arguments, take);
   if (command.what == names::kProbe) return probed(std::move(command), arguments, answer);
-  if (command.what == names::kMove) drop(command.what, command.name);
+  if (command.what == names::kAllow || command.what == names::kDeny) return ruled(std::move(command), arguments);
+  if (command.what == names::kAttach) return attached(std::move(command), arguments, answer);
+  if (command.what == names::kDetach) {
+    drop(names::kAttach, text_of(arguments, "child"));
+    return;
+  }
+  if (command.what == names::kMove) {
+    drop(command.what, command.name);
+    drop(names::kAttach, command.name);  // the server moves only what is attached no longer
+  }
   if (command.what == names::kLoad) {
     const std::string scene = text_of(answer, "scene");
     if (!scene.empty()) command.name = scene;
@@ -102,9 +118,13 @@ void FlightCommands::removed(const json& gone, const TakePublished& take) {
     if (!entry.is_string()) continue;
     const std::string name = entry.get<std::string>();
     drop(names::kMove, name);
+    drop(names::kAttach, name);
     if (drop(names::kAdd, name) > 0 || take(&name, false)) continue;
     drop(names::kRemove, name);
-    keep({.what = names::kRemove, .name = name, .moving = false, .bytes = removal_of(name)});
+    keep({.what = names::kRemove,
+          .name = name,
+          .moving = false,
+          .bytes = command_of({{"command", names::kRemove}, {"name", name}})});
   }
 }
 
@@ -143,6 +163,28 @@ void FlightCommands::probed(Kept probe, const json& arguments, const json& answe
   for (const json& name : *gone) {
     if (name.is_string()) drop(names::kProbe, name.get<std::string>());
   }
+}
+
+/// The newest rule of a pair stands; one that takes back needs another that allows.
+void FlightCommands::ruled(Kept rule, const json& arguments) {
+  rule.name = pair_of(arguments);
+  drop(names::kAllow, rule.name);
+  drop(names::kDeny, rule.name);
+  const bool is_needed = rule.what == names::kAllow ||
+                         std::ranges::any_of(kept_, [](const Kept& command) { return command.what == names::kAllow; });
+  if (is_needed) keep(std::move(rule));
+}
+
+/// Kept with the place that the child has in its parent's frame: where the two are when it is carried out again is another.
+void FlightCommands::attached(Kept attachment, json arguments, const json& answer) {
+  attachment.name = text_of(arguments, "child");
+  const auto pose = answer.is_object() ? answer.find("pose") : answer.end();
+  if (pose != answer.end()) {
+    arguments["pose"] = *pose;
+    attachment.bytes = command_of(arguments);
+  }
+  drop(names::kAttach, attachment.name);
+  keep(std::move(attachment));
 }
 
 void FlightCommands::keep(Kept command) {

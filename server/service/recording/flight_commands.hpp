@@ -46,7 +46,7 @@ class FlightCommands {
  private:
   struct Kept {
     std::string what;  // name of the command
-    std::string name;  // of the object, scene or probe
+    std::string name;  // of the object, scene or probe; both globs of a rule
     bool moving = false;
     std::vector<std::byte> bytes;
   };
@@ -59,6 +59,8 @@ class FlightCommands {
   void removed(const nlohmann::json& names, const TakePublished& take);
   void cleared(Kept clear, const nlohmann::json& arguments, const TakePublished& take);
   void probed(Kept probe, const nlohmann::json& arguments, const nlohmann::json& answer);
+  void ruled(Kept rule, const nlohmann::json& arguments);
+  void attached(Kept attachment, nlohmann::json arguments, const nlohmann::json& answer);
   void keep(Kept command);
   /// Forgets the commands of this kind and name; returns how many there were.
   std::size_t drop(std::string_view what, std::string_view name);
