@@ -9,6 +9,7 @@
 
 #include "collided/commands.hpp"
 #include "collided/fleet.hpp"
+#include "collided/recording.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -122,6 +123,19 @@ TEST_F(ServerTakeover, QuestionsAndCommandsGoToTheOneThatTookThePlace) {
   EXPECT_EQ(wrong, std::vector<std::string>{});
   ASSERT_TRUE(client.command("move", R"({"name": "crate", "pose": [5, 0, 9, 1, 0, 0, 0]})", {}, 5s));
   EXPECT_NEAR(client.ask(ray)->hits.at(0).distance_m, 4.7, 1e-9);
+
+  // What it was told while it stood by is in its recordings.
+  const std::string file = folder_.path() + "/south.mcap";
+  ASSERT_TRUE(fetch_recording({.domain = domain_}, 0s, file));
+  {
+    ChildProcess another({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--namespace", "again", "--state-dir",
+                          folder_.path() + "/another"},
+                         folder_.path(), "another");
+    ASSERT_TRUE(another.says("ready:", 20s)) << another.errors();
+    const ConnectOptions there{.domain = domain_, .name_space = "again"};
+    ASSERT_TRUE(replay(there, {.path = file}));
+    EXPECT_NEAR(Client::connect(there)->ask(ray)->hits.at(0).distance_m, 4.7, 1e-9);
+  }
 
   // It can be followed in turn, and what it was told outlives it too.
   join("west", true);

@@ -57,6 +57,7 @@ void Commands::tell_followers(const CommandAsk& ask) const {
 std::string Commands::follow(CommandAsk ask) {
   const auto done = std::make_shared<std::promise<std::string>>();
   std::future<std::string> refusal = done->get_future();
+  const CommandAsk followed = ask;
   {
     const std::lock_guard lock(followed_mutex_);
     followed_ = done;
@@ -76,7 +77,10 @@ std::string Commands::follow(CommandAsk ask) {
   } catch (const BadCommand& bad) { return bad.what(); }
   constexpr std::chrono::milliseconds kLook{50};
   while (!stopping_.load()) {
-    if (refusal.wait_for(kLook) == std::future_status::ready) return refusal.get();
+    if (refusal.wait_for(kLook) != std::future_status::ready) continue;
+    const std::string why = refusal.get();
+    if (why.empty()) tell_flight_recorder(followed);
+    return why;
   }
   return "the server is stopping";
 }
@@ -132,7 +136,8 @@ void Commands::forget_upload(const std::string& path) {
   });
 }
 
-/// Records a command that is carried out again: it did not come over the wire, so nothing else records it.
+/// Records a command that is carried out again or after another server: it did not come over the wire, so nothing else
+/// records it.
 void Commands::tell_flight_recorder(const CommandAsk& ask) {
   if (with_.flight == nullptr) return;
   dds::Sample<wire::Query> query;
