@@ -105,7 +105,11 @@ HWY_INLINE void store_boxes(const Wide (&low)[3], const Wide (&high)[3], const d
 HWY_INLINE void boxes_of(const float* const (&low)[3], const float* const (&high)[3], bool of_a,
                          const NearPairFrame& frame, TurnedBoxes& out) {
   out.present = 0;
-  for (int lane = 0; lane < kWidth; ++lane) out.present |= (low[0][lane] <= high[0][lane] ? 1u : 0u) << lane;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    // Apart from the shift: g++ 12 with -fsanitize=undefined takes another lane for the element than for the shift.
+    const std::uint32_t is_present = low[0][lane] <= high[0][lane] ? 1 : 0;
+    out.present |= is_present << lane;
+  }
   for (int first = 0; first < kWidth; first += kStride) {
     Wide lows[3], highs[3];
     for (int axis = 0; axis < 3; ++axis) {

@@ -74,7 +74,11 @@ class Depths {
   }
   std::uint32_t may_be_least(int count) const {
     std::uint32_t may_be = 0;
-    for (int i = 0; i < count; ++i) may_be |= (low_[i] <= least_high_ ? 1u : 0u) << i;
+    for (int i = 0; i < count; ++i) {
+      // Apart from the shift: g++ 12 with -fsanitize=undefined takes another i for the element than for the shift.
+      const std::uint32_t may_be_this = low_[i] <= least_high_ ? 1 : 0;
+      may_be |= may_be_this << i;
+    }
     return may_be;
   }
 
