@@ -84,7 +84,7 @@ enum class PublisherState : std::uint8_t { alive, silent, lost, asked };
 /// be last, but stale, since they may have moved on. hold: they stay there as if known.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
 /// kTeleported: the objects are placed at their poses, not moved there.
-/// kAllSaid: the publisher has sent all its definitions again before this batch, with the newest poses.
+/// kAllSaid: the publisher has sent all its definitions again before this batch, with the poses that it sent last.
 /// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested.
 /// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
 enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8 };

@@ -1,3 +1,4 @@
+#include "idl/topics.hpp"
 #include "tests/service/server_fixture.hpp"
 
 #include <csignal>
@@ -11,6 +12,33 @@ using ServerEvents = testing_support::ServerTest;
 
 void expect_pair(const Event& event, const std::string& a, const std::string& b) {
   EXPECT_EQ(std::minmax(event.a, event.b), std::minmax(a, b));
+}
+
+// A publisher that was away for longer than a server waits for most defines everything again. What it moves then is still a
+// motion: a wall that it crosses is met, and what held goes on.
+TEST_F(ServerEvents, WhatMovesWhileItIsDefinedAgainIsMovedAndNotPlaced) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "moving");
+  ASSERT_TRUE(client.command("add", R"({"name":"wall","pose":[0,0,20,1,0,0,0]})", {BoxShape{.half_m = {0.01, 5, 5}}}));
+  const Publisher::Object ball = add_ball(publisher, "ball", at(1, 0, 20));
+  const Publisher::Object lid = add_ball(publisher, "lid", at(3, 0, 20.15));
+  add_ball(publisher, "pot", at(3, 0, 20));
+  move(publisher, ball, at(2, 0, 20));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  Watch watching = watch(client);
+  EXPECT_EQ(next(watching).kind, EventKind::open);
+  std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs) + 200ms);
+  ASSERT_TRUE(publisher.move(ball, at(-2, 0, 20)));
+  move(publisher, lid, at(3, 0, 20.16));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const Event began = next(watching);
+  EXPECT_EQ(began.kind, EventKind::began);
+  EXPECT_EQ(std::min(began.a, began.b), "ball");
+  const Event ended = next(watching);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::separated);
+  EXPECT_FALSE(watching.next(300ms)) << "pot and lid touch all the while";
 }
 
 TEST_F(ServerEvents, ABallThatTouchesTheFloorBeginsAndEnds) {

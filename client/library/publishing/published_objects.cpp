@@ -20,6 +20,7 @@ std::optional<Publisher::Object> PublishedObjects::add(ObjectOptions options, st
   PublishedObject& object = objects_[number];
   object.options = std::move(options);
   object.options.shape.clear();
+  object.sent = object.options.pose;
   object.shape = std::move(shape);
   object.used = true;
   object.waiting = Waiting::no;
@@ -58,7 +59,11 @@ std::size_t PublishedObjects::sort_waiting() {
 
 void PublishedObjects::mark_sent(std::size_t count) {
   const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
-  std::for_each(waiting_.begin(), end, [this](std::uint32_t number) { objects_[number].waiting = Waiting::no; });
+  std::for_each(waiting_.begin(), end, [this](std::uint32_t number) {
+    PublishedObject& object = objects_[number];
+    object.waiting = Waiting::no;
+    object.sent = object.options.pose;
+  });
   waiting_.erase(waiting_.begin(), end);
 }
 

@@ -14,6 +14,7 @@ namespace collided::client {
 /// What a publisher knows of one of its objects, which is enough to define it again.
 struct PublishedObject {
   ObjectOptions options;            // with the newest pose; without the shape
+  Pose sent;                        // the pose that was sent last: the newest, or one from before those that wait
   std::vector<std::uint8_t> shape;  // encoded
   std::uint32_t generation = 0;
   bool used = false;

@@ -111,7 +111,6 @@ std::optional<Error> Publisher::State::define_all() {
     if (!objects_.at(number).used) { continue; }
     if (auto error = write_definition(number, objects_.at(number), false)) { return error; }
   }
-  objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
   defined_all_ = Clock::now();
   if (auto error = write_batch({}, 0, 0)) { return error; }
   return assert_liveliness();
@@ -129,8 +128,10 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;
   definition.group = object.options.group;
+  // What waits to be sent is a motion from here on: a definition would place the object there, and a server that has it
+  // would take it for another one.
   double pose[kPoseNumbers];
-  put_pose(object.options.pose, pose);
+  put_pose(object.sent, pose);
   std::copy_n(pose, 3, definition.position);
   std::copy_n(pose + 3, 4, definition.orientation);
   dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
