@@ -37,6 +37,12 @@ std::string reply_partition(std::uint64_t client) {
   return std::string("client_") + kDigits[place >> 4] + kDigits[place & 15];
 }
 
+std::string replica_namespace(std::string_view name_space, std::string_view member) {
+  std::string name = std::string(name_space) + "/replica_";
+  for (const char letter : member) name += continues_a_name(letter) && letter != '/' ? letter : '_';
+  return name;
+}
+
 std::vector<std::uint8_t> pack_names(std::span<const std::string> names) {
   std::vector<std::uint8_t> packed;
   for (const std::string& name : names) {

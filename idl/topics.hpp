@@ -75,8 +75,9 @@ enum class EndReason : std::uint8_t {
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
 /// recovering: after a crash, publishers and what commands added may not all be back.
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
-/// primary: answers, and publishes events. standby: holds the same world, and waits.
-enum class MemberRole : std::uint8_t { primary, standby };
+/// primary: answers, and publishes events. standby: holds the same world, and waits. replica: holds the same world, and
+/// answers questions in a namespace of its own, replica_namespace().
+enum class MemberRole : std::uint8_t { primary, standby, replica };
 /// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out. asked: alive, and to
 /// define everything again, once, for a server that has just joined.
 enum class PublisherState : std::uint8_t { alive, silent, lost, asked };
@@ -223,6 +224,10 @@ std::string reply_partition(std::uint64_t client);
 /// The name of a topic: "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is
 /// [A-Za-z_/][A-Za-z0-9_/]*, which is all that DDS accepts in a topic's name.
 std::string topic_name(std::string_view name_space, const TopicQos& topic);
+
+/// The namespace in which the replica of that name answers: "<name_space>/replica_<member>", with '_' for whatever a topic's
+/// name cannot have.
+std::string replica_namespace(std::string_view name_space, std::string_view member);
 
 /// Names as they travel beside their ids: zero-terminated, one after the other.
 std::vector<std::uint8_t> pack_names(std::span<const std::string> names);

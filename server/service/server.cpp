@@ -24,6 +24,7 @@
 #include "server/service/fleet/change_feed.hpp"
 #include "server/service/fleet/first_look.hpp"
 #include "server/service/fleet/membership.hpp"
+#include "server/service/questions/replica_readiness.hpp"
 #include "server/service/fleet/served_followers.hpp"
 #include "server/service/fleet/standby.hpp"
 #include "server/service/fleet/succession.hpp"
@@ -43,16 +44,22 @@ namespace {
 /// How long a server waits after a crash for those that were there: publishers and clients look for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
 
+/// Where a server is asked, and says how it is.
+std::string asked_as(const Options& options) {
+  return options.replica_of.empty() ? options.name_space
+                                    : wire_contract::replica_namespace(options.name_space, member_name(options.member));
+}
+
 StartError not_alone(const Options& options, long pid) {
   return StartError(
       fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
-                  "       stop it, or use another --namespace or --domain",
-                  pid, options.name_space, options.domain));
+                  "       stop it, or use another {} or --domain",
+                  pid, asked_as(options), options.domain, options.replica_of.empty() ? "--namespace" : "--member"));
 }
 
 /// Throws StartError where another server has this namespace: both would answer every question.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
-  if (const std::optional<long> pid = heard_primary(participant, options.name_space, !options.keys.empty()))
+  if (const std::optional<long> pid = heard_primary(participant, asked_as(options), !options.keys.empty()))
     throw not_alone(options, *pid);
 }
 
@@ -62,6 +69,12 @@ bool is_there_a_primary(const dds::Participant& participant, const Options& opti
   return heard_primary(participant, options.name_space, !options.keys.empty(),
                        std::max(kLongNs, 2 * options.take_over_ns))
       .has_value();
+}
+
+wire_contract::MemberRole first_role(const Options& options, bool follows) {
+  using wire_contract::MemberRole;
+  if (!options.replica_of.empty()) return MemberRole::replica;
+  return follows ? MemberRole::standby : MemberRole::primary;
 }
 
 unsigned thread_count(const Options& options) {
@@ -87,12 +100,24 @@ dds::Participant join(const Options& options, spdlog::logger& log) {
 
 std::string version_text() { return COLLIDED_VERSION; }
 
+/// A writer of the namespace's status that writes nothing. Clients learn of it by DDS's own discovery, and then look for
+/// replicas: those of a server alone pay nothing for it.
+struct ReplicaSign {
+  ReplicaSign(const dds::Participant& participant, const std::string& name_space)
+      : topic(participant, name_space), writer(topic) {}
+  dds::Topic<wire::Status> topic;
+  dds::Writer<wire::Status> writer;
+};
+
 /// All parts in the order in which they are made. They are destroyed in the reverse order, so nothing calls a part that
 /// is gone.
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, std::function<void()> end);
-  /// Whether it began as one.
+  /// Whether it began as one. So does a replica, which never takes the place.
   bool is_standby() const { return began_as_standby; }
+  bool is_replica() const { return !options.replica_of.empty(); }
+  /// What this server is where it answers.
+  Identity answering_identity() const;
   /// Checks that no other server is there, unless this one stands by, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
   /// What is due ten times a second; called on the world's thread.
@@ -146,7 +171,9 @@ struct Server::Parts {
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;
   std::atomic<bool> takes_questions;
-  std::unique_ptr<ChangeFeed> feed;  // null: nobody can follow
+  std::unique_ptr<ReplicaReadiness> readiness;  // null: it is no replica
+  std::unique_ptr<ReplicaSign> sign;            // likewise
+  std::unique_ptr<ChangeFeed> feed;             // null: nobody can follow
   WorldLoop loop;
   PartMeshes part_meshes;
   QuestionSamples samples;
@@ -163,14 +190,14 @@ struct Server::Parts {
 };
 
 Epoch Server::Parts::make_epoch() {
-  if (!is_standby() && !options.joins) make_sure_to_be_alone(participant, options);
+  if (is_replica() || (!is_standby() && !options.joins)) make_sure_to_be_alone(participant, options);
   const std::uint64_t greatest =
       is_standby() ? greatest_epoch(participant, options.name_space, !options.keys.empty()) : 0;
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
   if (kept.rival_pid != 0 && is_standby())
-    throw StartError(fmt::format("the state folder is used by pid {}\n       give a standby a --state-dir of its own",
-                                 kept.rival_pid));
+    throw StartError(fmt::format("the state folder is used by pid {}\n       give {} a --state-dir of its own",
+                                 kept.rival_pid, is_replica() ? "a replica" : "a standby"));
   if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
   if (!kept.damage.empty()) log->warn("{}", kept.damage);
   // Whoever takes the primary's place has a greater one.
@@ -183,7 +210,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       log(std::move(logger)),
       participant(join(options, *log)),
       peers(options.keys.empty() ? nullptr : std::make_unique<KeyedPeers>(options.keys, handshake_library())),
-      began_as_standby(!options.standby_of.empty() || (options.joins && is_there_a_primary(participant, options))),
+      began_as_standby(!options.standby_of.empty() || is_replica() ||
+                       (options.joins && is_there_a_primary(participant, options))),
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
@@ -198,9 +226,12 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
           options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }, options.asks_fcl),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
-      event_writer(participant, identity, flight.get()),
-      takes_questions(!is_standby()),
-      feed(durable ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space) : nullptr),
+      event_writer(participant, answering_identity(), flight.get()),
+      takes_questions(!is_standby() || is_replica()),
+      readiness(is_replica() ? std::make_unique<ReplicaReadiness>(clock) : nullptr),
+      sign(is_replica() ? std::make_unique<ReplicaSign>(participant, options.name_space) : nullptr),
+      feed(durable && !is_replica() ? std::make_unique<ChangeFeed>(participant, identity.server, identity.name_space)
+                                    : nullptr),
       loop({.world = world,
             .clock = clock,
             .inbox = inbox,
@@ -220,6 +251,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                 },
             .is_adding_again = [this] { return !commands.replayed() || (durable && durable->has_losses()); },
             .has_all_back = [this] { return has_all_back(); },
+            .lags_primary = [this] { return readiness && !readiness->is_open(); },
             .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
@@ -233,10 +265,10 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   durable->then(
                       [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
                 },
-                [this](const std::string& name) { return hand_over_to(name); }},
+                [this](const std::string& name) { return hand_over_to(name); }, is_replica()},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
-      reply_topic(participant, options.name_space),
+      reply_topic(participant, asked_as(options)),
       succession({.on_world_thread = [this](std::function<void()> job) { return inbox.push_job(std::move(job)); },
                   .speak = [this](std::int64_t heard_ns) { loop.speak(heard_ns); },
                   .fall_silent = [this] { loop.fall_silent(); },
@@ -245,7 +277,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   .takes_questions = takes_questions,
                   .self = identity.server,
                   .epoch = identity.epoch,
-                  .joins = options.joins,
+                  .joins = options.joins || is_replica(),
                   .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
                   .became_primary =
                       [this] {
@@ -253,12 +285,18 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                         membership->say_now();
                       },
                   .end = std::move(end)},
-                 is_standby() ? wire_contract::MemberRole::standby : wire_contract::MemberRole::primary),
+                 first_role(options, is_standby())),
       followers(identity.server,
                 {.send_all = [this](std::uint64_t follower, std::uint64_t fetch) { send_all(follower, fetch); },
                  .ask_again = [this] { loop.ask_publishers_again(); }}) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
+}
+
+Identity Server::Parts::answering_identity() const {
+  Identity told = identity;
+  told.name_space = asked_as(options);
+  return told;
 }
 
 bool Server::Parts::has_crashed() const {
@@ -317,18 +355,18 @@ bool Server::Parts::has_all_back() const {
 SelfDescription Server::Parts::describe_self() {
   using wire_contract::MemberRole;
   using wire_contract::ServerState;
-  const auto is_following = [this] { return standby && succession.role() == MemberRole::standby; };
+  const auto is_following = [this] { return standby && succession.role() != MemberRole::primary; };
   const auto alarm = [this, is_following] {
     const std::string lacks = is_following() ? standby->alarm() : std::string();
     const std::string problem = durable ? durable->problem() : std::string();
     return lacks + (lacks.empty() || problem.empty() ? "" : "\n") + problem;
   };
   return {.role = [this] { return succession.role(); },
-          .name = options.member,
+          .name = member_name(options.member),
           .state =
               [this, is_following] {
-                if (is_following()) return standby->state();
-                return loop.recovering() ? ServerState::recovering : ServerState::ready;
+                if (is_following() && standby->state() != ServerState::ready) return standby->state();
+                return loop.state();
               },
           .alarm = alarm,
           .following =
@@ -349,7 +387,7 @@ SelfDescription Server::Parts::describe_self() {
 
 void Server::Parts::be_present() {
   const bool is_heard = options.keys.empty() && !participant.configured_by_environment();
-  presence.emplace(options.domain, options.name_space, is_heard ? options.interface : std::string());
+  presence.emplace(options.domain, asked_as(options), is_heard ? options.interface : std::string());
 }
 
 void Server::Parts::stand_by() {
@@ -363,11 +401,14 @@ void Server::Parts::stand_by() {
                                           return commands.follow({0, 0, change.text, change.blob});
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
-      options.take_over_ns,
+      is_replica() ? 0 : options.take_over_ns,
       [this](std::uint64_t primary, std::int64_t heard_ns, const std::string& why) {
         return succession.take_over(primary, heard_ns, why);
       },
       [this] { succession.cannot_follow(); });
+  if (readiness)
+    standby->on_compared(
+        [this](std::int64_t instant_ns, bool is_same) { readiness->note_compared(instant_ns, is_same); });
 }
 
 bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
@@ -423,7 +464,13 @@ void Server::Parts::tick() {
   answering->tick(listeners->query_owners());
   commands.look_for_gone();
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
-  overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
+  const bool leaves_out_poses = superseded_now != std::exchange(superseded, superseded_now);
+  overload.note(leaves_out_poses, answering->was_pressed());
+  if (readiness) {
+    readiness->note_turn();
+    // Between the poses that are left the movers went another way than in the primary's world.
+    if (leaves_out_poses) readiness->doubt();
+  }
   listeners->take_left_definitions();
   listeners->drop_unmatched_writers();
   if (peers) {
@@ -471,25 +518,25 @@ std::string Server::start() {
       p.reply_topic,
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get(),
-                       p.peers.get()},
+                       p.peers.get(), p.readiness.get()},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
-  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering,
-                                            p.flight.get(), p.peers.get(), p.takes_questions);
+  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, asked_as(p.options), p.clock, p.inbox,
+                                            *p.answering, p.flight.get(), p.peers.get(), p.takes_questions);
   if (p.durable) p.commands.replay(p.durable->commands_left());
-  if (p.is_standby()) p.event_writer.fall_silent();
+  if (p.is_standby() && !p.is_replica()) p.event_writer.fall_silent();
   p.world_thread = std::thread([&p] { p.loop.run(); });
-  if (!p.is_standby()) p.be_present();
+  if (!p.is_standby() || p.is_replica()) p.be_present();
   if (p.is_standby()) p.stand_by();
   p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
                                               [&p](const std::string& sentence) { p.log->warn("{}", sentence); });
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
-  return fmt::format("ready: {}namespace '{}', domain {}, pid {}, epoch {}, {}", p.is_standby() ? "standing by, " : "",
-                     p.options.name_space, p.options.domain, getpid(), p.identity.epoch,
-                     scenes.empty() ? "no scene" : scenes);
+  const char* part = p.is_replica() ? "replica, " : p.is_standby() ? "standing by, " : "";
+  return fmt::format("ready: {}namespace '{}', domain {}, pid {}, epoch {}, {}", part, asked_as(p.options),
+                     p.options.domain, getpid(), p.identity.epoch, scenes.empty() ? "no scene" : scenes);
 }
 
 bool Server::has_given_way() const { return parts_->succession.has_given_way(); }

@@ -104,7 +104,7 @@ void WorldLoop::keep_time() {
   next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
   publishers_.settle(with_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
-  write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  write_status(state());
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
   // What came into a band is told once it has lasted, and who is nearest once all are known, though nothing moves.
@@ -212,7 +212,7 @@ void WorldLoop::speak(std::int64_t heard_ns) {
   broadcast_.mark_all();
   fence_broadcast_.mark_all();
   step_now();
-  write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  write_status(state());
   // A client that still took the one before for the server has let these words pass.
   constexpr std::int64_t kSoonNs = 300'000'000;
   say_again_ns_ = steady_ns() + kSoonNs;

@@ -58,6 +58,7 @@ class WorldLoop {
     // Called while the server recovers from a crash; empty: nothing to wait for.
     std::function<bool()> is_adding_again = {};  // commands are still carried out again; without time limit
     std::function<bool()> has_all_back = {};     // every publisher from before the crash is back
+    std::function<bool()> lags_primary = {};     // of a replica: it answers nothing; any thread
     // Called before each step.
     std::function<bool()> leaves_out_details = {};  // overloaded: contacts that go on are not reported again
   };
@@ -113,6 +114,11 @@ class WorldLoop {
   std::string publisher_name(std::uint64_t publisher) const;
   /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
+  /// Whether everything that is known of is there. Any thread.
+  wire_contract::ServerState state() const {
+    const bool lacks = recovering() || (with_.lags_primary && with_.lags_primary());
+    return lacks ? wire_contract::ServerState::recovering : wire_contract::ServerState::ready;
+  }
   /// The newest events of contacts, or of fences. Any thread.
   const RecentEvents& recent_events(BroadcastOf subject) const {
     return subject == BroadcastOf::fences ? fence_broadcast_.recent() : broadcast_.recent();

@@ -14,8 +14,9 @@
 
 namespace collided {
 
-/// primary: answers, and publishes events. standby: holds the same world, and waits.
-enum class FleetRole { primary, standby };
+/// primary: answers, and publishes events. standby: holds the same world, and waits. replica: holds the same world, and
+/// answers questions.
+enum class FleetRole { primary, standby, replica };
 std::string_view name_of(FleetRole role);
 
 /// A server of a namespace, as it says itself.

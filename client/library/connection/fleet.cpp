@@ -20,12 +20,19 @@ using std::chrono::nanoseconds;
 /// Long enough for two messages of each server, of which the second is fresh: what DDS kept of it may be old.
 constexpr nanoseconds kListen(3 * wire_contract::kMemberPeriodNs);
 
+FleetRole role_in(const wire::Member& member) {
+  switch (static_cast<wire_contract::MemberRole>(member.role)) {
+    case wire_contract::MemberRole::primary: return FleetRole::primary;
+    case wire_contract::MemberRole::standby: return FleetRole::standby;
+    default: return FleetRole::replica;  // one of a later version decides nothing either
+  }
+}
+
 FleetMember decode(const wire::Member& member) {
   FleetMember decoded;
   decoded.server = member.server;
   decoded.epoch = member.epoch;
-  decoded.role = member.role == static_cast<std::uint8_t>(wire_contract::MemberRole::standby) ? FleetRole::standby
-                                                                                              : FleetRole::primary;
+  decoded.role = role_in(member);
   decoded.state = client::state_name(member.state);
   decoded.name = member.name;
   decoded.host = member.host;

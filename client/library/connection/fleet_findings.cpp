@@ -45,7 +45,8 @@ void find_primaries(const std::vector<FleetMember>& members, std::vector<Finding
                         "stop all but one, or give each a --namespace of its own"});
   }
   if (primaries.empty() && !members.empty())
-    findings.push_back({Health::fail, "primaries", "no primary: nobody answers", "start one without --standby-of"});
+    findings.push_back(
+        {Health::fail, "primaries", "no primary: nobody answers", "start one without --standby-of and --replica-of"});
 }
 
 void find_versions(const std::vector<FleetMember>& members, std::vector<Finding>& findings) {
@@ -106,7 +107,10 @@ void find_alarms(const std::vector<FleetMember>& members, std::vector<Finding>& 
 
 }  // namespace
 
-std::string_view name_of(FleetRole role) { return role == FleetRole::primary ? "primary" : "standby"; }
+std::string_view name_of(FleetRole role) {
+  constexpr std::string_view kNames[] = {"primary", "standby", "replica"};
+  return kNames[static_cast<std::size_t>(role)];
+}
 
 std::vector<Finding> fleet_findings(const std::vector<FleetMember>& members) {
   std::vector<Finding> findings;

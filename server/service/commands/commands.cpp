@@ -103,13 +103,15 @@ void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text)
   with_.loop.say("what was added before the crash cannot be added again: " + text);
 }
 
-/// What the keys of whoever sent the command do not allow; empty where they do.
-std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& arguments) {
+/// What the keys of whoever sent the command do not allow, or no replica does; empty where it is allowed.
+std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& arguments) const {
   constexpr std::array kWhat{"greet", "ask", "change the world", "send files"};
   const std::string& command = arguments.command();
   const wire_contract::QueryRight right = names::right_for(command, arguments.has("upload"));
   if (!ask.from.has(right))
     return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
+  if (with_.is_replica && ask.client != 0 && right != wire_contract::QueryRight::ask)
+    return "this is a replica: what changes the world goes to its primary. Nothing was done";
   if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
   // What comes or goes by these is known later; they look at each object. A file does nothing until it is loaded.
   for (const char* later : {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece,

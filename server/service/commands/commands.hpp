@@ -59,6 +59,7 @@ class Commands {
     std::function<void(const CommandAsk&)> changed = {};
     // The name of the server that takes this one's place, by the name that was asked for, or any; throws BadCommand.
     std::function<std::string(const std::string&)> hand_over = {};
+    bool is_replica = false;  // what changes the world is the primary's to do
   };
 
   /// uploads  folder for files that clients send; empty: none are taken
@@ -104,7 +105,7 @@ class Commands {
   static Change change_of(std::string_view command);
   void answer_followed(wire_contract::ReplyStatus status, const std::string& text);
   void tell_followers(const CommandAsk& ask) const;
-  static std::string why_not_allowed(const CommandAsk& ask, const Arguments& arguments);
+  std::string why_not_allowed(const CommandAsk& ask, const Arguments& arguments) const;
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);

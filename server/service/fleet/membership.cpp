@@ -29,8 +29,10 @@ std::string host_name() {
   return name.data();
 }
 
-std::string name_of(const SelfDescription& self) {
-  return self.name.empty() ? fmt::format("{}-{}", host_name(), getpid()) : self.name;
+/// A role that this version does not know is taken for one that decides nothing.
+MemberRole role_in(const wire::Member& member) {
+  return member.role <= static_cast<std::uint8_t>(MemberRole::replica) ? static_cast<MemberRole>(member.role)
+                                                                       : MemberRole::replica;
 }
 
 /// As much of a text as fits into a field.
@@ -53,10 +55,13 @@ std::int64_t clock_ahead_of(const OtherMember& other) {
 
 }  // namespace
 
+std::string member_name(const std::string& given) {
+  return given.empty() ? fmt::format("{}-{}", host_name(), getpid()) : given;
+}
+
 Membership::Membership(const dds::Participant& participant, const Identity& identity, SelfDescription self,
                        const World& world, const WorldClock& clock, Notice notice)
     : self_(std::move(self)),
-      name_(name_of(self_)),
       world_(world),
       clock_(clock),
       notice_(std::move(notice)),
@@ -70,7 +75,7 @@ Membership::Membership(const dds::Participant& participant, const Identity& iden
   said_->server = identity.server;
   said_->epoch = identity.epoch;
   said_->pid = static_cast<std::uint32_t>(getpid());
-  set_cut(said_->name, name_);
+  set_cut(said_->name, self_.name);
   set_cut(said_->host, host_name());
   set_cut(said_->server_version, identity.version);
   said_->started_ns = wire_contract::since_1970_ns();
@@ -126,8 +131,7 @@ void Membership::hear(const dds::Sample<wire::Member>& sample) {
   other.server = sample->server;
   other.heard_ns = steady_ns();
   other.epoch = sample->epoch;
-  other.role =
-      sample->role == static_cast<std::uint8_t>(MemberRole::standby) ? MemberRole::standby : MemberRole::primary;
+  other.role = role_in(*sample);
   other.state = static_cast<wire_contract::ServerState>(sample->state);
   other.name = sample->name;
   other.version = sample->server_version;

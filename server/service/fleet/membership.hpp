@@ -20,6 +20,9 @@ namespace collided::engine::service {
 /// A member that has said nothing for so long is gone.
 inline constexpr std::int64_t kMemberGoneNs = 4 * wire_contract::kMemberPeriodNs;
 
+/// What a server is called: as its options say, else by the machine's name and the process number.
+std::string member_name(const std::string& given);
+
 /// What a standby wants of its primary; all numbers grow.
 struct Following {
   std::uint64_t primary = 0;  // 0: none is followed
@@ -45,7 +48,7 @@ struct OtherMember {
 /// What this server says of itself, beside what the Membership finds out.
 struct SelfDescription {
   std::function<wire_contract::MemberRole()> role;
-  std::string name;  // empty: the machine's name and the process number
+  std::string name;
   std::function<wire_contract::ServerState()> state;
   std::function<std::string()> alarm;             // what is wrong with this server, one sentence a line; empty: nothing
   std::function<Following()> following;           // of a primary: whose place it has taken, or nobody's
@@ -82,7 +85,6 @@ class Membership {
   void write();
 
   const SelfDescription self_;
-  const std::string name_;
   const World& world_;
   const WorldClock& clock_;
   const Notice notice_;

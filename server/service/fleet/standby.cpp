@@ -38,6 +38,7 @@ Standby::Standby(const dds::Participant& participant, const Identity& identity,
 }
 
 void Standby::hear(const OtherMember& other) {
+  if (other.role == MemberRole::replica) return;
   if (other.role != MemberRole::primary) {
     const std::lock_guard lock(mutex_);
     const std::int64_t now_ns = steady_ns();
@@ -120,6 +121,7 @@ void Standby::judge() {
   if (comparison_.compared() == judged_) return;
   judged_ = comparison_.compared();
   is_same_.store(comparison_.differing() == 0);
+  if (compared_) compared_(comparison_.compared_to_ns(), is_same_.load() && follower_.is_whole());
   // Ever more seldom: while publishers of many objects say all again, the two may be a moment apart.
   if (std::has_single_bit(comparison_.differing())) again_.fetch_add(1);
   const std::lock_guard lock(mutex_);

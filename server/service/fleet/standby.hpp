@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "server/service/events/dds_event_writer.hpp"
 #include "server/service/fleet/change_follower.hpp"
@@ -31,6 +32,11 @@ class Standby {
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
           std::int64_t silent_after_ns, TakeOver take_over, std::function<void()> cannot_follow);
 
+  /// Called with each instant at which the worlds were compared, and whether this server holds what the primary does. To be
+  /// set before the first call of hear().
+  void on_compared(std::function<void(std::int64_t instant_ns, bool is_same)> compared) {
+    compared_ = std::move(compared);
+  }
   void hear(const OtherMember& other);
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
   /// Takes the primary's place, if this server holds all that it had. False: it does not.
@@ -60,6 +66,7 @@ class Standby {
   const std::int64_t silent_after_ns_;
   const TakeOver take_over_;
   const std::function<void()> cannot_follow_;
+  std::function<void(std::int64_t, bool)> compared_;  // empty: nobody wants to know
   WorldComparison comparison_;
   std::uint64_t judged_ = 0;  // compared instants that were looked at
   std::atomic<std::uint64_t> again_{1};

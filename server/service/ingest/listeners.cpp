@@ -96,9 +96,9 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
   inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = false});
 }
 
-Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
-                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
-                     const std::atomic<bool>& takes_questions)
+Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
+                     const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight,
+                     KeyedPeers* peers, const std::atomic<bool>& takes_questions)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
@@ -110,7 +110,7 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
       pose_writers_(inbox, owners_, WriterKind::pose),
       object_topic_(participant, name_space),
       pose_topic_(participant, name_space),
-      query_topic_(participant, name_space),
+      query_topic_(participant, asked_as),
       object_reader_(
           object_topic_,
           {.data = [this](dds::Taker<wire::Definition> taker) { take_or_end([&] { take_definitions(taker); }); },

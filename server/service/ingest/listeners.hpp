@@ -63,11 +63,14 @@ class PublisherLiveliness {
 /// over; they decide nothing. All that the constructor is given by reference or pointer must outlive this.
 class Listeners {
  public:
+  /// name_space      whose publishers are heard
+  /// asked_as        namespace in which this server is asked
   /// flight  records definitions and poses (Answering records the questions); null: none
   /// peers   who may what; null: no keys
   /// takes_questions  while false, questions are dropped: another server answers them
-  Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
-            Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const std::atomic<bool>& takes_questions);
+  Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
+            const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
+            const std::atomic<bool>& takes_questions);
 
   /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
   /// their participants. One thread.

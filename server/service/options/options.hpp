@@ -15,11 +15,12 @@ namespace collided::engine::service {
 /// The server's configuration, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
   std::string name_space;
-  std::uint32_t threads = 0;      // that answer questions; 0: one a core
-  std::int64_t step_ns = 0;       // 0: a step as soon as something has changed
-  std::string state_dir;          // empty: chosen by epoch.hpp
-  std::string standby_of;         // namespace of the primary that this server stands by for; empty: it is a primary
-  bool joins = false;             // it stands by where a primary is there, else it is the primary
+  std::uint32_t threads = 0;  // that answer questions; 0: one a core
+  std::int64_t step_ns = 0;   // 0: a step as soon as something has changed
+  std::string state_dir;      // empty: chosen by epoch.hpp
+  std::string standby_of;     // namespace of the primary that this server stands by for; empty: it is a primary
+  std::string replica_of;     // namespace of the primary beside which this server answers questions; empty: it is none
+  bool joins = false;         // it stands by where a primary is there, else it is the primary
   std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
   std::string member;             // what it is called among the servers of its namespace; empty: by machine and process
   std::vector<std::string> scenes;  // files, loaded in this order; none: the embedded scene

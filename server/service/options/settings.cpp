@@ -50,6 +50,15 @@ Allowed apply_join(Options& options, Values values) {
   return std::nullopt;
 }
 
+/// Likewise.
+Allowed apply_replica_of(Options& options, Values values) {
+  if (values[0].empty()) return std::nullopt;
+  if (!options.standby_of.empty() || options.joins) return "not beside --standby-of or --join";
+  if (!is_namespace(values[0])) return kNamespaces;
+  options.replica_of = options.name_space = values[0];
+  return std::nullopt;
+}
+
 /// Stores a whole number from `low` to `high`; `note` is added to what is said to be allowed.
 template <class T>
 Allowed apply_whole(T& field, Values values, std::int64_t low, std::int64_t high, const char* note = "") {
@@ -288,6 +297,9 @@ constexpr Setting kSettings[] = {
      apply_standby_of},
     {"server.join", "--join", "COLLIDED_JOIN", "", "NAMESPACE",
      "be a member of that namespace: stand by where a primary is there, else be the primary", false, apply_join},
+    {"server.replica_of", "--replica-of", "COLLIDED_REPLICA_OF", "", "NAMESPACE",
+     "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false,
+     apply_replica_of},
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
      "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},
     {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",

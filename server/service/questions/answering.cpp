@@ -23,7 +23,7 @@ std::string refusal_text(const std::string& error, const std::string& hint, std:
 Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
                      Command command)
     : with_(with),
-      past_states_(with.world),
+      past_states_(with.world, options.replica),
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued, kMostQueuedBytes),
@@ -110,6 +110,14 @@ const char* Answering::why_not_allowed(const Ask& ask) const {
   return nullptr;
 }
 
+/// Why a replica does not answer now; null where it does, and of any other server.
+const char* Answering::why_not_answered(const wire::Query& query) const {
+  if (options_.replica == nullptr || static_cast<RequestKind>(query.kind) == RequestKind::hello) return nullptr;
+  return options_.replica->is_open() ? nullptr
+                                     : "this replica's world was not found the primary's of late; the primary answers, "
+                                       "and collide fleet shows both";
+}
+
 void Answering::route(AskPointer ask, AskPointer* single) {
   // With keys, who has proved nothing or is gone already has no rights and gets no answer.
   if (ask->from.rights == 0) {
@@ -117,6 +125,7 @@ void Answering::route(AskPointer ask, AskPointer* single) {
     return pool_.put(std::move(ask));
   }
   if (const char* reason = why_not_allowed(*ask)) return refuse_later(std::move(ask), reason);
+  if (const char* reason = why_not_answered(*ask->query)) return refuse_later(std::move(ask), reason);
   const WriteBarriers::Outcome outcome = with_.write_barriers.pass(ask);
   if (outcome == WriteBarriers::Outcome::parked) return;
   if (outcome == WriteBarriers::Outcome::full) {

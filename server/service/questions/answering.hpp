@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "server/service/questions/replica_readiness.hpp"
 #include "server/service/questions/background_audit.hpp"
 #include "server/service/questions/clients.hpp"
 #include "server/service/questions/overload.hpp"
@@ -40,6 +41,7 @@ struct AnsweringOptions {
   const Overload* overload = nullptr;  // null: never overloaded
   FlightRecorder* flight = nullptr;    // records every question and reply; null: none
   KeyedPeers* peers = nullptr;         // who may what; null: no keys
+  const ReplicaReadiness* replica = nullptr;  // of a replica: whether it may answer; null: it is none
 };
 
 /// A command as received; see idl/commands.hpp.
@@ -155,6 +157,7 @@ class Answering {
   void drain(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void route(AskPointer ask, AskPointer* single);
   const char* why_not_allowed(const Ask& ask) const;
+  const char* why_not_answered(const wire::Query& query) const;
   void take_more();
 
   Collaborators with_;

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "idl/instant.hpp"
+#include "server/service/questions/replica_readiness.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -19,7 +20,9 @@ namespace collided::engine::service {
 /// threads  any
 class PastStates {
  public:
-  explicit PastStates(const World& world) : world_(world) {}
+  /// replica  of a replica: since when its states are the primary's; null: it is none
+  explicit PastStates(const World& world, const ReplicaReadiness* replica = nullptr)
+      : world_(world), replica_(replica) {}
 
   /// instant  of any kind but `latest`
   /// newest   what relative instants count from, and what identifies the state for the chunks of one request
@@ -37,6 +40,7 @@ class PastStates {
   std::string why_not(std::int64_t time_ns, const Snapshot& newest) const;
 
   const World& world_;
+  const ReplicaReadiness* const replica_;
   std::mutex mutex_;
   std::array<Kept, 4> kept_;
   std::size_t next_ = 0;

@@ -94,6 +94,7 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
       {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
       {"server.join", "yard", [](const Options& o) { return o.joins && o.name_space == "yard"; }},
+      {"server.replica_of", "yard", [](const Options& o) { return o.replica_of == "yard" && o.name_space == "yard"; }},
       {"server.take_over_after", "3s", [](const Options& o) { return o.take_over_ns == 3'000'000'000; }},
       {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
       {"world.scenes", "a.obj,b.obj",
@@ -149,6 +150,8 @@ TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
   EXPECT_EQ(parse({"--take-over-after", "never"}).options.take_over_ns, 0);
   EXPECT_THROW(parse({"--take-over-after", "199ms"}), OptionsError);
   EXPECT_THROW(parse({"--standby-of", "hall", "--join", "hall"}), OptionsError);
+  EXPECT_THROW(parse({"--standby-of", "hall", "--replica-of", "hall"}), OptionsError);
+  EXPECT_THROW(parse({"--join", "hall", "--replica-of", "hall"}), OptionsError);
 }
 
 TEST(Options, TheDefaultsAreThoseOfTheHelp) {
