@@ -47,6 +47,8 @@ struct ConnectOptions {
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer; one that is found but busy has 10 s at least
   std::string keys = {};  // folder of keys, as `collide keys` makes them, for a server that has some; empty: none
 
+  bool replicas = true;  // questions go to replicas of the server too, where there are some; see AskOptions
+
   /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE,
   /// COLLIDED_INTERFACE and COLLIDED_KEYS where they are set, the defaults above where not. Error bad_input for an invalid domain.
   ///
@@ -99,7 +101,7 @@ namespace client {
 class Connection;
 }
 
-/// A connection to one server. When the server is silent, calls fail with disconnected; when it is back or replaced by
+/// A connection to one server, and to its replicas. When the server is silent, calls fail with disconnected; when it is back or replaced by
 /// another one, the connection resumes by itself.
 ///
 /// owner    the caller; a Watch, ProbeWatch or Publisher keeps the connection alive for as long as it needs it

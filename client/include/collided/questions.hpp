@@ -79,6 +79,11 @@ struct Instant {
   std::chrono::nanoseconds time{0};  // for `at` and `back`, not negative
 };
 
+/// Where the server has replicas (ConnectOptions::replicas), they answer too. What holds then: an answer says who gave it
+/// (Answers::server) and which instant it is about; `at` an instant all give the same answer; `settled` instants of one Client
+/// never go back, unless the servers are apart by half the timeout; `latest` ones may, by what poses take to one server and to
+/// the other; what this Client's own commands changed is in, and with `fresh` what it published.
+///
 /// Which objects may answer, how accurately, and how long it may take.
 struct AskOptions {
   HitMode mode = HitMode::closest;
@@ -110,7 +115,7 @@ enum class UndecidedReason { none, numeric, stale_object, recovering, truncated,
 /// One object, or one triangle of it, that answers a question.
 struct Hit {
   std::string object;                    // its name
-  std::uint64_t object_id = 0;           // the server's number for it
+  std::uint64_t object_id = 0;           // the number of it at Answers::server
   std::uint32_t triangle = kNoTriangle;  // of the object's mesh
   /// For a ray: from its origin along it. For a sphere or box: the depth, which is 0 or more. For inside: the depth of the
   /// point, from the nearest point of the surface. For near: from the point, see HitMode::signed_near.
@@ -166,6 +171,7 @@ struct Answers {
   std::chrono::nanoseconds world_time{0};                   // of that state, since 1970, by the publishers' clocks
   std::optional<std::chrono::nanoseconds> oldest_pose_age;  // of the poses that decided; none: only static geometry did
   std::chrono::nanoseconds compute{0};  // on the server, from taking the questions to replying; summed over messages
+  std::uint64_t server = 0;             // that answered, the primary or a replica: FleetMember::server
   std::vector<Answer> answers;          // one for each question, in order
 };
 

@@ -138,6 +138,7 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
 
 void AnswerCollector::note_state(const wire::Reply& reply) {
   result_.epoch = reply.epoch;
+  result_.server = reply.server;
   result_.version = reply.version;
   result_.world_time = nanoseconds(reply.world_time_ns);
   result_.compute += nanoseconds(reply.compute_ns);

@@ -6,6 +6,7 @@
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/connection/errors.hpp"
+#include "client/library/connection/replicas.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/commands.hpp"
 
@@ -97,13 +98,16 @@ Result<std::string> command(Connection& connection, std::string_view name, const
   return command_with_blob(connection, name, text, {}, timeout, progress);
 }
 
-Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
-                                      std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
-                                      const std::function<void(double)>& progress) {
-  const Result<std::string> text = command_text(name, json_arguments);
-  if (!text) { return text.error(); }
+namespace {
+
+/// Sends the command and collects its answer.
+///
+/// changed_ns  set to the world time as of which the answer was written
+Result<std::string> run_command(Connection& connection, std::string_view name, const std::string& text,
+                                wire_contract::QueryRight right, std::span<const std::uint8_t> blob,
+                                std::chrono::nanoseconds timeout, const std::function<void(double)>& progress,
+                                std::int64_t& changed_ns) {
   Clock::time_point deadline = Clock::now() + timeout;
-  const wire_contract::QueryRight right = right_of(name, *text);
   if (auto error = connection.ready(deadline, right)) { return *error; }
   const std::uint64_t server = connection.pulse().server();
   const std::unique_ptr<Requests::Running> running = connection.requests().begin();
@@ -111,7 +115,7 @@ Result<std::string> command_with_blob(Connection& connection, std::string_view n
     return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
                  kNothingSent};
   }
-  if (auto error = send_command(connection, *running, *text, blob, right)) { return *error; }
+  if (auto error = send_command(connection, *running, text, blob, right)) { return *error; }
   TextCollector collector;
   while (!collector.complete()) {
     const Connection::Waited waited = connection.wait(*running, deadline, server, std::string(name));
@@ -127,10 +131,28 @@ Result<std::string> command_with_blob(Connection& connection, std::string_view n
         if (progress) { progress(fraction(text_of(**reply))); }
       } else {
         collector.add(**reply);
+        changed_ns = (*reply)->world_time_ns;
       }
     }
   }
   return collector.text();
+}
+
+}  // namespace
+
+Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
+                                      std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
+                                      const std::function<void(double)>& progress) {
+  const Result<std::string> text = command_text(name, json_arguments);
+  if (!text) { return text.error(); }
+  const wire_contract::QueryRight right = right_of(name, *text);
+  std::int64_t changed_ns = 0;
+  Result<std::string> answer = run_command(connection, name, *text, right, blob, timeout, progress, changed_ns);
+  if (right != wire_contract::QueryRight::ask && connection.replicas() != nullptr) {
+    if (answer) connection.replicas()->note_change(changed_ns);
+    else connection.replicas()->note_possible_change();
+  }
+  return answer;
 }
 
 }  // namespace collided::client

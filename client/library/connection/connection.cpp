@@ -7,6 +7,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/greeting_turn.hpp"
 #include "client/library/connection/local_process.hpp"
+#include "client/library/connection/replicas.hpp"
 #include "idl/presence.hpp"
 
 namespace collided::client {
@@ -45,29 +46,36 @@ std::uint64_t random_number() {
   return number;
 }
 
-Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant)
+Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant, bool is_beside)
     : options_(options),
       participant_(std::move(participant)),
+      is_beside_(is_beside),
       client_(random_number()),
       requests_(client_,
                 [this](const dds::Sample<wire::Reply>& reply) {
                   const bool is_past = reply->epoch < pulse_.epoch();
                   return !known_server_.is_known() || (!is_past && is_from_server(reply_reader_, reply.info()));
                 }),
+      replicas_(options.replicas && !is_beside ? std::make_unique<Replicas>(*this) : nullptr),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),
       reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
                                    .partition = wire_contract::reply_partition(client_)}),
-      status_reader_(status_topic_,
-                     {.data =
-                          [this](dds::Taker<wire::Status> taker) {
-                            while (taker.take(incoming_status_)) {
-                              if (!incoming_status_.info().valid_data) continue;
-                              if (!known_server_.is_known() || is_from_server_or_its_heir(incoming_status_))
-                                pulse_.hear(incoming_status_);
-                            }
-                          }}),
+      status_reader_(status_topic_, {.data = [this](dds::Taker<wire::Status> taker) { hear_status(taker); }}),
       query_writers_(*participant_, options.name_space, options.keys) {}
+
+Connection::~Connection() = default;
+
+void Connection::hear_status(const dds::Taker<wire::Status>& taker) {
+  while (taker.take(incoming_status_)) {
+    if (!incoming_status_.info().valid_data) continue;
+    if (!known_server_.is_known() || is_from_server_or_its_heir(incoming_status_)) pulse_.hear(incoming_status_);
+  }
+  if (!replicas_ || replicas_->has_company() || !known_server_.is_known()) return;
+  try {
+    if (status_reader_.matched_writers() > 1) replicas_->note_company();
+  } catch (const dds::DdsError&) {}  // the reader is being deleted
+}
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
   const Clock::time_point began = Clock::now();
@@ -87,6 +95,15 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
   } catch (const dds::NotAllowedError& refused) { return failure_of(refused); } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};
   }
+}
+
+std::shared_ptr<Connection> Connection::open_beside(const Connection& primary, const std::string& name_space,
+                                                    nanoseconds wait) {
+  ConnectOptions options = primary.options_;
+  options.name_space = name_space;
+  const std::shared_ptr<Connection> connection(new Connection(options, primary.participant_, true));
+  const Clock::time_point deadline = Clock::now() + wait;
+  return connection->greet(deadline, deadline, QueryRight::greet) ? connection : nullptr;
 }
 
 namespace {
@@ -140,7 +157,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
       next_hello = Clock::now() + hello_period;
       hello_period = std::min(2 * hello_period, kLastHelloPeriod);
     }
-    if (Clock::now() >= next_look) {
+    if (!is_beside_ && Clock::now() >= next_look) {
       next_look = Clock::now() + kFirstHelloPeriod;
       deadline = std::max(deadline, crowd.deadline(began, deadline_if_found));
     }
@@ -188,9 +205,11 @@ Error Connection::disconnected() const {
 }
 
 /// Whether the server is silent and not only starved: on a machine with more to do than it can, neither its word nor our
-/// hearing of it need come in time. A server on another machine is gone when it is silent.
+/// hearing of it need come in time. A server on another machine is gone when it is silent, and so is a replica: another one
+/// can be asked.
 bool Connection::is_gone() const {
   if (!pulse_.silent()) return false;
+  if (is_beside_) return true;
   if (options_.interface != "lo" || Clock::now() - pulse_.last_heard() >= nanoseconds(wire_contract::kForgottenNs))
     return true;
   // Until its first status the server has only said hello: who it is here is not known yet.
@@ -212,6 +231,7 @@ std::optional<Error> Connection::ready(Clock::time_point deadline, QueryRight ri
   const std::lock_guard lock(greeting_mutex_);
   if (pulse_.server() == greeted.load(std::memory_order_acquire)) { return std::nullopt; }
   if (auto error = query_writers_.open(right)) { return error; }
+  if (is_beside_) deadline = std::min(deadline, Clock::now() + nanoseconds(wire_contract::kStatusLostNs));
   if (greet(deadline, deadline, right)) { return std::nullopt; }
   return disconnected();
 }

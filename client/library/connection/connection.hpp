@@ -18,6 +18,8 @@
 
 namespace collided::client {
 
+class Replicas;
+
 /// The last message of a publisher, for questions whose answers must take it into account.
 struct WriteBarrier {
   std::uint64_t publisher = 0;
@@ -32,11 +34,21 @@ class Connection {
   /// role  `server` makes other clients find this process too, which is needed to hear them
   static Result<std::shared_ptr<Connection>> open(const ConnectOptions& options, dds::Role role = dds::Role::client);
 
+  /// A connection to a replica of that one's server, in the same process; null where none answers by then. It gives up
+  /// sooner than others: there is somebody else who can be asked.
+  static std::shared_ptr<Connection> open_beside(const Connection& primary, const std::string& name_space,
+                                                 std::chrono::nanoseconds wait);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
   const ConnectOptions& options() const { return options_; }
   const dds::Participant& participant() const { return *participant_; }
   std::uint64_t client() const { return client_; }
   Requests& requests() { return requests_; }
   Names& names() { return names_; }
+  /// Null: they are not to be asked, or this is one.
+  Replicas* replicas() { return replicas_.get(); }
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
   /// Whether a sample that this reader took was written by the server. Any thread, DDS's too.
@@ -70,21 +82,25 @@ class Connection {
   void note_write(const WriteBarrier& barrier);
 
  private:
-  Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
+  Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant, bool is_beside = false);
   /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
   bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
   bool is_from_server_or_its_heir(const dds::Sample<wire::Status>& status);
   Error no_server(std::chrono::nanoseconds waited);
   bool is_gone() const;
 
+  void hear_status(const dds::Taker<wire::Status>& taker);
+
   ConnectOptions options_;
   std::shared_ptr<dds::Participant> participant_;
+  const bool is_beside_;  // it is to a replica
   std::uint64_t client_;
   Requests requests_;
   Names names_;
   ServerPulse pulse_;
   KnownServer known_server_;  // before the first greeting its readers may not be made yet, and all is taken
   dds::Sample<wire::Status> incoming_status_;
+  std::unique_ptr<Replicas> replicas_;
   std::mutex greeting_mutex_;
   std::array<std::atomic<std::uint64_t>, wire_contract::kQueryRights.size()>
       greeted_server_{};  // by the writer's place

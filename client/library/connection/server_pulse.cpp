@@ -68,6 +68,8 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   epoch_.store(status->epoch, std::memory_order_relaxed);
   is_stopping_.store(status->state == static_cast<std::uint8_t>(wire_contract::ServerState::stopping),
                      std::memory_order_relaxed);
+  is_ready_.store(status->state == static_cast<std::uint8_t>(wire_contract::ServerState::ready),
+                  std::memory_order_relaxed);
   server_.store(status->server, std::memory_order_release);
   pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);

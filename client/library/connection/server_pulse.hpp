@@ -44,6 +44,8 @@ class ServerPulse {
   Clock::time_point last_heard() const;
   /// The server's process, on its machine; 0 before the first status.
   std::uint32_t pid() const { return pid_.load(std::memory_order_relaxed); }
+  /// Whether it says that everything is there that it knows of.
+  bool is_ready() const { return is_ready_.load(std::memory_order_relaxed); }
   /// Whether nothing has been heard for kStatusLostNs.
   bool silent() const;
   /// Whether another server may have taken the known one's place.
@@ -76,6 +78,7 @@ class ServerPulse {
   std::atomic<std::uint64_t> server_{0};
   std::atomic<std::uint64_t> epoch_{0};
   std::atomic<bool> is_stopping_{false};
+  std::atomic<bool> is_ready_{false};
   std::atomic<std::uint32_t> pid_{0};
   std::atomic<std::uint64_t> outages_{0};
   mutable std::mutex mutex_;
