@@ -259,8 +259,26 @@ TEST_F(ServerReplica, OneThatStoodStillAnswersNothingBeforeItsWorldWasFoundTheSa
   EXPECT_EQ(first.error().code, ErrorCode::refused) << first.error().message;
   EXPECT_TRUE(test::eventually([&] { return !!look(); }, 40s)) << east.errors();
 
-  // Another primary need not have what this one had.
+  // While there is no primary it answers, for a while.
+  Client spread = connect();
+  const auto answer = [&] {
+    return spread.ask(std::vector{RayQuestion{.origin = {0, 0, 50}, .direction = {0, 0, -1}}});
+  };
+  const std::uint64_t replica = member("east").server;
+  ASSERT_TRUE(test::eventually(
+      [&] {
+        const Result<Answers> one = answer();
+        return one && one->server == replica;
+      },
+      20s));
   primary.signal(SIGKILL);
+  for (int i = 0; i < 10; ++i) {
+    const Result<Answers> one = answer();
+    ASSERT_TRUE(one) << one.error().message;
+    EXPECT_EQ(one->server, replica);
+  }
+
+  // Another primary need not have what this one had.
   primary.wait(5s);
   start({"--member", "primary"}, "again");
   EXPECT_EQ(east.wait(20s), 3) << east.errors();
