@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace collided::engine::service {
+
+/// The store did not answer in time, or not as it should: one sentence. What was asked may have been done all the same.
+struct StoreError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What a transaction demands of a key; less compares bytes, and a key that is not there is neither equal nor less.
+struct StoreCondition {
+  enum class Is : std::uint8_t { absent, equal, less };
+  std::string key;
+  Is is = Is::absent;
+  std::string value = {};
+};
+
+struct StoreWrite {
+  std::string key;
+  std::string value;
+  std::int64_t lease = 0;  // the key goes with it; 0: it stays
+};
+
+/// Where all conditions hold the writes are done; the keys are read then, in either case.
+struct StoreTransaction {
+  std::vector<StoreCondition> conditions;
+  std::vector<StoreWrite> writes;
+  std::vector<std::string> reads;
+};
+
+struct StoreResult {
+  bool is_done = false;
+  std::vector<std::optional<std::string>> values;  // of the keys read, in their order; nothing: not there
+};
+
+/// A store of keys with one order of all that is done to it, whoever asks, and with leases: keys that go by themselves
+/// where their holder does not renew them. Each call may throw StoreError.
+class LeaseStore {
+ public:
+  virtual ~LeaseStore() = default;
+  /// A new lease of so many seconds.
+  virtual std::int64_t grant(int life_s) = 0;
+  /// Has the lease last its whole life again; false: it is gone.
+  virtual bool renew(std::int64_t lease) = 0;
+  /// Ends the lease, and its keys.
+  virtual void revoke(std::int64_t lease) = 0;
+  virtual StoreResult transact(const StoreTransaction& transaction) = 0;
+};
+
+}  // namespace collided::engine::service
