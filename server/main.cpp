@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/service/authority/election.hpp"
 #include "server/service/options/options.hpp"
 #include "server/service/questions/time_slice.hpp"
 #include "server/service/runtime/dds_warnings.hpp"
@@ -24,6 +25,9 @@
 namespace {
 
 using namespace collided::engine::service;
+
+/// Another server is the primary, or nobody could say who is: another start may find it otherwise.
+constexpr int kGivenWay = 3;
 
 /// Blocked before any thread is made, so that only the waiting main thread gets them.
 sigset_t block_signals() {
@@ -87,7 +91,6 @@ int serve(const Options& options) {
   notify_supervisor("STOPPING=1");
   limit_stopping();
   server.stop();
-  constexpr int kGivenWay = 3;
   return server.has_given_way() ? kGivenWay : 0;
 }
 
@@ -108,6 +111,9 @@ int run(const std::vector<std::string>& arguments) {
 int main(int count, char** values) {
   try {
     return run({values + 1, values + count});
+  } catch (const NotElected& failed) {
+    fmt::print(stderr, "error: {}\n", failed.what());
+    return kGivenWay;
   } catch (const std::exception& failed) {
     fmt::print(stderr, "error: {}\n", failed.what());
     return 2;

@@ -16,6 +16,8 @@
 
 #include "idl/clocks.hpp"
 #include "idl/presence.hpp"
+#include "server/service/authority/etcd_client.hpp"
+#include "server/service/authority/election.hpp"
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/durability/durable_state.hpp"
@@ -96,6 +98,28 @@ dds::Participant join(const Options& options, spdlog::logger& log) {
   } catch (const dds::DdsError& failed) { throw StartError(failed.what()); }
 }
 
+/// Null where there is no authority.
+std::unique_ptr<Election> make_election(const Options& options, ServingTerm& term, const Election::Notice& notice) {
+  if (!options.authority) return nullptr;
+  const EtcdAddress& address = *options.authority;
+  const std::string prefix =
+      fmt::format("{}/{}/{}", address.key.empty() ? "collided" : address.key, options.domain, options.name_space);
+  // All members may be asked, and asked again, before the term of a confirmation is over.
+  const std::int64_t third_ns = std::int64_t{options.authority_lease_s} * 1'000'000'000 / 3;
+  constexpr std::int64_t kLeastPatienceNs = 50'000'000;
+  const std::int64_t patience_ns =
+      std::max(kLeastPatienceNs, third_ns / 2 / static_cast<std::int64_t>(address.endpoints.size()));
+  return std::make_unique<Election>(
+      std::make_unique<EtcdClient>(address, patience_ns),
+      ElectionOptions{
+          .store = "etcd",
+          .prefix = prefix,
+          .life_s = options.authority_lease_s,
+          .description = options.member.empty() ? fmt::format("pid {}", getpid()) : fmt::format("'{}'", options.member),
+          .mode = options.authority_mode},
+      term, notice);
+}
+
 }  // namespace
 
 std::string version_text() { return COLLIDED_VERSION; }
@@ -139,6 +163,8 @@ struct Server::Parts {
   void stand_by();
   /// Whether what those of the publishers that live have sent is in the world up to there.
   bool has_come_as_far(const PublisherProgress& progress) const;
+  /// Makes this server the primary, if it may be; of a standby.
+  bool take_over(const Standby::Predecessor& of, const std::string& why);
   /// The primary hands over to this server. Returns why it does not take the place; empty: it has.
   std::string take_place(const HandoverWords& words);
   /// Has a standby take this server's place, where one is ready. False: none has, and this server goes on.
@@ -155,6 +181,8 @@ struct Server::Parts {
   const std::shared_ptr<spdlog::logger> log;
   dds::Participant participant;
   std::unique_ptr<KeyedPeers> peers;  // null: no keys
+  ServingTerm term;
+  const std::unique_ptr<Election> election;  // null: no authority
   const bool began_as_standby;
   Epoch epoch;
   const Identity identity;
@@ -202,6 +230,8 @@ Epoch Server::Parts::make_epoch() {
   if (!kept.damage.empty()) log->warn("{}", kept.damage);
   // Whoever takes the primary's place has a greater one.
   kept.value = std::max(kept.value, greatest + 1);
+  if (election) kept.value = election->begin(kept.value);
+  if (election && !is_standby()) election->win();
   return kept;
 }
 
@@ -210,6 +240,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       log(std::move(logger)),
       participant(join(options, *log)),
       peers(options.keys.empty() ? nullptr : std::make_unique<KeyedPeers>(options.keys, handshake_library())),
+      election(make_election(options, term, [this](const std::string& sentence) { log->warn("{}", sentence); })),
       began_as_standby(!options.standby_of.empty() || is_replica() ||
                        (options.joins && is_there_a_primary(participant, options))),
       epoch(make_epoch()),
@@ -226,7 +257,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
           options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }, options.asks_fcl),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
-      event_writer(participant, answering_identity(), flight.get()),
+      event_writer(participant, answering_identity(), flight.get(), term),
       takes_questions(!is_standby() || is_replica()),
       readiness(is_replica() ? std::make_unique<ReplicaReadiness>(clock) : nullptr),
       sign(is_replica() ? std::make_unique<ReplicaSign>(participant, options.name_space) : nullptr),
@@ -274,6 +305,11 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   .fall_silent = [this] { loop.fall_silent(); },
                   .say_last_words = [this] { return loop.say_last_words(); },
                   .has_come_as_far = [this](const PublisherProgress& far) { return has_come_as_far(far); },
+                  .lend_place =
+                      [this] {
+                        if (election) election->lend();
+                      },
+                  .take_place_back = [this] { return !election || election->take_back(); },
                   .takes_questions = takes_questions,
                   .self = identity.server,
                   .epoch = identity.epoch,
@@ -358,15 +394,18 @@ SelfDescription Server::Parts::describe_self() {
   const auto is_following = [this] { return standby && succession.role() != MemberRole::primary; };
   const auto alarm = [this, is_following] {
     const std::string lacks = is_following() ? standby->alarm() : std::string();
-    const std::string problem = durable ? durable->problem() : std::string();
-    return lacks + (lacks.empty() || problem.empty() ? "" : "\n") + problem;
+    std::string lines;
+    for (const std::string& line :
+         {election ? election->problem() : std::string(), lacks, durable ? durable->problem() : std::string()})
+      lines += (lines.empty() || line.empty() ? "" : "\n") + line;
+    return lines;
   };
   return {.role = [this] { return succession.role(); },
           .name = member_name(options.member),
           .state =
               [this, is_following] {
                 if (is_following() && standby->state() != ServerState::ready) return standby->state();
-                return loop.state();
+                return term.is_over() ? ServerState::recovering : loop.state();
               },
           .alarm = alarm,
           .following =
@@ -402,9 +441,8 @@ void Server::Parts::stand_by() {
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       is_replica() ? 0 : options.take_over_ns,
-      [this](std::uint64_t primary, std::int64_t heard_ns, const std::string& why) {
-        return succession.take_over(primary, heard_ns, why);
-      },
+      [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
+      [this] { return election && election->has_place() && succession.role() == wire_contract::MemberRole::standby; },
       [this] { succession.cannot_follow(); });
   if (readiness)
     standby->on_compared(
@@ -418,13 +456,28 @@ bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
   });
 }
 
+bool Server::Parts::take_over(const Standby::Predecessor& of, const std::string& why) {
+  if (election && !election->succeeds(of.epoch)) return false;
+  if (!succession.take_over(of.server, of.heard_ns, why)) return false;
+  if (election && election->mode() == TakeOverMode::fast)
+    log->warn("the one before may publish and answer until it next asks etcd, for {:.1f} s at most",
+              options.authority_lease_s / 3.0);
+  return true;
+}
+
 std::string Server::Parts::take_place(const HandoverWords& words) {
   succession.catch_up(words.progress);
   // Clients take another server's word once they have heard that the primary stops, which comes to them another way than this
   // to here: they are given what they have where a primary dies.
   std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kTakeOverNs - wire_contract::kMayHaveHeirNs));
-  return standby->take_place("the primary hands over") ? std::string()
-                                                       : "it hands over, and this server does not hold all that it had";
+  // An authority needs a moment to give the place.
+  constexpr std::int64_t kPatienceNs = 1'500'000'000;
+  const std::int64_t until_ns = steady_ns() + (election ? kPatienceNs : 0);
+  for (;;) {
+    if (standby->take_place("the primary hands over")) return {};
+    if (steady_ns() >= until_ns) return "it hands over, and this server does not hold all that it had";
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
 }
 
 std::string Server::Parts::hand_over_to(const std::string& name) {
@@ -461,6 +514,7 @@ void Server::Parts::note_publishers() {
 
 void Server::Parts::tick() {
   note_publishers();
+  if (event_writer.lapsed_ns() != 0 && !term.is_over()) loop.speak(event_writer.lapsed_ns());
   answering->tick(listeners->query_owners());
   commands.look_for_gone();
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;
@@ -518,12 +572,12 @@ std::string Server::start() {
       p.reply_topic,
       AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.overload, p.flight.get(),
-                       p.peers.get(), p.readiness.get()},
+                       p.peers.get(), p.readiness.get(), p.election ? &p.term : nullptr},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   // Everything that the first sample may need is made before the readers are.
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, asked_as(p.options), p.clock, p.inbox,
-                                            *p.answering, p.flight.get(), p.peers.get(), p.takes_questions);
+                                            *p.answering, p.flight.get(), p.peers.get(), p.takes_questions, p.term);
   if (p.durable) p.commands.replay(p.durable->commands_left());
   if (p.is_standby() && !p.is_replica()) p.event_writer.fall_silent();
   p.world_thread = std::thread([&p] { p.loop.run(); });
@@ -531,6 +585,7 @@ std::string Server::start() {
   if (p.is_standby()) p.stand_by();
   p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
                                               [&p](const std::string& sentence) { p.log->warn("{}", sentence); });
+  if (p.election) p.election->connect([&p](const std::string& why) { p.succession.lose_place(why); });
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
@@ -578,6 +633,8 @@ void Server::stop() {
   p.world_thread.join();
   p.listeners.reset();
   p.event_writer.leave();
+  // Who comes next may have the place once nothing more is told.
+  if (p.election) p.election->close();
   if (p.durable) p.durable->close();
   close_epoch(p.epoch);
 }

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "idl/columns.hpp"
 #include "server/service/runtime/clock.hpp"
 
@@ -30,8 +32,10 @@ void borrow_publishers(wire::Status& to, const StatusColumns& from) {
 
 }  // namespace
 
-DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
+DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
+                               const ServingTerm& term)
     : flight_(flight),
+      term_(term),
       event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
       fence_event_topic_(participant, identity.name_space, wire_contract::kFenceEventTopic),
@@ -77,7 +81,7 @@ void DdsEventWriter::note_fences(recording::Recorded topic, const T& sample) {
 /// sequence.
 template <class T>
 void DdsEventWriter::write(dds::Writer<T>& writer, const T& sample) {
-  if (is_silent_) return;
+  if (is_quiet()) return;
   try {
     static_cast<void>(writer.write(sample));
   } catch (const dds::DdsError&) {}
@@ -103,8 +107,17 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
   write(writer, *frame_);
 }
 
+/// To be called once before all that belongs together is kept or written: the term may end between the two.
+void DdsEventWriter::note_lapse() {
+  if (lapsed_ns_ == 0 && term_.is_over()) lapsed_ns_ = std::max<std::int64_t>(1, term_.until_ns());
+}
+
 void DdsEventWriter::speak(std::int64_t heard_ns) {
   is_silent_ = false;
+  lapsed_ns_ = 0;
+  note_lapse();
+  // What was kept stays so until the term goes on.
+  if (is_quiet()) return;
   untold_.tell_all(heard_ns, [&](const UntoldEvents::UntoldFrame& frame) {
     const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
     write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
@@ -112,22 +125,26 @@ void DdsEventWriter::speak(std::int64_t heard_ns) {
 }
 
 void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {
-  if (is_silent_) untold_.keep(events, stamp, false, steady_ns());
+  note_lapse();
+  if (is_quiet()) untold_.keep(events, stamp, false, steady_ns());
   write_frame(event_writer_, events, stamp);
   note(recording::Recorded::event, *frame_);
 }
 
 void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& stamp) {
+  note_lapse();
   write_frame(persisted_writer_, events, stamp);
 }
 
 void DdsEventWriter::write_fence_events(const EventColumns& events, const Stamp& stamp) {
-  if (is_silent_) untold_.keep(events, stamp, true, steady_ns());
+  note_lapse();
+  if (is_quiet()) untold_.keep(events, stamp, true, steady_ns());
   write_frame(fence_event_writer_, events, stamp);
   note_fences(recording::Recorded::fence_event, *frame_);
 }
 
 void DdsEventWriter::fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+  note_lapse();
   shard_->shard = contacts.shard;
   shard_->version = stamp.version;
   shard_->as_of_sequence = as_of_sequence;
@@ -156,6 +173,7 @@ void DdsEventWriter::write_fence_state(const ContactColumns& inside, const Stamp
 }
 
 void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
+  note_lapse();
   probes_->version = stamp.version;
   probes_->world_time_ns = stamp.world_time_ns;
   dds::borrow(probes_->states, probes.states);
@@ -171,6 +189,7 @@ void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp
 }
 
 void DdsEventWriter::write_status(const StatusColumns& status) {
+  note_lapse();
   status_->version = status.stamp.version;
   status_->world_time_ns = status.stamp.world_time_ns;
   status_->last_event_sequence = status.last_event_sequence;
@@ -193,6 +212,7 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
 }
 
 void DdsEventWriter::write_fence_status(const StatusColumns& status) {
+  note_lapse();
   fence_status_->version = status.stamp.version;
   fence_status_->world_time_ns = status.stamp.world_time_ns;
   fence_status_->last_event_sequence = status.last_event_sequence;
@@ -204,6 +224,7 @@ void DdsEventWriter::write_fence_status(const StatusColumns& status) {
 }
 
 void DdsEventWriter::write_step(const StatusColumns& status) {
+  note_lapse();
   step_->version = status.stamp.version;
   step_->world_time_ns = status.stamp.world_time_ns;
   borrow_publishers(*step_, status);
@@ -212,7 +233,8 @@ void DdsEventWriter::write_step(const StatusColumns& status) {
 }
 
 void DdsEventWriter::leave() {
-  if (is_silent_) return;
+  note_lapse();
+  if (is_quiet()) return;
   constexpr std::int64_t kPatienceNs = 500'000'000;
   event_writer_.wait_for_acknowledgements(kPatienceNs);
   contact_writer_.wait_for_acknowledgements(kPatienceNs);

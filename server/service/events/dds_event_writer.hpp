@@ -8,6 +8,7 @@
 #include "server/service/events/event_writer.hpp"
 #include "server/service/events/untold_events.hpp"
 #include "server/service/recording/flight_recorder.hpp"
+#include "server/service/runtime/serving_term.hpp"
 
 namespace collided::engine::service {
 
@@ -26,10 +27,15 @@ struct Identity {
 class DdsEventWriter : public EventWriter {
  public:
   /// flight  records all that is written but persisted contacts; null: none
-  DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
+  /// term    once it is over nothing is written before speak() is called
+  DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
+                 const ServingTerm& term);
 
   void fall_silent() override { is_silent_ = true; }
   void speak(std::int64_t heard_ns) override;
+  /// Since when it writes nothing because the term was over, steady clock; 0: it writes, or fell silent for another
+  /// reason.
+  std::int64_t lapsed_ns() const { return is_silent_ ? 0 : lapsed_ns_; }
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
   bool probes_wanted() const override { return probe_readers_.load() > 0; }
@@ -49,6 +55,8 @@ class DdsEventWriter : public EventWriter {
   void leave();
 
  private:
+  void note_lapse();
+  bool is_quiet() const { return is_silent_ || lapsed_ns_ != 0; }
   void write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp);
   void fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence);
   template <class T>
@@ -59,8 +67,10 @@ class DdsEventWriter : public EventWriter {
   void write(dds::Writer<T>& writer, const T& sample);
 
   FlightRecorder* const flight_;
+  const ServingTerm& term_;
   bool is_silent_ = false;
-  UntoldEvents untold_;  // while it is silent
+  std::int64_t lapsed_ns_ = 0;  // see lapsed_ns()
+  UntoldEvents untold_;         // while it is silent
   bool is_flight_of_fences_ =
       false;  // the flight recorder has been told of fences, and needs their status from then on
   dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;

@@ -44,7 +44,8 @@ void PrimaryPulse::run() {
     looked_ns_ = now_ns;
     const std::int64_t silent_ns = blamed_ns_ == 0 ? 0 : now_ns - blamed_ns_;
     is_silent_.store(silent_ns > silent_after_ns_);
-    if (is_silent_.load() && with_.is_silent(silent_ns)) return;
+    const bool is_given_up = is_silent_.load() || with_.is_replaced();
+    if (is_given_up && with_.is_silent(silent_ns)) return;
   }
 }
 

@@ -20,6 +20,8 @@ class PrimaryPulse {
     std::function<std::uint64_t()> primary;  // which server is listened to; 0: none yet
     /// It has said nothing for so long; called again and again while that lasts. True: no more.
     std::function<bool(std::int64_t silent_ns)> is_silent;
+    /// Whether its place has been given to this server: then it counts as silent, whatever it says.
+    std::function<bool()> is_replaced;
   };
   /// silent_after_ns  without a status for so long the primary counts as silent
   PrimaryPulse(const dds::Participant& participant, const std::string& name_space, std::int64_t silent_after_ns,

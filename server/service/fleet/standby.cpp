@@ -22,19 +22,20 @@ constexpr std::uint64_t kReported = 8;
 
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
                  const ChangeFollower::Collaborators& with, std::int64_t silent_after_ns, TakeOver take_over,
-                 std::function<void()> cannot_follow)
+                 std::function<bool()> has_place, std::function<void()> cannot_follow)
     : with_(with),
       self_(identity.server),
       epoch_(identity.epoch),
       silent_after_ns_(silent_after_ns),
       take_over_(std::move(take_over)),
+      is_given_place_(std::move(has_place)),
       cannot_follow_(std::move(cannot_follow)),
       follower_(participant, identity.server, identity.name_space, with) {
   if (silent_after_ns == 0) return;
-  pulse_.emplace(
-      participant, identity.name_space, silent_after_ns,
-      PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
-                                  .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); }});
+  pulse_.emplace(participant, identity.name_space, silent_after_ns,
+                 PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
+                                             .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); },
+                                             .is_replaced = is_given_place_});
 }
 
 void Standby::hear(const OtherMember& other) {
@@ -58,6 +59,7 @@ void Standby::hear(const OtherMember& other) {
   {
     const std::lock_guard lock(mutex_);
     primary_name_ = other.name;
+    primary_epoch_ = other.epoch;
   }
   if (!pulse_ || !pulse_->is_silent()) is_left_alone_.store(false);
   comparison_.hear(other.digest);
@@ -89,7 +91,7 @@ bool Standby::succeed(std::int64_t silent_ns) {
   std::string name;
   {
     const std::lock_guard lock(mutex_);
-    if (!no_heir_.empty()) return false;
+    if (!no_heir_.empty() && !is_given_place_()) return false;
     name = primary_name_;
   }
   if (state() != ServerState::ready) {
@@ -98,15 +100,20 @@ bool Standby::succeed(std::int64_t silent_ns) {
                                silent_ns / 1'000'000));
     return false;
   }
-  if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one())) return false;
+  if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one()) && !is_given_place_()) return false;
   return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
 }
 
 bool Standby::take_place(const std::string& why) {
   const std::lock_guard lock(taking_mutex_);
   if (has_place_) return true;
-  const std::int64_t heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns();
-  if (state() != ServerState::ready || !take_over_(follower_.primary(), heard_ns, why)) return false;
+  if (state() != ServerState::ready) return false;
+  Predecessor of{.server = follower_.primary(), .heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns()};
+  {
+    const std::lock_guard state_lock(mutex_);
+    of.epoch = primary_epoch_;
+  }
+  if (!take_over_(of, why)) return false;
   has_place_ = true;
   follower_.give_up();
   return true;

@@ -25,12 +25,20 @@ namespace collided::engine::service {
 /// threads  hear() and note_own() are for the Membership's thread, the rest is for any
 class Standby {
  public:
-  /// Makes this server the primary in the place of that one, which was heard last at heard_ns; false: not yet.
-  using TakeOver = std::function<bool(std::uint64_t primary, std::int64_t heard_ns, const std::string& why)>;
+  /// The server whose place is taken.
+  struct Predecessor {
+    std::uint64_t server = 0;
+    std::uint64_t epoch = 0;
+    std::int64_t heard_ns = 0;  // when it was heard last, steady clock
+  };
+  /// Makes this server the primary in the place of that one; false: not yet.
+  using TakeOver = std::function<bool(const Predecessor& of, const std::string& why)>;
   /// silent_after_ns  when the primary is given up; 0: never
+  /// has_place        whether an authority has given this server the place: then it takes over, whatever the primary says
   /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
-          std::int64_t silent_after_ns, TakeOver take_over, std::function<void()> cannot_follow);
+          std::int64_t silent_after_ns, TakeOver take_over, std::function<bool()> has_place,
+          std::function<void()> cannot_follow);
 
   /// Called with each instant at which the worlds were compared, and whether this server holds what the primary does. To be
   /// set before the first call of hear().
@@ -65,16 +73,18 @@ class Standby {
   const std::uint64_t epoch_;
   const std::int64_t silent_after_ns_;
   const TakeOver take_over_;
+  const std::function<bool()> is_given_place_;
   const std::function<void()> cannot_follow_;
   std::function<void(std::int64_t, bool)> compared_;  // empty: nobody wants to know
   WorldComparison comparison_;
   std::uint64_t judged_ = 0;  // compared instants that were looked at
   std::atomic<std::uint64_t> again_{1};
   std::atomic<bool> is_same_{false};  // the worlds were the same at the newest instant that was compared
-  mutable std::mutex mutex_;          // for these four
+  mutable std::mutex mutex_;          // for these five
   std::string difference_;            // empty: there is none that lasts
   std::string no_heir_;  // why it cannot take the primary's place before it is started again; empty: it can
   std::string primary_name_;
+  std::uint64_t primary_epoch_ = 0;
   std::map<std::uint64_t, Rival> rivals_;   // by server
   std::atomic<bool> is_left_alone_{false};  // the primary is silent, and this server is not ready
   std::mutex taking_mutex_;                 // held while the place is taken; for the next one

@@ -83,6 +83,10 @@ void Succession::hear(const OtherMember& other) {
   }
 }
 
+void Succession::lose_place(const std::string& why) {
+  if (!has_heir_.exchange(true) && !hands_over_.load()) give_way(why);
+}
+
 void Succession::give_way(const std::string& why) {
   if (has_given_way_.exchange(true)) return;
   with_.takes_questions.store(false);
@@ -123,12 +127,14 @@ bool Succession::hand_over(ChangeFeed& feed, const Heir& to) {
   if (role() != MemberRole::primary || has_heir_.load()) return false;
   hands_over_.store(true);
   const auto words = std::make_shared<HandoverWords>(HandoverWords{.to = to.server, .progress = {}});
-  if (done_on_world_thread([this, words] { words->progress = with_.say_last_words(); }))
-    feed.tell({.text = handover_text(*words), .blob = {}});
+  const bool is_silent = done_on_world_thread([this, words] { words->progress = with_.say_last_words(); });
+  // Before it is told to take the place, which it could not yet.
+  with_.lend_place();
+  if (is_silent) feed.tell({.text = handover_text(*words), .blob = {}});
   constexpr std::int64_t kPatienceNs = 3'000'000'000;
   const std::int64_t until_ns = steady_ns() + kPatienceNs;
   while (!has_heir_.load() && steady_ns() < until_ns) std::this_thread::sleep_for(kLook);
-  if (has_heir_.load()) {
+  if (has_heir_.load() || !with_.take_place_back()) {
     with_.notice(fmt::format("'{}' has this server's place", to.name));
     return true;
   }

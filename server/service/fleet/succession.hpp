@@ -28,6 +28,8 @@ class Succession {
     std::function<void()> fall_silent;
     std::function<PublisherProgress()> say_last_words;              // and falls silent
     std::function<bool(const PublisherProgress&)> has_come_as_far;  // with the publishers that live
+    std::function<void()> lend_place;  // where an authority says who is the primary: for the one that is to take it
+    std::function<bool()> take_place_back;  // from there; false: another one has it
     std::atomic<bool>& takes_questions;
     std::uint64_t self = 0;   // number of this server
     std::uint64_t epoch = 0;  // of this server
@@ -44,6 +46,8 @@ class Succession {
   /// Another server of the namespace has said what it is. Where it has taken this one's place, this one falls silent and
   /// has its process end. So does one of two that have joined at once, that which began later.
   void hear(const OtherMember& other);
+  /// The authority says that another server has this one's place: likewise.
+  void lose_place(const std::string& why);
   /// This server stands by and cannot follow the primary any more. One that joins has its process end.
   void cannot_follow();
 

@@ -98,7 +98,7 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
                      const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight,
-                     KeyedPeers* peers, const std::atomic<bool>& takes_questions)
+                     KeyedPeers* peers, const std::atomic<bool>& takes_questions, const ServingTerm& term)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
@@ -121,13 +121,13 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
           {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
            .liveliness =
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
-      query_reader_(query_topic_,
-                    {.data =
-                         [&answering, &takes_questions](dds::Taker<wire::Query> taker) {
-                           take_or_end([&] { takes_questions.load() ? answering.listen(taker) : drop_all(taker); });
-                         },
-                     // With keys, each right to send queries is a partition.
-                     .partition = peers == nullptr ? "" : "*"}) {
+      query_reader_(query_topic_, {.data =
+                                       [&answering, &takes_questions, &term](dds::Taker<wire::Query> taker) {
+                                         const bool takes = takes_questions.load() && !term.is_over();
+                                         take_or_end([&] { takes ? answering.listen(taker) : drop_all(taker); });
+                                       },
+                                   // With keys, each right to send queries is a partition.
+                                   .partition = peers == nullptr ? "" : "*"}) {
   // A callback that came before its reader was there has left the samples with it.
   has_readers_.store(true);
   take_definitions(object_reader_.taker());

@@ -16,6 +16,7 @@
 #include "server/service/questions/participants.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/clock.hpp"
+#include "server/service/runtime/serving_term.hpp"
 
 namespace collided::engine::service {
 
@@ -68,9 +69,10 @@ class Listeners {
   /// flight  records definitions and poses (Answering records the questions); null: none
   /// peers   who may what; null: no keys
   /// takes_questions  while false, questions are dropped: another server answers them
+  /// term             likewise once it is over
   Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
             const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
-            const std::atomic<bool>& takes_questions);
+            const std::atomic<bool>& takes_questions, const ServingTerm& term);
 
   /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
   /// their participants. One thread.

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "server/geometry/aabb.hpp"
+#include "server/service/authority/etcd_address.hpp"
+#include "server/service/authority/leadership.hpp"
 
 namespace collided::engine::service {
 
@@ -22,7 +24,10 @@ struct Options {
   std::string replica_of;     // namespace of the primary beside which this server answers questions; empty: it is none
   bool joins = false;         // it stands by where a primary is there, else it is the primary
   std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
-  std::string member;             // what it is called among the servers of its namespace; empty: by machine and process
+  std::optional<EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
+  TakeOverMode authority_mode = TakeOverMode::strict;
+  int authority_lease_s = 0;
+  std::string member;  // what it is called among the servers of its namespace; empty: by machine and process
   std::vector<std::string> scenes;  // files, loaded in this order; none: the embedded scene
   double unit_m = 1;                // metres per unit of the scene files
   char up = 0;                      // axis of the scene files that points up, 'y' or 'z'; 0: as the format says

@@ -205,6 +205,29 @@ Allowed apply_take_over_after(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_authority(Options& options, Values values) {
+  options.authority.reset();
+  if (values[0].empty()) return std::nullopt;
+  options.authority = parse_etcd_address(values[0]);
+  if (options.authority) return std::nullopt;
+  return "etcd://HOST:PORT, up to 16 of them as HOST:PORT,HOST:PORT, then /KEY or nothing";
+}
+
+Allowed apply_authority_mode(Options& options, Values values) {
+  if (values[0] != "strict" && values[0] != "fast") return "'strict' or 'fast'";
+  options.authority_mode = values[0] == "fast" ? TakeOverMode::fast : TakeOverMode::strict;
+  return std::nullopt;
+}
+
+Allowed apply_authority_lease(Options& options, Values values) {
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  const std::optional<std::int64_t> life = parse_duration_ns(values[0]);
+  const bool is_good = life && *life >= 2 * kSecondNs && *life <= 60 * kSecondNs && *life % kSecondNs == 0;
+  if (!is_good) return "whole seconds from 2s to 60s";
+  options.authority_lease_s = static_cast<int>(*life / kSecondNs);
+  return std::nullopt;
+}
+
 Allowed apply_audit(Options& options, Values values) {
   constexpr std::string_view kOneIn = "1/";
   if (values[0] == "off") {
@@ -302,6 +325,15 @@ constexpr Setting kSettings[] = {
      apply_replica_of},
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
      "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},
+    {"server.authority", "--authority", "COLLIDED_AUTHORITY", "", "ADDRESS",
+     "etcd://HOST:PORT,.../KEY: only who has its lease there is the primary; see the guide, fleets", false,
+     apply_authority},
+    {"server.authority_mode", "--authority-mode", "COLLIDED_AUTHORITY_MODE", "strict", "MODE",
+     "a standby takes the place once the primary's lease has ended (strict), or at once (fast)", false,
+     apply_authority_mode},
+    {"server.authority_lease", "--authority-lease", "COLLIDED_AUTHORITY_LEASE", "3s", "TIME",
+     "how long the lease lives; a primary that cannot confirm it for a third of that falls silent", false,
+     apply_authority_lease},
     {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",
      "what collide fleet calls this server; default: the machine's name and the process number", false, apply_member},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},

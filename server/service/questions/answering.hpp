@@ -25,6 +25,7 @@
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/counters.hpp"
 #include "server/service/runtime/fair_queue.hpp"
+#include "server/service/runtime/serving_term.hpp"
 #include "server/world/groups/part_meshes.hpp"
 #include "server/world/world.hpp"
 
@@ -42,6 +43,7 @@ struct AnsweringOptions {
   FlightRecorder* flight = nullptr;    // records every question and reply; null: none
   KeyedPeers* peers = nullptr;         // who may what; null: no keys
   const ReplicaReadiness* replica = nullptr;  // of a replica: whether it may answer; null: it is none
+  const ServingTerm* term = nullptr;          // once it is over no answer is written; null: it never is
 };
 
 /// A command as received; see idl/commands.hpp.

@@ -327,6 +327,10 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
 }
 
 void Answering::Worker::send(Client& client, bool is_recorded) {
+  if (owner_.options_.term != nullptr && owner_.options_.term->is_over()) {
+    ++owner_.with_.counts.unanswerable;
+    return;
+  }
   if (owner_.options_.flight && is_recorded) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.with_.counts.unanswerable;

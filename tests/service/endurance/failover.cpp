@@ -1,7 +1,8 @@
 // A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
-//   failover SERVER ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS]
+//   failover SERVER ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast]
 // kill: the primary is killed. stop: it is stopped, and goes on at a random moment after its place was taken. hand_over: it is
-// told to end, and no question may fail.
+// told to end, and no question may fail. strict, fast: beside an etcd that says who is the primary; exits 77 where none is
+// installed.
 // Each round the one that has taken the place is followed by a new standby. The contacts are known: a ball that crosses a post's
 // surface between two poses touches it, or parts from it, once. Prints the gaps, and exits 1 where an event was lost, told twice,
 // told only as a difference (resync), out of order or of a lower epoch, or an answer was wrong.
@@ -24,6 +25,7 @@
 #include "collided/fleet.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/measuring.hpp"
+#include "tests/service/etcd_process.hpp"
 
 namespace collided::testing_support {
 namespace {
@@ -47,12 +49,18 @@ struct Heard {
 class Failover {
  public:
   enum class How { kill, stop, hand_over };
-  Failover(std::string server, std::uint64_t seed, How how, std::string take_over_ms)
+  /// authority_mode  empty: without an authority
+  Failover(std::string server, std::uint64_t seed, How how, std::string take_over_ms, const std::string& authority_mode)
       : random_(seed),
         domain_(own_domain()),
         server_(std::move(server)),
         how_(how),
         take_over_ms_(std::move(take_over_ms)) {
+    if (!authority_mode.empty()) {
+      etcd_.emplace(1, folder_.path());
+      if (!etcd_->is_ready(20s)) std::printf("etcd does not start: %s\n", etcd_->member(0).output().c_str());
+      authority_ = {"--authority", etcd_->address(), "--authority-mode", authority_mode};
+    }
     primary_ = start(false);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 20s}), "connect"));
     publisher_.emplace(value_of(client_->publish("balls", {.lease = 60s}), "publish"));
@@ -106,6 +114,7 @@ class Failover {
                                    folder_.path() + "/" + name,
                                    "--take-over-after",
                                    take_over_ms_ + "ms"};
+    words.insert(words.end(), authority_.begin(), authority_.end());
     if (stands_by) words.insert(words.end(), {"--standby-of", "collided"});
     auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
     if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
@@ -251,6 +260,8 @@ class Failover {
   std::mutex random_mutex_;
   std::mt19937_64 random_;
   ScratchFolder folder_;
+  std::optional<EtcdCluster> etcd_;
+  std::vector<std::string> authority_;  // options of each server
   const int domain_;
   const std::string server_;
   const How how_;
@@ -284,12 +295,14 @@ int main(int count, char** words) {
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   using How = Failover::How;
   const std::string how = count > 4 ? words[4] : "kill";
+  const std::string authority_mode = count > 6 ? words[6] : "";
+  if (!authority_mode.empty() && !has_etcd()) return 77;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
   Failover failover(words[1], seed,
                     how == "stop"        ? How::stop
                     : how == "hand_over" ? How::hand_over
                                          : How::kill,
-                    count > 5 ? words[5] : "200");
+                    count > 5 ? words[5] : "200", authority_mode);
   return failover.run(std::atoi(words[2])) == 0 ? 0 : 1;
 }

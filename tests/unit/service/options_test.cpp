@@ -96,6 +96,9 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.join", "yard", [](const Options& o) { return o.joins && o.name_space == "yard"; }},
       {"server.replica_of", "yard", [](const Options& o) { return o.replica_of == "yard" && o.name_space == "yard"; }},
       {"server.take_over_after", "3s", [](const Options& o) { return o.take_over_ns == 3'000'000'000; }},
+      {"server.authority", "etcd://a:1/k", [](const Options& o) { return o.authority && o.authority->key == "k"; }},
+      {"server.authority_mode", "fast", [](const Options& o) { return o.authority_mode == TakeOverMode::fast; }},
+      {"server.authority_lease", "5s", [](const Options& o) { return o.authority_lease_s == 5; }},
       {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
       {"world.scenes", "a.obj,b.obj",
        [](const Options& o) {
@@ -152,6 +155,19 @@ TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
   EXPECT_THROW(parse({"--standby-of", "hall", "--join", "hall"}), OptionsError);
   EXPECT_THROW(parse({"--standby-of", "hall", "--replica-of", "hall"}), OptionsError);
   EXPECT_THROW(parse({"--join", "hall", "--replica-of", "hall"}), OptionsError);
+}
+
+TEST(Options, AnAuthorityIsAnAddressAndItsLeaseWholeSeconds) {
+  EXPECT_FALSE(parse({}).options.authority);
+  EXPECT_EQ(parse({}).options.authority_lease_s, 3);
+  EXPECT_EQ(parse({"--authority", "etcd://a:1,b:2"}).options.authority->endpoints.size(), 2U);
+  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--authority", "http://a:1"},
+                                              {"--authority-mode", "slow"},
+                                              {"--authority-lease", "1s"},
+                                              {"--authority-lease", "2500ms"},
+                                              {"--authority-lease", "61s"}}) {
+    EXPECT_THROW(parse(bad), OptionsError) << bad[1];
+  }
 }
 
 TEST(Options, TheDefaultsAreThoseOfTheHelp) {
