@@ -9,6 +9,7 @@
 #include "server/exact_phase/part_convex.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/objects/placed_box.hpp"
 
 namespace collided::engine {
 namespace {
@@ -270,6 +271,17 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
   if (!touch.done() && b.info->mesh) search_mesh(a, given, b, touch, cost);
 }
 
+bool search_boxes(const Box& a, const Box& b, double off_m, ContactSearch& touch) {
+  // Where placing rounds nothing, the general test is exact for the boxes as given.
+  if (!(off_m > 0)) return false;
+  const Decision quick = kernel::quickly_overlaps(a, b, off_m);
+  if (quick == Decision::undecided) return false;
+  ++touch.exact_tests;
+  touch.yes = quick == Decision::yes;
+  if (touch.yes && touch.wanted) touch.contact = contact(a, b);
+  return true;
+}
+
 namespace {
 
 /// The object's shape, where it is one of this kind and nothing else.
@@ -283,22 +295,13 @@ double only_placing_error_m(const Placed& object) {
   return object.pose == nullptr ? 0 : placing_error_m(*object.frame, object.info->primitives.front());
 }
 
-/// What search_parts() does for two objects of one box each, without variants, where the filter in double decides.
-/// False: it does not, and nothing was done.
+/// The same where they are not placed yet.
 bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
   const Box* own_a = only<Box>(*a.info);
   const Box* own_b = only<Box>(*b.info);
   if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
   const double off_m = (only_placing_error_m(a) + only_placing_error_m(b)) * (1 + kBoundSlack);
-  if (!(off_m > 0)) return false;
-  const Box box_a = place(*a.frame, *own_a);
-  const Box box_b = place(*b.frame, *own_b);
-  const Decision quick = kernel::quickly_overlaps(box_a, box_b, off_m);
-  if (quick == Decision::undecided) return false;
-  ++touch.exact_tests;
-  touch.yes = quick == Decision::yes;
-  if (touch.yes && touch.wanted) touch.contact = contact(box_a, box_b);
-  return true;
+  return off_m > 0 && search_boxes(place(*a.frame, *own_a), place(*b.frame, *own_b), off_m, touch);
 }
 
 /// What search_parts() does for two objects of one sphere each, without variants, where placing them rounds nothing.

@@ -136,10 +136,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   const bool is_told = step_.step_options.persisted || !is_held;
   // A contact that goes on untold has no use for its time, unless one of the two came to lie within the other.
   if (is_told || found.contained != known->contained) set_bracket(found, sweep, mover);
-  if (step_.step_options.contacts) {
-    found.contact.depth_error_m +=
-        placing_error_m(placed(slot_of(found.a)), found.a_triangle, placed(slot_of(found.b)), found.b_triangle);
-  }
+  if (step_.step_options.contacts) { found.contact.depth_error_m += placing_error_of(found); }
   if (step_.step_options.contacts && is_told) {
     const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
@@ -152,6 +149,15 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   } else {
     ledger_.touches(found);
   }
+}
+
+/// How far the placing of both may put them off.
+double Decisions::placing_error_of(const FoundContact& found) {
+  const std::uint32_t a = slot_of(found.a);
+  const std::uint32_t b = slot_of(found.b);
+  const PlacedBoxPair boxes = lists_.boxes.pair(rows_, a, b);
+  return boxes.are_boxes() ? placing_error_m(*boxes.a, *boxes.b)
+                           : placing_error_m(placed(a), found.a_triangle, placed(b), found.b_triangle);
 }
 
 /// The pair was found neither to touch nor to be apart, at the step's end or on the way there.

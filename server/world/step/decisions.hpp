@@ -14,6 +14,7 @@
 #include "server/world/objects/sweep.hpp"
 #include "server/world/step/pair_windows.hpp"
 #include "server/world/step/piece_points.hpp"
+#include "server/world/step/placed_boxes.hpp"
 #include "server/world/step/separation_cache.hpp"
 #include "server/world/step/step_view.hpp"
 
@@ -37,6 +38,7 @@ struct DecisionLists {
   std::vector<PartSweep> part_sweeps;
   std::vector<PartWithin> parts_within;
   PiecePoints pieces;
+  PlacedBoxes boxes;
   std::vector<std::int64_t> cuts;
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
@@ -63,7 +65,9 @@ class Decisions {
         ledger_(ledger),
         apart_(apart),
         lists_(lists),
-        cost_(cost) {}
+        cost_(cost) {
+    lists_.boxes.begin_step(rows_.size());
+  }
 
   /// Decides a mover against all parts of a scene.
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
@@ -119,7 +123,8 @@ class Decisions {
   ContactEnd emerging(const PairPiece& piece);
 
   // pair_decisions.cpp
-  bool boxes_stay_apart(std::uint32_t first, std::uint32_t second) const;
+  bool boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const;
+  double placing_error_of(const FoundContact& found);
   std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, bool with_contact,
                                             std::uint32_t& mover);
   std::optional<SweptContact> sweep_sphere(std::uint32_t mover, std::uint32_t other, bool with_contact);

@@ -19,6 +19,12 @@ constexpr std::uint32_t kMostSweepLooks = 10'000;
 constexpr std::uint32_t kStepLooks = 50'000;
 constexpr std::uint32_t kLeastSweepLooks = 200;
 
+/// False: they are not two boxes, or search_objects() must decide them.
+bool search_placed(const PlacedBoxPair& boxes, ContactSearch& touch) {
+  if (!boxes.are_boxes()) return false;
+  return search_boxes(boxes.a->motion.at_end, boxes.b->motion.at_end, placing_error_m(*boxes.a, *boxes.b), touch);
+}
+
 }  // namespace
 
 void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
@@ -34,13 +40,14 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   const Placed b = placed(second);
   const bool is_held = ledger_.holds(a.info->id, b.info->id);
   // What touched in the last step mostly does so in this one.
-  if (!is_held && boxes_stay_apart(first, second)) {
+  const PlacedBoxPair boxes = lists_.boxes.pair(rows_, first, second);
+  if (!is_held && boxes.are_boxes() && boxes_stay_apart(first, second, boxes)) {
     ++cost_.exact_tests;
     return;
   }
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
-  if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
+  if (overlaps(a.bounds, b.bounds) && !search_placed(boxes, touch)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   const Contained contained = look_within(a, b, touch);
   std::optional<SweptContact> sweep;
@@ -81,18 +88,16 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   return kernel::surely_apart(path, {.center = b.end, .radius_m = b.radius_m});
 }
 
-/// Two objects that are one box each certainly do not meet on their motions.
-bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second) const {
-  const Box* a = lone_box(*rows_.info(first));
-  const Box* b = lone_box(*rows_.info(second));
-  if (a == nullptr || b == nullptr) return false;
+/// The two certainly do not meet on their motions.
+bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const {
   const bool is_placed = rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed;
-  const auto moving = [&](std::uint32_t slot, const Box& own) {
+  if (!is_placed) return kernel::surely_apart(boxes.a->motion, boxes.b->motion);
+  // What met on the way to where one of them was placed did not meet it there: both count as resting.
+  const auto resting = [&](std::uint32_t slot) {
     const ObjectRow& row = rows_[slot];
-    const bool moves = !is_placed && rows_.motion(slot) == Motion::moved;
-    return kernel::MovingBox(own, moves ? row.frame_before : row.frame, row.frame, row.reach_m);
+    return kernel::MovingBox(*lone_box(*rows_.info(slot)), row.frame, row.frame, row.reach_m);
   };
-  return kernel::surely_apart(moving(first, *a), moving(second, *b));
+  return kernel::surely_apart(resting(first), resting(second));
 }
 
 /// The first contact of the two motions. A lone sphere is swept exactly against anything that does not rotate; `mover`
