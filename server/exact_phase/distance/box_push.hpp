@@ -7,11 +7,32 @@
 
 namespace collided::engine::kernel {
 
+/// A product of Bounded, to the last bit, where it is called so often that it must not be a call.
+[[gnu::always_inline]] inline Bounded product(const Bounded& x, const Bounded& y) {
+  const double value = x.value * y.value;
+  const double error = (std::abs(x.value) * y.error + std::abs(y.value) * x.error) + x.error * y.error;
+  const double underflow = x.exactly_zero() || y.exactly_zero() ? 0.0 : kUnderflow;
+  return {value, (error + kRoundoff * std::abs(value)) + underflow};
+}
+[[gnu::always_inline]] inline Bounded product_sum(const Vector<Bounded>& a, const Vector<Bounded>& b) {
+  return (product(a.x, b.x) + product(a.y, b.y)) + product(a.z, b.z);
+}
+
+/// direction() of an axis of two boxes, to the last bit: their edges begin at zero.
+inline Vector<Bounded> direction_of_boxes(const FacetAxis& axis) {
+  // An edge less zero is the edge, with the bound that a difference has.
+  const auto edge = [](double to) { return Bounded(to, kRoundoff * std::abs(to)); };
+  const Bounded u[3] = {edge(axis.u.to[0]), edge(axis.u.to[1]), edge(axis.u.to[2])};
+  const Bounded v[3] = {edge(axis.v.to[0]), edge(axis.v.to[1]), edge(axis.v.to[2])};
+  return {product(u[1], v[2]) - product(u[2], v[1]), product(u[2], v[0]) - product(u[0], v[2]),
+          product(u[0], v[1]) - product(u[1], v[0])};
+}
+
 /// pushes_along() of two boxes, to the last bit: the same operations in the same order, written out in one function.
 ///
 /// cost  a third of calling each operation of Bounded
 inline Pushes<Bounded> pushes_of_boxes(const Vector<Bounded>& n, const Core& a, const Core& b) {
-  const Bounded along = dot(n, Vector<Bounded>(a.point[0]) - Vector<Bounded>(b.point[0]));
+  const Bounded along = product_sum(n, Vector<Bounded>(a.point[0]) - Vector<Bounded>(b.point[0]));
   const auto times_exact = [](const Bounded& x, double underflow, double exact) {
     const double value = x.value * exact;
     return Bounded(value, (std::abs(exact) * x.error + kRoundoff * std::abs(value)) + (exact == 0 ? 0.0 : underflow));
@@ -28,6 +49,11 @@ inline Pushes<Bounded> pushes_of_boxes(const Vector<Bounded>& n, const Core& a, 
     }
   }
   return {along + reach, reach - along};
+}
+
+inline FacetPush<Bounded> facet_push_of_boxes(const FacetAxis& axis, const Core& a, const Core& b) {
+  const Vector<Bounded> n = direction_of_boxes(axis);
+  return {n, product_sum(n, n), pushes_of_boxes(n, a, b)};
 }
 
 }  // namespace collided::engine::kernel

@@ -54,7 +54,7 @@ double size_of(const Core& a, const Core& b) {
   double size = 0;
   for (const Core* core : {&a, &b}) {
     for (int i = 0; i < core->point_count; ++i) size += (core->point[i] - a.point[0]).cwiseAbs().sum();
-    if (core->is_box) size += 2 * (core->axes * core->half_m.asDiagonal()).cwiseAbs().sum();
+    if (core->is_box) size += 2 * core->span_m;
   }
   return size;
 }
@@ -67,22 +67,22 @@ struct Push {
 };
 
 template <class N>
-Pushes<N> pushes_between(const Vector<N>& n, const Core& a, const Core& b) {
+FacetPush<N> facet_push(const FacetAxis& axis, const Core& a, const Core& b) {
   if constexpr (std::same_as<N, Bounded>) {
-    if (a.is_box && b.is_box) return pushes_of_boxes(n, a, b);
+    if (a.is_box && b.is_box) return facet_push_of_boxes(axis, a, b);
   }
-  return pushes_along(n, a, b);
+  const Vector<N> n = direction<N>(axis);
+  return {n, square(n), pushes_along(n, a, b)};
 }
 
 template <class N>
 Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
-  const Vector<N> n = direction<N>(axis);
-  if (is_zero(n) == Decision::yes) return {.depth = {}, .normal = Vec3::Zero()};
-  const Scaled length = sqrt(scaled(square(n)));
-  const Pushes<N> push = pushes_between(n, a, b);
-  const Bounded forward = plain(scaled(push.forward) / length);
-  const Bounded backward = plain(scaled(push.backward) / length);
-  const Vec3 normal = unit(n);
+  const FacetPush<N> along = facet_push<N>(axis, a, b);
+  if (is_zero(along.n) == Decision::yes) return {.depth = {}, .normal = Vec3::Zero()};
+  const Scaled length = sqrt(scaled(along.square));
+  const Bounded forward = plain(scaled(along.push.forward) / length);
+  const Bounded backward = plain(scaled(along.push.backward) / length);
+  const Vec3 normal = unit(along.n);
   return backward.value < forward.value ? Push{backward, -normal, true} : Push{forward, normal, true};
 }
 

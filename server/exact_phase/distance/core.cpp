@@ -187,8 +187,7 @@ WitnessPair nearest_on_edges(const Edge& s, const Edge& t) {
 double extent(const Core& core) {
   double largest = 0;
   for (int i = 0; i < core.point_count; ++i) largest = std::max(largest, core.point[i].cwiseAbs().maxCoeff());
-  if (core.is_box) largest += (core.axes * core.half_m.asDiagonal()).cwiseAbs().sum();
-  return largest;
+  return core.is_box ? largest + core.span_m : largest;
 }
 
 void scale(Core& core, int power) {
@@ -197,6 +196,7 @@ void scale(Core& core, int power) {
   };
   for (Vec3& point : core.point) scale_vector(point);
   scale_vector(core.half_m);
+  if (core.is_box) core.measure();
   core.radius_m = std::ldexp(core.radius_m, power);
 }
 

@@ -12,13 +12,17 @@ struct Core {
   bool is_box = false;
   Mat3 axes = Mat3::Zero();
   Vec3 half_m = Vec3::Zero();
+  double span_m = 0;  // of a box: the absolute coordinates of its half axes, summed up
   // Of the ball around every point.
   double radius_m = 0;
 
   explicit Core(const Sphere& s) : point{s.center}, radius_m(s.radius_m) {}
-  explicit Core(const Box& b) : point{b.center}, is_box(true), axes(b.axes), half_m(b.half_m) {}
+  explicit Core(const Box& b) : point{b.center}, is_box(true), axes(b.axes), half_m(b.half_m) { measure(); }
   explicit Core(const Capsule& c) : point{c.a, c.b}, point_count(2), radius_m(c.radius_m) {}
   explicit Core(const Triangle& t) : point{t.a, t.b, t.c}, point_count(3) {}
+
+  /// Sets span_m, after axes or half_m changed.
+  void measure() { span_m = (axes * half_m.asDiagonal()).cwiseAbs().sum(); }
 };
 
 /// An upper bound on the coordinates of its points.
@@ -77,6 +81,14 @@ template <class N>
 struct Pushes {
   N forward;
   N backward;
+};
+
+/// The same with the facet's normal n and its square.
+template <class N>
+struct FacetPush {
+  Vector<N> n;
+  N square;
+  Pushes<N> push;
 };
 
 template <class N>

@@ -144,6 +144,33 @@ TEST(BoxLanes, PushesAreThoseOfOneOperationAfterTheOther) {
   EXPECT_GT(finite, kPairs);
 }
 
+// To the last bit of value and bound, on edges that vanish and at both ends of the range too.
+TEST(BoxLanes, NormalsOfFacetsAreThoseOfOneOperationAfterTheOther) {
+  std::mt19937_64 random = oracle::seeded(20261214);
+  std::uniform_real_distribution<double> part(-1, 1);
+  constexpr int kPowers[] = {0, -30, 40, -300, 300, -530, 510, -1060};
+  const auto same = [](const Bounded& x, const Bounded& y) {
+    const auto is_same = [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); };
+    return is_same(x.value, y.value) && is_same(x.error, y.error);
+  };
+  int finite = 0;
+  for (int i = 0; i < kPairs; ++i) {
+    const auto any = [&](int kind) {
+      Vec3 edge(part(random), part(random), part(random));
+      if (kind % 3 == 0) edge[kind / 3 % 3] = 0;
+      for (double& x : edge) x = std::ldexp(x, kPowers[static_cast<std::size_t>(kind) % std::size(kPowers)]);
+      return kernel::EdgeDirection{edge, Vec3::Zero()};
+    };
+    const kernel::FacetAxis axis{any(i), any(i / 8)};
+    const kernel::Vector<Bounded> fast = kernel::direction_of_boxes(axis);
+    const kernel::Vector<Bounded> slow = kernel::direction<Bounded>(axis);
+    EXPECT_TRUE(same(fast.x, slow.x) && same(fast.y, slow.y) && same(fast.z, slow.z)) << i;
+    EXPECT_TRUE(same(kernel::product_sum(fast, fast), square(slow))) << i;
+    finite += std::isfinite(slow.x.bound()) && slow.x.error > 0 ? 1 : 0;
+  }
+  EXPECT_GT(finite, kPairs / 2);
+}
+
 TEST(BoxLanes, TheReachOfABoxIsThatOfAnyConvexSet) {
   std::mt19937_64 random = oracle::seeded(20261210);
   std::uniform_real_distribution<double> part(-1, 1);
