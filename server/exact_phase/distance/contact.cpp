@@ -5,16 +5,20 @@
 #include <bit>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <variant>
 
 #include "server/exact_phase/arithmetic/ladder.hpp"
+#include "server/exact_phase/distance/box_contact.hpp"
 #include "server/exact_phase/distance/box_push.hpp"
 #include "server/exact_phase/distance/core.hpp"
 #include "server/exact_phase/distance/facet_filter.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_value.hpp"
+#include "server/exact_phase/overlap/box_lanes.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 
 namespace collided::engine {
@@ -95,9 +99,11 @@ Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
 /// The pushes along the facet axes of a pair that may be the least.
 class PushList {
  public:
-  PushList(const Core& a, const Core& b) : a_(a), b_(b), are_boxes_(a.is_box && b.is_box) {
+  /// may_be_least: axes_of_least_push(), where that is known.
+  PushList(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least)
+      : a_(a), b_(b), are_boxes_(a.is_box && b.is_box) {
     if (!are_boxes_) axes_ = facet_axes(a, b);
-    left_ = axes_of_least_push(axes_, a, b);
+    left_ = may_be_least ? *may_be_least : axes_of_least_push(axes_, a, b);
     for_each([&](int i) { push_[i] = push_out<Bounded>(axis(i), a, b); });
   }
 
@@ -148,8 +154,8 @@ class PushList {
 
 /// The smallest push that separates two cores with a common point: the nearest facet of the Minkowski difference. No
 /// push exists, and the depth is zero, where the difference is flat and all facet axes vanish.
-Push least_push(const Core& a, const Core& b) {
-  PushList list(a, b);
+Push least_push(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least) {
+  PushList list(a, b, may_be_least);
   const double blunt = kRefineDistance * size_of(a, b);
   list.sharpen(blunt);
   const Push least = list.least(blunt);
@@ -169,9 +175,9 @@ Vec3 normal_without_facets(const Core& a, const Core& b) {
   return b.point_count == 2 ? edge_normal(b) : Vec3(Vec3::UnitX());
 }
 
-/// Cores that share a point: the push out of each other plus both radii.
-Contact contact_of_meeting_cores(const Core& a, const Core& b) {
-  Push push = least_push(a, b);
+/// Cores that share a point: the push out of each other plus both radii. may_be_least as in PushList.
+Contact contact_of_meeting_cores(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least) {
+  Push push = least_push(a, b, may_be_least);
   if (!push.exists) push = {Bounded(), normal_without_facets(a, b), true};
   const Bounded depth = push.depth + Bounded(a.radius_m) + Bounded(b.radius_m);
   return make_contact(middle_of_both(a, b, push.normal), push.normal, depth);
@@ -234,7 +240,9 @@ Contact at_unit_size(const Core& a, const Core& b, const Solve& solve) {
 }
 
 Contact contact_of_cores(const Core& a, const Core& b, bool cores_meet) {
-  return at_unit_size(a, b, cores_meet ? contact_of_meeting_cores : contact_of_apart_cores);
+  return at_unit_size(a, b, [cores_meet](const Core& own_a, const Core& own_b) {
+    return cores_meet ? contact_of_meeting_cores(own_a, own_b, std::nullopt) : contact_of_apart_cores(own_a, own_b);
+  });
 }
 
 }  // namespace
@@ -278,6 +286,19 @@ Contact contact(const Sphere& a, const Triangle& b) {
 }
 
 Contact contact(const Box& a, const Box& b) { return contact_of_cores(Core(a), Core(b), true); }
+
+Decision quick_contact(const Box& a, const Box& b, double off_m, Contact& found) {
+  const BoxOverlap overlap = overlap_and_pushes_in_lanes(a, b, gap_bounds(off_m), kDepthError);
+  if (overlap.decision != Decision::yes) return overlap.decision;
+  const Core core_a(a);
+  const Core core_b(b);
+  found = at_unit_size(core_a, core_b, [&](const Core& own_a, const Core& own_b) {
+    // Of scaled copies the axes are sought anew.
+    const bool is_known = &own_a == &core_a;
+    return contact_of_meeting_cores(own_a, own_b, is_known ? std::optional(overlap.least_pushes) : std::nullopt);
+  });
+  return overlap.decision;
+}
 
 Contact contact(const Box& a, const Capsule& b) {
   const bool meet = overlaps(a, Capsule{b.a, b.b, 0}).yes();

@@ -150,62 +150,108 @@ struct BoxPairLanes {
 constexpr double kLongestAxis_m = 0x1p100;
 bool is_near_one(double length) { return length >= 1 / kLongestAxis_m && length <= kLongestAxis_m; }
 
-Decision OverlapInLanes(const Box& first, const Box& second, const BoxGapBounds& bounds) {
-  const BoxPairLanes pair(first, second);
-  if (!is_near_one(pair.axis) || !is_near_one(pair.reach)) return Decision::undecided;
-  // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
-  const double error = (bounds.of_reach * pair.reach + 4 * bounds.off_m) * pair.axis * pair.axis;
-  const double singular = bounds.singular * pair.axis * pair.axis * pair.axis;
-  if (!(std::min(pair.a.volume, pair.b.volume) > singular)) return Decision::undecided;
-  const Lanes3 between = spread(pair.between);
-  const AxisLanes apart = hn::Set(kAxisDoubles, error);
-  const AxisLanes close = hn::Set(kAxisDoubles, -error);
-  bool is_sure = true;
-  const bool none_separates =
-      pair.for_each_group([&](int, int, const Lanes3& n, AxisLanes extent, AxisMask is_left_out) {
-        const AxisLanes gap = hn::Sub(over(between, n), extent);
-        if (!hn::AllFalse(kAxisDoubles, hn::AndNot(is_left_out, hn::Gt(gap, apart)))) return false;
-        is_sure = is_sure && hn::AllTrue(kAxisDoubles, hn::Or(is_left_out, hn::Lt(gap, close)));
-        return true;
-      });
-  if (!none_separates) return Decision::no;
-  return is_sure ? Decision::yes : Decision::undecided;
-}
+/// What the gaps between two boxes say, four axes at a time.
+struct GapsOfAxes {
+  double error = 0;
+  bool is_in_range = false;
+  bool is_sure = true;  // no gap comes within the bound of separating
 
-std::uint32_t LeastPushesInLanes(const Box& first, const Box& second, double error_share) {
-  const BoxPairLanes pair(first, second);
-  const Lanes3 between = spread(pair.between);
-  const AxisLanes error = hn::Set(kAxisDoubles, error_share * pair.reach * pair.axis * pair.axis);
-  const AxisLanes infinity = hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity());
+  HWY_INLINE GapsOfAxes(const BoxPairLanes& pair, const BoxGapBounds& bounds) {
+    // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
+    error = (bounds.of_reach * pair.reach + 4 * bounds.off_m) * pair.axis * pair.axis;
+    const double singular = bounds.singular * pair.axis * pair.axis * pair.axis;
+    is_in_range =
+        is_near_one(pair.axis) && is_near_one(pair.reach) && std::min(pair.a.volume, pair.b.volume) > singular;
+  }
+  /// False: one of the axes surely separates.
+  HWY_INLINE bool add(AxisLanes gap, AxisMask is_left_out) {
+    if (!hn::AllFalse(kAxisDoubles, hn::AndNot(is_left_out, hn::Gt(gap, hn::Set(kAxisDoubles, error))))) return false;
+    is_sure = is_sure && hn::AllTrue(kAxisDoubles, hn::Or(is_left_out, hn::Lt(gap, hn::Set(kAxisDoubles, -error))));
+    return true;
+  }
+  HWY_INLINE Decision decision() const { return is_sure ? Decision::yes : Decision::undecided; }
+};
+
+/// The depths of two boxes along axes, four at a time, with their bounds.
+struct DepthsOfAxes {
   HWY_ALIGN double low[kGroups][kAxes];
-  AxisLanes least_high = infinity;
-  pair.for_each_group([&](int group, int lane, const Lanes3& n, AxisLanes extent, AxisMask) {
+  AxisLanes least_high;
+  AxisLanes error;
+
+  HWY_INLINE DepthsOfAxes(const BoxPairLanes& pair, double error_share)
+      : least_high(hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity())),
+        error(hn::Set(kAxisDoubles, error_share * pair.reach * pair.axis * pair.axis)) {}
+
+  /// over_n: how far apart the centres are along n, as the extent is times |n|.
+  HWY_INLINE void add(int group, int lane, const Lanes3& n, AxisLanes extent, AxisLanes over_n) {
+    const AxisLanes infinity = hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity());
     const AxisLanes square = dot(n, n);
     // Parallel edges have no normal to speak of, and out of range no bound holds: such an axis stays.
     const AxisMask is_plain = hn::And(hn::Gt(square, hn::Set(kAxisDoubles, 1 / kLargestPlain2)),
                                       hn::Lt(square, hn::Set(kAxisDoubles, kLargestPlain2)));
     const AxisLanes one = hn::Set(kAxisDoubles, 1);
     const AxisLanes inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(is_plain, square, one)));
-    const AxisLanes depth = hn::Mul(hn::Sub(extent, over(between, n)), inverse);
+    const AxisLanes depth = hn::Mul(hn::Sub(extent, over_n), inverse);
     const AxisLanes off = hn::Mul(error, inverse);
     const AxisMask is_known =
         hn::And(is_plain, hn::And(hn::Lt(hn::Abs(depth), infinity), hn::Lt(hn::Abs(off), infinity)));
     hn::Store(hn::IfThenElse(is_known, hn::Sub(depth, off), hn::Neg(infinity)), kAxisDoubles, low[group] + lane);
     least_high = hn::Min(least_high, hn::IfThenElse(is_known, hn::Add(depth, off), infinity));
+  }
+  HWY_INLINE std::uint32_t may_be_least() const {
+    const AxisLanes least = hn::MinOfLanes(kAxisDoubles, least_high);
+    std::uint32_t may_be = 0;
+    for (int group = 0; group < kGroups; ++group) {
+      std::uint32_t bits = 0;
+      for (int lane = 0; lane < kAxes; lane += kAxisStride) {
+        std::uint8_t few[8] = {};
+        hn::StoreMaskBits(kAxisDoubles, hn::Le(hn::Load(kAxisDoubles, low[group] + lane), least), few);
+        bits |= static_cast<std::uint32_t>(few[0]) << lane;
+      }
+      may_be |= (bits & 7u) << (3 * group);
+    }
+    return may_be;
+  }
+};
+
+Decision OverlapInLanes(const Box& first, const Box& second, const BoxGapBounds& bounds) {
+  const BoxPairLanes pair(first, second);
+  GapsOfAxes gaps(pair, bounds);
+  if (!gaps.is_in_range) return Decision::undecided;
+  const Lanes3 between = spread(pair.between);
+  const bool none_separates =
+      pair.for_each_group([&](int, int, const Lanes3& n, AxisLanes extent, AxisMask is_left_out) {
+        return gaps.add(hn::Sub(over(between, n), extent), is_left_out);
+      });
+  return none_separates ? gaps.decision() : Decision::no;
+}
+
+std::uint32_t LeastPushesInLanes(const Box& first, const Box& second, double error_share) {
+  const BoxPairLanes pair(first, second);
+  DepthsOfAxes depths(pair, error_share);
+  const Lanes3 between = spread(pair.between);
+  pair.for_each_group([&](int group, int lane, const Lanes3& n, AxisLanes extent, AxisMask) {
+    depths.add(group, lane, n, extent, over(between, n));
     return true;
   });
-  const AxisLanes least = hn::MinOfLanes(kAxisDoubles, least_high);
-  std::uint32_t may_be = 0;
-  for (int group = 0; group < kGroups; ++group) {
-    std::uint32_t bits = 0;
-    for (int lane = 0; lane < kAxes; lane += kAxisStride) {
-      std::uint8_t few[8] = {};
-      hn::StoreMaskBits(kAxisDoubles, hn::Le(hn::Load(kAxisDoubles, low[group] + lane), least), few);
-      bits |= static_cast<std::uint32_t>(few[0]) << lane;
-    }
-    may_be |= (bits & 7u) << (3 * group);
-  }
-  return may_be;
+  return depths.may_be_least();
+}
+
+BoxOverlap OverlapAndPushesInLanes(const Box& first, const Box& second, const BoxGapBounds& bounds,
+                                   double error_share) {
+  const BoxPairLanes pair(first, second);
+  GapsOfAxes gaps(pair, bounds);
+  if (!gaps.is_in_range) return {};
+  DepthsOfAxes depths(pair, error_share);
+  const Lanes3 between = spread(pair.between);
+  const bool none_separates =
+      pair.for_each_group([&](int group, int lane, const Lanes3& n, AxisLanes extent, AxisMask is_left_out) {
+        const AxisLanes over_n = over(between, n);
+        depths.add(group, lane, n, extent, over_n);
+        return gaps.add(hn::Sub(over_n, extent), is_left_out);
+      });
+  if (!none_separates) return {.decision = Decision::no};
+  return {.decision = gaps.decision(), .least_pushes = depths.may_be_least()};
 }
 
 /// How far a box reaches along n, times |n|.
@@ -261,6 +307,7 @@ namespace {
 
 HWY_EXPORT(OverlapInLanes);
 HWY_EXPORT(LeastPushesInLanes);
+HWY_EXPORT(OverlapAndPushesInLanes);
 HWY_EXPORT(PartedInLanes);
 
 }  // namespace
@@ -271,6 +318,10 @@ Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds
 
 std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share) {
   return HWY_DYNAMIC_DISPATCH(LeastPushesInLanes)(a, b, error_share);
+}
+
+BoxOverlap overlap_and_pushes_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds, double error_share) {
+  return HWY_DYNAMIC_DISPATCH(OverlapAndPushesInLanes)(a, b, bounds, error_share);
 }
 
 bool parted_in_lanes(const Box& a, const Box& b, const BoxPairMotion& motion) {

@@ -4,6 +4,7 @@
 
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/shapes.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 
@@ -13,6 +14,11 @@ struct BoxGapBounds {
   double off_m = 0;     // how far the points of the two are moved in all
   double singular = 0;  // of a box's volume, times the cube of that coordinate
 };
+
+/// Those of quickly_overlaps().
+inline BoxGapBounds gap_bounds(double off_m) {
+  return {.of_reach = kSeparationError, .off_m = off_m, .singular = kSeparationError};
+}
 
 /// Two boxes along the 15 axes of BoxPair, four at a time and with its numbers: `no` where one separates by more than
 /// its bound, `yes` where none comes within its bound of doing so, and undecided else and out of range. Parallel edges
@@ -26,6 +32,17 @@ Decision overlap_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds
 ///
 /// error_share  bound of a depth, times |n|, relative to the reach and the square of the axes' largest coordinate
 std::uint32_t least_pushes_in_lanes(const Box& a, const Box& b, double error_share);
+
+/// What overlap_in_lanes() says, and where that is `yes` what least_pushes_in_lanes() does.
+struct BoxOverlap {
+  Decision decision = Decision::undecided;
+  std::uint32_t least_pushes = 0;
+};
+
+/// Both at once.
+///
+/// cost  two thirds of both
+BoxOverlap overlap_and_pushes_in_lanes(const Box& a, const Box& b, const BoxGapBounds& bounds, double error_share);
 
 /// How two boxes came to where they are; see box_motion_filter.cpp for the bounds.
 struct BoxPairMotion {

@@ -39,7 +39,7 @@ bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLon
 }  // namespace
 
 Decision quickly_overlaps(const Box& a, const Box& b, double off_m) {
-  return overlap_in_lanes(a, b, {.of_reach = kSeparationError, .off_m = off_m, .singular = kSeparationError});
+  return overlap_in_lanes(a, b, gap_bounds(off_m));
 }
 
 Decision quickly_overlaps(const Box& a, const Triangle& b) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/exact_phase/distance/box_contact.hpp"
 #include "server/exact_phase/overlap/separation_filter.hpp"
 #include "server/exact_phase/part_convex.hpp"
 #include "server/geometry/placing_error.hpp"
@@ -274,11 +275,11 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
 bool search_boxes(const Box& a, const Box& b, double off_m, ContactSearch& touch) {
   // Where placing rounds nothing, the general test is exact for the boxes as given.
   if (!(off_m > 0)) return false;
-  const Decision quick = kernel::quickly_overlaps(a, b, off_m);
+  const Decision quick =
+      touch.wanted ? quick_contact(a, b, off_m, touch.contact) : kernel::quickly_overlaps(a, b, off_m);
   if (quick == Decision::undecided) return false;
   ++touch.exact_tests;
   touch.yes = quick == Decision::yes;
-  if (touch.yes && touch.wanted) touch.contact = contact(a, b);
   return true;
 }
 

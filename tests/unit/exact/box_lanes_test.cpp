@@ -4,10 +4,12 @@
 #include <optional>
 #include <random>
 
+#include "server/exact_phase/distance/box_contact.hpp"
 #include "server/exact_phase/distance/box_middle.hpp"
 #include "server/exact_phase/distance/box_push.hpp"
 #include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/distance/facet_filter.hpp"
+#include "server/exact_phase/overlap/box_lanes.hpp"
 #include "server/exact_phase/overlap/separation_filter.hpp"
 #include "tests/oracle/box_twins.hpp"
 #include "tests/oracle/random_shapes.hpp"
@@ -62,6 +64,39 @@ TEST(BoxLanes, KeepTheAxesThatOneAfterTheOtherKeeps) {
   for_boxes(20261202, [&](const Box& a, const Box& b, int i) {
     EXPECT_EQ(kernel::axes_of_least_push({}, Core(a), Core(b)), oracle::plain_least_pushes(a, b)) << i;
   });
+}
+
+TEST(BoxLanes, DecideAndKeepAxesAtOnceAsEachAlone) {
+  int met = 0;
+  for_boxes(20261212, [&](const Box& a, const Box& b, int i) {
+    const double off_m = i % 3 == 0 ? 0 : 1e-9 * std::abs(a.half_m[0]);
+    const kernel::BoxOverlap both =
+        kernel::overlap_and_pushes_in_lanes(a, b, kernel::gap_bounds(off_m), kernel::kDepthError);
+    EXPECT_EQ(both.decision, oracle::plain_overlap(a, b, off_m)) << i;
+    if (both.decision != Decision::yes) return;
+    ++met;
+    EXPECT_EQ(both.least_pushes, oracle::plain_least_pushes(a, b)) << i;
+  });
+  EXPECT_GT(met, kPairs / 4);
+}
+
+// To the last bit, since contacts are part of recorded events.
+TEST(BoxLanes, TheQuickContactIsTheContact) {
+  int met = 0;
+  for_boxes(20261213, [&](const Box& a, const Box& b, int i) {
+    const double off_m = i % 3 == 0 ? 0 : 1e-9 * std::abs(a.half_m[0]);
+    Contact quick;
+    const Decision decision = quick_contact(a, b, off_m, quick);
+    EXPECT_EQ(decision, oracle::plain_overlap(a, b, off_m)) << i;
+    if (decision != Decision::yes) return;
+    ++met;
+    const Contact whole = contact(a, b);
+    EXPECT_EQ(quick.point, whole.point) << i;
+    EXPECT_EQ(quick.normal, whole.normal) << i;
+    EXPECT_EQ(quick.depth_m, whole.depth_m) << i;
+    EXPECT_EQ(quick.depth_error_m, whole.depth_error_m) << i;
+  });
+  EXPECT_GT(met, kPairs / 4);
 }
 
 TEST(BoxLanes, PartOnTheWayAsOneAxisAfterTheOther) {
