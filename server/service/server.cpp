@@ -100,7 +100,7 @@ dds::Participant join(const Options& options, spdlog::logger& log) {
 
 /// Null where there is no authority.
 std::unique_ptr<Election> make_election(const Options& options, ServingTerm& term, const Election::Notice& notice) {
-  if (!options.authority) return nullptr;
+  if (!options.authority || !options.replica_of.empty()) return nullptr;  // a replica never is the primary
   const EtcdAddress& address = *options.authority;
   const std::string prefix =
       fmt::format("{}/{}/{}", address.key.empty() ? "collided" : address.key, options.domain, options.name_space);
