@@ -11,6 +11,7 @@
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/service/questions/answering.hpp"
+#include "server/service/runtime/serving_term.hpp"
 #include "server/world/solids/declared.hpp"
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire/network.hpp"
@@ -45,7 +46,9 @@ struct ServingSide {
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();
     test::count_new_listeners(true);
-    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight, nullptr, takes_questions);
+    const std::string name_space = test::own_namespace();
+    listeners.emplace(participant, name_space, name_space, clock, inbox, answering, &flight, nullptr, takes_questions,
+                      term);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {
@@ -68,6 +71,7 @@ struct ServingSide {
   World world{WorldOptions{}};
   WorldClock clock;
   std::atomic<bool> takes_questions{true};
+  ServingTerm term;
   WriteBarriers write_barriers;
   SnapshotLeases leases{world};
   QuestionCounts counts;
