@@ -404,7 +404,8 @@ SelfDescription Server::Parts::describe_self() {
           .name = member_name(options.member),
           .state =
               [this, is_following] {
-                if (is_following() && standby->state() != ServerState::ready) return standby->state();
+                const bool is_open = is_replica() && standby && standby->state() == ServerState::ready;
+                if (is_following() && !is_open) return standby->state();
                 return term.is_over() ? ServerState::recovering : loop.state();
               },
           .alarm = alarm,
