@@ -104,8 +104,8 @@ class StatusListener {
 // Neither hears the other before it has begun: both listen for as long.
 TEST_F(ServerAuthority, OfTwoPrimariesStartedAtOnceOneServes) {
   start_etcd();
-  begin("north");
-  begin("south");
+  begin("north", {"--authority-lease", "2s"});
+  begin("south", {"--authority-lease", "2s"});
   const auto is_serving = [](ChildProcess& one) { return one.says("ready:", 10ms); };
   ASSERT_TRUE(test::eventually([&] { return is_serving(*servers_[0]) || is_serving(*servers_[1]); }, 20s));
   ChildProcess& other = is_serving(*servers_[0]) ? *servers_[1] : *servers_[0];

@@ -25,9 +25,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::int64_t kPatienceNs = 200'000'000;
+constexpr std::int64_t kEtcdPatienceNs = 200'000'000;
 
-std::string http(const std::string& body, const std::string& status = "200 OK") {
+std::string http_answer(const std::string& body, const std::string& status = "200 OK") {
   return "HTTP/1.1 " + status + "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
          "\r\n\r\n" + body;
 }
@@ -89,27 +89,27 @@ constexpr const char* kAnswer =
     R"({"header":{"revision":"2"},"succeeded":true,"responses":[{"response_range":{"kvs":[{"key":"YQ==","value":"Yg=="}],"count":"1"}},{"response_range":{"header":{}}}]})";
 
 /// Why it came to nothing; empty: it did not. Fails where that takes longer than the client is patient.
-std::string failure(EtcdClient& client) {
+std::string transact_failure(EtcdClient& client) {
   const auto began = std::chrono::steady_clock::now();
   std::string why;
   try {
     static_cast<void>(client.transact(kRead));
   } catch (const StoreError& failed) { why = failed.what(); }
-  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::nanoseconds(kPatienceNs) + 2s) << why;
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::nanoseconds(kEtcdPatienceNs) + 2s) << why;
   EXPECT_LT(why.size(), 400U);
   return why;
 }
 
 std::string failure_with(HostileServer::Treat treat) {
   const HostileServer server(std::move(treat));
-  EtcdClient client({.endpoints = {server.endpoint()}, .key = ""}, kPatienceNs);
-  return failure(client);
+  EtcdClient client({.endpoints = {server.endpoint()}, .key = ""}, kEtcdPatienceNs);
+  return transact_failure(client);
 }
 
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has_part(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(EtcdClientAnswers, AreReadAsTheGatewayWritesThem) {
-  const HostileServer server(HostileServer::says(http(kAnswer)));
+  const HostileServer server(HostileServer::says(http_answer(kAnswer)));
   EtcdClient client({.endpoints = {server.endpoint()}, .key = ""}, 5'000'000'000);
   const StoreResult result = client.transact(kRead);
   EXPECT_TRUE(result.is_done);
@@ -121,22 +121,22 @@ TEST(EtcdClientAnswers, AreReadAsTheGatewayWritesThem) {
 TEST(EtcdClientAnswers, NobodyThereIsAReasonThatNamesTheAddress) {
   std::string port;
   { port = HostileServer(HostileServer::says("")).endpoint().port; }
-  EtcdClient client({.endpoints = {{"127.0.0.1", port}}, .key = ""}, kPatienceNs);
-  EXPECT_EQ(failure(client), "127.0.0.1:" + port + ": Connection refused");
+  EtcdClient client({.endpoints = {{"127.0.0.1", port}}, .key = ""}, kEtcdPatienceNs);
+  EXPECT_EQ(transact_failure(client), "127.0.0.1:" + port + ": Connection refused");
 }
 
 TEST(EtcdClientAnswers, SilenceAndDripsEndInTime) {
   const auto silence = [](int, const std::atomic<bool>& is_over) {
     while (!is_over.load()) std::this_thread::sleep_for(5ms);
   };
-  EXPECT_TRUE(says(failure_with(silence), "no answer within 200 ms"));
+  EXPECT_TRUE(has_part(failure_with(silence), "no answer within 200 ms"));
   const auto drips = [](int connection, const std::atomic<bool>& is_over) {
-    for (const char c : http(std::string(50'000, ' '))) {
+    for (const char c : http_answer(std::string(50'000, ' '))) {
       if (is_over.load() || !HostileServer::send_all(connection, {c})) return;
       std::this_thread::sleep_for(5ms);
     }
   };
-  EXPECT_TRUE(says(failure_with(drips), "no answer within 200 ms"));
+  EXPECT_TRUE(has_part(failure_with(drips), "no answer within 200 ms"));
 }
 
 TEST(EtcdClientAnswers, WhatHasNoEndIsNotReadToItsEnd) {
@@ -146,19 +146,19 @@ TEST(EtcdClientAnswers, WhatHasNoEndIsNotReadToItsEnd) {
       while (!is_over.load() && HostileServer::send_all(connection, more)) {}
     };
   };
-  EXPECT_TRUE(says(failure_with(endless("HTTP/1.1 200 OK\r\n", "X-More: and more\r\n")), "its answer: "));
-  EXPECT_TRUE(says(failure_with(endless("HTTP/1.1 200 OK\r\n\r\n", std::string(4'096, ' '))), "its answer: "));
-  EXPECT_TRUE(says(failure_with(endless("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "5\r\naaaaa\r\n")),
-                   "its answer: "));
-  EXPECT_TRUE(says(failure_with(HostileServer::says("HTTP/1.1 200 OK\r\nContent-Length: 99999999999999\r\n\r\n{")),
-                   "its answer: "));
+  EXPECT_TRUE(has_part(failure_with(endless("HTTP/1.1 200 OK\r\n", "X-More: and more\r\n")), "its answer: "));
+  EXPECT_TRUE(has_part(failure_with(endless("HTTP/1.1 200 OK\r\n\r\n", std::string(4'096, ' '))), "its answer: "));
+  EXPECT_TRUE(has_part(failure_with(endless("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "5\r\naaaaa\r\n")),
+                       "its answer: "));
+  EXPECT_TRUE(has_part(failure_with(HostileServer::says("HTTP/1.1 200 OK\r\nContent-Length: 99999999999999\r\n\r\n{")),
+                       "its answer: "));
 }
 
 TEST(EtcdClientAnswers, WhatIsNoAnswerIsAReason) {
   for (const std::string& text :
        {std::string(), std::string("\0\x01\xff garbage \r\n\r\n", 16), std::string("HTTP/9.9 what\r\n\r\n"),
         std::string("HTTP/1.1 200 OK\r\nContent-Length: 10\r\n\r\n{")}) {
-    EXPECT_TRUE(says(failure_with(HostileServer::says(text)), "its answer: ")) << text;
+    EXPECT_TRUE(has_part(failure_with(HostileServer::says(text)), "its answer: ")) << text;
   }
   for (const std::string& body :
        {std::string(), std::string("no JSON"), std::string("[]"), std::string("null"), std::string("{}"),
@@ -168,23 +168,24 @@ TEST(EtcdClientAnswers, WhatIsNoAnswerIsAReason) {
         std::string(R"({"responses":[{"response_range":[]},{"response_range":{}}]})"),
         std::string(R"({"responses":[{"response_range":{"kvs":[{"value":7}]}},{"response_range":{}}]})"),
         std::string(R"({"responses":[{"response_range":{"kvs":[{"value":"*?!"}]}},{"response_range":{}}]})")}) {
-    EXPECT_NE(failure_with(HostileServer::says(http(body))), "") << body.substr(0, 80);
+    EXPECT_NE(failure_with(HostileServer::says(http_answer(body))), "") << body.substr(0, 80);
   }
-  EXPECT_TRUE(says(failure_with(HostileServer::says(http(R"({"error":"no leader"})", "503 Service Unavailable"))),
-                   R"(status 503: {"error":"no leader"})"));
-  EXPECT_TRUE(says(failure_with(HostileServer::says(http(kAnswer, "302 Found"))), "status 302"));
+  EXPECT_TRUE(
+      has_part(failure_with(HostileServer::says(http_answer(R"({"error":"no leader"})", "503 Service Unavailable"))),
+               R"(status 503: {"error":"no leader"})"));
+  EXPECT_TRUE(has_part(failure_with(HostileServer::says(http_answer(kAnswer, "302 Found"))), "status 302"));
 }
 
 TEST(EtcdClientAnswers, ALeaseThatIsAnothersOrTooShortIsRefused) {
   for (const char* body :
        {R"({"ID":"7","TTL":"1"})", R"({"ID":"-7","TTL":"3"})", R"({"ID":7,"TTL":"3"})", R"({"TTL":"3"})",
         R"({"ID":"7x","TTL":"3"})", R"({"ID":"99999999999999999999","TTL":"3"})"}) {
-    const HostileServer server(HostileServer::says(http(body)));
+    const HostileServer server(HostileServer::says(http_answer(body)));
     EtcdClient client({.endpoints = {server.endpoint()}, .key = ""}, 5'000'000'000);
     EXPECT_THROW(client.grant(3), StoreError) << body;
     EXPECT_THROW(client.renew(7), StoreError) << body;
   }
-  const HostileServer other(HostileServer::says(http(R"({"result":{"ID":"8","TTL":"3"}})")));
+  const HostileServer other(HostileServer::says(http_answer(R"({"result":{"ID":"8","TTL":"3"}})")));
   EtcdClient client({.endpoints = {other.endpoint()}, .key = ""}, 5'000'000'000);
   EXPECT_THROW(client.renew(7), StoreError);
   EXPECT_TRUE(client.renew(8));
@@ -194,10 +195,10 @@ TEST(EtcdClientAnswers, OneMemberThatAnswersIsEnoughAndIsAskedFirstFromThenOn) {
   const HostileServer silent([](int, const std::atomic<bool>& is_over) {
     while (!is_over.load()) std::this_thread::sleep_for(5ms);
   });
-  const HostileServer good(HostileServer::says(http(kAnswer)));
-  EtcdClient client({.endpoints = {silent.endpoint(), good.endpoint()}, .key = ""}, kPatienceNs);
-  EXPECT_EQ(failure(client), "");
-  EXPECT_EQ(failure(client), "");
+  const HostileServer good(HostileServer::says(http_answer(kAnswer)));
+  EtcdClient client({.endpoints = {silent.endpoint(), good.endpoint()}, .key = ""}, kEtcdPatienceNs);
+  EXPECT_EQ(transact_failure(client), "");
+  EXPECT_EQ(transact_failure(client), "");
   EXPECT_EQ(silent.asked(), 1);
   EXPECT_EQ(good.asked(), 2);
 }
@@ -221,7 +222,7 @@ TEST(EtcdClientAnswers, SpoiledOnesAreReadOrRefused) {
       else if (random() % 2 == 0) body.erase(at, random() % 20);
       else body.insert(at, body.substr(random() % body.size(), random() % 40));
     }
-    text = http(body);
+    text = http_answer(body);
     try {
       EXPECT_EQ(client.transact(kRead).values.size(), 2U) << body;
     } catch (const StoreError&) { ++refused; }

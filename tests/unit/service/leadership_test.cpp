@@ -18,9 +18,9 @@ namespace collided::engine::service {
 namespace {
 
 using test::FakeLeaseStore;
-using State = Leadership::PlaceState;
+using Place = Leadership::PlaceState;
 
-constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::int64_t kStoreSecondNs = 1'000'000'000;
 constexpr int kLife_s = 3;
 
 class LeadershipTest : public ::testing::Test {
@@ -45,7 +45,7 @@ TEST_F(LeadershipTest, EpochsGrowWhoeverDrawsThemAndAreNeverBelowTheLeast) {
 // Somebody has deleted the counter: what was taken last still counts.
 TEST_F(LeadershipTest, AnEpochIsAboveTheOneThatHadThePlaceThoughTheCounterIsLost) {
   const auto north = server(500);
-  ASSERT_EQ(north->take(), State::held);
+  ASSERT_EQ(north->take(), Place::held);
   FakeLeaseStore emptied;
   emptied.set("plant/last", *store_.value("plant/last"));
   Leadership south(emptied, "plant", kLife_s, "", [] { return std::int64_t{1}; });
@@ -54,86 +54,86 @@ TEST_F(LeadershipTest, AnEpochIsAboveTheOneThatHadThePlaceThoughTheCounterIsLost
 
 TEST_F(LeadershipTest, OfTwoOneHasThePlaceForAThirdOfTheLeaseAtATime) {
   const auto north = server(), south = server();
-  EXPECT_EQ(north->take(), State::held);
-  EXPECT_EQ(south->take(), State::others);
+  EXPECT_EQ(north->take(), Place::held);
+  EXPECT_EQ(south->take(), Place::others);
   EXPECT_EQ(south->holder(), "'north'");
   EXPECT_TRUE(may_serve(*north));
   EXPECT_FALSE(may_serve(*south));
-  store_.advance(kSecondNs);
+  store_.advance(kStoreSecondNs);
   EXPECT_FALSE(may_serve(*north));
-  EXPECT_EQ(north->confirm(), State::held);
+  EXPECT_EQ(north->confirm(), Place::held);
   EXPECT_TRUE(may_serve(*north));
 }
 
 TEST_F(LeadershipTest, StrictWaitsForTheLeaseAndThenTheOldOneHasLostThePlaceForGood) {
   const auto north = server(), south = server();
-  ASSERT_EQ(north->take(), State::held);
-  store_.advance(kLife_s * kSecondNs - 1);
-  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), State::others);
+  ASSERT_EQ(north->take(), Place::held);
+  store_.advance(kLife_s * kStoreSecondNs - 1);
+  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), Place::others);
   store_.advance(1);
-  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), State::held);
-  EXPECT_EQ(north->confirm(), State::passed);
-  EXPECT_EQ(north->take(), State::passed);
+  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), Place::held);
+  EXPECT_EQ(north->confirm(), Place::passed);
+  EXPECT_EQ(north->take(), Place::passed);
   EXPECT_FALSE(may_serve(*north));
 }
 
 TEST_F(LeadershipTest, FastTakesThePlaceAtOnceAndTheOldOneLearnsWhenItAsks) {
   const auto north = server(), south = server();
-  ASSERT_EQ(north->take(), State::held);
-  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::fast), State::held);
+  ASSERT_EQ(north->take(), Place::held);
+  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::fast), Place::held);
   EXPECT_TRUE(may_serve(*north)) << "the window that the guide tells of";
-  EXPECT_EQ(north->confirm(), State::passed);
-  store_.advance(kSecondNs);
+  EXPECT_EQ(north->confirm(), Place::passed);
+  store_.advance(kStoreSecondNs);
   EXPECT_FALSE(may_serve(*north));
-  EXPECT_EQ(south->confirm(), State::held);
+  EXPECT_EQ(south->confirm(), Place::held);
 }
 
 // Both have followed north, and the second one has not seen that the first one took its place.
 TEST_F(LeadershipTest, OfTwoThatSucceedTheSameOneTheSecondIsRefused) {
   for (const TakeOverMode mode : {TakeOverMode::strict, TakeOverMode::fast}) {
     const auto north = server(), south = server(), west = server();
-    ASSERT_EQ(north->take(), State::held);
+    ASSERT_EQ(north->take(), Place::held);
     north->resign();
-    EXPECT_EQ(south->succeed(north->epoch(), mode), State::held);
-    EXPECT_EQ(west->succeed(north->epoch(), mode), State::passed);
-    EXPECT_EQ(south->confirm(), State::held);
+    EXPECT_EQ(south->succeed(north->epoch(), mode), Place::held);
+    EXPECT_EQ(west->succeed(north->epoch(), mode), Place::passed);
+    EXPECT_EQ(south->confirm(), Place::held);
     south->resign();
-    EXPECT_EQ(west->succeed(north->epoch(), mode), State::passed) << "it does not have south's world";
+    EXPECT_EQ(west->succeed(north->epoch(), mode), Place::passed) << "it does not have south's world";
     west->resign();
   }
 }
 
 TEST_F(LeadershipTest, WhoseLeaseEndedUnseenHasThePlaceAgainAsLongAsNobodyTookIt) {
   const auto north = server(), south = server();
-  ASSERT_EQ(north->take(), State::held);
-  store_.advance(2 * kLife_s * kSecondNs);
+  ASSERT_EQ(north->take(), Place::held);
+  store_.advance(2 * kLife_s * kStoreSecondNs);
   ASSERT_FALSE(store_.value("plant/place"));
-  EXPECT_EQ(north->confirm(), State::held);
-  store_.advance(2 * kLife_s * kSecondNs);
-  ASSERT_EQ(south->take(), State::held);
+  EXPECT_EQ(north->confirm(), Place::held);
+  store_.advance(2 * kLife_s * kStoreSecondNs);
+  ASSERT_EQ(south->take(), Place::held);
   south->resign();
-  EXPECT_EQ(north->confirm(), State::passed) << "nobody has it, but somebody had it since";
+  EXPECT_EQ(north->confirm(), Place::passed) << "nobody has it, but somebody had it since";
 }
 
 // The key that is still there would go with the old lease, whatever became of a new one.
 TEST_F(LeadershipTest, APlaceThatCouldNotBeGivenUpIsHeldByTheSameLease) {
   const auto north = server(), south = server();
-  ASSERT_EQ(north->take(), State::held);
+  ASSERT_EQ(north->take(), Place::held);
   store_.fail(FakeLeaseStore::Fault::before);
   EXPECT_THROW(north->resign(), StoreError);
   EXPECT_FALSE(may_serve(*north));
-  store_.advance(kLife_s * kSecondNs - 1);
-  EXPECT_EQ(north->take(), State::held);
+  store_.advance(kLife_s * kStoreSecondNs - 1);
+  EXPECT_EQ(north->take(), Place::held);
   store_.advance(1);
-  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), State::others);
+  EXPECT_EQ(south->succeed(north->epoch(), TakeOverMode::strict), Place::others);
   EXPECT_TRUE(may_serve(*north));
 }
 
 TEST_F(LeadershipTest, AStoreThatHasLostAllSaysSo) {
   const auto north = server();
-  ASSERT_EQ(north->take(), State::held);
+  ASSERT_EQ(north->take(), Place::held);
   store_.clear();
-  EXPECT_EQ(north->confirm(), State::free);
+  EXPECT_EQ(north->confirm(), Place::free);
   EXPECT_EQ(north->last_epoch(), 0U);
 }
 
@@ -163,8 +163,8 @@ class RandomElections {
     } catch (const StoreError&) {}
     store_.fail(FakeLeaseStore::Fault::none);
     check();
-    store_.advance(
-        static_cast<std::int64_t>(random_() % 4 == 0 ? random_() % (4 * kSecondNs) : random_() % (kSecondNs / 4)));
+    store_.advance(static_cast<std::int64_t>(random_() % 4 == 0 ? random_() % (4 * kStoreSecondNs)
+                                                                : random_() % (kStoreSecondNs / 4)));
   }
   int served() const { return served_; }
   int changes() const { return changes_; }
@@ -195,7 +195,7 @@ class RandomElections {
     std::uint64_t greatest = serving_;
     for (const auto& one : servers_) {
       const std::int64_t until_ns = one->confirmed_until_ns();
-      ASSERT_LE(until_ns - store_.now_ns(), kLife_s * kSecondNs / 3);
+      ASSERT_LE(until_ns - store_.now_ns(), kLife_s * kStoreSecondNs / 3);
       const bool is_confirmed_anew = until_ns > std::exchange(confirmed_[one->epoch()], until_ns);
       ASSERT_TRUE(!is_confirmed_anew || one->epoch() >= serving_) << "it was replaced";
       if (is_confirmed_anew) greatest = std::max(greatest, one->epoch());
