@@ -92,6 +92,27 @@ TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollowAndTakeThePlace) {
   EXPECT_TRUE(says(standby.errors(), "this server has taken its place")) << standby.errors();
 }
 
+TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsAReplicaAnswerWhoMayAsk) {
+  start_with_keys();
+  const testing_support::ScratchFolder elsewhere;
+  ChildProcess replica({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--replica-of", "collided", "--member",
+                        "east", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby})},
+                       elsewhere.path(), "replica");
+  ASSERT_TRUE(replica.says("ready: replica", 20s)) << replica.errors();
+  const std::string asker = folders_.of("planner", {KeyRole::asker});
+  const std::string watcher = folders_.of("screen", {KeyRole::watcher});
+  const std::vector<std::string> ray{"ray", "0", "0", "5", "0", "0", "-1", "--namespace", "collided/replica_east"};
+  Ended seen;
+  EXPECT_TRUE(test::eventually(
+      [&] {
+        seen = collide(asker, ray);
+        return seen.code == 0;
+      },
+      40s))
+      << seen.output << seen.errors << replica.errors();
+  EXPECT_EQ(collide(watcher, ray).code, 5);
+}
+
 /// A client that speaks the wire itself.
 class RawClient {
  public:
