@@ -15,6 +15,7 @@
 
 #include "collided/commands.hpp"
 #include "collided/fleet.hpp"
+#include "tests/oracle/seed.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -25,12 +26,6 @@ using testing_support::ChildProcess;
 using testing_support::ScratchFolder;
 
 constexpr int kBalls = 24;
-
-/// The seed of a random test: that of the environment, else this one. Printed with every failure.
-std::uint64_t seed() {
-  const char* given = std::getenv("COLLIDED_SEED");
-  return given != nullptr ? std::strtoull(given, nullptr, 10) : 28;
-}
 
 /// Bit for bit, but for what is the server's own: numbers of objects, and what it took to find out.
 bool is_same(const Hit& a, const Hit& b) {
@@ -106,8 +101,6 @@ class ServerReplica : public testing_support::ServerTest {
 /// Random questions about where the balls are.
 class RandomAsker {
  public:
-  explicit RandomAsker(std::uint64_t seed) : random_(seed) {}
-
   template <class Q, class Make>
   std::vector<Q> of(std::size_t count, const Make& make) {
     std::vector<Q> questions;
@@ -122,12 +115,11 @@ class RandomAsker {
   double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
 
  private:
-  std::mt19937_64 random_;
+  std::mt19937_64 random_ = oracle::seeded(28);
 };
 
 // While the balls move: about an instant, both give the same answers.
 TEST_F(ServerReplica, ItsAnswersAreThePrimarysBitForBit) {
-  SCOPED_TRACE("COLLIDED_SEED=" + std::to_string(seed()));
   start({"--member", "primary"});
   Client primary = connect_alone("collided");
   start_replica("east");
@@ -136,7 +128,7 @@ TEST_F(ServerReplica, ItsAnswersAreThePrimarysBitForBit) {
   ASSERT_TRUE(becomes_ready("east")) << member("east").alarm << replicas_[0]->errors();
   EXPECT_EQ(member("east").role, FleetRole::replica);
   Client replica = connect_alone("collided/replica_east");
-  RandomAsker random(seed());
+  RandomAsker random;
   std::size_t compared = 0, hits = 0;
   const auto compare = [&](const auto& questions, HitMode mode) {
     const AskOptions options{.mode = mode,
