@@ -112,6 +112,18 @@ class ContactLedger {
   void finish_step();
 
   bool holds(ObjectId a, ObjectId b) const;
+  /// Prefetches where holds() looks first.
+  [[gnu::always_inline]] void prefetch(ObjectId a, ObjectId b) const { index_.prefetch(a, b); }
+  /// Prefetches the contact of the two, if there is one; looks it up, so prefetch() should have been called some time ago.
+  [[gnu::always_inline]] void prefetch_contact(ObjectId a, ObjectId b) const {
+    const std::uint32_t number = index_.guess(a, b);
+    if (number != PairIndex::kNone) prefetch_contact(number);
+  }
+  [[gnu::always_inline]] void prefetch_contact(std::uint32_t number) const {
+    const auto* contact = reinterpret_cast<const char*>(&open_[number]);
+    for (std::size_t byte = 0; byte < sizeof(OpenContact); byte += 64) __builtin_prefetch(contact + byte);
+    __builtin_prefetch(&found_in_step_[number]);
+  }
   /// The contact or doubt of the two, valid until the next change; null: there is none.
   const OpenContact* find(ObjectId a, ObjectId b) const {
     const std::uint32_t number = number_of(a, b);
@@ -125,6 +137,8 @@ class ContactLedger {
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
+  /// The object in that slot has two contacts or doubts, or more.
+  bool has_several(std::uint32_t slot) const { return links_.has_several(slot); }
   /// Calls visit(index into open()) for the contacts and doubts of the object in that slot, until one returns false.
   template <class Visit>
   void for_each_of(std::uint32_t slot, Visit&& visit) const {

@@ -42,6 +42,10 @@ class ContactLinks {
     }
     links_.resize(links_.size() - 2);
   }
+  /// The object has two contacts or more.
+  bool has_several(std::uint32_t slot) const {
+    return slot < first_.size() && first_[slot] != kNone && links_[first_[slot]].after != kNone;
+  }
   /// Calls visit(number) for the object's contacts, the latest first, until one returns false; the visit must not add
   /// or remove any.
   template <class Visit>

@@ -34,7 +34,7 @@ ObjectId ObjectRows::take_slot() {
     generations_.push_back(1);
     source_.push_back(Sources::kResting);
   }
-  return (static_cast<ObjectId>(generations_[slot]) << 32) | slot;
+  return id(slot);
 }
 
 void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {

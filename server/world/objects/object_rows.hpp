@@ -106,6 +106,8 @@ class ObjectRows {
   bool has_moved(std::uint32_t slot) const { return motion_[slot] != Motion::none; }
   /// Slots with a change since the last step.
   const std::vector<std::uint32_t>& moved() const { return moved_; }
+  /// Of the object in the slot, without reading its description.
+  ObjectId id(std::uint32_t slot) const { return (static_cast<ObjectId>(generations_[slot]) << 32) | slot; }
   /// The order of ids: generation, then slot.
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
     return generations_[slot] != generations_[than] ? generations_[slot] < generations_[than] : slot < than;

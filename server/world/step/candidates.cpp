@@ -98,13 +98,23 @@ bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
 /// Offers the queued pairs; false as in wait_for().
 bool Candidates::consider_waiting() {
   const std::size_t count = std::exchange(waiting_.count, 0);
-  // Balls are mostly decided by what is prefetched already; of all else a decision reads rows and descriptions.
+  // Balls are mostly decided by what is prefetched already; of all else a decision reads rows, descriptions and contacts.
+  const auto are_balls = [&](std::size_t i) {
+    const auto& [first, second] = waiting_.pairs[i];
+    return step_.motion.ball(first).radius_m >= 0 && step_.motion.ball(second).radius_m >= 0;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!are_balls(i)) decisions_.prefetch_pair(waiting_.pairs[i].first, waiting_.pairs[i].second);
+  }
   for (std::size_t i = 0; i < count; ++i) {
     for (const std::uint32_t slot : {waiting_.pairs[i].first, waiting_.pairs[i].second}) {
       if (step_.motion.ball(slot).radius_m >= 0) continue;
       rows_.prefetch(slot);
       __builtin_prefetch(rows_.info(slot));
     }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!are_balls(i)) decisions_.prefetch_contact(waiting_.pairs[i].first, waiting_.pairs[i].second);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!consider(waiting_.pairs[i].first, waiting_.pairs[i].second)) return false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -73,6 +74,13 @@ class Decisions {
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
   /// Decides two objects, of which at least one moves and whose filters let them meet.
   void decide_pair(std::uint32_t first, std::uint32_t second);
+  /// Prefetches what decide_pair() looks up first of a pair, and then the contact that it may have. Only hints.
+  [[gnu::always_inline]] void prefetch_pair(std::uint32_t first, std::uint32_t second) const {
+    ledger_.prefetch(lower_id(first, second), higher_id(first, second));
+  }
+  [[gnu::always_inline]] void prefetch_contact(std::uint32_t first, std::uint32_t second) const {
+    ledger_.prefetch_contact(lower_id(first, second), higher_id(first, second));
+  }
   /// After a search that was cut short: decides each open contact that the search did not reach.
   void decide_open();
   /// Ends each contact that was not found again although one of its objects moved.
@@ -162,6 +170,12 @@ class Decisions {
   void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
   void remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is);
 
+  ObjectId lower_id(std::uint32_t first, std::uint32_t second) const {
+    return std::min(rows_.id(first), rows_.id(second));
+  }
+  ObjectId higher_id(std::uint32_t first, std::uint32_t second) const {
+    return std::max(rows_.id(first), rows_.id(second));
+  }
   bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
   Placed placed(std::uint32_t slot) const {
     return {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <variant>
+#include <vector>
 
 #include "server/exact_phase/arithmetic/value.hpp"
 #include "server/exact_phase/distance/convex.hpp"
@@ -17,6 +20,7 @@ using kernel::Convex;
 
 constexpr std::size_t kMostPrimitives = 16;
 constexpr std::size_t kMostContacts = 64;
+constexpr std::size_t kAhead = 16;  // movers whose contacts are prefetched together
 /// For unit normals: closer than this they are the same; up to this beyond a right angle they do not oppose each other.
 constexpr double kSameNormal = 1e-12;
 /// Covers the roundings of two reaches in double and in Bounded, and of placing both boxes (at most 52 of their
@@ -47,6 +51,11 @@ struct MoverContact {
   bool is_covered = false;
 };
 
+struct ContactOf {
+  std::uint32_t slot = 0;    // of the mover
+  std::uint32_t number = 0;  // of the open contact
+};
+
 struct Corrected {
   ObjectId mover = 0;
   std::size_t number = 0;  // of the open contact
@@ -61,10 +70,17 @@ class Correction {
 
   void run() {
     corrected_.clear();
+    movers_.clear();
     for (const std::uint32_t slot : ledger_.found_slots()) {
-      if (rows_.source(slot) == Sources::kResting) continue;
-      collect(slot);
-      if (sides_.size() >= 2 && sides_.size() <= kMostContacts) look_at();
+      if (rows_.source(slot) != Sources::kResting && ledger_.has_several(slot)) movers_.push_back(slot);
+    }
+    for (std::size_t first = 0; first < movers_.size(); first += kAhead) {
+      const auto some = std::span(movers_).subspan(first, std::min(kAhead, movers_.size() - first));
+      prefetch(some);
+      for (const std::uint32_t slot : some) {
+        collect(slot);
+        if (sides_.size() >= 2 && sides_.size() <= kMostContacts) look_at();
+      }
     }
     // Where both objects of a contact are movers, the one with the higher id has the last word.
     std::sort(corrected_.begin(), corrected_.end(), [](const Corrected& x, const Corrected& y) {
@@ -76,6 +92,26 @@ class Correction {
 
  private:
   const ObjectInfo& info(ObjectId id) const { return *rows_.info(slot_of(id)); }
+
+  /// What collect() reads of some movers: neighbours in space are far apart in memory.
+  void prefetch(std::span<const std::uint32_t> movers) {
+    ahead_.clear();
+    for (const std::uint32_t slot : movers) {
+      __builtin_prefetch(&rows_[slot].lone_sphere);
+      ledger_.for_each_of(slot, [&](std::uint32_t number) {
+        ahead_.push_back({slot, number});
+        return true;
+      });
+    }
+    for (const ContactOf& next : ahead_) ledger_.prefetch_contact(next.number);
+    for (const ContactOf& next : ahead_) {
+      const OpenContact& open = ledger_.open()[next.number];
+      const std::uint32_t body = slot_of(slot_of(open.a) == next.slot ? open.b : open.a);
+      __builtin_prefetch(&rows_[body].lone_sphere);
+      __builtin_prefetch(&rows_.info(body)->primitives);
+      __builtin_prefetch(&rows_.info(body)->scene_part);
+    }
+  }
 
   /// The mover's contacts with bodies that have faces, found in this step or before, by body.
   void collect(std::uint32_t slot) {
@@ -245,10 +281,14 @@ class Correction {
   const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
   ContactLedger& ledger_;
   // Reused from step to step.
+  static thread_local std::vector<std::uint32_t> movers_;
+  static thread_local std::vector<ContactOf> ahead_;
   static thread_local std::vector<MoverContact> sides_;
   static thread_local std::vector<Corrected> corrected_;
 };
 
+thread_local std::vector<std::uint32_t> Correction::movers_;
+thread_local std::vector<ContactOf> Correction::ahead_;
 thread_local std::vector<MoverContact> Correction::sides_;
 thread_local std::vector<Corrected> Correction::corrected_;
 

@@ -356,6 +356,7 @@ TEST(ContactLedger, EqualsAPlainMapWhateverBeginsAndEnds) {
         return entry.first.first == slot || entry.first.second == slot;
       });
       ASSERT_EQ(listed.size(), static_cast<std::size_t>(expected)) << "slot " << slot << ", step " << step;
+      ASSERT_EQ(ledger.has_several(slot), expected >= 2) << "slot " << slot << ", step " << step;
     }
   }
 }
