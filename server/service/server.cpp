@@ -15,42 +15,20 @@
 #include <utility>
 
 #include "idl/clocks.hpp"
-#include "idl/presence.hpp"
 #include "server/service/authority/etcd_client.hpp"
-#include "server/service/authority/election.hpp"
 #include "server/service/commands/command_arguments.hpp"
-#include "server/service/commands/commands.hpp"
-#include "server/service/durability/durable_state.hpp"
-#include "server/service/durability/epoch.hpp"
-#include "server/service/events/dds_event_writer.hpp"
-#include "server/service/fleet/change_feed.hpp"
 #include "server/service/fleet/first_look.hpp"
-#include "server/service/fleet/membership.hpp"
-#include "server/service/questions/replica_readiness.hpp"
-#include "server/service/fleet/served_followers.hpp"
-#include "server/service/fleet/standby.hpp"
-#include "server/service/fleet/succession.hpp"
-#include "server/service/ingest/listeners.hpp"
-#include "server/service/questions/answering.hpp"
 #include "server/service/questions/validation.hpp"
-#include "server/service/recording/flight_recorder.hpp"
-#include "server/service/roles/keyed_peers.hpp"
 #include "server/service/runtime/random_number.hpp"
 #include "server/service/self_test.hpp"
+#include "server/service/server_parts.hpp"
 #include "server/service/start_scenes.hpp"
-#include "server/service/world_loop.hpp"
 
 namespace collided::engine::service {
 namespace {
 
 /// How long a server waits after a crash for those that were there: publishers and clients look for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
-
-/// Where a server is asked, and says how it is.
-std::string asked_as(const Options& options) {
-  return options.replica_of.empty() ? options.name_space
-                                    : wire_contract::replica_namespace(options.name_space, member_name(options.member));
-}
 
 StartError not_alone(const Options& options, long pid) {
   return StartError(
@@ -123,99 +101,6 @@ std::unique_ptr<Election> make_election(const Options& options, ServingTerm& ter
 }  // namespace
 
 std::string version_text() { return COLLIDED_VERSION; }
-
-/// A writer of the namespace's status that writes nothing. Clients learn of it by DDS's own discovery, and then look for
-/// replicas: those of a server alone pay nothing for it.
-struct ReplicaSign {
-  ReplicaSign(const dds::Participant& participant, const std::string& name_space)
-      : topic(participant, name_space), writer(topic) {}
-  dds::Topic<wire::Status> topic;
-  dds::Writer<wire::Status> writer;
-};
-
-/// All parts in the order in which they are made. They are destroyed in the reverse order, so nothing calls a part that
-/// is gone.
-struct Server::Parts {
-  Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, std::function<void()> end);
-  /// Whether it began as one. So does a replica, which never takes the place.
-  bool is_standby() const { return began_as_standby; }
-  bool is_replica() const { return !options.replica_of.empty(); }
-  /// What this server is where it answers.
-  Identity answering_identity() const;
-  /// Checks that no other server is there, unless this one stands by, and takes the next epoch. Throws StartError.
-  Epoch make_epoch();
-  /// What is due ten times a second; called on the world's thread.
-  void tick();
-  void let_jobs_end();
-  /// Opens the journal beside the epoch's file, and writes down that this epoch has begun; null where there is no folder.
-  std::unique_ptr<DurableState> keep();
-  void say_unwritten() const;
-  bool has_crashed() const;
-  /// Starts the flight recorder; null where it is off.
-  std::unique_ptr<FlightRecorder> record();
-  /// Whether every publisher from before the crash lives and has sent all its definitions.
-  bool has_all_back() const;
-  /// What this server says of itself to the others of its namespace.
-  SelfDescription describe_self();
-  /// Leaves a mark on this machine, for clients that wait for a server.
-  void be_present();
-  /// Makes what a standby needs.
-  void stand_by();
-  /// Whether what those of the publishers that live have sent is in the world up to there.
-  bool has_come_as_far(const PublisherProgress& progress) const;
-  /// Makes this server the primary, if it may be; of a standby.
-  bool take_over(const Standby::Predecessor& of, const std::string& why);
-  /// The primary hands over to this server. Returns why it does not take the place; empty: it has.
-  std::string take_place(const HandoverWords& words);
-  /// Has a standby take this server's place, where one is ready. False: none has, and this server goes on.
-  /// name  of the standby; empty: any
-  bool hand_over(const std::string& name);
-  /// The name of the server that will take this one's place when it ends, which is soon then. Throws BadCommand.
-  std::string hand_over_to(const std::string& name);
-  /// Sends all that is kept to a server that follows, in its place among the changes.
-  void send_all(std::uint64_t follower, std::uint64_t fetch);
-  /// Keeps which publishers are there, for the case of a crash.
-  void note_publishers();
-
-  const Options options;
-  const std::shared_ptr<spdlog::logger> log;
-  dds::Participant participant;
-  std::unique_ptr<KeyedPeers> peers;  // null: no keys
-  ServingTerm term;
-  const std::unique_ptr<Election> election;  // null: no authority
-  const bool began_as_standby;
-  Epoch epoch;
-  const Identity identity;
-  WorldClock clock;
-  World world;
-  std::unique_ptr<DurableState> durable;  // null where there is no folder for it
-  WriteBarriers write_barriers;
-  SnapshotLeases leases;
-  QuestionCounts questions;
-  BackgroundAudit audit;
-  Overload overload;
-  std::uint64_t superseded = 0;  // poses, as of the last tick()
-  Inbox inbox;
-  std::unique_ptr<FlightRecorder> flight;  // null where it is off
-  DdsEventWriter event_writer;
-  std::atomic<bool> takes_questions;
-  std::unique_ptr<ReplicaReadiness> readiness;  // null: it is no replica
-  std::unique_ptr<ReplicaSign> sign;            // likewise
-  std::unique_ptr<ChangeFeed> feed;             // null: nobody can follow
-  WorldLoop loop;
-  PartMeshes part_meshes;
-  QuestionSamples samples;
-  Commands commands;
-  dds::Topic<wire::Reply> reply_topic;
-  std::unique_ptr<Answering> answering;
-  std::unique_ptr<Listeners> listeners;
-  std::thread world_thread;
-  std::optional<wire_contract::Presence> presence;
-  Succession succession;
-  ServedFollowers followers;         // of a primary
-  std::unique_ptr<Standby> standby;  // null: it began as a primary
-  std::unique_ptr<Membership> membership;
-};
 
 Epoch Server::Parts::make_epoch() {
   if (is_replica() || (!is_standby() && !options.joins)) make_sure_to_be_alone(participant, options);
@@ -388,122 +273,6 @@ bool Server::Parts::has_all_back() const {
                      [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
 }
 
-SelfDescription Server::Parts::describe_self() {
-  using wire_contract::MemberRole;
-  using wire_contract::ServerState;
-  const auto is_following = [this] { return standby && succession.role() != MemberRole::primary; };
-  const auto alarm = [this, is_following] {
-    const std::string lacks = is_following() ? standby->alarm() : std::string();
-    std::string lines;
-    for (const std::string& line :
-         {election ? election->problem() : std::string(), lacks, durable ? durable->problem() : std::string()})
-      lines += (lines.empty() || line.empty() ? "" : "\n") + line;
-    return lines;
-  };
-  return {.role = [this] { return succession.role(); },
-          .name = member_name(options.member),
-          .state =
-              [this, is_following] {
-                const bool is_open = is_replica() && standby && standby->state() == ServerState::ready;
-                if (is_following() && !is_open) return standby->state();
-                return term.is_over() ? ServerState::recovering : loop.state();
-              },
-          .alarm = alarm,
-          .following =
-              [this, is_following] {
-                return is_following() ? standby->following() : Following{.primary = succession.predecessor()};
-              },
-          .heard =
-              [this, is_following](const OtherMember& other) {
-                if (is_following()) return standby->hear(other);
-                succession.hear(other);
-                followers.hear(other);
-              },
-          .digested =
-              [this, is_following](const DigestMaker& made) {
-                if (is_following()) standby->note_own(made.newest(), made.state());
-              }};
-}
-
-void Server::Parts::be_present() {
-  const bool is_heard = options.keys.empty() && !participant.configured_by_environment();
-  presence.emplace(options.domain, asked_as(options), is_heard ? options.interface : std::string());
-}
-
-void Server::Parts::stand_by() {
-  standby = std::make_unique<Standby>(
-      participant, identity,
-      ChangeFollower::Collaborators{.carry_out =
-                                        [this](const WorldChange& change) {
-                                          const std::optional<HandoverWords> words = read_handover(change.text);
-                                          if (words)
-                                            return words->to == identity.server ? take_place(*words) : std::string();
-                                          return commands.follow({0, 0, change.text, change.blob});
-                                        },
-                                    .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
-      is_replica() ? 0 : options.take_over_ns,
-      [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
-      [this] { return election && election->has_place() && succession.role() == wire_contract::MemberRole::standby; },
-      [this] { succession.cannot_follow(); });
-  if (readiness)
-    standby->on_compared(
-        [this](std::int64_t instant_ns, bool is_same) { readiness->note_compared(instant_ns, is_same); });
-}
-
-bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
-  return std::ranges::all_of(progress, [&](const auto& entry) {
-    const auto& [publisher, sequence] = entry;
-    return !loop.publishers().is_live(publisher) || loop.publishers().applied_through(publisher) >= sequence;
-  });
-}
-
-bool Server::Parts::take_over(const Standby::Predecessor& of, const std::string& why) {
-  if (election && !election->succeeds(of.epoch)) return false;
-  if (!succession.take_over(of.server, of.heard_ns, why)) return false;
-  if (election && election->mode() == TakeOverMode::fast)
-    log->warn("the one before may publish and answer until it next asks etcd, for {:.1f} s at most",
-              options.authority_lease_s / 3.0);
-  return true;
-}
-
-std::string Server::Parts::take_place(const HandoverWords& words) {
-  succession.catch_up(words.progress);
-  // Clients take another server's word once they have heard that the primary stops, which comes to them another way than this
-  // to here: they are given what they have where a primary dies.
-  std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kTakeOverNs - wire_contract::kMayHaveHeirNs));
-  // An authority needs a moment to give the place.
-  constexpr std::int64_t kPatienceNs = 1'500'000'000;
-  const std::int64_t until_ns = steady_ns() + (election ? kPatienceNs : 0);
-  for (;;) {
-    if (standby->take_place("the primary hands over")) return {};
-    if (steady_ns() >= until_ns) return "it hands over, and this server does not hold all that it had";
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-}
-
-std::string Server::Parts::hand_over_to(const std::string& name) {
-  const std::optional<Succession::Heir> to = feed ? succession.heir(name) : std::nullopt;
-  if (!to)
-    throw BadCommand(name.empty() ? std::string("no server stands by that is ready. Nothing was done")
-                                  : fmt::format("'{}' does not stand by, or is not ready. Nothing was done", name),
-                     "collide fleet shows who is there, and what is wrong");
-  succession.choose(to->name);
-  return to->name;
-}
-
-void Server::Parts::send_all(std::uint64_t follower, std::uint64_t fetch) {
-  if (!feed) return log->warn("a standby cannot follow: this server keeps nothing, since it has no state folder");
-  // On the world's thread, so that no command is half done.
-  const bool taken = inbox.push_job([this, follower, fetch] {
-    durable->list_kept([this, follower, fetch](const std::vector<CommandAsk>& kept) {
-      std::vector<WorldChange> changes;
-      for (const CommandAsk& ask : kept) changes.push_back({ask.text, ask.blob});
-      feed->tell_all(follower, fetch, std::move(changes));
-    });
-  });
-  if (!taken) log->warn("too many commands wait already: a standby must ask again for what is kept");
-}
-
 void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
@@ -535,16 +304,6 @@ void Server::Parts::tick() {
     log->warn("publisher {}: another process has sent under its number and was refused. Samples refused so far: {}",
               printable(loop.publisher_name(publisher)), listeners->owners().refused());
   }
-}
-
-bool Server::Parts::hand_over(const std::string& name) {
-  const std::optional<Succession::Heir> to = feed ? succession.heir(name) : std::nullopt;
-  if (!to) return false;
-  takes_questions.store(false);
-  // What was carried out so far has its place before the handing over.
-  let_jobs_end();
-  if (durable) durable->wait(std::chrono::seconds(1));
-  return succession.hand_over(*feed, *to);
 }
 
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
