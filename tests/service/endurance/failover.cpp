@@ -40,6 +40,7 @@ constexpr int kMostShown = 20;
 /// What was told of each ball, in order, and when.
 struct Heard {
   std::map<std::string, std::vector<EventKind>> by_ball;
+  std::map<std::string, std::vector<std::string>> in_words;  // the same, with where each comes from
   std::vector<SteadyClock::time_point> first_of_epoch;
   std::uint64_t epoch = 0;
   int lower_epochs = 0;
@@ -184,11 +185,13 @@ class Failover {
           is_touching_[i] = !is_touching_[i];
           const std::lock_guard lock(expected_mutex_);
           expected_[ball(static_cast<int>(i))].push_back(is_touching_[i] ? EventKind::began : EventKind::ended);
+          moved_at_[ball(static_cast<int>(i))].push_back(since_1970());
         }
         const double away_m = is_touching_[i] ? 0.4 : 0.8 + 0.01 * static_cast<double>(below(10));
         static_cast<void>(publisher_->move(balls_[i], {.position = {3.0 * static_cast<double>(i), away_m, 50}}));
       }
-      static_cast<void>(publisher_->flush());
+      // While nobody serves for longer than its messages have room, it refuses; what was not sent is no move yet.
+      while (!publisher_->flush()) std::this_thread::sleep_for(kTick);
     }
     for (int i = 0; i < 20; ++i) {
       static_cast<void>(publisher_->keep_alive());
@@ -213,6 +216,9 @@ class Failover {
                     std::chrono::duration<double>(now - since_).count(), static_cast<unsigned long long>(event->epoch),
                     static_cast<unsigned long long>(event->sequence));
       heard_.by_ball[name].push_back(event->kind);
+      heard_.in_words[name].push_back((event->kind == EventKind::began ? "began" : "ended") + std::string(" by ") +
+                                      std::to_string(happened(*event).count()) + ", event " +
+                                      std::to_string(event->sequence) + " of epoch " + std::to_string(event->epoch));
     }
   }
 
@@ -232,6 +238,25 @@ class Failover {
     }
   }
 
+  static std::chrono::nanoseconds since_1970() { return std::chrono::system_clock::now().time_since_epoch(); }
+  /// What was heard about where it first differs from what was done.
+  void show_difference(const std::string& name) {
+    const std::vector<EventKind>& expected = expected_[name];
+    const std::vector<std::chrono::nanoseconds>& moved = moved_at_[name];
+    const std::vector<std::string>& words = heard_.in_words[name];
+    // Kinds alternate, so that what is missing shows in the times alone: on the way from the pose before.
+    std::size_t i = 1;
+    for (; i < std::min(moved.size(), words.size()); ++i) {
+      const std::int64_t by_ns = std::strtoll(words[i].c_str() + words[i].find("by ") + 3, nullptr, 10);
+      if (by_ns < moved[i - 1].count() - 1'000'000 || by_ns > moved[i].count() + 1'000'000) break;
+    }
+    const std::size_t first = i < 3 ? 0 : i - 3;
+    std::printf("%s: %zu moves, %zu events; from the %zuth on\n", name.c_str(), expected.size(), words.size(), first);
+    for (std::size_t k = first; k < std::min(expected.size(), first + 9); ++k)
+      std::printf("  %s at %lld; told: %s\n", expected[k] == EventKind::began ? "touches" : "parts",
+                  static_cast<long long>(moved[k].count()), k < words.size() ? words[k].c_str() : "nothing");
+  }
+
   int report(int rounds) {
     int lost = 0, doubled = 0, unlike = 0;
     std::size_t events = 0;
@@ -241,6 +266,7 @@ class Failover {
       lost += std::max(0, static_cast<int>(expected.size()) - static_cast<int>(heard.size()));
       doubled += std::max(0, static_cast<int>(heard.size()) - static_cast<int>(expected.size()));
       unlike += heard == expected ? 0 : 1;
+      if (heard != expected) show_difference(name);
     }
     std::vector<double> gaps_ms;
     for (std::size_t i = 0; i < std::min(failures_.size(), heard_.first_of_epoch.size()); ++i)
@@ -278,6 +304,7 @@ class Failover {
   std::atomic<bool> is_over_{false};
   std::mutex expected_mutex_;
   std::map<std::string, std::vector<EventKind>> expected_;
+  std::map<std::string, std::vector<std::chrono::nanoseconds>> moved_at_;  // of each of them, since 1970
   std::mutex heard_mutex_;
   Heard heard_;
   SteadyClock::time_point since_;  // the first event of the epoch; of the listening thread
