@@ -103,9 +103,9 @@ COLLIDED_API int collided_get_status(collided_client* client, collided_status* s
 
 /* ---- Questions ---- */
 
-enum { COLLIDED_CLOSEST = 0, COLLIDED_ANY = 1, COLLIDED_ALL = 2, COLLIDED_VERDICT = 4 }; /* mode: collided::HitMode */
-enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                       /* importance */
-enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 };  /* instant */
+enum { COLLIDED_CLOSEST = 0, COLLIDED_ANY = 1, COLLIDED_ALL = 2, COLLIDED_VERDICT = 4 };  /* mode, as collided::HitMode */
+enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                        /* importance */
+enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 };   /* instant */
 enum { COLLIDED_MISS = 0, COLLIDED_HIT = 1, COLLIDED_UNDECIDED = 2, COLLIDED_INVALID = 3 }; /* verdict */
 
 /* Zero: the default of collided::AskOptions, but for `mask`, where 0 lets nothing answer: begin with
@@ -173,8 +173,7 @@ typedef struct collided_columns {
   uint32_t size;
   int32_t first_hits;
   uint8_t* verdict;
-  uint8_t*
-      reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
+  uint8_t* reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
   uint32_t* hit_count;
   uint64_t* object_id;
   uint32_t* triangle; /* 0xffffffff: none */
@@ -239,9 +238,9 @@ COLLIDED_API int collided_clearance(collided_client* client, const char* from, c
  * options   mode COLLIDED_ANY: the first contact found, without numbers; else the least clearance. `only` names what the
  *           configurations are judged against, an object, a scene or a glob. max_hits and error_m mean nothing */
 COLLIDED_API int collided_what_if(collided_client* client, const char* const* objects, size_t object_count,
-                                  size_t count, const double* poses, const char* const* attached, size_t attached_count,
-                                  double nearer_m, const collided_ask_options* options, collided_answers** answers,
-                                  collided_error* error);
+                                  size_t count, const double* poses, const char* const* attached,
+                                  size_t attached_count, double nearer_m, const collided_ask_options* options,
+                                  collided_answers** answers, collided_error* error);
 
 /* ---- Objects ---- */
 
@@ -284,8 +283,7 @@ typedef struct collided_object {
   double scale[3];
   double position[3];
   double orientation[4];
-  int32_t
-      solid; /* its closed mesh holds what lies in it; refused where it does not close. 2: then solid by winding number */
+  int32_t solid; /* its closed mesh holds what lies in it; refused where it does not close. 2: then solid by winding number */
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 
@@ -305,7 +303,8 @@ COLLIDED_API int collided_allow(collided_client* client, const char* a, const ch
 COLLIDED_API int collided_deny(collided_client* client, const char* a, const char* b, uint64_t* began,
                                collided_error* error);
 /* An object that no publisher has moves along with another one until it is detached or one of the two is removed. */
-COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent, collided_error* error);
+COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent,
+                                 collided_error* error);
 COLLIDED_API int collided_detach(collided_client* client, const char* child, collided_error* error);
 
 /* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes.
@@ -622,12 +621,12 @@ COLLIDED_API void collided_free_explanation(collided_explanation* explanation);
 /* An explanation as a whole; members that are not of its kind are zero, and texts empty. Texts are valid until it is freed. */
 typedef struct collided_explained {
   uint32_t size;
-  int32_t verdict;       /* rays, pairs */
-  int32_t reason;        /* of an undecided one, as in collided_columns */
-  int32_t rung;          /* rays: the arithmetic that was needed: 0 double, 1 expansions, 2 rationals */
-  int32_t late;          /* the deadline was over, and nearer misses may be missing */
-  int32_t cut;           /* rays: there are more hits than are looked at */
-  int32_t stale;         /* pairs: one of the two may be elsewhere */
+  int32_t verdict; /* rays, pairs */
+  int32_t reason;  /* of an undecided one, as in collided_columns */
+  int32_t rung;    /* rays: the arithmetic that was needed: 0 double, 1 expansions, 2 rationals */
+  int32_t late;    /* the deadline was over, and nearer misses may be missing */
+  int32_t cut;     /* rays: there are more hits than are looked at */
+  int32_t stale;   /* pairs: one of the two may be elsewhere */
   int32_t has_uncovered; /* rays: it leaves the space in which the geometry is complete, after covered_m */
   double covered_m;
   uint64_t nodes;       /* rays: boxes of indexes that were opened */
@@ -644,15 +643,15 @@ typedef struct collided_explained {
   int64_t nearest_ns; /* when the two were nearest */
   double nearest_m;
   double nearest_error_m;
-  double at_least_m;  /* at no time of the stretch were they nearer */
-  const char* what;   /* events: began, ended, enter, ... */
-  const char* why;    /* events: of an end; pairs: why there is no nearest */
-  const char* doubt;  /* events */
-  const char* a;      /* events; fences: its name */
-  const char* b;      /* events; fences: the object that it is fixed to */
-  uint64_t sequence;  /* events */
+  double at_least_m; /* at no time of the stretch were they nearer */
+  const char* what;  /* events: began, ended, enter, ... */
+  const char* why;   /* events: of an end; pairs: why there is no nearest */
+  const char* doubt; /* events */
+  const char* a;     /* events; fences: its name */
+  const char* b;     /* events; fences: the object that it is fixed to */
+  uint64_t sequence; /* events */
   uint64_t cut_short; /* the nearest: searches that ended at their limit */
-  int64_t low_ns;     /* events: it happened between these two */
+  int64_t low_ns;    /* events: it happened between these two */
   int64_t high_ns;
   uint64_t version;
   int64_t world_time_ns;
@@ -660,20 +659,19 @@ typedef struct collided_explained {
 COLLIDED_API void collided_read_explained(const collided_explanation* explanation, collided_explained* explained);
 
 enum {
-  COLLIDED_MET = 0,       /* rays: met, in order; the first is the answer */
-  COLLIDED_LEFT_OUT = 1,  /* rays, fences: would answer, or is in, but for the filter that `why` names */
-  COLLIDED_PASSED = 2,    /* rays: nearest first, then the one that was asked for */
-  COLLIDED_STALE = 3,     /* rays: its publisher is lost; it may be in the way from `along_m` on */
-  COLLIDED_UNKNOWN = 4,   /* rays: unknown space whose box is met */
-  COLLIDED_INSIDE = 5,    /* fences: of whom it was told, deepest first */
-  COLLIDED_OUTSIDE = 6,   /* fences: nearest first */
+  COLLIDED_MET = 0,      /* rays: met, in order; the first is the answer */
+  COLLIDED_LEFT_OUT = 1, /* rays, fences: would answer, or is in, but for the filter that `why` names */
+  COLLIDED_PASSED = 2,   /* rays: nearest first, then the one that was asked for */
+  COLLIDED_STALE = 3,    /* rays: its publisher is lost; it may be in the way from `along_m` on */
+  COLLIDED_UNKNOWN = 4,  /* rays: unknown space whose box is met */
+  COLLIDED_INSIDE = 5,   /* fences: of whom it was told, deepest first */
+  COLLIDED_OUTSIDE = 6,  /* fences: nearest first */
   COLLIDED_ASKED_FOR = 7, /* fences: the object in why_not */
-  COLLIDED_REASON =
-      8, /* a sentence in `why`: what keeps a pair's contacts from being told, why an event's bracket is wide */
-  COLLIDED_NEWS = 9,    /* fences: an event of the last that are remembered */
-  COLLIDED_BODY = 10,   /* events: one of the two */
-  COLLIDED_BEFORE = 11, /* events: how the two stood to each other at low_ns */
-  COLLIDED_AFTER = 12   /* and at high_ns */
+  COLLIDED_REASON = 8,   /* a sentence in `why`: what keeps a pair's contacts from being told, why an event's bracket is wide */
+  COLLIDED_NEWS = 9,     /* fences: an event of the last that are remembered */
+  COLLIDED_BODY = 10,    /* events: one of the two */
+  COLLIDED_BEFORE = 11,  /* events: how the two stood to each other at low_ns */
+  COLLIDED_AFTER = 12    /* and at high_ns */
 };
 
 /* One thing that an explanation names; members that are not of its role are zero, and texts empty. */
@@ -686,11 +684,10 @@ typedef struct collided_explained_row {
   const char* what;  /* met: the kind of shape; news: enter, exit; body: its publisher */
   const char* why;   /* why it is left out; news: why it ended */
   const char* doubt; /* inside, news */
-  double
-      distance_m; /* of a ray along it, passed: the least; of fences and gaps: minus the depth where in or touching */
+  double distance_m; /* of a ray along it, passed: the least; of fences and gaps: minus the depth where in or touching */
   double error_m;
-  double along_m;      /* passed, stale: where on the ray */
-  double point[3];     /* met: where; passed: on the ray; body: its position */
+  double along_m;  /* passed, stale: where on the ray */
+  double point[3]; /* met: where; passed: on the ray; body: its position */
   double on_object[3]; /* passed */
   uint32_t triangle;   /* 0xffffffff: none */
   uint32_t part;       /* met: which of several primitives; 0xffffffff: all of it */
