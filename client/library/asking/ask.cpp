@@ -91,7 +91,8 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   return connection.send(query);
 }
 
-// Asks once, and what is to be taken into account first is `barrier`. `answers` holds the answers, or after an error memory to be used again.
+// Asks once; `barrier` is what has to be taken into account first. `answers` holds the answers, or after an error memory
+// to be used again.
 std::optional<Error> run_once(Connection& connection, const QuestionRequest& request, const AskOptions& options,
                               const WriteBarrier& barrier, Clock::time_point deadline, Answers& answers) {
   if (auto error = connection.ready(deadline)) { return error; }
