@@ -1,0 +1,161 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <collided/client.hpp>
+
+/// One world on several servers, each of which holds what touches its part of space.
+#pragma GCC visibility push(default)
+
+namespace collided {
+
+namespace client {
+class ShardLinks;
+}
+
+/// One shard, as this client sees it.
+struct ShardState {
+  std::string name;
+  std::string name_space;   // in which it serves
+  Vec3 low = Vec3::Zero();  // its box, which is closed; sides may be infinite
+  Vec3 high = Vec3::Zero();
+  bool is_there = false;      // it answers, and says that it is this shard of this map
+  std::string fault;          // why it is not there
+  std::uint64_t server = 0;   // that serves it: FleetMember::server; 0: none
+  std::string state;          // as in ServerStatus
+  std::uint32_t objects = 0;  // that it holds; those near a border are held by several
+  std::uint64_t static_triangles = 0;
+};
+
+/// A publisher of a world on several shards: what it says of an object goes to the shards that the object touches, with
+/// the margin of the map, and no others. It is a publisher of each shard where it has, or may soon have, an object.
+///
+/// An object that enters a shard's margin is defined there where it was at the last flush, and moves from there; it is
+/// removed from a shard some time after it has left. A shard that does not answer is told nothing, and everything that it
+/// should hold once it answers again.
+///
+/// errors   as Publisher; bad_input for a half-space that moves
+/// threads  calls from any thread
+class ShardedPublisher {
+ public:
+  ~ShardedPublisher();
+  ShardedPublisher(ShardedPublisher&&) noexcept;
+  ShardedPublisher& operator=(ShardedPublisher&&) noexcept;
+
+  using Object = std::uint32_t;
+  /// Defines an object; its name must be free in this publisher.
+  Result<Object> add(const ObjectOptions& options);
+  Result<void> remove(Object object);
+  /// As Publisher::move.
+  Result<void> move(Object object, const Pose& pose, bool teleport = false);
+  /// As Publisher::flush, on every shard. Contacts are decided up to the last flush.
+  ///
+  /// source_time  when the objects were there, since 1970; 0: now. The same for all shards
+  Result<void> flush(std::chrono::nanoseconds source_time = {});
+  /// As Publisher::keep_alive, on every shard.
+  Result<void> keep_alive();
+  /// Waits until every shard that is there has applied what it was sent.
+  Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  /// How many shards hold an object of this publisher now, summed over its objects; for figures of borders.
+  std::size_t copies() const;
+
+ private:
+  friend class ShardedClient;
+  struct State;
+  explicit ShardedPublisher(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// The contact events of a world on several shards, as one server would tell them: each episode of a pair once, whichever
+/// shards it passes through, in the order of their time. An event is told when every shard has decided up to its time.
+///
+/// Event::epoch, sequence, episode, a_id and b_id are this watch's own: 0 for the epoch, and numbers that count from 1.
+///
+/// threads  calls from any thread
+class ShardedWatch {
+ public:
+  ~ShardedWatch();
+  ShardedWatch(ShardedWatch&&) noexcept;
+  ShardedWatch& operator=(ShardedWatch&&) noexcept;
+
+  /// The next event; nothing if none comes within `wait`.
+  std::optional<Event> next(std::chrono::nanoseconds wait);
+  /// World time up to which all events have been told.
+  std::chrono::nanoseconds settled() const;
+  /// Number of events dropped since next() was not called in time.
+  std::uint64_t lost() const;
+  /// How often a shard missed something, or was not there for a while, so that its part of the world was not watched.
+  std::uint64_t gaps() const;
+  /// Number of contacts that hold now according to the events reported.
+  std::size_t open_contacts() const;
+
+ private:
+  friend class ShardedClient;
+  struct State;
+  explicit ShardedWatch(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A client of a world on several servers. Which shards there are and which space each one serves is in a file, the shard
+/// map, that the servers were started with, too (collided --shard FILE:NAME).
+///
+/// A question goes to the shards that it touches; their answers become one, as a single server that held everything would
+/// give it. What a shard that does not answer could change is undecided with not_covered, never a miss.
+///
+/// threads  several threads may call at once
+class ShardedClient {
+ public:
+  /// Looks for all the shards at once. A shard that is not there is looked for again, once a second.
+  ///
+  /// map_file  the shard map
+  /// options   as for one server; the shards serve in name_space + "/shard_" + their name
+  /// errors    bad_input for a map that cannot be used; no_server where no shard answers within options.wait
+  static Result<ShardedClient> connect(const std::string& map_file, const ConnectOptions& options);
+  ~ShardedClient();
+  ShardedClient(ShardedClient&&) noexcept;
+  ShardedClient& operator=(ShardedClient&&) noexcept;
+
+  /// Asks one question.
+  template <Question Q>
+  Result<Answer> ask(const Q& question, const AskOptions& options = {}) {
+    Result<Answers> answers = ask_all(std::span<const Q>(&question, 1), options);
+    if (!answers) return answers.error();
+    return std::move(answers->answers.front());
+  }
+  /// Asks 1 to 100,000 questions of one kind. With Instant::settled all are about one instant that every shard has
+  /// decided; with latest each shard answers by its newest poses.
+  ///
+  /// Of Answers: epoch, version and server are 0; world_time is the earliest of the shards', and equal for all but `latest`.
+  /// Hits at equal distances come by the objects' names, whose ids are 0 here.
+  template <std::ranges::contiguous_range Questions>
+  requires Question<std::ranges::range_value_t<Questions>> Result<Answers> ask(const Questions& questions,
+                                                                               const AskOptions& options = {}) {
+    return ask_all(std::span<const std::ranges::range_value_t<Questions>>(questions), options);
+  }
+
+  Result<ShardedPublisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
+  /// Subscribes to contact events; WatchOptions::since and persisted are bad_input.
+  Result<ShardedWatch> watch(const WatchOptions& options = {});
+
+  /// The shards in the map's order, and who of them is there.
+  std::vector<ShardState> shards();
+
+ private:
+  template <Question Q>
+  Result<Answers> ask_all(std::span<const Q> questions, const AskOptions& options);
+
+  explicit ShardedClient(std::shared_ptr<client::ShardLinks> links);
+  std::shared_ptr<client::ShardLinks> links_;
+};
+
+}  // namespace collided
+
+#pragma GCC visibility pop

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "collided/shards.hpp"
+#include "idl/shards/shard_map.hpp"
+
+namespace collided::client {
+
+/// The connections to the shards of a map. Those that are not there are looked for once a second on a thread of this.
+///
+/// threads  any
+class ShardLinks {
+ public:
+  /// Looks for all shards at once, for at most options.wait. Error no_server where none is there.
+  static Result<std::shared_ptr<ShardLinks>> open(shards::ShardMap map, const ConnectOptions& options);
+  ~ShardLinks();
+  ShardLinks(const ShardLinks&) = delete;
+  ShardLinks& operator=(const ShardLinks&) = delete;
+
+  const shards::ShardMap& map() const { return map_; }
+  const ConnectOptions& options() const { return options_; }
+  /// The connection to a shard; null while it was never there. One that was lost is kept, since it resumes by itself:
+  /// calls on it fail with disconnected meanwhile.
+  std::shared_ptr<Client> shard(std::size_t place) const;
+  /// Why a shard is not there; empty: it is, or it was not looked for yet.
+  std::string fault(std::size_t place) const;
+
+ private:
+  ShardLinks(shards::ShardMap map, const ConnectOptions& options);
+  void look_for(std::size_t place, std::chrono::nanoseconds wait);
+  void run();
+
+  const shards::ShardMap map_;
+  const ConnectOptions options_;
+  mutable std::mutex mutex_;  // for the next three
+  std::vector<std::shared_ptr<Client>> clients_;
+  std::vector<std::string> faults_;
+  bool is_over_ = false;
+  std::condition_variable over_;
+  std::thread thread_;
+};
+
+}  // namespace collided::client
