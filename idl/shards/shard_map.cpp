@@ -59,7 +59,7 @@ void refuse_unknown(const json& object, const std::set<std::string>& known, cons
   }
 }
 
-Shard read_shard(const json& said, std::size_t place) {
+ShardEntry read_shard(const json& said, std::size_t place) {
   const std::string where = "shard " + std::to_string(place);
   if (!said.is_object()) throw ShardMapError(where + " is no object");
   refuse_unknown(said, {"name", "low", "high"}, where);
@@ -67,7 +67,7 @@ Shard read_shard(const json& said, std::size_t place) {
   if (name == said.end() || !name->is_string() || !is_name(name->get_ref<const std::string&>())) {
     throw ShardMapError(where + ": its name must be 1 to 63 letters, digits or '_'");
   }
-  Shard shard{.name = name->get<std::string>(), .box = {}};
+  ShardEntry shard{.name = name->get<std::string>(), .box = {}};
   const std::string named = "shard '" + shard.name + '\'';
   shard.box.low = read_corner(said, "low", -kEndless, named);
   shard.box.high = read_corner(said, "high", kEndless, named);
@@ -88,7 +88,7 @@ bool overlap(const ShardBox& a, const ShardBox& b) {
   return true;
 }
 
-void refuse_overlaps(const std::vector<Shard>& shards) {
+void refuse_overlaps(const std::vector<ShardEntry>& shards) {
   for (auto a = shards.begin(); a != shards.end(); ++a) {
     for (auto b = std::next(a); b != shards.end(); ++b) {
       if (a->name == b->name) throw ShardMapError("two shards are called '" + a->name + '\'');
@@ -114,11 +114,11 @@ double between(double low, double high) {
 }
 
 /// All sides of all boxes cut space into cells, each wholly inside or outside of every box.
-void refuse_gaps(const std::vector<Shard>& shards) {
+void refuse_gaps(const std::vector<ShardEntry>& shards) {
   std::array<std::vector<double>, 3> cuts;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::set<double> sides{-kEndless, kEndless};
-    for (const Shard& shard : shards) sides.insert({shard.box.low[axis], shard.box.high[axis]});
+    for (const ShardEntry& shard : shards) sides.insert({shard.box.low[axis], shard.box.high[axis]});
     cuts[axis].assign(sides.begin(), sides.end());
   }
   const auto cell_of = [&](std::size_t axis, double side) {
@@ -127,7 +127,7 @@ void refuse_gaps(const std::vector<Shard>& shards) {
   const std::array<std::size_t, 3> counts{cuts[0].size() - 1, cuts[1].size() - 1, cuts[2].size() - 1};
   std::vector<bool> is_filled(counts[0] * counts[1] * counts[2]);
   const auto place = [&](std::size_t x, std::size_t y, std::size_t z) { return (z * counts[1] + y) * counts[0] + x; };
-  for (const Shard& shard : shards) {
+  for (const ShardEntry& shard : shards) {
     std::array<std::size_t, 3> from{};
     std::array<std::size_t, 3> to{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -219,7 +219,7 @@ void ShardMap::finish() {
   refuse_gaps(shards_);
   Fingerprint fingerprint;
   fingerprint.add(margin_m_);
-  for (const Shard& shard : shards_) {
+  for (const ShardEntry& shard : shards_) {
     held_.push_back(grown(shard.box, margin_m_));
     fingerprint.add(shard.name);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -244,7 +244,7 @@ ShardMap ShardMap::read(const std::string& path) {
 }
 
 std::optional<std::size_t> ShardMap::find(std::string_view name) const {
-  const auto found = std::ranges::find(shards_, name, &Shard::name);
+  const auto found = std::ranges::find(shards_, name, &ShardEntry::name);
   if (found == shards_.end()) return std::nullopt;
   return static_cast<std::size_t>(found - shards_.begin());
 }

@@ -29,7 +29,7 @@ bool meet(const ShardBox& a, const ShardBox& b);
 /// The box with every side moved outward, rounded outward.
 ShardBox grown(const ShardBox& box, double by_m);
 
-struct Shard {
+struct ShardEntry {
   std::string name;  // 1 to 63 of [A-Za-z0-9_], unique
   ShardBox box;
 };
@@ -58,7 +58,7 @@ class ShardMap {
   /// anything in that shard's box; and where the answers of two shards meet at a border, both hold both objects.
   double margin_m() const { return margin_m_; }
   std::size_t size() const { return shards_.size(); }
-  const Shard& at(std::size_t place) const { return shards_[place]; }
+  const ShardEntry& at(std::size_t place) const { return shards_[place]; }
   std::optional<std::size_t> find(std::string_view name) const;
   /// The box in which a shard holds everything: its own, grown by the margin.
   const ShardBox& held_by(std::size_t place) const { return held_[place]; }
@@ -80,7 +80,7 @@ class ShardMap {
   void finish();
 
   double margin_m_ = 1;
-  std::vector<Shard> shards_;
+  std::vector<ShardEntry> shards_;
   std::vector<ShardBox> held_;
   std::uint64_t fingerprint_ = 0;
 };
