@@ -60,6 +60,10 @@ inline constexpr const char* kGet = "get";
 /// version
 inline constexpr const char* kLeftOut = "left_out";
 
+/// -> settled_ns (world time up to which every contact is decided: by the publishers that have objects here; where none has,
+///    the server's clock), event_sequence (all of those are told up to this event), epoch
+inline constexpr const char* kSettled = "settled";
+
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], scenes [{scene, load}], bytes. load: the
 /// arguments of the command load that would bring the scene back; null for a file that a client sent
 inline constexpr const char* kPlan = "plan";

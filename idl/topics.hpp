@@ -84,11 +84,16 @@ enum class PublisherState : std::uint8_t { alive, silent, lost, asked };
 /// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
 /// be last, but stale, since they may have moved on. hold: they stay there as if known.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
+/// In a Definition's lost_policy, beside the policy: the object has been elsewhere, and enters this world with the first
+/// instant of its publisher that follows the definition (definitions_through), as of the instant before that.
+inline constexpr std::uint8_t kEntersWithInstant = 0x80;
 /// kTeleported: the objects are placed at their poses, not moved there.
 /// kAllSaid: the publisher has sent all its definitions again before this batch, with the poses that it sent last.
 /// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested.
 /// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
-enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8 };
+/// kBringsObjects: objects of the publisher that are elsewhere may enter (kEntersWithInstant), so time waits for its instants
+/// while it has none here.
+enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8, kBringsObjects = 16 };
 /// What a probe reads. absent: its object is not in the world. nothing: there is nothing within reach. gap: a surface
 /// is ahead. touching: a surface is at 0. collision: its origin is behind a surface. deeper: behind it by more than the
 /// probe looks back, so that the clearance is at most what is reported. undecided: the test came out undecided.

@@ -36,6 +36,7 @@ struct ShardEntry {
 
 /// A bit for each shard, by its place in the map.
 using ShardSet = std::uint64_t;
+constexpr ShardSet set_of(std::size_t place) { return ShardSet{1} << place; }
 
 /// The boxes of all shards. Together they fill space, and no two have more than a border in common.
 ///

@@ -330,6 +330,11 @@ void WorldLoop::publish() {
   if (with_.event_writer.steps_wanted()) write_step();
 }
 
+std::int64_t WorldLoop::settled_ns() const {
+  const bool is_stepped = pending_changes_ == 0 && own_changes_ == 0 && !publishers_.has_changes();
+  return is_stepped ? with_.world.settled_ns(with_.clock.now_ns()) : with_.world.newest()->settled_ns;
+}
+
 const std::vector<ProbeReading>& WorldLoop::read_probes() {
   probes_.read(
       *with_.world.newest(), [&](std::string_view name) { return with_.world.find(name); }, probe_readings_);

@@ -103,6 +103,9 @@ class WorldLoop {
   WriteBarriers::Applied say_last_words();
   /// Counts a change that a job made itself, so that a step follows.
   void note_change() { ++own_changes_; }
+  /// World time up to which every contact is decided and told: what has come since the last step is not. Where nothing is
+  /// at work, that is the clock. The world's thread only.
+  std::int64_t settled_ns() const;
   const LoopCounts& counts() const { return counts_; }
   /// Any thread.
   const StepSums& sums() const { return sums_; }

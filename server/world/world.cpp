@@ -327,6 +327,8 @@ bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
   return state_->sources.are_several();
 }
 
+void World::expect_objects(std::uint64_t publisher) { state_->sources.expect_objects(publisher); }
+
 void World::lose(std::uint64_t publisher) { state_->sources.lose(publisher); }
 
 bool World::has_moved(ObjectId id) const {
@@ -381,6 +383,7 @@ const StepCost& World::cost() const { return state_->cost; }
 const std::vector<OpenContact>& World::contacts() const { return state_->ledger.open(); }
 std::size_t World::doubt_count() const { return state_->ledger.doubt_count(); }
 std::uint64_t World::last_event_sequence() const { return state_->ledger.last_sequence(); }
+std::int64_t World::settled_ns(std::int64_t now_ns) const { return state_->sources.settled_at_rest_ns(now_ns); }
 
 void World::set_pair_rules(std::vector<PairRule> rules) {
   state_->pair_rules = rules.empty() ? nullptr : std::make_shared<const PairRules>(std::move(rules));

@@ -149,6 +149,8 @@ class World {
   /// pairs with other publishers' objects are decided as far as both are known. True: the world has several sources, so
   /// other pairs may wait for this instant.
   bool advance(std::uint64_t publisher, std::int64_t time_ns);
+  /// Until it sends nothing more, time waits for the publisher's instants though it has no objects here: some may come.
+  void expect_objects(std::uint64_t publisher);
   /// The publisher sends nothing more: its objects rest from now on.
   void lose(std::uint64_t publisher);
   /// The object already has a change that the next step will take.
@@ -175,6 +177,9 @@ class World {
   const std::vector<OpenContact>& contacts() const;  // those that hold and the pairs in doubt, in no order
   std::size_t doubt_count() const;
   std::uint64_t last_event_sequence() const;
+  /// World time up to which all contacts are decided, where nothing has changed since the last step: by the publishers that
+  /// have moving objects here and give instants; what else there is rests, up to now_ns.
+  std::int64_t settled_ns(std::int64_t now_ns) const;
 
   /// The object with that name, or nothing.
   std::optional<ObjectId> find(std::string_view name) const;

@@ -99,7 +99,8 @@ struct Strangers {
 
 namespace client {
 class Connection;
-}
+class ShardLinks;
+}  // namespace client
 
 /// A connection to one server, and to its replicas. When the server is silent, calls fail with disconnected; when it is back or replaced by
 /// another one, the connection resumes by itself.
@@ -333,6 +334,7 @@ class Client {
  private:
   struct State;
   friend class Recording;
+  friend class client::ShardLinks;
   explicit Client(std::unique_ptr<State> state);
   static Client over(std::shared_ptr<client::Connection> connection);
   template <Question Q>

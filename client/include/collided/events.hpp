@@ -16,6 +16,10 @@
 
 namespace collided {
 
+namespace client {
+class ShardedWatching;
+}
+
 /// open: the contact already held when the watch began. persisted: a contact that was reported goes on. contained: one of
 /// the two has come to lie wholly within the other, a declared solid; emerged: it no longer does. These two alternate
 /// between a contact's `began` and its `ended`.
@@ -133,6 +137,7 @@ class Watch {
 
  private:
   friend class Client;
+  friend class client::ShardedWatching;
   struct State;
   explicit Watch(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

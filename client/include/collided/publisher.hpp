@@ -13,6 +13,10 @@
 
 namespace collided {
 
+namespace client {
+class ShardedPublishing;
+}
+
 /// What becomes of an object when its publisher is lost.
 /// remove  it leaves the world
 /// freeze  it stays where it was said to be last, but stale, since it may have moved on: answers that it could change
@@ -109,6 +113,7 @@ class Publisher {
 
  private:
   friend class Client;
+  friend class client::ShardedPublishing;
   struct State;
   explicit Publisher(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

@@ -19,7 +19,9 @@ namespace collided {
 
 namespace client {
 class ShardLinks;
-}
+class ShardedPublishing;
+class ShardedWatching;
+}  // namespace client
 
 /// One shard, as this client sees it.
 struct ShardState {
@@ -51,7 +53,8 @@ class ShardedPublisher {
   ShardedPublisher& operator=(ShardedPublisher&&) noexcept;
 
   using Object = std::uint32_t;
-  /// Defines an object; its name must be free in this publisher.
+  /// Defines an object; its name must be free in this publisher. It is in the world from the last flush on, which shows with
+  /// the next one.
   Result<Object> add(const ObjectOptions& options);
   Result<void> remove(Object object);
   /// As Publisher::move.
@@ -69,9 +72,8 @@ class ShardedPublisher {
 
  private:
   friend class ShardedClient;
-  struct State;
-  explicit ShardedPublisher(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit ShardedPublisher(std::unique_ptr<client::ShardedPublishing> state);
+  std::unique_ptr<client::ShardedPublishing> state_;
 };
 
 /// The contact events of a world on several shards, as one server would tell them: each episode of a pair once, whichever
@@ -99,9 +101,8 @@ class ShardedWatch {
 
  private:
   friend class ShardedClient;
-  struct State;
-  explicit ShardedWatch(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit ShardedWatch(std::unique_ptr<client::ShardedWatching> state);
+  std::unique_ptr<client::ShardedWatching> state_;
 };
 
 /// A client of a world on several servers. Which shards there are and which space each one serves is in a file, the shard

@@ -18,6 +18,7 @@ struct PublishedObject {
   std::vector<std::uint8_t> shape;  // encoded
   std::uint32_t generation = 0;
   bool used = false;
+  bool enters = false;  // it was elsewhere, and enters the world with the next instant
   enum class Waiting : std::uint8_t { no, moved, teleported } waiting = Waiting::no;
 };
 
@@ -48,6 +49,7 @@ class PublishedObjects {
   /// Removes the first `count` of waiting(), which were sent.
   void mark_sent(std::size_t count);
 
+  void note_entered(std::uint32_t number) { objects_[number].enters = false; }
   const PublishedObject& at(std::uint32_t number) const { return objects_[number]; }
   std::size_t size() const { return names_.size(); }
   std::uint32_t numbers_used() const { return static_cast<std::uint32_t>(objects_.size()); }

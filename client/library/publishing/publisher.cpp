@@ -161,21 +161,22 @@ Result<std::vector<std::uint8_t>> encoded(const Shape& shape, const ObjectOption
 
 }  // namespace
 
-Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
+Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options, bool enters) {
   Result<std::vector<std::uint8_t>> shape = encoded(options.shape, options);
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
   if (!shape) { return shape.error(); }
-  return define(options, std::move(*shape));
+  return define(options, std::move(*shape), enters);
 }
 
 Result<Publisher::Object> Publisher::State::claim(const ObjectOptions& options) {
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
-  return define(options, {});  // without a shape: that of the object there
+  return define(options, {}, false);  // without a shape: that of the object there
 }
 
-Result<Publisher::Object> Publisher::State::define(const ObjectOptions& options, std::vector<std::uint8_t> shape) {
+Result<Publisher::Object> Publisher::State::define(const ObjectOptions& options, std::vector<std::uint8_t> shape,
+                                                   bool enters) {
   if (auto error = say_alive()) { return *error; }
   const std::optional<Object> object = objects_.add(options, std::move(shape));
   if (!object) {
@@ -183,6 +184,8 @@ Result<Publisher::Object> Publisher::State::define(const ObjectOptions& options,
                      std::to_string(PublishedObjects::kMost) + " objects");
   }
   const std::uint32_t number = PublishedObjects::number(*object);
+  objects_.find(*object)->enters = enters;
+  if (enters) entering_.push_back(number);
   if (auto error = write_definition(number, objects_.at(number), false)) {
     objects_.remove(*object);
     return *error;
@@ -240,12 +243,19 @@ Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
   if (auto error = send_waiting(has_own_clock_ ? wire_contract::since_1970_ns() : source_time.count())) {
     return *error;
   }
+  for (const std::uint32_t number : entering_) objects_.note_entered(number);
+  entering_.clear();
   return sequence_;
 }
 
 void Publisher::State::stream() {
   const std::lock_guard lock(mutex_);
   is_streamed_ = true;
+}
+
+void Publisher::State::announce() {
+  const std::lock_guard lock(mutex_);
+  is_announced_ = true;
 }
 
 /// Where nothing was moved for long, says that everything rests, so that contacts with other publishers' objects need

@@ -20,20 +20,23 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
                                               const PublishOptions& options);
   ~State();
 
-  Result<Object> add(const ObjectOptions& options);
+  /// enters  it has been elsewhere, at this pose at the last flush, and enters the world with the next one
+  Result<Object> add(const ObjectOptions& options, bool enters = false);
   Result<Object> claim(const ObjectOptions& options);
   Result<void> remove(Object object);
   Result<void> reshape(Object object, const Shape& shape);
   Result<void> move(Object object, const Pose& pose, bool teleport);
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
   void stream();
+  /// Says each instant, also while it has no objects: some may enter (add() with `enters`).
+  void announce();
   Result<void> keep_alive();
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& name, const PublishOptions& options);
   std::optional<Error> object_fault(const ObjectOptions& options) const;
-  Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape);
+  Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape, bool enters);
   Result<void> ask_for_left_out(client::Clock::time_point deadline);
   Error unknown(Object object) const;
 
@@ -61,6 +64,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::chrono::nanoseconds word_period_;
   std::mutex mutex_;
   client::PublishedObjects objects_;
+  std::vector<std::uint32_t> entering_;  // numbers of the objects that enter with the next instant
   std::uint64_t sequence_ = 0;
   std::uint64_t definitions_through_ = 0;
   std::uint64_t found_in_world_through_ = 0;  // the definitions up to here are in the world, as the server has said
@@ -69,6 +73,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
   bool was_asked_ = false;     // to define everything again, by the newest status that was looked at
   bool is_streamed_ = false;
+  bool is_announced_ = false;
   bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   client::Clock::time_point last_instant_;
   client::UnacknowledgedPoses unacknowledged_;

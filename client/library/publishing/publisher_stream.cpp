@@ -124,6 +124,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.removed = removed;
   definition.moving = object.options.moving;
   definition.lost_policy = static_cast<std::uint8_t>(object.options.lost_policy);
+  if (object.enters && !removed) definition.lost_policy |= wire_contract::kEntersWithInstant;
   static_cast<void>(dds::set_text(definition.name, object.options.name));  // its length was checked
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;
@@ -148,6 +149,7 @@ void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
   batch_->source_time_ns = time_ns;
   batch_->flags = flags;
   if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
+  if (is_announced_) batch_->flags |= wire_contract::kBringsObjects;
   if (time_ns != 0) last_instant_ = Clock::now();
   if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
 }
@@ -192,7 +194,7 @@ void Publisher::State::note_written() {
 
 std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
   std::size_t plain_left = objects_.sort_waiting();
-  if (objects_.waiting().empty() && objects_.size() > 0) return write_instant(time_ns);
+  if (objects_.waiting().empty() && (objects_.size() > 0 || is_announced_)) return write_instant(time_ns);
   while (!objects_.waiting().empty()) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;

@@ -19,7 +19,7 @@ constexpr nanoseconds kLookAgainWait = milliseconds(300);
 }  // namespace
 
 ShardLinks::ShardLinks(shards::ShardMap map, const ConnectOptions& options)
-    : map_(std::move(map)), options_(options), clients_(map_.size()), faults_(map_.size()) {}
+    : map_(std::move(map)), options_(options), clients_(map_.size()), connections_(map_.size()), faults_(map_.size()) {}
 
 Result<std::shared_ptr<ShardLinks>> ShardLinks::open(shards::ShardMap map, const ConnectOptions& options) {
   std::shared_ptr<ShardLinks> links(new ShardLinks(std::move(map), options));
@@ -53,6 +53,16 @@ std::shared_ptr<Client> ShardLinks::shard(std::size_t place) const {
   return clients_[place];
 }
 
+std::shared_ptr<Connection> ShardLinks::connection(std::size_t place) const {
+  const std::lock_guard lock(mutex_);
+  return connections_[place];
+}
+
+bool ShardLinks::answers(std::size_t place) const {
+  const std::shared_ptr<Connection> found = connection(place);
+  return found != nullptr && !found->pulse().silent();
+}
+
 std::string ShardLinks::fault(std::size_t place) const {
   const std::lock_guard lock(mutex_);
   return faults_[place];
@@ -62,10 +72,11 @@ void ShardLinks::look_for(std::size_t place, nanoseconds wait) {
   ConnectOptions options = options_;
   options.name_space = shards::shard_namespace(options_.name_space, map_.at(place).name);
   options.wait = wait;
-  Result<Client> found = Client::connect(options);
+  const Result<std::shared_ptr<Connection>> found = Connection::open(options);
   const std::lock_guard lock(mutex_);
   if (found) {
-    clients_[place] = std::make_shared<Client>(std::move(*found));
+    connections_[place] = *found;
+    clients_[place] = std::make_shared<Client>(Client::over(*found));
     faults_[place].clear();
   } else {
     faults_[place] = found.error().message;

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/library/connection/connection.hpp"
 #include "collided/shards.hpp"
 #include "idl/shards/shard_map.hpp"
 
@@ -30,6 +31,10 @@ class ShardLinks {
   /// The connection to a shard; null while it was never there. One that was lost is kept, since it resumes by itself:
   /// calls on it fail with disconnected meanwhile.
   std::shared_ptr<Client> shard(std::size_t place) const;
+  /// What that client stands on.
+  std::shared_ptr<Connection> connection(std::size_t place) const;
+  /// Whether a shard is there and its server was heard a moment ago.
+  bool answers(std::size_t place) const;
   /// Why a shard is not there; empty: it is, or it was not looked for yet.
   std::string fault(std::size_t place) const;
 
@@ -40,8 +45,9 @@ class ShardLinks {
 
   const shards::ShardMap map_;
   const ConnectOptions options_;
-  mutable std::mutex mutex_;  // for the next three
+  mutable std::mutex mutex_;  // for the next four
   std::vector<std::shared_ptr<Client>> clients_;
+  std::vector<std::shared_ptr<Connection>> connections_;
   std::vector<std::string> faults_;
   bool is_over_ = false;
   std::condition_variable over_;

@@ -45,6 +45,7 @@ Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchO
       options_(options),
       callback_(std::move(callback)),
       watch_([this](const Event& event) { emit(event); }),
+      events_(options.capacity),
       event_topic_(connection_->participant(), connection_->options().name_space,
                    subject == WatchOf::fences ? wire_contract::kFenceEventTopic : wire_contract::kEventTopic),
       contact_topic_(connection_->participant(), connection_->options().name_space,
@@ -143,7 +144,7 @@ std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since)
   } catch (const std::runtime_error& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
   recorded_ =
       client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max(), client::EventOrder::sequence);
-  options_.capacity += recorded_.size();  // the caller could not have polled them yet
+  events_.grow(recorded_.size());  // the caller could not have polled them yet
   return std::nullopt;
 }
 
@@ -195,6 +196,8 @@ void Watch::State::work() {
     hear(message);
     resyncs_ = watch_.resyncs();
     in_step_ = watch_.in_step();
+    const std::lock_guard told_lock(told_mutex_);
+    told_through_ = watch_.emitted_through();
   }
 }
 
@@ -229,25 +232,7 @@ void Watch::State::emit(const Event& event) {
     callback_(event);
     return;
   }
-  {
-    const std::lock_guard lock(events_mutex_);
-    if (events_.size() >= std::max<std::size_t>(options_.capacity, 1)) {
-      events_.pop_front();
-      ++lost_;
-    }
-    events_.push_back(event);
-  }
-  event_came_.notify_one();
-}
-
-std::optional<Event> Watch::State::next(std::chrono::nanoseconds wait) {
-  std::unique_lock lock(events_mutex_);
-  // An endless wait would overflow the clock, so it is cut to a year.
-  const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  if (!event_came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) { return std::nullopt; }
-  Event event = std::move(events_.front());
-  events_.pop_front();
-  return event;
+  events_.push(event);
 }
 
 }  // namespace collided

@@ -6,10 +6,12 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
 
 #include "client/library/connection/connection.hpp"
+#include "client/library/watching/event_queue.hpp"
 #include "client/library/watching/watch_state.hpp"
 
 namespace collided {
@@ -23,12 +25,17 @@ struct [[gnu::visibility("hidden")]] Watch::State {
                                               WatchOf subject = WatchOf::contacts);
   ~State();
 
-  std::optional<Event> next(std::chrono::nanoseconds wait);
-  std::uint64_t lost() const { return lost_; }
+  std::optional<Event> next(std::chrono::nanoseconds wait) { return events_.next(wait); }
+  std::uint64_t lost() const { return events_.lost(); }
   std::uint64_t resyncs() const { return resyncs_; }
   std::size_t open_contacts() const { return open_contacts_; }
   bool connected() const { return !connection_->pulse().silent(); }
   bool in_step() const { return in_step_; }
+  /// WatchState::emitted_through(): those events have been passed on.
+  std::optional<client::EventPlace> told_through() const {
+    const std::lock_guard lock(told_mutex_);
+    return told_through_;
+  }
   std::chrono::nanoseconds tells_since() const { return tells_since_; }
 
  private:
@@ -66,7 +73,8 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   bool is_hearing_recorded_ = false;
   std::atomic<std::uint64_t> resyncs_{0};
   std::atomic<bool> in_step_{false};
-  std::atomic<std::uint64_t> lost_{0};
+  mutable std::mutex told_mutex_;
+  std::optional<client::EventPlace> told_through_;
   std::atomic<std::size_t> open_contacts_{0};
 
   std::atomic<bool> has_readers_{false};
@@ -78,9 +86,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::deque<Message> messages_;
   bool ending_ = false;
 
-  std::mutex events_mutex_;
-  std::condition_variable event_came_;
-  std::deque<Event> events_;
+  client::EventQueue events_;
 
   dds::Topic<wire::EventFrame> event_topic_;
   dds::Topic<wire::ContactShard> contact_topic_;

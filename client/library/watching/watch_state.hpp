@@ -30,6 +30,12 @@ struct ServerLife {
   bool operator==(const ServerLife&) const = default;
 };
 
+/// An event of a server, by its number.
+struct EventPlace {
+  std::uint64_t epoch = 0;
+  std::uint64_t sequence = 0;
+};
+
 /// A frame of events, each of kind began or ended; on the topic of contacts that go on, persisted. Event i has the
 /// sequence number first_sequence + i.
 struct HeardFrame {
@@ -84,6 +90,10 @@ class WatchState {
   void hear_persisted(const HeardFrame& frame);
 
   bool in_step() const { return mode_ == Mode::in_step; }
+  /// Up to which event, of which epoch, everything has been emitted; nothing while it is not in step.
+  std::optional<EventPlace> emitted_through() const {
+    return in_step() ? std::optional(EventPlace{life_->epoch, applied_}) : std::nullopt;
+  }
   std::uint64_t resyncs() const { return resyncs_; }
 
  private:

@@ -134,7 +134,7 @@ Commands::Change Commands::change_of(std::string_view command) {
       {names::kLeftOut, &Commands::left_out}, {names::kFence, &Commands::fence},
       {names::kFences, &Commands::fences},    {names::kAllow, &Commands::allow},
       {names::kDeny, &Commands::deny},        {names::kAttach, &Commands::attach},
-      {names::kDetach, &Commands::detach},
+      {names::kDetach, &Commands::detach},    {names::kSettled, &Commands::settled},
   };
   const auto found = std::ranges::find(kChanges, command, &std::pair<std::string, Change>::first);
   return found == kChanges.end() ? nullptr : found->second;
@@ -194,7 +194,8 @@ void Commands::run(CommandAsk ask) {
         names::kProbe,      names::kProbes,    names::kFigures,   names::kSteps,  names::kShapes,  names::kSurface,
         names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload,  names::kPiece,
         names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences,  names::kAllow,
-        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled, names::kHandOver};
+        names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled, names::kHandOver,
+        names::kSettled};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -204,7 +205,7 @@ void Commands::run(CommandAsk ask) {
 void Commands::on_world_thread(CommandAsk ask, Change change, bool is_durable) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = change != &Commands::get && change != &Commands::probes && change != &Commands::left_out &&
-                         change != &Commands::fences;
+                         change != &Commands::fences && change != &Commands::settled;
   once_there_is_room(*shared, is_durable && is_change, [this, shared, change, is_change, is_durable] {
     const bool taken = with_.inbox.push_job([this, shared, change, is_change, is_durable] {
       const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
@@ -318,6 +319,14 @@ json Commands::left_out(const CommandAsk&, const Arguments& arguments) {
   for (const Publishers::LeftOut& object : with_.loop.publishers().left_out(publisher, kMost))
     objects.push_back({{"name", object.name}, {"why", object.why}});
   return {{"objects", objects}, {"version", with_.loop.world().newest()->version}};
+}
+
+json Commands::settled(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({});
+  const SnapshotRing::Lease newest = with_.loop.world().newest();
+  return {{"settled_ns", with_.loop.settled_ns()},
+          {"event_sequence", with_.loop.world().last_event_sequence()},
+          {"epoch", newest->epoch}};
 }
 
 // ---- commands that change the world

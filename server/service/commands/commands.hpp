@@ -129,6 +129,7 @@ class Commands {
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json settled(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);

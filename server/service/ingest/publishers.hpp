@@ -97,6 +97,7 @@ class Publishers {
 
   /// How many batches and definitions changed the world since the last call: what the next step stands for.
   std::uint64_t take_changes();
+  bool has_changes() const { return changes_ > 0; }
   /// Sentences for the log since the last call: eight at most, then one with the number of the rest.
   std::vector<std::string> take_notices();
   const PublisherCounts& counts() const { return counts_; }
@@ -136,7 +137,8 @@ class Publishers {
   /// Where a record's object is. gone: removed, or never accepted. waits_for_name: another object has its name, or none
   /// that could be claimed.
   /// taken_away: it left the world with its lost publisher and returns with it.
-  enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
+  /// waits_for_instant: it enters with the next instant (kEntersWithInstant).
+  enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away, waits_for_instant };
   /// What a pose without a velocity does not touch; apart, so that a Record stays small.
   struct Described {
     ObjectDefinition definition;  // its pose is that of the record, which is newer
@@ -168,9 +170,10 @@ class Publishers {
     ObjectNumbers<Record> objects;
     // While it is lost and others take its names: its objects that were in the world when the first one did.
     std::unordered_map<ObjectId, std::uint32_t> numbers_while_lost;
-    std::deque<PoseSample> parked;  // wait for definitions, oldest first
-    std::vector<PoseSample> parts;  // batches of an instant whose last batch has not come
-    std::int64_t heard_ns = 0;      // its last sample, server's clock
+    std::deque<PoseSample> parked;        // wait for definitions, oldest first
+    std::vector<PoseSample> parts;        // batches of an instant whose last batch has not come
+    std::vector<std::uint32_t> entering;  // numbers of objects that wait for an instant, and of some that no longer do
+    std::int64_t heard_ns = 0;            // its last sample, server's clock
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // its writer of definitions lives
     bool pose_writer = false;
@@ -193,6 +196,7 @@ class Publishers {
   bool is_there_already(const Record& record, const DefinitionSample& sample) const;
   void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
   void enter(Publisher& publisher, Record& record);
+  void enter_with_instant(Publisher& publisher, std::uint64_t definitions_through);
   void make_lost_give_way(std::string_view name);
   std::string why_waits(const Record& record) const;
   void wait(const Publisher& publisher, Record& record, std::string why);

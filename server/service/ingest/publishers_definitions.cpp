@@ -128,7 +128,23 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                                   .solid = std::move(sample.solid),
                                   .winding = std::move(sample.winding)};
   record.has_velocity = false;
-  enter(publisher, record);
+  if (!sample.enters_with_instant) return enter(publisher, record);
+  record.place = Place::waits_for_instant;
+  publisher.entering.push_back(record.number);
+  ++counts_.definitions_applied;
+}
+
+/// Puts objects into the world that were elsewhere, as of their publisher's last instant: the next one, which knows their
+/// definitions, is at hand.
+void Publishers::enter_with_instant(Publisher& publisher, std::uint64_t definitions_through) {
+  std::erase_if(publisher.entering, [&](std::uint32_t number) {
+    Record* const record = publisher.objects.find(number);
+    if (record == nullptr || record->place != Place::waits_for_instant) return true;
+    if (record->definition_sequence > definitions_through) return false;
+    --counts_.definitions_applied;  // counted again as it enters
+    enter(publisher, *record);
+    return true;
+  });
 }
 
 /// Puts a defined object into the world, or lets it wait until its name is free. A claim takes over the object of that

@@ -22,7 +22,8 @@ struct DefinitionSample {
   bool removed = false;
   std::string not_allowed;  // why the keys of its publisher do not allow it; empty: they do
   bool moving = true;
-  std::uint8_t lost_policy = 0;  // LostPolicy, not checked yet
+  std::uint8_t lost_policy = 0;      // LostPolicy, not checked yet
+  bool enters_with_instant = false;  // kEntersWithInstant in topics.hpp
   std::string publisher_name;
   std::string name;
   Filter filter;

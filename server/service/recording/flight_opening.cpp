@@ -99,7 +99,8 @@ void FlightOpening::fold(const wire::Definition& definition) {
   }
   bytes_ += bytes.size();
   ++objects_;
-  publisher->objects[definition.object_number] = {definition.sequence_number, definition.lost_policy, definition.moving,
+  const std::uint8_t policy = definition.lost_policy & static_cast<std::uint8_t>(~wire_contract::kEntersWithInstant);
+  publisher->objects[definition.object_number] = {definition.sequence_number, policy, definition.moving,
                                                   definition.name, std::move(bytes)};
 }
 

@@ -5,7 +5,7 @@
 
 namespace collided::engine {
 
-std::uint32_t Sources::add_object(std::uint64_t publisher) {
+std::uint32_t Sources::take_number(std::uint64_t publisher) {
   const auto [entry, is_new] = numbers_.try_emplace(publisher, 0);
   if (is_new) {
     if (free_.empty()) {
@@ -17,19 +17,34 @@ std::uint32_t Sources::add_object(std::uint64_t publisher) {
     }
     sources_[entry->second] = {.publisher = publisher, .instants = {}};
   }
-  Source& source = sources_[entry->second];
-  if (++source.object_count > 1) return entry->second;
+  return entry->second;
+}
+
+/// Time below the floor is decided, so the source counts as known up to there.
+void Sources::begin_use(Source& source) {
   ++used_count_;
-  // Time below the floor is decided, so the new object's source counts as known up to there.
   source.known_ns = std::max(source.known_ns, floor_ns_);
   source.settled_ns = std::max(source.settled_ns, floor_ns_);
-  return entry->second;
+}
+
+std::uint32_t Sources::add_object(std::uint64_t publisher) {
+  const std::uint32_t number = take_number(publisher);
+  if (!sources_[number].is_used()) begin_use(sources_[number]);
+  ++sources_[number].object_count;
+  return number;
+}
+
+void Sources::expect_objects(std::uint64_t publisher) {
+  Source& source = sources_[take_number(publisher)];
+  if (!source.is_used()) begin_use(source);
+  source.may_bring = true;
 }
 
 /// A publisher that still gives instants keeps its source: it may define an object again, and its settled time must
 /// hold.
 void Sources::remove_object(std::uint32_t source) {
-  if (--sources_[source].object_count > 0) return;
+  --sources_[source].object_count;
+  if (sources_[source].is_used()) return;
   --used_count_;
   if (!sources_[source].is_timed) release(source);
 }
@@ -68,8 +83,13 @@ std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int6
 void Sources::lose(std::uint64_t publisher) {
   const auto found = numbers_.find(publisher);
   if (found == numbers_.end()) return;
-  sources_[found->second].is_timed = false;
-  if (sources_[found->second].object_count == 0) release(found->second);
+  Source& source = sources_[found->second];
+  source.is_timed = false;
+  const bool was_used = source.is_used();
+  source.may_bring = false;
+  if (source.is_used()) return;
+  if (was_used) --used_count_;
+  release(found->second);
 }
 
 bool Sources::is_over_floor_again(const Source& source) const {
@@ -78,7 +98,7 @@ bool Sources::is_over_floor_again(const Source& source) const {
 
 bool Sources::is_any_behind_floor() const {
   return std::any_of(sources_.begin(), sources_.end(),
-                     [&](const Source& source) { return source.object_count > 0 && source.settled_of(0) < floor_ns_; });
+                     [&](const Source& source) { return source.is_used() && source.settled_of(0) < floor_ns_; });
 }
 
 void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
@@ -88,7 +108,7 @@ void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
   needs_common_time_ = is_any_open;
   is_any_over_floor_again_ = false;
   for (Source& source : sources_) {
-    if (source.object_count == 0) continue;
+    if (!source.is_used()) continue;
     is_any_timed = is_any_timed || source.is_timed || source.has_spoken;
     oldest_ns = std::min(oldest_ns, source.settled_ns);
     newest_ns = std::max(newest_ns, source.settled_ns);
@@ -107,7 +127,15 @@ void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
 std::int64_t Sources::settled_ns(std::int64_t world_time_ns) const {
   std::int64_t settled_ns = world_time_ns;
   for (const Source& source : sources_) {
-    if (source.object_count > 0) settled_ns = std::min(settled_ns, source.known_of(0));
+    if (source.is_used()) settled_ns = std::min(settled_ns, source.known_of(0));
+  }
+  return settled_ns;
+}
+
+std::int64_t Sources::settled_at_rest_ns(std::int64_t now_ns) const {
+  std::int64_t settled_ns = now_ns;
+  for (const Source& source : sources_) {
+    if (source.is_used() && source.is_timed) settled_ns = std::min(settled_ns, source.known_of(0));
   }
   return settled_ns;
 }
@@ -119,13 +147,13 @@ void Sources::end_step() {
     source.settled_ns = std::max(source.settled_ns, source.known_ns);
     source.posed_count = 0;
     source.has_own_motions = source.has_spoken = false;
-    if (source.object_count == 0) continue;
+    if (!source.is_used()) continue;
     newest_ns = std::max(newest_ns, source.settled_ns);
     oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));
   }
   if (used_count_ > 0) floor_ns_ = std::max({floor_ns_, oldest_ns, newest_ns - kLongestMemoryNs});
   for (Source& source : sources_) {
-    const std::int64_t unasked_ns = source.object_count == 0 ? source.known_ns : floor_ns_;
+    const std::int64_t unasked_ns = source.is_used() ? floor_ns_ : source.known_ns;
     std::erase_if(source.instants, [&](std::int64_t instant) { return instant <= unasked_ns; });
   }
 }

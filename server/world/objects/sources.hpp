@@ -25,6 +25,7 @@ struct Source {
   bool has_own_motions = false;
   bool has_spoken = false;       // the publisher gave an instant since the last step
   bool is_timed = false;         // the publisher gives instants; else its objects are known up to the step's own time
+  bool may_bring = false;        // objects of the publisher may come from elsewhere, with its next instant
   bool is_streamed = false;      // some of its objects are known only up to their own newest pose
   std::int64_t known_ns = 0;     // world time up to which its objects are known
   std::int64_t before_ns = 0;    // the instant before known_ns
@@ -33,6 +34,8 @@ struct Source {
   /// Ascending, from the oldest that another source still waits for: common time is cut at these instants.
   std::vector<std::int64_t> instants;
 
+  /// Whether time waits for it.
+  bool is_used() const { return object_count > 0 || may_bring; }
   /// The time to use for a pose or instant: decided time stays decided, so a repeated or late one moves to the next
   /// nanosecond.
   std::int64_t admitted(std::int64_t time_ns) const {
@@ -66,6 +69,9 @@ class Sources {
   std::uint32_t add_object(std::uint64_t publisher);
   /// Counts one object less.
   void remove_object(std::uint32_t source);
+  /// The publisher may bring objects that are elsewhere now: until it is lost, time waits for its instants as if it had
+  /// some here.
+  void expect_objects(std::uint64_t publisher);
 
   /// The publisher's statements up to this instant are complete; a past instant changes nothing. Returns the source's
   /// number where this is its first instant, ever or since it was lost: objects defined before begin at it.
@@ -103,16 +109,20 @@ class Sources {
   bool is_any_behind_floor() const;
   /// The newest instant at which all objects are known.
   std::int64_t settled_ns(std::int64_t world_time_ns) const;
+  /// The same after a step with nothing new since then: a source that gives no instants is known up to now_ns.
+  std::int64_t settled_at_rest_ns(std::int64_t now_ns) const;
   /// Pairs of another publisher may wait for this one's next instant.
   bool are_several() const { return used_count_ > 1; }
 
  private:
+  std::uint32_t take_number(std::uint64_t publisher);
+  void begin_use(Source& source);
   void release(std::uint32_t source);
 
   std::vector<Source> sources_;  // a free number leaves an empty one
   std::vector<std::uint32_t> free_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // by publisher
-  std::size_t used_count_ = 0;                                // that have objects
+  std::size_t used_count_ = 0;                                // for which time waits
   bool needs_common_time_ = false;
   bool is_any_over_floor_again_ = false;
   std::int64_t floor_ns_ = 0;

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collided/events.hpp"
+#include "idl/shards/shard_map.hpp"
+
+namespace collided::client {
+
+/// Makes one stream of contact events of those that several shards tell. It uses no DDS, threads or clocks.
+///
+/// What a shard tells of a pair is true of the pair for as long as it holds both objects, and at each instant of a contact
+/// a shard whose box has a point of it holds both. So a contact begins with the first `began` that a shard tells. It ends
+/// when one shard says so, for a reason that is the pair's: the others will say the same. That an object was removed may
+/// only mean that it has left a shard: so the contact ends for that reason when the last shard says so.
+///
+/// threads  one at a time
+/// Always: for every pair of names it tells `began` (or `open`) and `ended` in turn, with the names in order, and between
+/// them `contained` and `emerged` in turn.
+class EpisodeMerge {
+ public:
+  using Tell = std::function<void(const Event&)>;
+  EpisodeMerge(const shards::ShardMap& map, Tell tell) : map_(map), tell_(std::move(tell)) {}
+
+  /// Takes an event of a shard, in that shard's order.
+  void hear(std::size_t shard, const Event& event);
+  /// Tells what happened up to then: every shard that is there has been heard up to that world time.
+  void settle(std::chrono::nanoseconds through);
+
+  std::size_t open_contacts() const { return told_count_; }
+  /// How many events came after others of a later time had been told.
+  std::uint64_t late() const { return late_; }
+
+ private:
+  using Names = std::pair<std::string, std::string>;
+  struct HeardEvent {
+    std::chrono::nanoseconds at{0};
+    std::uint64_t order = 0;  // in which it came
+    std::size_t shard = 0;
+    Event event;
+  };
+  struct PairState {
+    shards::ShardSet open = 0;       // shards that say that the two touch
+    shards::ShardSet contained = 0;  // and that one lies within the other
+    bool is_told = false;
+    bool is_told_contained = false;
+    std::uint64_t episode = 0;
+    std::chrono::nanoseconds began{0};
+  };
+
+  void settle_instant(std::span<HeardEvent> instant);
+  void take_turn(PairState& pair, std::span<HeardEvent* const> turn);
+  static void note(PairState& pair, const HeardEvent& heard);
+  bool is_owner(const HeardEvent& heard) const;
+  int rank(const HeardEvent& heard) const;
+  const HeardEvent* chosen(std::span<HeardEvent* const> turn, EventKind kind) const;
+  void begin(PairState& pair, const HeardEvent& heard);
+  void tell(PairState& pair, Event event);
+
+  const shards::ShardMap& map_;
+  Tell tell_;
+  std::map<Names, std::vector<HeardEvent>> pending_;
+  std::map<Names, PairState> pairs_;
+  std::chrono::nanoseconds settled_{std::chrono::nanoseconds::min()};
+  std::uint64_t order_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::size_t told_count_ = 0;
+  std::uint64_t late_ = 0;
+};
+
+}  // namespace collided::client

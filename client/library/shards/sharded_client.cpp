@@ -1,0 +1,65 @@
+#include "client/library/connection/errors.hpp"
+#include "client/library/shards/shard_links.hpp"
+#include "client/library/shards/sharded_publishing.hpp"
+#include "client/library/shards/sharded_watching.hpp"
+#include "collided/shards.hpp"
+
+namespace collided {
+
+using std::chrono::nanoseconds;
+
+ShardedPublisher::ShardedPublisher(std::unique_ptr<client::ShardedPublishing> state) : state_(std::move(state)) {}
+ShardedPublisher::~ShardedPublisher() = default;
+ShardedPublisher::ShardedPublisher(ShardedPublisher&&) noexcept = default;
+ShardedPublisher& ShardedPublisher::operator=(ShardedPublisher&&) noexcept = default;
+
+Result<ShardedPublisher::Object> ShardedPublisher::add(const ObjectOptions& options) { return state_->add(options); }
+Result<void> ShardedPublisher::remove(Object object) { return state_->remove(object); }
+Result<void> ShardedPublisher::move(Object object, const Pose& pose, bool teleport) {
+  return state_->move(object, pose, teleport);
+}
+Result<void> ShardedPublisher::flush(nanoseconds source_time) { return state_->flush(source_time); }
+Result<void> ShardedPublisher::keep_alive() { return state_->keep_alive(); }
+Result<void> ShardedPublisher::wait_applied(nanoseconds timeout) { return state_->wait_applied(timeout); }
+std::size_t ShardedPublisher::copies() const { return state_->copies(); }
+
+ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : state_(std::move(state)) {}
+ShardedWatch::~ShardedWatch() = default;
+ShardedWatch::ShardedWatch(ShardedWatch&&) noexcept = default;
+ShardedWatch& ShardedWatch::operator=(ShardedWatch&&) noexcept = default;
+
+std::optional<Event> ShardedWatch::next(nanoseconds wait) { return state_->next(wait); }
+nanoseconds ShardedWatch::settled() const { return state_->settled(); }
+std::uint64_t ShardedWatch::lost() const { return state_->lost(); }
+std::uint64_t ShardedWatch::gaps() const { return state_->gaps(); }
+std::size_t ShardedWatch::open_contacts() const { return state_->open_contacts(); }
+
+ShardedClient::ShardedClient(std::shared_ptr<client::ShardLinks> links) : links_(std::move(links)) {}
+ShardedClient::~ShardedClient() = default;
+ShardedClient::ShardedClient(ShardedClient&&) noexcept = default;
+ShardedClient& ShardedClient::operator=(ShardedClient&&) noexcept = default;
+
+Result<ShardedClient> ShardedClient::connect(const std::string& map_file, const ConnectOptions& options) {
+  try {
+    Result<std::shared_ptr<client::ShardLinks>> links =
+        client::ShardLinks::open(shards::ShardMap::read(map_file), options);
+    if (!links) return links.error();
+    return ShardedClient(std::move(*links));
+  } catch (const shards::ShardMapError& wrong) { return client::bad_input(wrong.what()); }
+}
+
+Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions& options) {
+  Result<std::unique_ptr<client::ShardedPublishing>> state =
+      client::ShardedPublishing::start(links_, publisher_name, options);
+  if (!state) return state.error();
+  return ShardedPublisher(std::move(*state));
+}
+
+Result<ShardedWatch> ShardedClient::watch(const WatchOptions& options) {
+  if (options.persisted)
+    return client::bad_input("watch: contacts that go on are not told of a world on several shards");
+  if (options.since) return client::bad_input("watch: a world on several shards has no flight recorder of its own");
+  return ShardedWatch(std::make_unique<client::ShardedWatching>(links_, options));
+}
+
+}  // namespace collided

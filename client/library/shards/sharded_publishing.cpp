@@ -1,0 +1,388 @@
+#include "client/library/shards/sharded_publishing.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <utility>
+
+#include "client/library/asking/question_encoding.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/publisher.hpp"
+#include "client/library/shards/shape_reach.hpp"
+#include "idl/clocks.hpp"
+
+namespace collided::client {
+
+using shards::ShardBox;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+namespace {
+
+/// A shard that could not be joined is not tried again for so long.
+constexpr nanoseconds kTryAgain = std::chrono::seconds(1);
+/// A shard that had none of this publisher's objects has to have the first one before others may decide beyond its time.
+constexpr nanoseconds kEnterWait = milliseconds(250);
+
+template <class Visit>
+void for_each_shard(shards::ShardSet set, const Visit& visit) {
+  for (; set != 0; set &= set - 1) visit(static_cast<std::size_t>(std::countr_zero(set)));
+}
+
+}  // namespace
+
+ShardedPublishing::ShardedPublishing(std::shared_ptr<ShardLinks> links, const std::string& name,
+                                     const PublishOptions& options)
+    : links_(std::move(links)), name_(name), options_(options), members_(links_->map().size()) {
+  const shards::ShardMap& map = links_->map();
+  for (std::size_t shard = 0; shard < map.size(); ++shard) neighbours_.push_back(map.holders_of(map.held_by(shard)));
+}
+
+Result<std::unique_ptr<ShardedPublishing>> ShardedPublishing::start(std::shared_ptr<ShardLinks> links,
+                                                                    const std::string& name,
+                                                                    const PublishOptions& options) {
+  std::unique_ptr<ShardedPublishing> state(new ShardedPublishing(std::move(links), name, options));
+  // What a publisher may be called, and what its lease may be, the first one says.
+  for (std::size_t shard = 0; shard < state->members_.size(); ++shard) {
+    const std::shared_ptr<Client> client = state->links_->answers(shard) ? state->links_->shard(shard) : nullptr;
+    if (!client) continue;
+    Result<Publisher> first = client->publish(name, options);
+    if (!first) return first.error();
+    state->take_part(shard, std::move(*first));
+    break;
+  }
+  state->thread_ = std::thread([state = state.get()] { state->run(); });
+  return state;
+}
+
+ShardedPublishing::~ShardedPublishing() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  news_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+Error ShardedPublishing::unknown(Object object) const {
+  return bad_input("object " + std::to_string(object) + " was not added to this publisher, or is removed");
+}
+
+/// Around everything of an object on its way from one place to the other.
+ShardBox ShardedPublishing::box_around(const Vec3& a, const Vec3& b, double reach_m) const {
+  ShardBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[static_cast<std::size_t>(axis)] = std::min(a[axis], b[axis]);
+    box.high[static_cast<std::size_t>(axis)] = std::max(a[axis], b[axis]);
+  }
+  return shards::grown(box, reach_m);
+}
+
+// ---- the publishers of the shards
+
+/// Waits until this is a publisher of those shards that are there. The lock is given up meanwhile.
+void ShardedPublishing::join(ShardSet needed, std::unique_lock<std::mutex>& lock) {
+  const auto was_tried = [&](const ShardMember& member) { return Clock::now() - member.tried < kTryAgain; };
+  for_each_shard(needed, [&](std::size_t shard) {
+    const ShardMember& member = members_[shard];
+    if (member.publisher || !links_->answers(shard) || was_tried(member)) return;
+    wanted_ |= shards::set_of(shard);
+    news_.notify_all();
+    joined_.wait(lock, [&] { return member.publisher || was_tried(member) || is_over_; });
+  });
+}
+
+void ShardedPublishing::take_part(std::size_t shard, Publisher publisher) {
+  publisher.state_->announce();
+  members_[shard].publisher = std::make_unique<Publisher>(std::move(publisher));
+}
+
+/// Becomes a publisher of what objects may enter next, so that none waits for it at a border.
+void ShardedPublishing::join_ahead() {
+  ShardSet near = 0;
+  for (std::size_t shard = 0; shard < members_.size(); ++shard) {
+    if (members_[shard].objects > 0) near |= neighbours_[shard];
+  }
+  for_each_shard(near, [&](std::size_t shard) {
+    if (members_[shard].publisher || Clock::now() - members_[shard].tried < kTryAgain) return;
+    wanted_ |= shards::set_of(shard);
+  });
+  if (wanted_ != 0) news_.notify_all();
+}
+
+void ShardedPublishing::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    news_.wait(lock, [&] { return is_over_ || wanted_ != 0; });
+    if (is_over_) return;
+    const auto shard = static_cast<std::size_t>(std::countr_zero(wanted_));
+    const std::shared_ptr<Client> client = links_->answers(shard) ? links_->shard(shard) : nullptr;
+    std::optional<Publisher> publisher;
+    if (client) {
+      lock.unlock();
+      Result<Publisher> made = client->publish(name_, options_);
+      if (made) publisher = std::move(*made);
+      lock.lock();
+    }
+    wanted_ &= ~shards::set_of(shard);
+    if (publisher) take_part(shard, std::move(*publisher));
+    else members_[shard].tried = Clock::now();
+    joined_.notify_all();
+  }
+}
+
+// ---- which shard holds what
+
+std::size_t ShardedPublishing::place_of(const Copies& copies, std::size_t shard) {
+  return static_cast<std::size_t>(std::popcount(copies.held & (shards::set_of(shard) - 1)));
+}
+
+/// Defines an object in a shard where it was at the last flush: what waits is a motion from there.
+std::optional<Error> ShardedPublishing::enter(std::uint32_t number, std::size_t shard) {
+  const PublishedObject& object = objects_.at(number);
+  Copies& copies = copies_[number];
+  ObjectOptions options = object.options;
+  options.shape = copies.shape;
+  options.pose = object.sent;
+  const Result<Publisher::Object> added = members_[shard].publisher->state_->add(options, true);
+  if (!added) return added.error();
+  copies.handles.insert(copies.handles.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)), *added);
+  copies.held |= shards::set_of(shard);
+  ++members_[shard].objects;
+  return std::nullopt;
+}
+
+void ShardedPublishing::leave(std::uint32_t number, std::size_t shard) {
+  Copies& copies = copies_[number];
+  if ((copies.held & shards::set_of(shard)) == 0) return;
+  const std::size_t place = place_of(copies, shard);
+  // A shard that takes nothing now is asked again by the next flush.
+  if (!members_[shard].publisher->remove(copies.handles[place])) return;
+  copies.handles.erase(copies.handles.begin() + static_cast<std::ptrdiff_t>(place));
+  copies.held &= ~shards::set_of(shard);
+  --members_[shard].objects;
+}
+
+/// Removes objects from shards that they had left by the last flush and are still out of, by twice the margin: one that
+/// goes to and fro at a border is not defined again each time.
+void ShardedPublishing::drop_left() {
+  for (const auto& [number, shards_left] : left_) {
+    if (!objects_.at(number).used) continue;
+    for_each_shard(shards_left, [&, number = number](std::size_t shard) { leave(number, shard); });
+  }
+  left_.clear();
+}
+
+/// The shards on the ways of what moved since the last flush, and those that were not there when they were needed.
+ShardedPublishing::ShardSet ShardedPublishing::needed() const {
+  ShardSet needed = 0;
+  for (const std::uint32_t number : objects_.waiting()) needed |= holders_on_way(number) & ~copies_[number].held;
+  return needed;
+}
+
+ShardedPublishing::ShardSet ShardedPublishing::holders_on_way(std::uint32_t number) const {
+  const PublishedObject& object = objects_.at(number);
+  const bool is_teleported = object.waiting == PublishedObject::Waiting::teleported;
+  const Vec3& to = object.options.pose.position;
+  return links_->map().holders_of(box_around(is_teleported ? to : object.sent.position, to, copies_[number].reach_m));
+}
+
+/// Shards that were not there when they were needed, and are now, get what they should hold.
+ShardedPublishing::ShardSet ShardedPublishing::fill_missing() {
+  ShardSet filled = 0;
+  for_each_shard(missing_, [&](std::size_t shard) {
+    if (members_[shard].publisher) filled |= shards::set_of(shard);
+    else if (links_->answers(shard)) wanted_ |= shards::set_of(shard);
+  });
+  for (std::uint32_t number = 0; filled != 0 && number < objects_.numbers_used(); ++number) {
+    const PublishedObject& object = objects_.at(number);
+    if (!object.used) continue;
+    const Vec3& at = object.sent.position;
+    const ShardSet holders = links_->map().holders_of(box_around(at, at, copies_[number].reach_m));
+    for_each_shard(holders & filled & ~copies_[number].held, [&](std::size_t shard) { enter(number, shard); });
+  }
+  missing_ &= ~filled;
+  return filled;
+}
+
+/// Has the shards on the ways of what moved hold it, and tells them when it was where it was.
+std::optional<Error> ShardedPublishing::enter_all(ShardSet& entered) {
+  std::optional<Error> failed;
+  for (const std::uint32_t number : objects_.waiting()) {
+    for_each_shard(holders_on_way(number) & ~copies_[number].held, [&](std::size_t shard) {
+      if (!members_[shard].publisher) {
+        missing_ |= shards::set_of(shard);
+      } else if (auto error = enter(number, shard)) {
+        failed = std::move(error);
+      } else {
+        entered |= shards::set_of(shard);
+      }
+    });
+  }
+  // A shard that has had objects of this publisher all the while has heard of that instant.
+  for_each_shard(entered, [&](std::size_t shard) {
+    ShardMember& member = members_[shard];
+    if (flushed_.count() == 0 || member.flushed == flushed_ || !links_->answers(shard)) return;
+    if (auto said = member.publisher->flush(flushed_); !said) failed = said.error();
+  });
+  return failed;
+}
+
+/// Hands the new pose of an object to the shards that hold it; flush() sends it.
+std::optional<Error> ShardedPublishing::move_copies(std::uint32_t number) {
+  const bool is_teleported = objects_.at(number).waiting == PublishedObject::Waiting::teleported;
+  const Copies& copies = copies_[number];
+  std::optional<Error> failed;
+  for_each_shard(copies.held, [&](std::size_t shard) {
+    ShardMember& member = members_[shard];
+    const Result<void> moved = member.publisher->move(
+        copies.handles[place_of(copies, shard)], objects_.at(number).options.pose, is_teleported || member.was_away);
+    if (!moved && !failed && links_->answers(shard)) failed = moved.error();
+  });
+  return failed;
+}
+
+std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds instant, bool is_entered) {
+  ShardMember& member = members_[shard];
+  if (!member.publisher) return std::nullopt;
+  if (!links_->answers(shard)) {
+    member.was_away = true;
+    return std::nullopt;
+  }
+  const bool is_first = is_entered && member.flushed != flushed_;
+  if (auto said = member.publisher->flush(instant); !said) return said.error();
+  member.flushed = instant;
+  member.was_away = false;
+  // The others must not decide beyond this instant before this shard knows of it.
+  if (is_first) static_cast<void>(member.publisher->wait_applied(kEnterWait));
+  return std::nullopt;
+}
+
+/// Which of the objects that moved are out of a shard that holds them.
+void ShardedPublishing::note_left() {
+  const shards::ShardMap& map = links_->map();
+  for (const std::uint32_t number : objects_.waiting()) {
+    const Copies& copies = copies_[number];
+    if (std::has_single_bit(copies.held)) continue;
+    const Vec3& at = objects_.at(number).options.pose.position;
+    const ShardSet near = map.holders_of(box_around(at, at, copies.reach_m + map.margin_m()));
+    if ((copies.held & ~near) != 0) left_.emplace_back(number, copies.held & ~near);
+  }
+}
+
+// ---- what the user calls
+
+Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& options) {
+  std::unique_lock lock(mutex_);
+  if (objects_.has_name(options.name)) {
+    return bad_input("object '" + options.name + "': this publisher has an object of that name already");
+  }
+  const std::optional<Object> object = objects_.add(options, {});
+  if (!object) {
+    return bad_input("object '" + options.name + "': a publisher holds at most " +
+                     std::to_string(PublishedObjects::kMost) + " objects");
+  }
+  const std::uint32_t number = PublishedObjects::number(*object);
+  if (number >= copies_.size()) copies_.resize(number + 1);
+  copies_[number] = {.shape = options.shape, .reach_m = reach_of(options.shape, options.scale), .handles = {}};
+  const Vec3& at = options.pose.position;
+  const ShardSet holders = links_->map().holders_of(box_around(at, at, copies_[number].reach_m));
+  join(holders, lock);
+  std::optional<Error> failed;
+  for_each_shard(holders, [&](std::size_t shard) {
+    if (!members_[shard].publisher) missing_ |= shards::set_of(shard);
+    else if (!failed) failed = enter(number, shard);
+  });
+  join_ahead();
+  if (!failed) {
+    new_in_ |= copies_[number].held;
+    return *object;
+  }
+  for_each_shard(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
+  objects_.remove(*object);
+  return *failed;
+}
+
+Result<void> ShardedPublishing::remove(Object object) {
+  const std::lock_guard lock(mutex_);
+  if (objects_.find(object) == nullptr) return unknown(object);
+  const std::uint32_t number = PublishedObjects::number(object);
+  for_each_shard(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
+  if (copies_[number].held != 0) {
+    return Error{ErrorCode::timeout, "publish: a shard takes nothing more", "the object stays there; remove it again"};
+  }
+  copies_[number] = {};
+  objects_.remove(object);
+  return {};
+}
+
+Result<void> ShardedPublishing::move(Object object, const Pose& pose, bool teleport) {
+  const std::lock_guard lock(mutex_);
+  const PublishedObject* const moved = objects_.find(object);
+  if (moved == nullptr) return unknown(object);
+  std::optional<std::string> reason = finite_fault(pose.position, "position");
+  if (!reason) reason = rotation_fault(pose.rotation);
+  if (reason) { return bad_input("object '" + moved->options.name + "': " + *reason, "its pose is as before"); }
+  if (!moved->options.moving) {
+    return bad_input("object '" + moved->options.name + "' was added as static", "its pose is as before");
+  }
+  objects_.set_pose(object, pose, teleport);
+  return {};
+}
+
+Result<void> ShardedPublishing::flush(nanoseconds source_time) {
+  std::unique_lock lock(mutex_);
+  const nanoseconds said = source_time.count() != 0 ? source_time : nanoseconds(wire_contract::since_1970_ns());
+  const nanoseconds instant = std::max(said, flushed_ + nanoseconds(1));
+  drop_left();
+  join(needed(), lock);
+  ShardSet entered = fill_missing() | std::exchange(new_in_, 0);
+  std::optional<Error> failed = enter_all(entered);
+  const auto note = [&](std::optional<Error> error) {
+    if (error && !failed) failed = std::move(error);
+  };
+  for (const std::uint32_t number : objects_.waiting()) note(move_copies(number));
+  note_left();
+  for_each_shard(entered, [&](std::size_t shard) { note(tell(shard, instant, true)); });
+  for_each_shard(links_->map().all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
+  objects_.mark_sent(objects_.waiting().size());
+  flushed_ = instant;
+  join_ahead();
+  if (failed) return *failed;
+  return {};
+}
+
+Result<void> ShardedPublishing::keep_alive() {
+  const std::lock_guard lock(mutex_);
+  std::optional<Error> failed;
+  for (std::size_t shard = 0; shard < members_.size(); ++shard) {
+    if (!members_[shard].publisher || !links_->answers(shard)) continue;
+    if (auto said = members_[shard].publisher->keep_alive(); !said && !failed) failed = said.error();
+  }
+  if (failed) return *failed;
+  return {};
+}
+
+Result<void> ShardedPublishing::wait_applied(nanoseconds timeout) {
+  const Clock::time_point deadline = Clock::now() + timeout;
+  const std::lock_guard lock(mutex_);
+  for (std::size_t shard = 0; shard < members_.size(); ++shard) {
+    if (!members_[shard].publisher || !links_->answers(shard)) continue;
+    const nanoseconds left = std::max<nanoseconds>(deadline - Clock::now(), milliseconds(1));
+    if (auto applied = members_[shard].publisher->wait_applied(left); !applied) {
+      Error error = applied.error();
+      error.message = "shard '" + links_->map().at(shard).name + "': " + error.message;
+      return error;
+    }
+  }
+  return {};
+}
+
+std::size_t ShardedPublishing::copies() const {
+  const std::lock_guard lock(mutex_);
+  std::size_t count = 0;
+  for (const ShardMember& member : members_) count += member.objects;
+  return count;
+}
+
+}  // namespace collided::client

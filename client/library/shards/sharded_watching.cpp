@@ -1,0 +1,124 @@
+#include "client/library/shards/sharded_watching.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "client/library/commands/command.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::client {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+namespace {
+
+/// Between two rounds. An event waits for two of them.
+constexpr nanoseconds kRound = milliseconds(20);
+constexpr nanoseconds kAskTimeout = milliseconds(250);
+
+}  // namespace
+
+ShardedWatching::ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options)
+    : links_(std::move(links)),
+      options_(options),
+      shards_(links_->map().size()),
+      merge_(links_->map(), [this](const Event& event) { events_.push(event); }),
+      events_(options.capacity),
+      thread_([this] { run(); }) {}
+
+ShardedWatching::~ShardedWatching() {
+  {
+    const std::lock_guard lock(over_mutex_);
+    is_over_ = true;
+  }
+  over_came_.notify_all();
+  thread_.join();
+}
+
+/// Returns true when it is over.
+bool ShardedWatching::sleep() {
+  std::unique_lock lock(over_mutex_);
+  return over_came_.wait_for(lock, kRound, [this] { return is_over_; });
+}
+
+void ShardedWatching::run() {
+  while (!sleep()) {
+    if (!may_settle_ || has_heard_all()) {
+      std::vector<ShardEvent> heard;
+      {
+        const std::lock_guard lock(heard_mutex_);
+        heard.swap(heard_);
+      }
+      for (const ShardEvent& one : heard) merge_.hear(one.shard, one.event);
+      if (may_settle_) {
+        merge_.settle(*may_settle_);
+        settled_ns_ = std::max<std::int64_t>(settled_ns_, may_settle_->count());
+        open_contacts_ = merge_.open_contacts();
+      }
+      ask_all();
+    }
+    for (std::size_t shard = 0; shard < shards_.size(); ++shard) count_gaps(shard);
+  }
+}
+
+/// A round: how far has each shard come? What all had decided in the round before may be told once what each one has told
+/// by now has been heard: what a shard was given before another went on is in that.
+void ShardedWatching::ask_all() {
+  nanoseconds all_decided = nanoseconds::max();
+  for (const WatchedShard& shard : shards_) {
+    if (shard.now) all_decided = std::min(all_decided, shard.now->settled);
+  }
+  const shards::ShardSet before = std::exchange(there_, 0);
+  for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
+    if (!shards_[shard].watch) watch_new(shard);
+    shards_[shard].now = ask(shard);
+    if (shards_[shard].now) there_ |= shards::set_of(shard);
+  }
+  // One that has come or gone since then was not in that round.
+  const bool is_same = before == there_ && all_decided != nanoseconds::max();
+  may_settle_ = is_same ? std::optional(all_decided) : std::nullopt;
+}
+
+bool ShardedWatching::has_heard_all() const {
+  return std::ranges::all_of(shards_, [](const WatchedShard& shard) {
+    if (!shard.now || !shard.watch->connected()) return true;
+    const std::optional<EventPlace> through = shard.watch->told_through();
+    return through && through->epoch == shard.now->told.epoch && through->sequence >= shard.now->told.sequence;
+  });
+}
+
+void ShardedWatching::watch_new(std::size_t shard) {
+  if (!links_->answers(shard)) return;
+  const auto callback = [this, shard](const Event& event) {
+    const std::lock_guard lock(heard_mutex_);
+    heard_.push_back({shard, event});
+  };
+  Result<std::unique_ptr<Watch::State>> watch =
+      Watch::State::start(links_->connection(shard), {.only = options_.only, .skip = options_.skip}, callback);
+  if (watch) shards_[shard].watch = std::move(*watch);
+}
+
+std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t shard) {
+  if (!shards_[shard].watch || !shards_[shard].watch->in_step() || !links_->answers(shard)) return std::nullopt;
+  const Result<std::string> answer =
+      command(*links_->connection(shard), wire_contract::command::kSettled, nlohmann::json::object(), kAskTimeout);
+  if (!answer) return std::nullopt;
+  const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
+  if (!said.is_object()) return std::nullopt;
+  return ShardProgress{.settled = nanoseconds(said.value("settled_ns", std::int64_t{0})),
+                       .told = {said.value("epoch", std::uint64_t{0}), said.value("event_sequence", std::uint64_t{0})}};
+}
+
+void ShardedWatching::count_gaps(std::size_t shard) {
+  WatchedShard& watched = shards_[shard];
+  if (!watched.watch) return;
+  const std::uint64_t resyncs = watched.watch->resyncs();
+  gaps_ += resyncs - std::exchange(watched.resyncs, resyncs);
+  const bool is_there = watched.watch->connected();
+  if (std::exchange(watched.was_there, is_there) && !is_there) ++gaps_;
+}
+
+}  // namespace collided::client

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "client/library/shards/episode_merge.hpp"
+#include "client/library/shards/shard_links.hpp"
+#include "client/library/watching/event_queue.hpp"
+#include "client/library/watching/watch.hpp"
+#include "collided/shards.hpp"
+
+namespace collided::client {
+
+/// A watch of each shard, and a thread that asks each one again and again how far it has decided. What every shard has
+/// decided, and told by the next time that it is asked, goes through EpisodeMerge to next().
+class [[gnu::visibility("hidden")]] ShardedWatching {
+ public:
+  ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options);
+  ~ShardedWatching();
+
+  std::optional<Event> next(std::chrono::nanoseconds wait) { return events_.next(wait); }
+  std::chrono::nanoseconds settled() const { return std::chrono::nanoseconds(settled_ns_.load()); }
+  std::uint64_t lost() const { return events_.lost(); }
+  std::uint64_t gaps() const { return gaps_; }
+  std::size_t open_contacts() const { return open_contacts_; }
+
+ private:
+  /// How far a shard had come when it was asked.
+  struct ShardProgress {
+    std::chrono::nanoseconds settled{0};
+    EventPlace told;
+  };
+  struct WatchedShard {
+    std::unique_ptr<Watch::State> watch;  // null: it was never there
+    std::optional<ShardProgress> now;     // by the newest round; none: it does not answer
+    bool was_there = false;
+    std::uint64_t resyncs = 0;  // that are in gaps_
+  };
+  struct ShardEvent {
+    std::size_t shard = 0;
+    Event event;
+  };
+
+  void run();
+  void watch_new(std::size_t shard);
+  std::optional<ShardProgress> ask(std::size_t shard);
+  void ask_all();
+  bool has_heard_all() const;
+  void count_gaps(std::size_t shard);
+  bool sleep();
+
+  const std::shared_ptr<ShardLinks> links_;
+  const WatchOptions options_;
+  // Of the thread.
+  std::vector<WatchedShard> shards_;
+  shards::ShardSet there_ = 0;                          // shards that answered in the newest round
+  std::optional<std::chrono::nanoseconds> may_settle_;  // by the round before
+  EpisodeMerge merge_;
+
+  std::mutex heard_mutex_;
+  std::vector<ShardEvent> heard_;  // since the merge took them last
+  EventQueue events_;
+  std::mutex over_mutex_;
+  std::condition_variable over_came_;
+  bool is_over_ = false;
+  std::atomic<std::int64_t> settled_ns_{0};
+  std::atomic<std::uint64_t> gaps_{0};
+  std::atomic<std::size_t> open_contacts_{0};
+  std::thread thread_;
+};
+
+}  // namespace collided::client

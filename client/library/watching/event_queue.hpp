@@ -1,0 +1,61 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+#include "client/library/connection/server_pulse.hpp"
+#include "collided/events.hpp"
+
+namespace collided::client {
+
+/// Events that wait to be polled. When it is full the oldest is dropped and counted.
+///
+/// threads  any
+class EventQueue {
+ public:
+  explicit EventQueue(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 1)) {}
+
+  void push(const Event& event) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (events_.size() >= capacity_) {
+        events_.pop_front();
+        ++lost_;
+      }
+      events_.push_back(event);
+    }
+    came_.notify_one();
+  }
+  std::optional<Event> next(std::chrono::nanoseconds wait) {
+    std::unique_lock lock(mutex_);
+    // An endless wait would overflow the clock, so it is cut to a year.
+    const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+    if (!came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) return std::nullopt;
+    Event event = std::move(events_.front());
+    events_.pop_front();
+    return event;
+  }
+  std::uint64_t lost() const {
+    const std::lock_guard lock(mutex_);
+    return lost_;
+  }
+  void grow(std::size_t by) {
+    const std::lock_guard lock(mutex_);
+    capacity_ += by;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<Event> events_;
+  std::size_t capacity_;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace collided::client

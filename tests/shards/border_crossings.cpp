@@ -1,0 +1,337 @@
+// Objects go to and fro across the borders of four shards, and the same ones in one server that holds everything:
+//   border_crossings SERVER CROSSINGS [SEED]
+// Two publishers with instants of their own tell both worlds the same poses at the same times. What a watch of the shards
+// tells must be what a watch of the one server tells: for each pair the same events in the same order at the same times.
+// Prints the figures, and exits 1 where an event was lost, told twice, told otherwise or out of order.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collided/shards.hpp"
+#include "idl/shards/shard_map.hpp"
+#include "tests/service/child_process.hpp"
+#include "tests/service/endurance/measuring.hpp"
+
+namespace collided::testing_support {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
+
+constexpr int kObjects = 48;  // of each publisher
+constexpr double kRange = 2;  // m, about the point where all shards meet
+constexpr auto kPatience = 60s;
+constexpr int kMostShown = 10;
+constexpr std::int64_t kCrossingsInRound = 10'000;
+
+// Four quarters about the z axis.
+constexpr const char* kMap = R"({"margin_m": 0.5, "shards": [
+  {"name": "a", "low": [null, null, null], "high": [0, 0, null]},
+  {"name": "b", "low": [0, null, null], "high": [null, 0, null]},
+  {"name": "c", "low": [null, 0, null], "high": [0, null, null]},
+  {"name": "d", "low": [0, 0, null], "high": [null, null, null]}]})";
+
+constexpr const char* kFloor = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3\nf 1 3 4\n";
+
+/// An event of a pair, whose names are in order.
+struct ToldEvent {
+  EventKind kind = EventKind::began;
+  EndReason reason = EndReason::none;
+  nanoseconds at{0};
+  Vec3 point = Vec3::Zero();
+  double depth_m = 0;
+  double depth_error_m = 0;
+};
+using Told = std::map<std::pair<std::string, std::string>, std::vector<ToldEvent>>;
+
+void note(const Event& event, Told& told) {
+  told[std::minmax(event.a, event.b)].push_back({.kind = event.kind,
+                                                 .reason = event.reason,
+                                                 .at = happened(event),
+                                                 .point = event.point,
+                                                 .depth_m = event.depth_m,
+                                                 .depth_error_m = event.depth_error_m});
+}
+
+/// An object that goes from wall to wall, turning at random.
+struct Walker {
+  Vec3 position;
+  Vec3 speed;  // m a tick
+  Quat rotation = Quat::Identity();
+  Publisher::Object whole = 0;
+  ShardedPublisher::Object sharded = 0;
+
+  void go(std::mt19937_64& random) {
+    std::normal_distribution<> turn(0, 0.01);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double range = axis == 2 ? kRange / 6 : kRange;
+      position[axis] += speed[axis];
+      if (std::abs(position[axis]) > range) speed[axis] = -std::copysign(speed[axis], position[axis]);
+    }
+    rotation = (rotation * Quat(1, turn(random), turn(random), turn(random))).normalized();
+  }
+};
+
+class BorderCrossings {
+ public:
+  BorderCrossings(const std::string& server, std::uint64_t seed) : random_(seed), domain_(own_domain()) {
+    const std::string file = folder_.path() + "/map.json";
+    std::ofstream(file) << kMap;
+    std::ofstream(folder_.path() + "/floor.obj") << kFloor;
+    start(server, "whole");
+    for (std::size_t i = 0; i < map_.size(); ++i) start(server, shards::shard_namespace("city", map_.at(i).name));
+    whole_.emplace(value_of(Client::connect({.domain = domain_, .name_space = "whole", .wait = 20s}), "connect"));
+    sharded_.emplace(
+        value_of(ShardedClient::connect(file, {.domain = domain_, .name_space = "city", .wait = 20s}), "connect"));
+    whole_watch_.emplace(value_of(whole_->watch({.capacity = 1 << 22}), "watch"));
+    sharded_watch_.emplace(value_of(sharded_->watch({.capacity = 1 << 22}), "watch"));
+    if (!wait_until([&] { return whole_watch_->in_step(); }, kPatience))
+      std::printf("the watch does not come in step\n");
+    for (int publisher = 0; publisher < 2; ++publisher) add_publisher(publisher);
+  }
+
+  /// Returns the number of faults.
+  int run(std::int64_t wanted) {
+    const auto started = SteadyClock::now();
+    while (crossings_ < wanted) {
+      go_until(std::min(wanted, crossings_ + kCrossingsInRound));
+      compare();
+    }
+    const double seconds = std::chrono::duration<double>(SteadyClock::now() - started).count();
+    std::printf(
+        "crossings=%lld ticks=%lld events=%zu lost=%d extra=%d differing=%d out_of_order=%d at_another_step=%d "
+        "gaps=%llu "
+        "copies=%zu of %d in %.1f s\n",
+        static_cast<long long>(crossings_), static_cast<long long>(ticks_), whole_count_, lost_, extra_, differing_,
+        out_of_order_, at_another_step_, static_cast<unsigned long long>(sharded_watch_->gaps()),
+        sources_[0].sharded->copies() + sources_[1].sharded->copies(), 2 * kObjects, seconds);
+    return faults_ + lost_ + extra_ + differing_ + out_of_order_;
+  }
+
+ private:
+  struct Source {
+    std::optional<Publisher> whole;
+    std::optional<ShardedPublisher> sharded;
+    std::vector<Walker> walkers;
+    nanoseconds instant{0};
+  };
+
+  void start(const std::string& server, const std::string& name_space) {
+    const std::string name = "server_" + std::to_string(servers_.size());
+    servers_.push_back(std::make_unique<ChildProcess>(
+        std::vector<std::string>{server, folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
+                                 "--namespace", name_space, "--state-dir", folder_.path() + "/" + name},
+        folder_.path(), name));
+    if (!servers_.back()->says("ready:", 20s)) std::printf("%s\n", servers_.back()->errors().c_str());
+  }
+
+  void add_publisher(int number) {
+    Source& source = sources_.emplace_back();
+    const std::string name = "publisher_" + std::to_string(number);
+    source.whole.emplace(value_of(whole_->publish(name, {.lease = 60s}), "publish"));
+    source.sharded.emplace(value_of(sharded_->publish(name, {.lease = 60s}), "publish"));
+    // Before a publisher's first instant its objects live by the server's clock, which is ahead of the stamps.
+    value_of(source.whole->add(
+                 {.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {9.0 * number, 0, 9}}}),
+             "add");
+    flush(source);
+    value_of(source.whole->wait_applied(kPatience), "wait");
+    std::this_thread::sleep_for(100ms);
+    flush(source);
+    std::uniform_real_distribution<> somewhere(-1, 1);
+    for (int i = 0; i < kObjects; ++i) {
+      // Apart from everything at first: when an object's life begins, its server's clock says.
+      const int place = number * kObjects + i;
+      Walker walker{.position = {-kRange + 0.7 * (place % 10), -kRange + 0.7 * (place / 10), 0.45},
+                    .speed = 0.2 * Vec3(somewhere(random_), somewhere(random_), somewhere(random_) / 6)};
+      Shape shape{SphereShape{.radius_m = 0.15}};
+      if (i % 3 == 1) shape = {BoxShape{.half_m = {0.2, 0.1, 0.15}}};
+      if (i % 3 == 2) shape = {CapsuleShape{.a = {-0.2, 0, 0}, .b = {0.2, 0, 0}, .radius_m = 0.1}};
+      const ObjectOptions options{.name = name + "_" + std::to_string(i), .shape = shape, .pose = pose_of(walker)};
+      walker.whole = value_of(source.whole->add(options), "add");
+      walker.sharded = value_of(source.sharded->add(options), "add");
+      source.walkers.push_back(walker);
+    }
+    flush(source);
+    value_of(source.whole->wait_applied(kPatience), "wait");
+    value_of(source.sharded->wait_applied(kPatience), "wait");
+  }
+
+  static Pose pose_of(const Walker& walker) { return {.position = walker.position, .rotation = walker.rotation}; }
+
+  void flush(Source& source) {
+    source.instant = std::max(wire_now(), source.instant + 1ms);
+    value_of(source.whole->flush(source.instant), "flush");
+    value_of(source.sharded->flush(source.instant), "flush");
+  }
+
+  static nanoseconds wire_now() { return std::chrono::system_clock::now().time_since_epoch(); }
+
+  /// Goes on until so many borders were crossed, and until everything is decided and told up to a last instant, at which
+  /// everything rests.
+  void go_until(std::int64_t crossings) {
+    for (; crossings_ < crossings; ++ticks_) {
+      for (Source& source : sources_) tick(source);
+      take();
+      if (ticks_ % 20 == 0) wait_applied();
+    }
+    for (int i = 0; i < 2; ++i) {
+      for (Source& source : sources_) tick(source, true);
+    }
+    wait_applied();
+    const nanoseconds last = std::min(sources_[0].instant, sources_[1].instant);
+    if (!wait_until([&] { return sharded_watch_->settled() >= last; }, kPatience)) {
+      std::printf("the shards do not decide up to the last instant\n");
+      ++faults_;
+    }
+    quieten();
+  }
+
+  void tick(Source& source, bool rests = false) {
+    for (Walker& walker : source.walkers) {
+      // Some rest for a while, as things do.
+      if (rests || random_() % 8 == 0) continue;
+      const std::size_t before = owner(walker);
+      walker.go(random_);
+      crossings_ += owner(walker) != before ? 1 : 0;
+      value_of(source.whole->move(walker.whole, pose_of(walker)), "move");
+      value_of(source.sharded->move(walker.sharded, pose_of(walker)), "move");
+    }
+    flush(source);
+  }
+
+  std::size_t owner(const Walker& walker) const {
+    return map_.owner_of({walker.position.x(), walker.position.y(), walker.position.z()});
+  }
+
+  void wait_applied() {
+    for (Source& source : sources_) {
+      value_of(source.whole->wait_applied(kPatience), "wait");
+      value_of(source.sharded->wait_applied(kPatience), "wait");
+    }
+    take();
+  }
+
+  void take() {
+    while (const std::optional<Event> event = whole_watch_->next(0s)) {
+      note(*event, whole_told_);
+      ++whole_count_;
+    }
+    while (const std::optional<Event> event = sharded_watch_->next(0s)) {
+      note(*event, sharded_told_);
+      if (happened(*event) + 2ns < newest_) ++out_of_order_;
+      newest_ = std::max(newest_, happened(*event));
+    }
+  }
+
+  /// Until nothing has come for a while, which is long beside a step and two rounds of the watch.
+  void quieten() {
+    std::size_t count = 0;
+    do {
+      count = whole_count_;
+      std::this_thread::sleep_for(500ms);
+      take();
+    } while (count != whole_count_);
+  }
+
+  void compare() {
+    for (const auto& [names, whole] : whole_told_) compare(names, whole, sharded_told_[names]);
+    for (const auto& [names, sharded] : sharded_told_) {
+      if (!whole_told_.contains(names)) compare(names, {}, sharded);
+    }
+    whole_told_.clear();
+    sharded_told_.clear();
+  }
+
+  void compare(const std::pair<std::string, std::string>& names, const std::vector<ToldEvent>& whole,
+               const std::vector<ToldEvent>& sharded) {
+    std::size_t i = 0;
+    std::size_t j = 0;
+    const auto is_same = [](const ToldEvent& a, const ToldEvent& b) {
+      return a.kind == b.kind && a.reason == b.reason && std::abs((a.at - b.at).count()) <= 2;
+    };
+    while (i < whole.size() || j < sharded.size()) {
+      if (i < whole.size() && j < sharded.size() && is_same(whole[i], sharded[j])) {
+        // The numbers are those of the poses up to which a server has come when it finds the event.
+        if (std::abs(whole[i].depth_m - sharded[j].depth_m) > whole[i].depth_error_m + sharded[j].depth_error_m)
+          ++at_another_step_;
+        ++i;
+        ++j;
+        continue;
+      }
+      const bool both = i < whole.size() && j < sharded.size();
+      if (both && whole[i].kind == sharded[j].kind) {
+        say(names, "differs", &whole[i++], &sharded[j++], differing_);
+      } else if (j == sharded.size() || (both && whole[i].at <= sharded[j].at)) {
+        say(names, "lost", &whole[i++], nullptr, lost_);
+      } else {
+        say(names, "extra", nullptr, &sharded[j++], extra_);
+      }
+    }
+  }
+
+  void say(const std::pair<std::string, std::string>& names, const char* what, const ToldEvent* whole,
+           const ToldEvent* sharded, int& count) {
+    if (++count > kMostShown) return;
+    const auto words = [&](const ToldEvent* told) {
+      if (told == nullptr) return std::string("-");
+      char text[200];
+      std::snprintf(text, sizeof(text), "kind %d reason %d at %.9f s before the end, at (%.3f %.3f %.3f)",
+                    static_cast<int>(told->kind), static_cast<int>(told->reason),
+                    std::chrono::duration<double>(sources_[0].instant - told->at).count(), told->point.x(),
+                    told->point.y(), told->point.z());
+      return std::string(text);
+    };
+    std::printf("%s and %s: %s: one server: %s; shards: %s\n", names.first.c_str(), names.second.c_str(), what,
+                words(whole).c_str(), words(sharded).c_str());
+  }
+
+  std::mt19937_64 random_;
+  const int domain_;
+  const shards::ShardMap map_ = shards::ShardMap::parse(kMap);
+  ScratchFolder folder_;
+  std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::optional<Client> whole_;
+  std::optional<ShardedClient> sharded_;
+  std::optional<Watch> whole_watch_;
+  std::optional<ShardedWatch> sharded_watch_;
+  std::vector<Source> sources_;
+  Told whole_told_;
+  Told sharded_told_;
+  std::size_t whole_count_ = 0;
+  std::int64_t crossings_ = 0;
+  std::int64_t ticks_ = 0;
+  nanoseconds newest_{0};
+  int faults_ = 0;
+  int lost_ = 0;
+  int extra_ = 0;
+  int differing_ = 0;
+  int out_of_order_ = 0;
+  int at_another_step_ = 0;
+};
+
+}  // namespace
+}  // namespace collided::testing_support
+
+int main(int count, char** words) {
+  if (count < 3) {
+    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED]\n");
+    return 2;
+  }
+  const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
+  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+  collided::testing_support::BorderCrossings crossings(words[1], seed);
+  return crossings.run(std::strtoll(words[2], nullptr, 10)) == 0 ? 0 : 1;
+}

@@ -1,0 +1,185 @@
+#include "client/library/shards/episode_merge.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ostream>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace collided::client {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr const char* kStrips = R"({"margin_m": 1, "shards": [
+  {"name": "a", "low": [null, null, null], "high": [0, null, null]},
+  {"name": "b", "low": [0, null, null], "high": [10, null, null]},
+  {"name": "c", "low": [10, null, null], "high": [null, null, null]}]})";
+
+Event event_of(EventKind kind, std::int64_t at_ns, double x, EndReason reason = EndReason::none) {
+  Event event{.kind = kind, .reason = reason, .a = "fork", .b = "wall", .world_time = nanoseconds(at_ns)};
+  event.point = {x, 0, 0};
+  return event;
+}
+
+struct ToldByMerge {
+  EventKind kind;
+  std::int64_t at_ns;
+  EndReason reason;
+  bool operator==(const ToldByMerge&) const = default;
+};
+void PrintTo(const ToldByMerge& told, std::ostream* out) {
+  *out << "kind " << static_cast<int>(told.kind) << " at " << told.at_ns << " reason " << static_cast<int>(told.reason);
+}
+
+class MergedEpisodes : public ::testing::Test {
+ protected:
+  std::vector<ToldByMerge> settle(std::int64_t through_ns) {
+    told_.clear();
+    merge_.settle(nanoseconds(through_ns));
+    return told_;
+  }
+
+  const shards::ShardMap map_ = shards::ShardMap::parse(kStrips);
+  std::vector<ToldByMerge> told_;
+  std::vector<Event> events_;
+  EpisodeMerge merge_{map_, [this](const Event& event) {
+                        told_.push_back({event.kind, happened(event).count(), event.reason});
+                        events_.push_back(event);
+                      }};
+};
+
+TEST_F(MergedEpisodes, WhatTwoShardsTellIsToldOnceByTheOneWithThePoint) {
+  Event other = event_of(EventKind::began, 1'001, 3);
+  std::swap(other.a, other.b);  // numbers, and so the order, differ from shard to shard
+  other.normal = {-1, 0, 0};
+  Event own = event_of(EventKind::began, 1'000, 3);
+  own.normal = {1, 0, 0};
+  own.depth_m = 0.5;
+  merge_.hear(0, other);
+  merge_.hear(1, own);
+  EXPECT_TRUE(settle(999).empty());
+  EXPECT_EQ(settle(2'000), (std::vector<ToldByMerge>{{EventKind::began, 1'000, EndReason::none}}));
+  EXPECT_EQ(events_.front().depth_m, 0.5);
+  EXPECT_EQ(events_.front().a, "fork");
+  EXPECT_EQ(merge_.open_contacts(), 1u);
+  merge_.hear(1, event_of(EventKind::ended, 3'000, 4, EndReason::separated));
+  merge_.hear(0, event_of(EventKind::ended, 3'001, 4, EndReason::separated));
+  EXPECT_EQ(settle(4'000), (std::vector<ToldByMerge>{{EventKind::ended, 3'000, EndReason::separated}}));
+  EXPECT_EQ(events_.back().episode, events_.front().sequence);
+  EXPECT_EQ(merge_.open_contacts(), 0u);
+}
+
+TEST_F(MergedEpisodes, OneThatGoesFromShardToShardStaysOpen) {
+  merge_.hear(0, event_of(EventKind::began, 1'000, -3));
+  merge_.hear(1, event_of(EventKind::began, 5'000, -1));  // it enters while the two touch
+  merge_.hear(0, event_of(EventKind::ended, 9'000, -1, EndReason::removed));
+  merge_.hear(2, event_of(EventKind::began, 9'500, 9));
+  merge_.hear(1, event_of(EventKind::ended, 12'000, 11, EndReason::removed));
+  merge_.hear(2, event_of(EventKind::ended, 15'000, 20, EndReason::separated));
+  EXPECT_EQ(settle(20'000), (std::vector<ToldByMerge>{{EventKind::began, 1'000, EndReason::none},
+                                                      {EventKind::ended, 15'000, EndReason::separated}}));
+}
+
+TEST_F(MergedEpisodes, ARemovalByTheServersClockDoesNotUndoWhatComesBack) {
+  merge_.hear(0, event_of(EventKind::began, 1'000, -3));
+  merge_.hear(1, event_of(EventKind::began, 1'000, -3));
+  merge_.hear(1, event_of(EventKind::ended, 9'000, -3, EndReason::removed));  // its server's clock is ahead
+  merge_.hear(1, event_of(EventKind::began, 6'000, -1));
+  merge_.hear(0, event_of(EventKind::ended, 7'000, 1, EndReason::removed));
+  EXPECT_EQ(settle(20'000), (std::vector<ToldByMerge>{{EventKind::began, 1'000, EndReason::none}}));
+}
+
+TEST_F(MergedEpisodes, WhatIsRemovedEverywhereHasEnded) {
+  for (const std::size_t shard : {0, 1}) merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
+  for (const std::size_t shard : {0, 1})
+    merge_.hear(shard,
+                event_of(EventKind::ended, 4'000 + static_cast<std::int64_t>(shard) * 100, 0, EndReason::removed));
+  const std::vector<ToldByMerge> told = settle(20'000);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told.back().kind, EventKind::ended);
+  EXPECT_EQ(told.back().reason, EndReason::removed);
+}
+
+TEST_F(MergedEpisodes, ANewShapeEndsAndBeginsInEveryShard) {
+  for (const std::size_t shard : {0, 1}) {
+    merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
+    merge_.hear(shard, event_of(EventKind::ended, 2'000, 0, EndReason::geometry_changed));
+    merge_.hear(shard, event_of(EventKind::began, 2'000, 0));
+  }
+  EXPECT_EQ(settle(20'000), (std::vector<ToldByMerge>{{EventKind::began, 1'000, EndReason::none},
+                                                      {EventKind::ended, 2'000, EndReason::geometry_changed},
+                                                      {EventKind::began, 2'000, EndReason::none}}));
+}
+
+/// The truth is a list of contacts. Each shard holds the pair for some stretches, together at all times, and tells what it
+/// sees: what it finds when it is given the pair, and a removal when it is taken away, by a clock of its own. In order for
+/// each shard, mixed at random between them. The merged stream must be the truth.
+TEST_F(MergedEpisodes, AreTheTruthWhateverTheShardsHold) {
+  const char* const given = std::getenv("COLLIDED_SEED");
+  const std::uint64_t seed = given != nullptr ? std::strtoull(given, nullptr, 10) : 28;
+  for (std::uint64_t round = 0; round < 3'000; ++round) {
+    SCOPED_TRACE("COLLIDED_SEED=" + std::to_string(seed + round));
+    std::mt19937_64 random(seed + round);
+    const auto between = [&](std::int64_t low, std::int64_t high) {
+      return std::uniform_int_distribution<std::int64_t>(low, high)(random);
+    };
+    std::vector<std::pair<std::int64_t, std::int64_t>> contacts;
+    for (std::int64_t t = between(0, 500); t < 20'000;) {
+      const std::int64_t end = t + between(50, 3'000);
+      contacts.emplace_back(t, end);
+      t = end + between(50, 3'000);
+    }
+    // Who holds the pair: the next one begins well before the last one has forgotten it, and nobody holds it twice at a time.
+    std::vector<std::vector<Event>> streams(3);
+    std::size_t holder = static_cast<std::size_t>(between(0, 2));
+    for (std::int64_t from = -1'000; from < 30'000;) {
+      const std::int64_t to = from + between(3'500, 6'000);
+      const std::int64_t clock_ahead = between(0, 400);
+      for (const auto& [begin, end] : contacts) {
+        if (end <= from || begin >= to) continue;
+        streams[holder].push_back(event_of(EventKind::began, std::max(begin, from), 0));
+        const bool is_cut = end > to;
+        streams[holder].push_back(is_cut ? event_of(EventKind::ended, to + clock_ahead, 0, EndReason::removed)
+                                         : event_of(EventKind::ended, end, 0, EndReason::separated));
+      }
+      from = to - between(500, 1'500);
+      holder = (holder + static_cast<std::size_t>(between(1, 2))) % 3;
+    }
+    told_.clear();
+    EpisodeMerge merge(map_, [this](const Event& event) {
+      told_.push_back({event.kind, happened(event).count(), event.reason});
+    });
+    // A shard is heard up to a time before the merge may settle it.
+    std::vector<std::size_t> heard(3);
+    for (std::int64_t through = 0; through <= 40'000; through += between(100, 3'000)) {
+      for (std::size_t shard = 0; shard < 3; ++shard) {
+        while (heard[shard] < streams[shard].size() &&
+               (happened(streams[shard][heard[shard]]).count() <= through + 1'000 || between(0, 3) == 0)) {
+          merge.hear(shard, streams[shard][heard[shard]++]);
+        }
+      }
+      merge.settle(nanoseconds(through));
+    }
+    merge.settle(nanoseconds(100'000));
+    std::vector<ToldByMerge> expected;
+    for (const auto& [begin, end] : contacts) {
+      expected.push_back({EventKind::began, begin, EndReason::none});
+      expected.push_back({EventKind::ended, end, EndReason::separated});
+    }
+    // What is told within two nanoseconds is one instant, of whichever shard.
+    constexpr std::int64_t kRounded = 2;
+    ASSERT_EQ(told_.size(), expected.size());
+    for (std::size_t i = 0; i < told_.size(); ++i) {
+      if (std::abs(told_[i].at_ns - expected[i].at_ns) <= kRounded) told_[i].at_ns = expected[i].at_ns;
+    }
+    ASSERT_EQ(told_, expected);
+  }
+}
+
+}  // namespace
+}  // namespace collided::client
