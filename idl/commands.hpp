@@ -71,6 +71,10 @@ inline constexpr const char* kPlan = "plan";
 /// -> covers (as in load, of all that is loaded; null: none was ever stated, so all of space is covered), version
 inline constexpr const char* kCovers = "covers";
 
+/// Of one of several servers that share a world: -> name (of the shard), map (fingerprint of the shard map, 16 hexadecimal
+/// digits), epoch. Refused by a server that holds all of its world
+inline constexpr const char* kShard = "shard";
+
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
 ///    differences [text], questions [{kind, double, expansion, rational}] (answers by the highest level needed),
 ///    opinion {agree, differ, failed, unsupported} (counts, where the server was started to ask FCL; else absent),

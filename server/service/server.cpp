@@ -135,7 +135,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
              .max_objects = options.max_objects,
              .max_contacts = options.max_contacts,
              .clock_error_ns = options.clock_error_ns,
-             .memory = {.reach_ns = options.memory_ns}}),
+             .memory = {.reach_ns = options.memory_ns},
+             .held = options.shard ? std::optional(options.shard->held) : std::nullopt}),
       durable(keep()),
       leases(world),
       audit(
@@ -173,7 +174,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
       commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, samples,
-                options.clock_error_ns,
+                options.clock_error_ns, options.shard ? &*options.shard : nullptr,
                 [this](const CommandAsk& ask) {
                   // In the order of the journal, in which all that is kept has its place too.
                   const bool is_told = feed && succession.role() == wire_contract::MemberRole::primary;

@@ -65,7 +65,7 @@ LoadedScene load(const Options& options, const std::string& path) {
   load_options.solid_by_winding = options.solid_by_winding;
   load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
-  LoadedScene loaded = load_and_index(path, load_options);
+  LoadedScene loaded = load_and_index(path, load_options, options.shard ? &*options.shard : nullptr);
   nlohmann::json again{{"path", std::filesystem::absolute(path).lexically_normal().string()}};
   if (options.unit_m != 1) again["unit_m"] = options.unit_m;
   if (options.up != 0) again["up"] = std::string(1, options.up);
@@ -81,7 +81,7 @@ LoadedScene embedded(const Options& options) {
   LoadOptions load_options;
   load_options.solid = options.solid;
   load_options.solid_by_winding = options.solid_by_winding;
-  LoadedScene loaded = load_and_index(kEmbeddedPath, load_options);
+  LoadedScene loaded = load_and_index(kEmbeddedPath, load_options, options.shard ? &*options.shard : nullptr);
   nlohmann::json again{{"path", kEmbeddedPath}};
   if (!options.solid.empty()) again["solid"] = options.solid;
   if (options.solid_by_winding) again["solid_by"] = "winding";

@@ -185,7 +185,9 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
 
 void World::State::gather_covers() {
   auto all = std::make_shared<std::vector<Aabb>>();
-  for (const auto& [scene, boxes] : covers_of) all->insert(all->end(), boxes.begin(), boxes.end());
+  if (options.held) all->push_back(*options.held);
+  else
+    for (const auto& [scene, boxes] : covers_of) all->insert(all->end(), boxes.begin(), boxes.end());
   covers = std::move(all);
 }
 

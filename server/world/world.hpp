@@ -28,6 +28,8 @@ struct WorldOptions {
   std::int64_t clock_error_ns = 0;  // between two publishers' clocks: widens brackets and nothing else
   PoseMemoryOptions memory = {};    // how far back questions about a past instant reach
   double sweep_width_s = 1e-6;      // of the bracket of any other mover's first contact, seconds of world time
+  // The world is a shard: it has everything that comes into this box, which is what it covers whatever is stated.
+  std::optional<Aabb> held = {};
 };
 
 /// What World::define() needs to know of a new object.
@@ -126,7 +128,7 @@ class World {
   std::variant<std::uint32_t, Refusal> add_scene(const IndexedScene& indexed);
   /// States that the geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once
   /// anything was stated, with or without boxes, what lies outside of all boxes is not covered, even after the scenes
-  /// that stated them are gone: removing a scene must not make more of the world known.
+  /// that stated them are gone: removing a scene must not make more of the world known. A shard covers what it holds.
   void state_covers(std::string_view scene, std::span<const Aabb> boxes);
   /// Returns the number of objects removed; their contacts end with geometry_changed.
   std::uint32_t remove_scene(std::string_view name);

@@ -19,7 +19,9 @@ namespace collided::engine {
 
 /// The writing thread's own state; snapshots are copies of parts of it.
 struct World::State {
-  explicit State(const WorldOptions& asked) : options(asked), memory(asked.memory) {}
+  explicit State(const WorldOptions& asked) : options(asked), memory(asked.memory) {
+    if (asked.held) gather_covers();
+  }
 
   WorldOptions options;
   PoseMemory memory;

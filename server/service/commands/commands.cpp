@@ -159,6 +159,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
+  if (command == names::kShard) return answer(ask, [&] { return shard(*arguments); });
   if (command == names::kAllowed) return answer(ask, [&] { return allowed(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
@@ -284,6 +285,14 @@ json Commands::covers(const Arguments& arguments) const {
   arguments.allow_only({});
   const SnapshotRing::Lease state = with_.loop.world().newest();
   return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
+}
+
+json Commands::shard(const Arguments& arguments) const {
+  arguments.allow_only({});
+  if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
+  return {{"name", with_.shard->name},
+          {"map", fmt::format("{:016x}", with_.shard->fingerprint)},
+          {"epoch", with_.loop.world().newest()->epoch}};
 }
 
 json Commands::get(const CommandAsk&, const Arguments& arguments) {

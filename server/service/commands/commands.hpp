@@ -18,6 +18,7 @@
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/commands/geometry_service.hpp"
 #include "server/service/commands/scene_loading.hpp"
+#include "server/service/commands/shard_place.hpp"
 #include "server/service/commands/upload_receiver.hpp"
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/ingest/inbox.hpp"
@@ -53,7 +54,8 @@ class Commands {
     FlightRecorder* flight;  // for `recording`; null: there is none
     PartMeshes& part_meshes;
     QuestionSamples& samples;
-    std::int64_t clock_error_ns = 0;  // by which publishers' clocks may differ, as the world was told
+    std::int64_t clock_error_ns = 0;    // by which publishers' clocks may differ, as the world was told
+    const ShardPlace* shard = nullptr;  // null: it holds all of the world
     // Called on the world's thread with each command that has changed the world, for servers that follow; empty: there
     // can be none.
     std::function<void(const CommandAsk&)> changed = {};
@@ -120,6 +122,7 @@ class Commands {
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json covers(const Arguments& arguments) const;
+  nlohmann::json shard(const Arguments& arguments) const;
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
   nlohmann::json allowed(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
@@ -227,7 +230,7 @@ class Commands {
     double cost = 0;
   };
   void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
-  static Load parse_load(CommandAsk ask, const Arguments& arguments);
+  Load parse_load(CommandAsk ask, const Arguments& arguments) const;
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
   void refuse_load(const Load& load, const std::string& why, const std::string& hint = {});

@@ -33,7 +33,7 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 }  // namespace
 
 /// The command with its arguments checked. Throws BadCommand.
-Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
+Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) const {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
                         "foreign", "covers", "crc32", "durable", "solid", "solid_by", "moving", "packages"});
@@ -60,6 +60,8 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   load.options.solid_by_winding = arguments.is_solid_by_winding();
   load.options.is_foreign = arguments.truth("foreign", false);
   load.covers = arguments.boxes("covers");
+  if (with_.shard != nullptr && !load.covers.empty())
+    throw BadCommand("load: this server is a shard, and covers what it holds. Nothing was loaded");
   load.is_durable = arguments.is_durable();
   if (arguments.has("crc32")) load.checksum = static_cast<std::uint32_t>(arguments.whole("crc32", 0, 0xffffffff));
   if (!(load.options.unit_m > 0))
@@ -113,7 +115,7 @@ void Commands::load_one(Load load) {
   try {
     if (load.checksum && checksum_of(load.path) != load.checksum)
       throw LoadError(load.path + ": the file is not what was uploaded. Nothing was loaded.");
-    *loaded = load_and_index(load.path, load.options);
+    *loaded = load_and_index(load.path, load.options, with_.shard, load.is_moving);
   } catch (const LoadError& failed) { return refuse_load(load, failed.what()); } catch (const std::bad_alloc&) {
     return refuse_load(load, load.path + ": not enough memory. Nothing was loaded.");
   } catch (const std::exception& failed) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "idl/clocks.hpp"
+#include "server/intake/held_parts.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/world/solids/declared.hpp"
@@ -63,7 +64,7 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
 
 }  // namespace
 
-LoadedScene load_and_index(const std::string& path, LoadOptions options) {
+LoadedScene load_and_index(const std::string& path, LoadOptions options, const ShardPlace* shard, bool is_moving) {
   const std::int64_t started_ns = steady_ns();
   LoadReport report;
   LoadOptions reading = options;
@@ -71,6 +72,12 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options) {
     reading.progress = [&](double fraction) { options.progress(kReadingShare * fraction); };
   }
   Scene scene = path == kEmbeddedPath ? embedded_scene() : load_scene(path, reading, report);
+  if (shard != nullptr) {
+    const LeftOutOfScene left_out = leave_out_beyond(shard->held, scene, is_moving);
+    report.notes.push_back(fmt::format("shard '{}' leaves out {} and {}: they lie outside of its box and margin",
+                                       shard->name, counted(left_out.parts, "part"),
+                                       counted(left_out.objects, "object")));
+  }
   return index(std::move(scene), std::move(report), options, started_ns);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/intake/scene.hpp"
+#include "server/service/commands/shard_place.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -18,7 +19,11 @@ struct LoadedScene {
 };
 
 /// Reads and indexes a file, which may take minutes. options.progress reports the fraction of both; throws LoadError.
-LoadedScene load_and_index(const std::string& path, LoadOptions options);
+///
+/// shard      only what comes into its box is kept of the file; null: all of it
+/// is_moving  the file's objects will take poses: all are kept
+LoadedScene load_and_index(const std::string& path, LoadOptions options, const ShardPlace* shard = nullptr,
+                           bool is_moving = false);
 
 /// In place of a path: the embedded scene, which a server without an argument serves.
 inline constexpr const char* kEmbeddedPath = "embedded:";

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "idl/shards/shard_map.hpp"
 #include "idl/topics.hpp"
 #include "server/service/options/options.hpp"
 #include "server/service/options/quantities.hpp"
@@ -56,6 +57,30 @@ Allowed apply_replica_of(Options& options, Values values) {
   if (!options.standby_of.empty() || options.joins) return "not beside --standby-of or --join";
   if (!is_namespace(values[0])) return kNamespaces;
   options.replica_of = options.name_space = values[0];
+  return std::nullopt;
+}
+
+/// Likewise; after those above, whose namespace is then that of the shard.
+Allowed apply_shard(Options& options, Values values) {
+  if (values[0].empty()) return std::nullopt;
+  if (!options.replica_of.empty()) return "not beside --replica-of";
+  const std::size_t colon = values[0].rfind(':');
+  if (colon == std::string::npos) return "FILE:NAME, a shard map and the name of one of its shards";
+  const std::string name = values[0].substr(colon + 1);
+  try {
+    const shards::ShardMap map = shards::ShardMap::read(values[0].substr(0, colon));
+    const std::optional<std::size_t> place = map.find(name);
+    if (!place) return "FILE:NAME with a shard of the map; it has no such one";
+    const shards::ShardBox& held = map.held_by(*place);
+    options.shard = {.name = name,
+                     .held = {.low = Vec3(held.low.data()), .high = Vec3(held.high.data())},
+                     .fingerprint = map.fingerprint()};
+  } catch (const shards::ShardMapError& wrong) {
+    return std::string("FILE:NAME with a map that can be used; ") + wrong.what();
+  }
+  options.name_space = shards::shard_namespace(options.name_space, name);
+  if (!is_namespace(options.name_space)) return "a shard whose namespace, NAMESPACE/shard_NAME, has at most 64 letters";
+  if (!options.standby_of.empty()) options.standby_of = options.name_space;
   return std::nullopt;
 }
 
@@ -133,6 +158,7 @@ Allowed apply_solid(Options& options, Values values) {
 
 Allowed apply_covers(Options& options, Values values) {
   options.covers.clear();
+  if (options.shard && !values[0].empty()) return "nothing beside --shard: a shard covers what it holds";
   std::istringstream words(values[0]);
   for (std::string word; words >> word;) {
     const std::optional<std::array<double, 6>> box = parse_box_m(word);
@@ -323,6 +349,9 @@ constexpr Setting kSettings[] = {
     {"server.replica_of", "--replica-of", "COLLIDED_REPLICA_OF", "", "NAMESPACE",
      "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false,
      apply_replica_of},
+    {"server.shard", "--shard", "COLLIDED_SHARD", "", "FILE:NAME",
+     "be the shard of that name in a shard map: hold what comes into its box; see the guide, fleets", false,
+     apply_shard},
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
      "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},
     {"server.authority", "--authority", "COLLIDED_AUTHORITY", "", "ADDRESS",

@@ -14,6 +14,7 @@
 #include "server/service/questions/time_slice.hpp"
 #include "server/service/questions/what_if_question.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/covered.hpp"
 
 namespace collided::engine::service {
 
@@ -223,6 +224,7 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
   // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
+  doubt_where_not_held(state, questions, answers_);
   write_answers(client, ask, state);
   // The audit has no brute force for sweeps, looks at newest states, and an overloaded server leaves it and samples out.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();

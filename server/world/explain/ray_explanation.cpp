@@ -8,6 +8,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/explain/ray_misses.hpp"
+#include "server/world/query/covered.hpp"
 #include "server/world/query/question_shapes.hpp"
 #include "server/world/query/ray_entry.hpp"
 #include "server/world/query/stale_reach.hpp"
@@ -67,6 +68,7 @@ Answers answered(const Snapshot& snapshot, Questions asked, HitMode mode) {
   Answers answers;
   QueryScratch scratch;
   answer(snapshot, asked, answers, scratch);
+  doubt_where_not_held(snapshot, asked, answers);
   return answers;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "server/geometry/box_union.hpp"
 #include "server/geometry/lost_in_sum.hpp"
@@ -204,24 +205,59 @@ std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> cove
   return Leaving{.point = ray.origin + covered_m * (ray.direction / length), .covered_m = covered_m};
 }
 
-std::optional<Leaving> leaves_covered(const Question& question, const double* n) {
-  const Questions& asked = question.asked;
-  const std::span<const AnswerHit> hits = question.found;
-  const std::span<const Aabb> covers = *question.snapshot.covers;
+namespace {
+
+/// What an answer claims something by: its hits where they are told, and a sweep's bracket.
+struct Claim {
+  std::span<const AnswerHit> hits;
+  bool is_hit = false;
+  std::optional<TimeBracket> bracket = {};
+};
+
+std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, const Claim& claim,
+                                      std::span<const Aabb> covers) {
   switch (asked.kind) {
     case QuestionKind::ray: {
-      if (asked.mode == HitMode::any && !hits.empty()) return std::nullopt;
+      if (asked.mode == HitMode::any && claim.is_hit) return std::nullopt;
       Ray claimed = ray_of(n);
-      claimed.length_m = length_claimed(asked, n, hits);
+      claimed.length_m = length_claimed(asked, n, claim.hits);
       return leaves_covered(claimed, covers);
     }
-    case QuestionKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
-    case QuestionKind::inside: return hits.empty() ? leaves(extent_of(point_of(n), 0), covers) : std::nullopt;
-    case QuestionKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
-    case QuestionKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
-    case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, question.bracket), covers);
+    case QuestionKind::sphere: return claim.is_hit ? std::nullopt : leaves(extent_of(point_of(n), n[3]), covers);
+    case QuestionKind::inside: return claim.is_hit ? std::nullopt : leaves(extent_of(point_of(n), 0), covers);
+    case QuestionKind::box: return claim.is_hit ? std::nullopt : leaves(extent_of_box(n), covers);
+    case QuestionKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, claim.hits)), covers);
+    case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, claim.bracket), covers);
     default: return std::nullopt;
   }
+}
+
+}  // namespace
+
+std::optional<Leaving> leaves_covered(const Question& question, const double* n) {
+  const Claim claim{.hits = question.found, .is_hit = !question.found.empty(), .bracket = question.bracket};
+  return leaves_covered(question.asked, n, claim, *question.snapshot.covers);
+}
+
+void doubt_where_not_held(const Snapshot& snapshot, const Questions& asked, Answers& answers) {
+  if (!snapshot.is_shard) return;
+  const std::uint32_t stride = numbers_of(asked.kind);
+  const std::size_t covered_before = answers.not_covered.size();
+  std::size_t first_hit = 0;
+  for (std::size_t i = 0; i < answers.answers.size(); ++i) {
+    const std::size_t hit = std::exchange(first_hit, first_hit + answers.hit_counts[i]);
+    const bool is_hit = answers.answers[i] == Verdict::hit;
+    if (!is_hit && answers.answers[i] != Verdict::miss) continue;
+    Claim claim{.hits = std::span(answers.hits).subspan(hit, answers.hit_counts[i]), .is_hit = is_hit};
+    if (is_hit && !answers.brackets.empty()) claim.bracket = answers.brackets[hit];
+    const std::optional<Leaving> leaving = leaves_covered(asked, &asked.numbers[i * stride], claim, *snapshot.covers);
+    if (!leaving) continue;
+    answers.answers[i] = Verdict::undecided;
+    answers.reasons[i] = UndecidedReason::not_covered;
+    answers.not_covered.push_back({.question = static_cast<std::uint32_t>(i), .leaving = *leaving});
+  }
+  // In order of the questions, with what was not covered for another reason.
+  if (covered_before > 0) std::ranges::sort(answers.not_covered, {}, &NotCovered::question);
 }
 
 }  // namespace collided::engine

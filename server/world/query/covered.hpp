@@ -22,6 +22,10 @@ namespace collided::engine {
 /// threads  pure; no allocation
 std::optional<Leaving> leaves_covered(const Question& question, const double* numbers);
 
+/// Of a shard: the same for all answers to a batch that claim something, by what the shard holds. To be called when there is
+/// nothing else to doubt them by: whoever asks all shards that a question reaches may leave this doubt aside, and no other.
+void doubt_where_not_held(const Snapshot& snapshot, const Questions& asked, Answers& answers);
+
 /// The same for the ray's first length_m metres.
 std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> covers);
 

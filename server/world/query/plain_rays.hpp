@@ -14,7 +14,7 @@ namespace collided::engine {
 inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
   if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
-  if (!scratch.all_open || scratch.has_solids || snapshot.covers) return false;
+  if (!scratch.all_open || scratch.has_solids || (snapshot.covers && !snapshot.is_shard)) return false;
   return !(snapshot.grid && snapshot.grid->size() > 0);
 }
 

@@ -237,7 +237,7 @@ struct QuestionBatch {
   void finish(Question& question, std::size_t place) const {
     write_answer(answers, place, question);
     note_age(answers, question);
-    if (snapshot.covers) doubt_where_not_covered(answers, place, question, numbers_of(place));
+    if (snapshot.covers && !snapshot.is_shard) doubt_where_not_covered(answers, place, question, numbers_of(place));
     if (scratch.unknown && scratch.unknown->is_any)
       doubt_where_unknown(answers, place, question, numbers_of(place), *scratch.unknown);
     if (!asked.with_hits) question.found.clear();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -30,6 +31,10 @@ std::string origin(const ParsedOptions& parsed, const std::string& key) {
   }
   return "no such key";
 }
+
+constexpr const char* kHalves = R"({"margin_m": 2, "shards": [
+  {"name": "west", "low": [null, null, null], "high": [0, null, null]},
+  {"name": "east", "low": [0, null, null], "high": [null, null, null]}]})";
 
 class OptionsFile : public ::testing::Test {
  protected:
@@ -80,7 +85,9 @@ TEST(Options, NumbersAreNeverOptions) {
 }
 
 // Each word of the configuration lands in the one field that it is about, by flag and by variable.
-TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
+TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
+  write(kHalves);
+  const std::string west = path + ":west";
   const Options plain = parse({}).options;
   struct Row {
     const char* key;
@@ -95,6 +102,8 @@ TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
       {"server.join", "yard", [](const Options& o) { return o.joins && o.name_space == "yard"; }},
       {"server.replica_of", "yard", [](const Options& o) { return o.replica_of == "yard" && o.name_space == "yard"; }},
+      {"server.shard", west.c_str(),
+       [](const Options& o) { return o.shard && o.shard->name == "west" && o.name_space == "collided/shard_west"; }},
       {"server.take_over_after", "3s", [](const Options& o) { return o.take_over_ns == 3'000'000'000; }},
       {"server.authority", "etcd://a:1/k", [](const Options& o) { return o.authority && o.authority->key == "k"; }},
       {"server.authority_mode", "fast", [](const Options& o) { return o.authority_mode == TakeOverMode::fast; }},
@@ -155,6 +164,27 @@ TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
   EXPECT_THROW(parse({"--standby-of", "hall", "--join", "hall"}), OptionsError);
   EXPECT_THROW(parse({"--standby-of", "hall", "--replica-of", "hall"}), OptionsError);
   EXPECT_THROW(parse({"--join", "hall", "--replica-of", "hall"}), OptionsError);
+}
+
+TEST_F(OptionsFile, AShardServesItsOwnNamespaceAndHoldsItsBox) {
+  write(kHalves);
+  const std::string west = path + ":west";
+  const Options alone = parse({"--shard", west, "--namespace", "yard"}).options;
+  EXPECT_EQ(alone.name_space, "yard/shard_west");
+  EXPECT_EQ(alone.shard->held.high.x(), std::nextafter(2.0, 3.0));
+  EXPECT_TRUE(std::isinf(alone.shard->held.low.x()));
+  const Options waiting = parse({"--shard", west, "--standby-of", "yard"}).options;
+  EXPECT_EQ(waiting.name_space, "yard/shard_west");
+  EXPECT_EQ(waiting.standby_of, "yard/shard_west");
+  EXPECT_EQ(parse({"--shard", west, "--join", "yard"}).options.name_space, "yard/shard_west");
+  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--shard", west, "--replica-of", "yard"},
+                                              {"--shard", path + ":north"},
+                                              {"--shard", path},
+                                              {"--shard", path + ".none:west"},
+                                              {"--shard", west, "--covers", "0,0,0:1,1,1"}})
+    EXPECT_THROW(parse(bad), OptionsError) << bad[1];
+  write("[]");
+  EXPECT_THROW(parse({"--shard", west}), OptionsError);
 }
 
 TEST(Options, AnAuthorityIsAnAddressAndItsLeaseWholeSeconds) {

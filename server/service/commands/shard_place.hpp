@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/geometry/aabb.hpp"
+
+namespace collided::engine::service {
+
+/// What this server holds of a world that several servers share.
+struct ShardPlace {
+  std::string name;
+  Aabb held;                      // it has everything that comes into this box
+  std::uint64_t fingerprint = 0;  // of the map
+};
+
+}  // namespace collided::engine::service
