@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
-#include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -28,27 +28,36 @@ class ShardLinks {
 
   const shards::ShardMap& map() const { return map_; }
   const ConnectOptions& options() const { return options_; }
-  /// The connection to a shard; null while it was never there. One that was lost is kept, since it resumes by itself:
-  /// calls on it fail with disconnected meanwhile.
+  /// The connection to a shard; null while it was never there, and while what serves there is not that shard of this map.
+  /// One that was lost is kept, since it resumes by itself: calls on it fail with disconnected meanwhile.
   std::shared_ptr<Client> shard(std::size_t place) const;
   /// What that client stands on.
   std::shared_ptr<Connection> connection(std::size_t place) const;
   /// Whether a shard is there and its server was heard a moment ago.
   bool answers(std::size_t place) const;
+  /// The epoch of the server that has said that it is the shard. Who answers with another one is to be checked first.
+  std::uint64_t epoch(std::size_t place) const;
+  /// Asks the server behind a connection whether it is the shard. False: it is not, or does not answer.
+  bool check(std::size_t place);
   /// Why a shard is not there; empty: it is, or it was not looked for yet.
   std::string fault(std::size_t place) const;
 
  private:
   ShardLinks(shards::ShardMap map, const ConnectOptions& options);
+  struct ShardLink {
+    std::shared_ptr<Client> client;          // null: never found
+    std::shared_ptr<Connection> connection;  // likewise
+    std::uint64_t epoch = 0;                 // of the server that is the shard; 0: none has said so
+    std::string fault;
+  };
   void look_for(std::size_t place, std::chrono::nanoseconds wait);
+  void look_again(std::size_t place);
   void run();
 
   const shards::ShardMap map_;
   const ConnectOptions options_;
-  mutable std::mutex mutex_;  // for the next four
-  std::vector<std::shared_ptr<Client>> clients_;
-  std::vector<std::shared_ptr<Connection>> connections_;
-  std::vector<std::string> faults_;
+  mutable std::mutex mutex_;  // for the next two
+  std::vector<ShardLink> links_;
   bool is_over_ = false;
   std::condition_variable over_;
   std::thread thread_;

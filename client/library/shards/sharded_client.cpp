@@ -1,8 +1,10 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/shards/shard_links.hpp"
+#include "client/library/shards/shard_questions.hpp"
 #include "client/library/shards/sharded_publishing.hpp"
 #include "client/library/shards/sharded_watching.hpp"
 #include "collided/shards.hpp"
+#include "idl/topics.hpp"
 
 namespace collided {
 
@@ -60,6 +62,44 @@ Result<ShardedWatch> ShardedClient::watch(const WatchOptions& options) {
     return client::bad_input("watch: contacts that go on are not told of a world on several shards");
   if (options.since) return client::bad_input("watch: a world on several shards has no flight recorder of its own");
   return ShardedWatch(std::make_unique<client::ShardedWatching>(links_, options));
+}
+
+template <Question Q>
+Result<Answers> ShardedClient::ask_all(std::span<const Q> questions, const AskOptions& options) {
+  return client::ask_shards(*links_, questions, options);
+}
+template Result<Answers> ShardedClient::ask_all(std::span<const RayQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const SphereQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const BoxQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const NearQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const InsideQuestion>, const AskOptions&);
+
+std::vector<ShardState> ShardedClient::shards() {
+  const shards::ShardMap& map = links_->map();
+  std::vector<ShardState> states;
+  for (std::size_t place = 0; place < map.size(); ++place) {
+    const shards::ShardEntry& shard = map.at(place);
+    ShardState& state = states.emplace_back();
+    state.name = shard.name;
+    state.name_space = shards::shard_namespace(links_->options().name_space, shard.name);
+    state.low = Vec3(shard.box.low.data());
+    state.high = Vec3(shard.box.high.data());
+    state.fault = links_->fault(place);
+    const std::shared_ptr<Client> client = links_->shard(place);
+    if (!client) continue;
+    const Result<ServerStatus> status = client->status();
+    if (!status) {
+      state.fault = status.error().message;
+      continue;
+    }
+    const bool is_silent = status->age.count() > wire_contract::kStatusLostNs;
+    state.is_there = !is_silent && (status->epoch == links_->epoch(place) || links_->check(place));
+    state.fault = is_silent ? "it is silent for " + client::words(status->age) : links_->fault(place);
+    state.state = status->state;
+    state.objects = status->objects;
+    state.static_triangles = status->static_triangles;
+  }
+  return states;
 }
 
 }  // namespace collided
