@@ -21,6 +21,8 @@ class Command {
   virtual ~Command() = default;
   virtual void declare(CLI::App& app) = 0;
   virtual Exit run(Session& session, const Globals& globals) = 0;
+  /// Whether it works on a world of several servers, by --shards.
+  virtual bool takes_shards() const { return false; }
 };
 
 /// A verb in the table of verbs: its help, and how to make its command.

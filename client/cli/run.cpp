@@ -108,6 +108,9 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
     } else if (!parse_verb(verb, *command, std::move(tokens), session.io, globals)) {
       return Exit::yes;
     }
+    if (!globals.shards.empty() && !command->takes_shards())
+      throw bad_use("it asks one server, so --shards is not for it",
+                    "ask a shard alone, in its namespace: --namespace collided/shard_NAME");
     const Exit code = command->run(session, globals);
     session.io.out.flush();
     session.warn_of_strangers();

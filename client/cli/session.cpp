@@ -47,6 +47,13 @@ Client& Session::client(const Globals& globals) {
   return *client_;
 }
 
+ShardedClient& Session::sharded(const Globals& globals) {
+  if (!sharded_ || sharded_by_ != globals.shards)
+    sharded_.emplace(take(ShardedClient::connect(globals.shards, connect_options(io, globals))));
+  sharded_by_ = globals.shards;
+  return *sharded_;
+}
+
 void Session::warn_of_strangers() {
   if (!client_ || has_warned_) return;
   const Strangers strangers = client_->strangers();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <collided/client.hpp>
+#include <collided/shards.hpp>
 
 #include "client/cli/failure.hpp"
 #include "client/cli/io.hpp"
@@ -32,6 +33,7 @@ struct Globals {
   std::string interface;
   std::vector<std::string> peers;
   std::string keys;
+  std::string shards;  // file of a shard map
   std::string wait;
   std::string timeout;
 };
@@ -44,6 +46,8 @@ class Session {
 
   /// The client, connected on first use. Throws Failure (no_server) where no server answers.
   Client& client(const Globals& globals);
+  /// The shards of the map of --shards, connected on first use. Throws Failure where none answers.
+  ShardedClient& sharded(const Globals& globals);
   /// Warns, once, where another process speaks in the server's place.
   void warn_of_strangers();
 
@@ -54,6 +58,8 @@ class Session {
 
  private:
   std::optional<Client> client_;
+  std::optional<ShardedClient> sharded_;
+  std::string sharded_by_;  // the file of its map
   bool has_warned_ = false;
 };
 

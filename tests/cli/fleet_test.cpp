@@ -1,3 +1,6 @@
+#include <limits>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/cli/fakes/fake_client.hpp"
@@ -144,6 +147,45 @@ TEST_F(FleetVerb, HandoverThatNobodyTakesIsNoneAndARefusalIsSaid) {
                  "collide fleet shows who is there, and what is wrong"};
   };
   EXPECT_EQ(collide("handover").code, 5);
+}
+
+TEST_F(FleetVerb, OfAShardMapListsTheShardsAndIsNoWhereOneIsNotThere) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  fake::server().shards = {
+      {.name = "west",
+       .name_space = "collided/shard_west",
+       .low = {-kFar, -kFar, -kFar},
+       .high = {0, kFar, kFar},
+       .is_there = true,
+       .state = "ready",
+       .objects = 1'204,
+       .static_triangles = 48'000},
+      {.name = "east", .low = {0, -kFar, -kFar}, .high = {kFar, kFar, kFar}, .fault = "no server"}};
+  const Ran ran = at_terminal("fleet --shards map.json");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(fake::server().shard_map, "map.json");
+  EXPECT_NE(ran.out.find("west"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("-inf -inf -inf .. 0 inf inf"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("no server"), std::string::npos) << ran.out;
+  EXPECT_EQ(collide("fleet --shards map.json").out, "west\tready\t1204\t48000\t\neast\tnot there\t0\t0\tno server\n");
+  fake::server().shards.pop_back();
+  EXPECT_EQ(collide("fleet --shards map.json").code, 0);
+}
+
+TEST_F(FleetVerb, QuestionsGoToAllShardsAndOtherVerbsSayThatTheyCannot) {
+  fake::server().ray = [](const RayQuestion&, const AskOptions&) {
+    return fake::hit_answer({fake::hit("wall", 2, {2, 0, 0})});
+  };
+  const Ran asked = collide("ray 0 0 0  1 0 0 --shards map.json -v");
+  EXPECT_EQ(asked.code, 0) << asked.err;
+  EXPECT_EQ(fake::server().shard_map, "map.json");
+  EXPECT_NE(asked.out.find("wall"), std::string::npos);
+  EXPECT_NE(asked.err.find("; all shards"), std::string::npos) << asked.err;
+  for (const std::string verb : {"status", "watch -n 1", "pair a b", "handover"}) {
+    const Ran refused = collide(verb + " --shards map.json");
+    EXPECT_EQ(refused.code, 2) << verb;
+    EXPECT_NE(refused.err.find("it asks one server, so --shards is not for it"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(FleetVerb, NobodyIsNoServer) { EXPECT_EQ(collide("fleet").code, 4); }

@@ -91,6 +91,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--scene", "FILE"},
     {"--scale", "FACTOR"},
     {"--seed", "N"},
+    {"--shards", "FILE"},
     {"--since", "TIME"},
     {"--size", "SIZE"},
     {"--skip", "GLOB"},

@@ -67,7 +67,7 @@ AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
 }
 
 void hint_at_unknown_names(Session& session, const Globals& globals, std::string_view option, const std::string& glob) {
-  if (glob.empty() || globals.quiet) return;
+  if (glob.empty() || globals.quiet || !globals.shards.empty()) return;
   try {
     const nlohmann::json listed =
         server_command(session, globals, wire_contract::command::kList, {{"name", glob}, {"limit", 0}});

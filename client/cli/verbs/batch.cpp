@@ -13,6 +13,7 @@
 #include "client/cli/input/question_reader.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/asked_world.hpp"
 
 namespace collided::cli {
 namespace {
@@ -56,6 +57,7 @@ class Batch {
   Batch(Session& session, const Globals& globals, const BatchOptions& options)
       : session_(session),
         globals_(globals),
+        asked_(session, globals),
         options_(options),
         file_(options.path, session.io.in),
         reader_(file_, options.view.kind),
@@ -64,7 +66,6 @@ class Batch {
         pending_{no_questions(options.view.kind), {}, {}} {}
 
   Exit run() {
-    session_.client(globals_);
     while (!ended_ && !stop_requested && session_.io.out.good()) {
       read_some();
       if (!pending_.lines.empty()) send();
@@ -106,7 +107,7 @@ class Batch {
     BatchRequest request = std::move(pending_);
     pending_ = {no_questions(options_.view.kind), {}, {}};
     if (question_count(request.questions) > 0) {
-      request.answers = ask_async(session_.client(globals_), std::move(request.questions), options_.ask);
+      request.answers = asked_.ask_async(std::move(request.questions), options_.ask);
     }
     in_flight_.push_back(std::move(request));
     request_size_ = std::min(request_size_ * 2, kLargestRequest);
@@ -170,6 +171,7 @@ class Batch {
 
   Session& session_;
   const Globals& globals_;
+  AskedWorld asked_;
   const BatchOptions& options_;
   InputFile file_;
   QuestionReader reader_;

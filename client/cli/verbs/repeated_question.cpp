@@ -8,6 +8,7 @@
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/output/readable.hpp"
+#include "client/cli/verbs/asked_world.hpp"
 
 namespace collided::cli {
 namespace {
@@ -24,11 +25,11 @@ class RepeatedQuestion {
   RepeatedQuestion(Session& session, const Globals& globals, const RepeatedQuestionOptions& options)
       : io_(session.io), globals_(globals), options_(options), printer_(make_printer(session.io, globals)) {}
 
-  Exit run(Client& client, const Questions& question) {
+  Exit run(AskedWorld& asked, const Questions& question) {
     const Until until(options_.most_changes, options_.most_time);
     Clock::time_point next = Clock::now();
     while (!until.reached(change_count_) && io_.out.good()) {
-      take_answers(take(ask(client, question, options_.ask)), until);
+      take_answers(take(asked.ask(question, options_.ask)), until);
       next = std::max(next + options_.every, Clock::now());
       if (!sleep_until(std::min(next, until.end()))) break;
     }
@@ -41,7 +42,9 @@ class RepeatedQuestion {
 
  private:
   void take_answers(const Answers& answers, const Until& until) {
-    const bool same_world = asked_count_++ > 0 && answers.version == version_ && answers.epoch == epoch_;
+    // Of several shards there is no version.
+    const bool same_world =
+        asked_count_++ > 0 && answers.epoch != 0 && answers.version == version_ && answers.epoch == epoch_;
     version_ = answers.version;
     epoch_ = answers.epoch;
     if (same_world || answers.answers.empty()) return;
@@ -125,8 +128,8 @@ class RepeatedQuestion {
 
 Exit run_repeated(Session& session, const Globals& globals, const Questions& question,
                   const RepeatedQuestionOptions& options) {
-  Client& client = session.client(globals);
-  return RepeatedQuestion(session, globals, options).run(client, question);
+  AskedWorld asked(session, globals);
+  return RepeatedQuestion(session, globals, options).run(asked, question);
 }
 
 }  // namespace collided::cli

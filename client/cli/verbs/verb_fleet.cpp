@@ -7,6 +7,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/verbs/fleet_of_shards.hpp"
 
 namespace collided::cli {
 namespace {
@@ -17,7 +18,10 @@ class FleetCommand : public Command {
  public:
   void declare(CLI::App&) override {}
 
+  bool takes_shards() const override { return true; }
+
   Exit run(Session& session, const Globals& globals) override {
+    if (!globals.shards.empty()) return print_shards(session, globals);
     const Fleet found = take(fleet(connect_options(session.io, globals)));
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields({"name", "role", "state", "epoch", "version_text"});

@@ -5,6 +5,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/asked_world.hpp"
 #include "client/cli/verbs/batch.hpp"
 #include "client/cli/verbs/repeated_question.hpp"
 #include "client/cli/input/shape_text.hpp"
@@ -32,6 +33,8 @@ class AskCommand : public Command {
     app.add_option("--repeat", repeat_, "Ask so many times");
     app.add_option("--every", every_, "Time between two asks (--watch: 10ms)");
   }
+
+  bool takes_shards() const override { return true; }
 
   Exit run(Session& session, const Globals& globals) override {
     AskOptions options = ask_options_of(texts_, globals);
@@ -94,13 +97,13 @@ class AskCommand : public Command {
                         const AskOptions& options) {
     const std::uint64_t count = repeat_.empty() ? 1 : parse_count(repeat_, 1);
     const std::chrono::nanoseconds every = every_.empty() ? std::chrono::nanoseconds(0) : parse_duration(every_);
-    Client& client = session.client(globals);
+    AskedWorld asked(session, globals);
     Printer printer = make_printer(session.io, globals);
     auto next = std::chrono::steady_clock::now();
     Exit code = Exit::no;
     for (std::uint64_t at = 0; at < count && session.io.out.good(); ++at) {
       if (at > 0 && !sleep_until(next += every)) return Exit::interrupted;
-      const Answers answers = take(ask(client, question, options));
+      const Answers answers = take(asked.ask(question, options));
       if (answers.answers.size() != 1) throw Failure(Exit::refused, "the server's answer does not fit the question");
       const Answer& answer = answers.answers.front();
       print_answer(printer, view_, RawJson{}, answer);

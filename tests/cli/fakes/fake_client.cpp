@@ -126,6 +126,32 @@ template std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion>
 template std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion>, AskOptions);
 template std::future<Result<Answers>> Client::ask_async(std::vector<InsideQuestion>, AskOptions);
 
+ShardedClient::ShardedClient(std::shared_ptr<client::ShardLinks> links) : links_(std::move(links)) {}
+ShardedClient::~ShardedClient() = default;
+ShardedClient::ShardedClient(ShardedClient&&) noexcept = default;
+ShardedClient& ShardedClient::operator=(ShardedClient&&) noexcept = default;
+Result<ShardedClient> ShardedClient::connect(const std::string& map_file, const ConnectOptions& options) {
+  fake::server().shard_map = map_file;
+  fake::server().connected_with = options;
+  if (fake::server().connect_error) return *fake::server().connect_error;
+  return ShardedClient(nullptr);
+}
+std::vector<ShardState> ShardedClient::shards() { return fake::server().shards; }
+/// As that of one server, without what several do not have in common.
+template <Question Q>
+Result<Answers> ShardedClient::ask_all(std::span<const Q> questions, const AskOptions& options) {
+  Result<Client> client = Client::connect({});
+  Result<Answers> answers = client->ask(questions, options);
+  if (answers) answers->epoch = answers->version = 0;
+  return answers;
+}
+
+template Result<Answers> ShardedClient::ask_all(std::span<const RayQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const SphereQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const BoxQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const NearQuestion>, const AskOptions&);
+template Result<Answers> ShardedClient::ask_all(std::span<const InsideQuestion>, const AskOptions&);
+
 Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
                                     std::chrono::nanoseconds, std::function<void(double)>) {
   const std::lock_guard lock(fake::server().mutex);

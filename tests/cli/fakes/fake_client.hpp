@@ -14,6 +14,7 @@
 #include <collided/diagnosis.hpp>
 #include <collided/fleet.hpp>
 #include <collided/recording.hpp>
+#include <collided/shards.hpp>
 
 /// A server in memory behind the symbols of collided/client.hpp: what it answers is what a test put here.
 namespace collided::fake {
@@ -75,6 +76,8 @@ struct Server {
   std::deque<ReplayReport> replays;  // one a call; the last one again and again
   std::vector<Finding> findings;
   std::vector<FleetMember> members;
+  std::string shard_map;  // that was connected by
+  std::vector<ShardState> shards;
   Strangers strangers;
 
   std::uint64_t version = 18204;
