@@ -90,8 +90,9 @@ class BorderCrossings {
     const std::string file = folder_.path() + "/map.json";
     std::ofstream(file) << kMap;
     std::ofstream(folder_.path() + "/floor.obj") << kFloor;
-    start(server, "whole");
-    for (std::size_t i = 0; i < map_.size(); ++i) start(server, shards::shard_namespace("city", map_.at(i).name));
+    start(server, {"--namespace", "whole"});
+    for (std::size_t i = 0; i < map_.size(); ++i)
+      start(server, {"--namespace", "city", "--shard", file + ':' + map_.at(i).name});
     whole_.emplace(value_of(Client::connect({.domain = domain_, .name_space = "whole", .wait = 20s}), "connect"));
     sharded_.emplace(
         value_of(ShardedClient::connect(file, {.domain = domain_, .name_space = "city", .wait = 20s}), "connect"));
@@ -128,12 +129,12 @@ class BorderCrossings {
     nanoseconds instant{0};
   };
 
-  void start(const std::string& server, const std::string& name_space) {
+  void start(const std::string& server, const std::vector<std::string>& options) {
     const std::string name = "server_" + std::to_string(servers_.size());
-    servers_.push_back(std::make_unique<ChildProcess>(
-        std::vector<std::string>{server, folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
-                                 "--namespace", name_space, "--state-dir", folder_.path() + "/" + name},
-        folder_.path(), name));
+    std::vector<std::string> words{server,        folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
+                                   "--state-dir", folder_.path() + '/' + name};
+    words.insert(words.end(), options.begin(), options.end());
+    servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
     if (!servers_.back()->says("ready:", 20s)) std::printf("%s\n", servers_.back()->errors().c_str());
   }
 

@@ -9,7 +9,7 @@
 namespace collided::client {
 namespace {
 
-constexpr double kSlack = 1 + 0x1p-40;  // a thousand times the roundings of a length
+constexpr double kReachSlack = 1 + 0x1p-40;  // a thousand times the roundings of a length
 
 double farthest(std::span<const Vec3> points) {
   double reach_m = 0;
@@ -59,7 +59,7 @@ struct PartReach {
 double reach_of(const Shape& shape, const Vec3& scale) {
   double reach_m = 0;
   for (const ShapePart& part : shape) reach_m = std::max(reach_m, std::visit(PartReach{}, part));
-  return reach_m * scale.cwiseAbs().maxCoeff() * kSlack;
+  return reach_m * scale.cwiseAbs().maxCoeff() * kReachSlack;
 }
 
 }  // namespace collided::client
