@@ -256,7 +256,6 @@ TEST_F(ShardedWorld, AShardOfAnotherMapIsNotOne) {
     {"name": "east", "low": [0, null, null], "high": [null, null, null]}]})",
             "other.json");
   start_shard("east");
-  start({"--namespace", "collided/shard_plain"}, "plain");
   write_map(kHalves);
   testing_support::ChildProcess& west = start_shard("west");
   ShardedClient client = connect_sharded();
