@@ -60,10 +60,13 @@ void limit_stacks() {
   pthread_attr_destroy(&attributes);
 }
 
-/// Ends the process where stopping takes too long.
+/// Ends the process where stopping takes too long. In short sleeps, so that time in which the process was stopped, or found
+/// no processor, hardly counts.
 void limit_stopping() {
   std::thread([] {
-    std::this_thread::sleep_for(std::chrono::seconds(10));
+    constexpr std::chrono::milliseconds kLook{100};
+    constexpr int kLooks = 100;
+    for (int look = 0; look < kLooks; ++look) std::this_thread::sleep_for(kLook);
     fmt::print(stderr, "error: stopping took longer than 10 s; leaving at once\n");
     std::_Exit(1);
   }).detach();

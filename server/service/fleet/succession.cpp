@@ -102,6 +102,8 @@ void Succession::cannot_follow() {
 }
 
 std::optional<Succession::Heir> Succession::heir(const std::string& name) const {
+  // Whoever has no place hands none over, and ends without waiting for one that takes it.
+  if (role() != MemberRole::primary || has_heir_.load() || has_given_way_.load()) return std::nullopt;
   const std::lock_guard lock(mutex_);
   for (const auto& [server, follower] : followers_) {
     const bool is_there = follower.is_ready && steady_ns() - follower.heard_ns < kMemberGoneNs;

@@ -64,6 +64,7 @@ class Succession {
     std::string name;
   };
   /// name  of the member; empty: any
+  /// returns  nothing, too, where this server is not the primary, or not any more
   std::optional<Heir> heir(const std::string& name) const;
   /// This server is to hand over to that one when it ends.
   void choose(const std::string& name);
