@@ -8,6 +8,7 @@
 #include "client/library/connection/greeting_turn.hpp"
 #include "client/library/connection/local_process.hpp"
 #include "client/library/connection/replicas.hpp"
+#include "idl/peers.hpp"
 #include "idl/presence.hpp"
 
 namespace collided::client {
@@ -69,12 +70,36 @@ Connection::~Connection() = default;
 void Connection::hear_status(const dds::Taker<wire::Status>& taker) {
   while (taker.take(incoming_status_)) {
     if (!incoming_status_.info().valid_data) continue;
-    if (!known_server_.is_known() || is_from_server_or_its_heir(incoming_status_)) pulse_.hear(incoming_status_);
+    if (!known_server_.is_known()) keep_until_greeted(incoming_status_);
+    else if (is_from_server_or_its_heir(incoming_status_)) pulse_.hear(incoming_status_);
   }
   if (!replicas_ || replicas_->has_company() || !known_server_.is_known()) return;
   try {
     if (status_reader_.matched_writers() > 1) replicas_->note_company();
   } catch (const dds::DdsError&) {}  // the reader is being deleted
+}
+
+/// Whose status it is shows once somebody has answered hello.
+void Connection::keep_until_greeted(dds::Sample<wire::Status>& status) {
+  constexpr std::size_t kMostWriters = 8;
+  const std::lock_guard lock(early_mutex_);
+  const std::uint64_t writer = status.info().publication_handle;
+  if (early_.size() < kMostWriters || early_.contains(writer)) std::swap(early_[writer], status);
+}
+
+/// This reply to hello comes from the server: what it has said before counts, and nothing that others have.
+void Connection::know_server_by(const dds::Sample<wire::Reply>& reply) {
+  EarlyStatuses early;
+  {
+    const std::lock_guard lock(early_mutex_);
+    early.swap(early_);
+  }
+  pulse_.greeted(reply->server, reply->epoch);
+  const std::uint64_t server = dds::participant_of(reply_reader_.get(), reply.info().publication_handle);
+  for (auto& [writer, status] : early) {
+    if (dds::participant_of(status_reader_.get(), writer) == server) pulse_.hear(status);
+  }
+  known_server_.greeted(reply_reader_.get(), reply.info().publication_handle);
 }
 
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
@@ -164,8 +189,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     const auto& replies = hello->wait(std::min(deadline, Clock::now() + match_period));
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
-      known_server_.greeted(reply_reader_.get(), replies.front()->info().publication_handle);
-      pulse_.greeted(server, (**replies.front()).epoch);
+      know_server_by(*replies.front());
       // Of two that answered, the first one counts.
       for (const auto& reply : replies) static_cast<void>(is_from_server(reply_reader_, reply->info()));
       greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -90,7 +91,10 @@ class Connection {
   bool is_gone() const;
 
   void hear_status(const dds::Taker<wire::Status>& taker);
+  void keep_until_greeted(dds::Sample<wire::Status>& status);
+  void know_server_by(const dds::Sample<wire::Reply>& reply);
 
+  using EarlyStatuses = std::map<std::uint64_t, dds::Sample<wire::Status>>;  // by the reader's handle of the writer
   ConnectOptions options_;
   std::shared_ptr<dds::Participant> participant_;
   const bool is_beside_;  // it is to a replica
@@ -100,6 +104,8 @@ class Connection {
   ServerPulse pulse_;
   KnownServer known_server_;  // before the first greeting its readers may not be made yet, and all is taken
   dds::Sample<wire::Status> incoming_status_;
+  std::mutex early_mutex_;
+  EarlyStatuses early_;  // from before somebody has answered hello
   std::unique_ptr<Replicas> replicas_;
   std::mutex greeting_mutex_;
   std::array<std::atomic<std::uint64_t>, wire_contract::kQueryRights.size()>

@@ -21,7 +21,7 @@ std::string state_name(std::uint8_t state);
 
 /// Which server a connection talks to, its newest status, and how long it has been silent.
 ///
-/// threads  any; hear() is for the status reader's callback only
+/// threads  any; hear() is for the status reader's callback, and before that counts for whoever greets
 class ServerPulse {
  public:
   using Observer = std::function<void(const wire::Status&)>;

@@ -136,6 +136,25 @@ TEST_F(ClientStrangers, TheSameRepliesOfTheServerItselfAreBelieved) {
   EXPECT_FALSE(client_->strangers().speak_now);
 }
 
+// Before anybody has answered its hello a client cannot know whose a status is. What is not the server's is forgotten then.
+TEST_F(ClientStrangers, AForgedStatusIsNotBelievedByWhoeverHasJustJoined) {
+  constexpr std::uint32_t kForgedPid = 666;
+  FakeServer stranger(test::own_namespace(), server_.number(), third_side());
+  stranger.answering = false;
+  {
+    const std::lock_guard lock(stranger.mutex);
+    stranger.status->pid = kForgedPid;
+  }
+  ASSERT_TRUE(eventually([&] { return client_->strangers().speak_now; }));
+  for (int i = 0; i < 20; ++i) {
+    Result<Client> joined = Client::connect(test::here());
+    ASSERT_TRUE(joined) << joined.error().message;
+    const Result<ServerStatus> status = joined->status();
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_NE(status->pid, kForgedPid) << "client " << i;
+  }
+}
+
 // The first words of a new server may come before the old one counts as silent.
 TEST_F(ClientStrangers, ASuccessorIsNone) {
   server_.beating = false;
