@@ -7,9 +7,9 @@
 
 namespace collided::testing_support {
 
-/// The text of an OBJ file with a sphere of 1 m about (50, 50, 50), of 4 * rows^2 triangles. To its centre all of them are
+/// The text of an OBJ file with a sphere about (50, 50, 50), of 4 * rows^2 triangles. To its centre all of them are
 /// about as near, so that a nearest point there costs the most.
-inline std::string shell_obj(int rows) {
+inline std::string shell_obj(int rows, double radius_m = 1) {
   std::ostringstream text;
   text.precision(17);
   const int columns = 2 * rows;
@@ -17,8 +17,8 @@ inline std::string shell_obj(int rows) {
     for (int column = 0; column < columns; ++column) {
       const double polar = std::numbers::pi * row / rows;
       const double turn = 2 * std::numbers::pi * column / columns;
-      text << "v " << 50 + std::sin(polar) * std::cos(turn) << ' ' << 50 + std::sin(polar) * std::sin(turn) << ' '
-           << 50 + std::cos(polar) << '\n';
+      text << "v " << 50 + radius_m * std::sin(polar) * std::cos(turn) << ' '
+           << 50 + radius_m * std::sin(polar) * std::sin(turn) << ' ' << 50 + radius_m * std::cos(polar) << '\n';
     }
   }
   for (int row = 0; row < rows; ++row) {

@@ -23,7 +23,7 @@ void Commands::in_turn(CommandAsk ask, const Arguments& arguments, const char* w
     answering_->send_text(client, request, wire_contract::ReplyStatus::refused, refusal_text(error, hint));
   };
   const auto answer_cheap_or_pass_on = [this, what, find, work, refuse](const std::shared_ptr<AwaitedJob>& job) {
-    if (job->called_off.load()) return;
+    if (!is_wanted(*job)) return;
     std::optional<Asked> asked;
     try {
       asked.emplace((this->*find)(*job));
@@ -31,13 +31,14 @@ void Commands::in_turn(CommandAsk ask, const Arguments& arguments, const char* w
         const Share share{.client = job->ask.client, .cost = asked->cost};
         asked.reset();  // a state must not be held while the job waits
         return push_fairly(what, costly_jobs_, share, [this, job, find, work] {
-          if (!job->called_off.load()) answer(job->ask, [&] { return (this->*work)((this->*find)(*job)); });
+          if (!is_wanted(*job)) return;
+          answer(job->ask, [&] { return finished(*job, [&] { return (this->*work)((this->*find)(*job)); }); });
         });
       }
     } catch (const BadCommand& bad) { return refuse(bad.what(), bad.hint); } catch (const std::exception& failed) {
       return refuse(failed.what(), "");
     }
-    answer(job->ask, [&] { return (this->*work)(*asked); });
+    answer(job->ask, [&] { return finished(*job, [&] { return (this->*work)(*asked); }); });
   };
   try {
     check(arguments);

@@ -63,6 +63,7 @@ void Commands::stop() {
   { const std::unique_lock alone(gate_); }
   geometry_.stop();
   uploads_.stop();
+  end_awaited();
   slow_jobs_.close();
   if (slow_thread_.joinable()) slow_thread_.join();
   pair_jobs_.close();

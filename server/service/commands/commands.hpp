@@ -188,6 +188,9 @@ class Commands {
     bool is_over() const { return called_off.load() || (deadline_ns != 0 && steady_ns() > deadline_ns); }
   };
   std::shared_ptr<AwaitedJob> await(CommandAsk ask, const Arguments& arguments);
+  bool is_wanted(const AwaitedJob& job) const;
+  nlohmann::json finished(const AwaitedJob& job, const std::function<nlohmann::json()>& work) const;
+  void end_awaited();
   /// Two objects of one state, what is asked about them, and about how many triangles that has to look at.
   struct AskedPair {
     SnapshotRing::Lease newest;

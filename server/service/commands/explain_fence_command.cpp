@@ -109,7 +109,8 @@ void Commands::explain_fence_of(const CommandAsk& ask) {
     if (!*look) throw BadCommand(fmt::format("no fence {}", printable(name)), "collide fence ls");
     const auto job = await(ask, arguments);
     push_fairly("explain", costly_jobs_, {.client = ask.client, .cost = kFenceCost}, [this, job, look] {
-      if (!job->called_off.load()) answer(job->ask, [&] { return explained_fence(**look, *job); });
+      if (!is_wanted(*job)) return;
+      answer(job->ask, [&] { return finished(*job, [&] { return explained_fence(**look, *job); }); });
     });
   } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
 }

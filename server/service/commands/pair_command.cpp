@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "server/geometry/mesh.hpp"
 #include "server/service/commands/awaited_jobs-inl.hpp"
@@ -160,6 +162,32 @@ std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Argu
   const std::lock_guard lock(awaited_mutex_);
   awaited_.push_back(job);
   return job;
+}
+
+/// Whether somebody waits for what the job is about to do. While the server stops each is told so.
+bool Commands::is_wanted(const AwaitedJob& job) const { return stopping_.load() || !job.called_off.load(); }
+
+/// What the work found; throws BadCommand where the server stops before it has come to an end.
+json Commands::finished(const AwaitedJob& job, const std::function<json()>& work) const {
+  json answer = work();
+  if (stopping_.load() && job.called_off.load()) throw BadCommand("the server is stopping");
+  return answer;
+}
+
+/// Waits a moment for the jobs under way, then has what is left of them end at once.
+void Commands::end_awaited() {
+  constexpr std::int64_t kPatienceNs = 1'000'000'000;
+  const std::int64_t until_ns = steady_ns() + kPatienceNs;
+  const auto is_done = [this] {
+    const std::lock_guard lock(awaited_mutex_);
+    std::erase_if(awaited_, [](const std::weak_ptr<AwaitedJob>& job) { return job.expired(); });
+    return awaited_.empty();
+  };
+  while (!is_done() && steady_ns() < until_ns) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const std::lock_guard lock(awaited_mutex_);
+  for (const std::weak_ptr<AwaitedJob>& awaited : awaited_) {
+    if (const std::shared_ptr<AwaitedJob> job = awaited.lock()) job->called_off.store(true);
+  }
 }
 
 void Commands::look_for_gone() {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <future>
+#include <thread>
 #include <tuple>
 #include <nlohmann/json.hpp>
 
@@ -27,13 +30,17 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued, kMostQueuedBytes),
+      costly_(kMostQueued, kMostQueuedBytes),
       clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }),
       participants_(options.peers),
       ns_per_cost_(kNsPerCostAtFirst) {
   with_.leases.on_ready([this](AskPointer ask) { enqueue(std::move(ask)); });
-  listening_worker_ = std::make_unique<Worker>(*this);
+  listening_worker_ = std::make_unique<Worker>(*this, kListeningNs);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
-    threads_.emplace_back([this] { Worker(*this).run(); });
+    threads_.emplace_back([this] { Worker(*this, kQuestionNs).run(); });
+  }
+  for (std::size_t i = 0; i < std::min(threads_.size(), kMostCostlyThreads); ++i) {
+    costly_threads_.emplace_back([this] { Worker(*this, 0).run_costly(); });
   }
 }
 
@@ -57,10 +64,11 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
     enqueue(std::move(single));
     return;
   }
-  listening_worker_->answer(*client, *single);
+  const bool is_answered = listening_worker_->answer(*client, *single);
+  short_questions_.took(started_ns, steady_ns());
+  if (!is_answered) return enqueue(std::move(single));
   single->reset();
   spare_ = std::move(single);
-  short_questions_.took(started_ns, steady_ns());
 }
 
 /// Takes as much as the queue has room for. The first single question goes to `single`, where that is not null. One
@@ -171,7 +179,17 @@ void Answering::stop() {
   for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
   for (AskPointer& ask : with_.leases.take_waiting()) refuse_later(std::move(ask), "the server is stopping");
   queue_.close();
+  // Whoever is in the middle of a question that takes longer is told that the server stops.
+  std::promise<void> ended;
+  std::thread patience([this, in_time = ended.get_future()] {
+    const auto until = std::chrono::steady_clock::time_point(std::chrono::nanoseconds(stops_by_ns_.load()));
+    if (in_time.wait_until(until) == std::future_status::timeout) clients_.call_off_all();
+  });
   for (std::thread& thread : threads_) thread.join();
+  costly_.close();  // only now: the workers hand on to it
+  for (std::thread& thread : costly_threads_) thread.join();
+  ended.set_value();
+  patience.join();
 }
 
 }  // namespace collided::engine::service

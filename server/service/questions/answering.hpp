@@ -35,7 +35,7 @@ namespace collided::engine::service {
 struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
-  unsigned threads = 1;                // that answer, at least 1
+  unsigned threads = 1;                // that answer, at least 1; as many others, up to 8, answer costly questions
   std::int64_t deadline_ns = 0;        // for questions that bring none, from when they are taken; 0: none
   double error_m = 0;                  // accepted where a question names none; 0: exact
   std::function<bool()> recovering;    // true: after a crash the world may lack what publishers have not sent again
@@ -119,6 +119,11 @@ class Answering {
   static constexpr std::size_t kMostQueued = 4'096;
   static constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
   static constexpr std::int64_t kTurnNs = 10'000'000;  // of a chunk, while others wait
+  // One question may take so long on a thread that others wait for. A turn's last question may begin at the turn's end.
+  static constexpr std::int64_t kQuestionNs = 2 * kTurnNs;
+  static constexpr std::int64_t kListeningNs = 500'000;  // likewise on the listener's thread
+  static constexpr std::size_t kMostCostlyThreads =
+      8;  // each keeps a state of the world, of which there are 16, for long
   static constexpr double kNsPerCostAtFirst = 500;
   static constexpr std::int64_t kStopPatienceNs = 1'000'000'000;
 
@@ -149,8 +154,9 @@ class Answering {
   void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);
   bool put_back(AskPointer& ask);
+  bool put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was_there);
   /// Whether the server has been stopping for so long that what is left is refused.
-  bool is_over() const { return stopping_.load() && steady_ns() > stops_by_ns_.load(); }
+  bool is_over() const { return stopping_.load() && steady_ns() >= stops_by_ns_.load(); }
   static Share share_of(const Ask& ask);
   std::int64_t retry_after_ns();
   bool leaves_out(const wire::Query& query) const;
@@ -168,6 +174,7 @@ class Answering {
   Command command_;
   AskPool pool_;
   FairQueue<Work> queue_;
+  FairQueue<AskPointer> costly_;      // asks with a question that took longer than kQuestionNs; costs in nanoseconds
   std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
   Participants participants_;                 // of the thread that takes
@@ -181,6 +188,7 @@ class Answering {
   std::atomic<bool> stopping_{false};
   std::atomic<std::int64_t> stops_by_ns_{std::numeric_limits<std::int64_t>::max()};  // steady clock
   std::vector<std::thread> threads_;
+  std::vector<std::thread> costly_threads_;
 };
 
 }  // namespace collided::engine::service

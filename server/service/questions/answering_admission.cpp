@@ -70,6 +70,23 @@ bool Answering::put_back(AskPointer& ask) {
   return false;
 }
 
+/// Hands a chunk on to the threads for costly questions, or back to them where it was there; `took_ns` is its last turn.
+/// False: it goes on where it is, since none of its like waits, or what was begun finds no room there.
+bool Answering::put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was_there) {
+  if (stopping_.load() || (was_there && costly_.waiting() == 0)) return false;
+  Share share = share_of(*ask);
+  const bool is_begun = share.is_begun || ask->answered > 0;
+  share.cost = static_cast<double>(std::max(took_ns, kTurnNs));
+  share.is_begun = was_there;  // it has its room there
+  if (costly_.push(share, ask)) return true;
+  if (is_begun) return false;
+  const double wait_ns = costly_.waiting_cost() / static_cast<double>(costly_threads_.size());
+  refuse_later(std::move(ask),
+               fmt::format("there is no room for it now: {} requests that take long wait already", costly_.waiting()),
+               static_cast<std::int64_t>(std::min(wait_ns, 5e9)));
+  return true;
+}
+
 void Answering::refuse_as_left_out(AskPointer ask) {
   refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
 }
@@ -105,7 +122,7 @@ bool Answering::leaves_out(const wire::Query& query) const {
 }
 
 bool Answering::was_pressed() {
-  const std::uint64_t refused = queue_.refused();
+  const std::uint64_t refused = queue_.refused() + costly_.refused();
   const bool turned_away = refused != std::exchange(refused_before_, refused);
   return turned_away || queue_.waiting() > kMostQueued / 2;
 }

@@ -39,11 +39,21 @@ void Answering::Worker::run() {
   }
 }
 
+void Answering::Worker::run_costly() {
+  pthread_setname_np(pthread_self(), "answer costly");
+  set_time_slice(kLongestSlice);
+  while (std::optional<AskPointer> ask = owner_.costly_.pop()) {
+    try {
+      work(std::move(*ask));
+    } catch (const std::bad_alloc&) { ++owner_.with_.counts.unanswerable; }
+  }
+}
+
 void Answering::Worker::work(AskPointer ask) {
-  // Who is gone since a chunk's first answers left is not met anew.
+  // Who is gone since a chunk was begun is not met anew.
   const std::uint64_t id = ask->query->client;
   const std::shared_ptr<Client> client =
-      ask->answered > 0 ? owner_.clients_.find(id) : owner_.clients_.meet(id, ask->owner);
+      ask->answered > 0 || ask->is_costly ? owner_.clients_.find(id) : owner_.clients_.meet(id, ask->owner);
   if (!client) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
@@ -60,11 +70,17 @@ void Answering::Worker::work(AskPointer ask) {
     const std::size_t before = ask->answered;
     const std::int64_t started_ns = steady_ns();
     const bool is_done = answer(*client, *ask);
+    const std::int64_t took_ns = steady_ns() - started_ns;
     const double part =
         is_done ? 1 - static_cast<double>(before) / chunk : static_cast<double>(ask->answered - before) / chunk;
-    owner_.note_cost(cost_of(*ask->query) * part, steady_ns() - started_ns);
+    if (part > 0) owner_.note_cost(cost_of(*ask->query) * part, took_ns);
     if (is_done) break;
-    if (owner_.put_back(ask)) return;
+    if (client->called_off().load() && !owner_.is_over()) {
+      ++owner_.with_.counts.unanswerable;
+      break;
+    }
+    ask->is_costly = ask->is_costly || ask->answered == before;
+    if (ask->is_costly ? owner_.put_among_costly(ask, took_ns, patience_ns_ == 0) : owner_.put_back(ask)) return;
     if (owner_.is_over()) ask->refusal = "the server is stopping";
   }
   owner_.pool_.put(std::move(ask));
@@ -157,6 +173,20 @@ std::int64_t Answering::Worker::deadline_of(const Ask& ask) const {
   return allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0;
 }
 
+/// Whether answers_ lacks some of as many answers. What was called off has none: they were cut short.
+bool Answering::Worker::is_unfinished(const Client& client, std::size_t count) {
+  if (client.called_off().load()) answers_.reset(0);
+  return answers_.answers.size() < count;
+}
+
+/// How long the next question may take.
+SearchTime Answering::Worker::time_for(const Client& client, const Ask& ask) const {
+  const bool is_limited = patience_ns_ > 0 && !ask.is_costly;
+  return {.deadline_ns = deadline_of(ask),
+          .give_up_ns = is_limited ? steady_ns() + patience_ns_ : 0,
+          .called_off = &client.called_off()};
+}
+
 /// Objects thought elsewhere. Every chunk of a request names them anew, and all are answered on one state.
 void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
@@ -172,17 +202,19 @@ void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   wire::gather_rows(query, wire::question_columns(RequestKind::what_if), numbers_);
   const std::int64_t began_ns = steady_ns();
   WhatIf what_if(state, std::get<WhatIfAsk>(asked), owner_.with_.part_meshes);
-  Deadline deadline(deadline_of(ask));
   const std::span<const double> rows = rows_left(ask);
   const std::size_t left = rows.size() / (what_if.moved_count() * kPoseNumbers);
   // What begins each turn is to take a small part of it.
   const std::int64_t now_ns = steady_ns();
   const std::int64_t turn_ns = std::max(kTurnNs, 8 * (now_ns - began_ns));
   const bool may_pause = left > 1 && (ask.past || ask.hold || owner_.with_.leases.keep(ask, *lease, now_ns));
+  SearchTime time = time_for(client, ask);
+  if (time.give_up_ns != 0) time.give_up_ns = left == 1 || may_pause ? now_ns + 2 * turn_ns : 0;
   answer_what_if(
-      what_if, rows, deadline, may_pause ? now_ns + turn_ns : 0, [&] { return owner_.knows(query.client); }, answers_);
+      what_if, rows, time, may_pause ? now_ns + turn_ns : 0, [&] { return owner_.knows(query.client); }, answers_);
+  is_paused_ = is_unfinished(client, left);
+  if (is_paused_ && answers_.answers.empty()) return;
   if (owner_.options_.recovering()) doubt({.kind = QuestionKind::what_if, .numbers = {}});
-  is_paused_ = answers_.answers.size() < left;
   write_answers(client, ask, *state);
   ask.answered += answers_.answers.size();
 }
@@ -197,6 +229,7 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   const wire::Query& query = *ask.query;
   wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
   const std::span<const double> rows = rows_left(ask);
+  const SearchTime time = time_for(client, ask);
   const bool with_hits = query.mode != static_cast<std::uint8_t>(wire_contract::HitMode::verdict);
   Questions questions{.kind = static_cast<QuestionKind>(query.kind),
                       .mode = with_hits ? static_cast<HitMode>(query.mode) : HitMode::any,
@@ -205,7 +238,9 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
                       .max_hits = query.max_hits,
                       .only = query.only,
                       .skip = query.skip,
-                      .deadline_ns = deadline_of(ask),
+                      .deadline_ns = time.deadline_ns,
+                      .give_up_ns = time.give_up_ns,
+                      .called_off = time.called_off,
                       .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
                       .numbers = rows,
                       .mover = mover};
@@ -216,11 +251,13 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   const std::size_t left = rows.size() / engine::numbers_of(questions.kind);
   if (left > 1) questions.pause_ns = steady_ns() + kTurnNs;
   engine::answer(state, questions, answers_, scratch_);
-  if (answers_.answers.size() < left && !ask.past && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
-    questions.pause_ns = 0;  // the rest needs this state, which cannot be kept
+  const std::size_t answered = answers_.answers.size();
+  if (answered > 0 && answered < left && !ask.past && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
+    questions.pause_ns = questions.give_up_ns = 0;  // the rest needs this state, which cannot be kept
     engine::answer(state, questions, answers_, scratch_);
   }
-  is_paused_ = answers_.answers.size() < left;
+  is_paused_ = is_unfinished(client, left);
+  if (is_paused_ && answers_.answers.empty()) return;
   // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
   // do; every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);

@@ -9,6 +9,7 @@
 #include "idl/dds.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/questions/reply_columns.hpp"
+#include "server/world/objects/deadline.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
@@ -16,13 +17,17 @@ namespace collided::engine::service {
 /// What one thread does to answer, and the memory that it uses again for each answer.
 class Answering::Worker {
  public:
-  explicit Worker(Answering& owner) : owner_(owner) {
+  /// patience_ns  how long it has for one question, before that is left to the threads for costly ones; 0: it is one of these
+  Worker(Answering& owner, std::int64_t patience_ns) : owner_(owner), patience_ns_(patience_ns) {
     reply_->server = owner.options_.server;
     reply_->epoch = owner.options_.epoch;
     text_.reserve(out_of_memory_.size());  // so that refusing for want of memory needs none
   }
+  /// Works off what waits, until the queue is closed and empty.
   void run();
-  /// Answers, or answers the next questions of a chunk that takes longer than its turn.
+  void run_costly();
+  /// Answers, or answers the next questions of a chunk that takes longer than its turn; none where the first of them takes
+  /// longer than this worker has, or nobody waits for the answer any more.
   ///
   /// returns  whether all of it is answered now
   bool answer(Client& client, Ask& ask);
@@ -37,6 +42,8 @@ class Answering::Worker {
   void answer_sweeps(Client& client, Ask& ask);
   void answer_configurations(Client& client, Ask& ask);
   std::int64_t deadline_of(const Ask& ask) const;
+  bool is_unfinished(const Client& client, std::size_t count);
+  SearchTime time_for(const Client& client, const Ask& ask) const;
   void answer_questions(Client& client, Ask& ask, const ObjectInfo* mover);
   std::span<const double> rows_left(const Ask& ask) const;
   bool find_past(Client& client, Ask& ask, const Snapshot& newest);
@@ -50,6 +57,7 @@ class Answering::Worker {
   void send(Client& client, bool is_recorded = true);
 
   Answering& owner_;
+  const std::int64_t patience_ns_;
   dds::Sample<wire::Reply> reply_;
   ReplyColumns columns_;
   std::vector<std::uint8_t> text_;

@@ -68,6 +68,7 @@ void Ask::reset() {
   passed_barrier = false;
   refusal.clear();
   retry_after_ns = 0;
+  is_costly = false;
   answered = 0;
 }
 

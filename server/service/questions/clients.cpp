@@ -145,9 +145,15 @@ std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> owne
     const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;
     departures_.fetch_add(1, std::memory_order_release);
+    client.called_off_.store(true);
     return true;
   });
   return overdue;
+}
+
+void Clients::call_off_all() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, client] : clients_) client->called_off_.store(true);
 }
 
 std::size_t Clients::size() const {

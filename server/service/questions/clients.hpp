@@ -47,6 +47,8 @@ class Client {
   std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
   /// Raises reported_version() to `version`, where that is greater. Any thread.
   void note_reported(std::uint64_t version);
+  /// Set once nobody waits for what this client asked: it is forgotten, or call_off_all() was called. Any thread.
+  const std::atomic<bool>& called_off() const { return called_off_; }
 
  private:
   friend class Clients;
@@ -61,6 +63,7 @@ class Client {
   std::vector<AskPointer> waiting_;
   std::size_t waiting_bytes_ = 0;  // of waiting_; guarded by Clients::mutex_
   std::atomic<std::uint64_t> reported_version_{0};
+  std::atomic<bool> called_off_{false};
 };
 
 /// Every client that has asked and still lives. A reply written before a reader is matched would be lost, so asks wait
@@ -103,6 +106,8 @@ class Clients {
   ///
   /// owners  those that are there now
   std::vector<AskPointer> forget_gone(std::span<const std::uint64_t> owners, std::int64_t now_ns);
+  /// Has the questions under way end, whoever asked.
+  void call_off_all();
   std::size_t size() const;
 
  private:

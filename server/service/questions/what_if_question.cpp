@@ -201,7 +201,7 @@ std::variant<WhatIfAsk, Refusal> what_if_asked(const wire::Query& query, const S
   } catch (const Refusal& refusal) { return refusal; }
 }
 
-void answer_what_if(WhatIf& what_if, std::span<const double> numbers, Deadline& deadline, std::int64_t pause_ns,
+void answer_what_if(WhatIf& what_if, std::span<const double> numbers, const SearchTime& time, std::int64_t pause_ns,
                     const std::function<bool()>& goes_on, Answers& answers) {
   constexpr std::size_t kConfigurationsALook = 16;
   const std::size_t width = what_if.moved_count() * kPoseNumbers;
@@ -220,7 +220,10 @@ void answer_what_if(WhatIf& what_if, std::span<const double> numbers, Deadline& 
     if (!is_configuration) {
       answers.answers[i] = Verdict::invalid;
     } else if (is_read) {
-      put_answer(what_if.at(poses, deadline), what_if.snapshot(), i, answers);
+      Deadline end = time.end();
+      const WhatIfAnswer given = what_if.at(poses, end);
+      if (given.is_late && time.is_given_up()) return answers.cut(i);
+      put_answer(given, what_if.snapshot(), i, answers);
     } else {
       answers.answers[i] = Verdict::undecided;
       answers.reasons[i] = UndecidedReason::deadline;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
@@ -39,6 +40,23 @@ class Deadline {
   const std::atomic<bool>* called_off_ = nullptr;
   std::uint32_t tests_ = 0;
   bool was_over_ = false;
+};
+
+/// How long a search may take: until its deadline, with what is open then undecided, or until it is given up, to be made
+/// anew with more time.
+struct SearchTime {
+  std::int64_t deadline_ns = 0;                   // steady clock; 0: none
+  std::int64_t give_up_ns = 0;                    // likewise
+  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
+
+  Deadline end() const {
+    const bool has_both = give_up_ns != 0 && deadline_ns != 0;
+    return Deadline(has_both ? std::min(give_up_ns, deadline_ns) : std::max(give_up_ns, deadline_ns), called_off);
+  }
+  /// Whether a search that has just ended unfinished was given up, and its deadline is not over.
+  bool is_given_up() const {
+    return give_up_ns != 0 && (deadline_ns == 0 || wire_contract::steady_ns() <= deadline_ns);
+  }
 };
 
 }  // namespace collided::engine

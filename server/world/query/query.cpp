@@ -1,5 +1,6 @@
 #include "server/world/query/query.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -243,43 +244,58 @@ struct QuestionBatch {
     if (!asked.with_hits) question.found.clear();
   }
   /// A question alone finds its hits where they are wanted.
-  void answer_one(std::size_t place) const {
+  ///
+  /// returns  false: it was given up, and has no answer
+  bool answer_one(std::size_t place) const {
     const double* numbers = numbers_of(place);
     if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) {
-      return write_at_once(answers, place, *at_once);
+      write_at_once(answers, place, *at_once);
+      return true;
     }
+    const SearchTime time{
+        .deadline_ns = asked.deadline_ns, .give_up_ns = asked.give_up_ns, .called_off = asked.called_off};
     Question question{.snapshot = snapshot,
                       .asked = asked,
                       .allowed = scratch.allowed,
                       .open_scenes = scratch.open_scenes,
                       .found = asked.numbers.size() == stride ? answers.hits : scratch.found,
-                      .deadline = Deadline(asked.deadline_ns)};
+                      .deadline = time.end()};
     ask(question, numbers);
+    if (is_cut_short(question) && time.is_given_up()) {
+      question.found.clear();
+      return false;
+    }
     finish(question, place);
+    return true;
   }
   void answer_rays(std::size_t place, std::size_t count) const;
-  void answer_plain_ray(std::size_t place) const {
+  bool answer_plain_ray(std::size_t place) const {
     const double* numbers = numbers_of(place);
-    if (!keeps_ray_rules(numbers)) return write_at_once(answers, place, Verdict::invalid);
+    if (!keeps_ray_rules(numbers)) {
+      write_at_once(answers, place, Verdict::invalid);
+      return true;
+    }
     PlainRay& memory = scratch.plain_rays.front();
-    if (!engine::answer_plain_ray(snapshot, asked, numbers, memory, place, answers)) answer_one(place);
+    return engine::answer_plain_ray(snapshot, asked, numbers, memory, place, answers) || answer_one(place);
   }
-  void answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
-  // These two return how many were answered before the pause.
+  // These three return how many were answered before the pause, or before one was given up.
+  std::size_t answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
   std::size_t answer_all_plain(std::size_t count, bool together) const;
   std::size_t answer_all(std::size_t count, bool together) const {
     const std::size_t step = together ? kRaysAtOnce : 1;
     Pause pause(asked.pause_ns);
     for (std::size_t i = 0; i < count; i += step) {
       const std::size_t size = std::min(step, count - i);
-      together ? answer_rays(i, size) : answer_one(i);
+      if (together) answer_rays(i, size);
+      else if (!answer_one(i)) return i;
       if (pause.is_due(answers, i, size)) return i + size;
     }
     return count;
   }
 };
 
-void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const {
+std::size_t QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count,
+                                             std::span<Bvh::RayTask> tasks) const {
   std::vector<PlainRay>& memory = scratch.plain_rays;
   std::array<PlainRay*, kPlainRaysAtOnce> walks;
   std::array<bool, kPlainRaysAtOnce> is_plain;
@@ -291,8 +307,10 @@ void QuestionBatch::answer_plain_rays(std::size_t first, std::size_t count, std:
   }
   walk_plain_rays(snapshot, asked, std::span(walks).first(size), tasks);
   for (std::size_t i = 0; i < count; ++i) {
-    is_plain[i] ? write_plain_ray(snapshot, asked, memory[i], first + i, answers) : answer_one(first + i);
+    if (is_plain[i]) write_plain_ray(snapshot, asked, memory[i], first + i, answers);
+    else if (!answer_one(first + i)) return i;
   }
+  return count;
 }
 
 void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
@@ -312,7 +330,7 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
                                  .allowed = scratch.allowed,
                                  .open_scenes = scratch.open_scenes,
                                  .found = scratch.found_by_ray[size],
-                                 .deadline = Deadline(asked.deadline_ns)});
+                                 .deadline = Deadline(asked.deadline_ns, asked.called_off)});
     places[size++] = place;
   }
   if (size == 0) return;
@@ -324,7 +342,7 @@ std::size_t QuestionBatch::answer_all_plain(std::size_t count, bool together) co
   Pause pause(asked.pause_ns);
   if (!together) {
     for (std::size_t i = 0; i < count; ++i) {
-      answer_plain_ray(i);
+      if (!answer_plain_ray(i)) return i;
       if (pause.is_due(answers, i, 1)) return i + 1;
     }
     return count;
@@ -332,7 +350,7 @@ std::size_t QuestionBatch::answer_all_plain(std::size_t count, bool together) co
   std::array<Bvh::RayTask, kPlainRaysAtOnce> tasks;
   for (std::size_t i = 0; i < count; i += tasks.size()) {
     const std::size_t size = std::min(tasks.size(), count - i);
-    answer_plain_rays(i, size, tasks);
+    if (const std::size_t answered = answer_plain_rays(i, size, tasks); answered < size) return i + answered;
     if (pause.is_due(answers, i, size)) return i + size;
   }
   return count;
@@ -432,7 +450,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
   if (count == 1 && are_plain_rays(snapshot, questions, scratch)) {
     if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
-    batch.answer_plain_ray(0);
+    if (!batch.answer_plain_ray(0)) answers.cut(0);
   } else {
     answer_batch(batch, count);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -74,6 +75,10 @@ struct Questions {
   // Steady clock: soon after it the questions that are left get no answers, so that others have their turn; 0: none. The
   // first question is always answered.
   std::int64_t pause_ns = 0;
+  // Steady clock: a question that takes longer than until then gets no answer, nor do those after it; 0: none. For rays
+  // that are walked together it is not looked at: none of them takes long.
+  std::int64_t give_up_ns = 0;
+  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
   // distances and depths may be off by this much, metres; yes and no are exact regardless
   double error_m = 0;
   Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided

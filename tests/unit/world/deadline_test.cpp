@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -130,6 +132,58 @@ TEST_P(CostlyQuestions, InTimeAnswerAsWithoutADeadline) {
     ASSERT_EQ(answers_.hits[i].distance_m, plain.hits[i].distance_m);
     ASSERT_EQ(answers_.hits[i].error_m, plain.hits[i].error_m);
   }
+}
+
+// Whoever answers has others waiting and gives it up: it has no answer then, and those before it have theirs.
+TEST_P(CostlyQuestions, AreGivenUpWithoutAnAnswer) {
+  constexpr std::int64_t kLongAgo = 1;
+  const SnapshotRing::Lease state = world_.newest();
+  Questions asked{.kind = GetParam().kind,
+                  .mode = GetParam().mode,
+                  .max_hits = kEverything,
+                  .give_up_ns = kLongAgo,
+                  .numbers = GetParam().numbers,
+                  .mover = &mover_};
+  answer(*state, asked, answers_, scratch_);
+  EXPECT_TRUE(answers_.answers.empty());
+  EXPECT_TRUE(answers_.hits.empty());
+  EXPECT_TRUE(answers_.brackets.empty());
+  std::vector<double> two(GetParam().numbers.size(), std::numeric_limits<double>::quiet_NaN());
+  two.insert(two.end(), GetParam().numbers.begin(), GetParam().numbers.end());
+  asked.numbers = two;
+  answer(*state, asked, answers_, scratch_);
+  ASSERT_EQ(answers_.answers.size(), 1U);
+  EXPECT_EQ(answers_.answers[0], Verdict::invalid);
+  EXPECT_TRUE(answers_.hits.empty());
+  asked.deadline_ns = kLongAgo + 1;
+  answer(*state, asked, answers_, scratch_);
+  ASSERT_EQ(answers_.answers.size(), 2U) << "no more time would help one whose deadline is over";
+  EXPECT_EQ(answers_.reasons[1], UndecidedReason::deadline);
+}
+
+TEST_P(CostlyQuestions, InTimeAnswerAsThoughTheyCouldNotBeGivenUp) {
+  ask(0);
+  const Answers plain = answers_;
+  std::atomic<bool> called_off{false};
+  const SnapshotRing::Lease state = world_.newest();
+  Questions asked{.kind = GetParam().kind,
+                  .mode = GetParam().mode,
+                  .max_hits = kEverything,
+                  .give_up_ns = wire_contract::steady_ns() + 3'600'000'000'000,
+                  .called_off = &called_off,
+                  .numbers = GetParam().numbers,
+                  .mover = &mover_};
+  answer(*state, asked, answers_, scratch_);
+  EXPECT_EQ(answers_.answers, plain.answers);
+  EXPECT_EQ(answers_.exact_tests, plain.exact_tests);
+  EXPECT_EQ(answers_.hits.size(), plain.hits.size());
+  called_off.store(true);
+  asked.give_up_ns = 0;
+  answer(*state, asked, answers_, scratch_);
+  ASSERT_EQ(answers_.answers.size(), 1U);
+  EXPECT_EQ(answers_.answers[0], Verdict::undecided);
+  EXPECT_EQ(answers_.reasons[0], UndecidedReason::deadline);
+  EXPECT_LT(answers_.exact_tests[0], plain.exact_tests[0]);
 }
 
 std::vector<CostlyQuestion> costly_questions() {
