@@ -29,15 +29,15 @@ Mat3 turned(const Frame& frame, const Mat3& axes) {
 
 Frame frame_of(const Pose& pose) {
   const double norm2 = pose.rotation.squaredNorm();
-  const double divisor = std::abs(norm2 - 1) <= kUnitSquareSlack ? 1 : std::sqrt(norm2);
-  const double w = pose.rotation.w() / divisor;
-  const double x = pose.rotation.x() / divisor;
-  const double y = pose.rotation.y() / divisor;
-  const double z = pose.rotation.z() / divisor;
+  double w = pose.rotation.w(), x = pose.rotation.x(), y = pose.rotation.y(), z = pose.rotation.z();
+  if (!(std::abs(norm2 - 1) <= kUnitSquareSlack)) {
+    const double divisor = std::sqrt(norm2);
+    w /= divisor, x /= divisor, y /= divisor, z /= divisor;
+  }
   const double x2 = x + x;
   const double y2 = y + y;
   const double z2 = z + z;
-  Frame frame;
+  Frame frame{.rotation = Mat3(), .position = pose.position};
   Mat3& r = frame.rotation;
   r(0, 0) = 1 - (y * y2 + z * z2);
   r(0, 1) = x * y2 - w * z2;
@@ -48,7 +48,6 @@ Frame frame_of(const Pose& pose) {
   r(2, 0) = x * z2 - w * y2;
   r(2, 1) = y * z2 + w * x2;
   r(2, 2) = 1 - (x * x2 + y * y2);
-  frame.position = pose.position;
   return frame;
 }
 

@@ -360,11 +360,11 @@ void World::State::set_stale(ObjectId id, bool is_stale) {
   attachments.for_each_child(id, [&](const AttachedObject& attached) { set_stale(attached.child, is_stale); });
   if (!is_stale) return forget_stale(id);
   const double motion_s = wire_contract::kNanosecond_s * static_cast<double>(row.posed_ns - row.posed_before_ns);
-  const double travel_m = (row.frame.position - row.frame_before.position).norm();
+  const double travel_m = (row.pose.position - row.pose_before.position).norm();
   const bool has_speed = row.has_motion && row.posed_before_ns != kPosedAtStep && motion_s > 0;
   stale_places[id] = stale_objects.size();
   stale_objects.push_back({.id = id,
-                           .position = row.frame.position,
+                           .position = row.pose.position,
                            .reach_m = row.reach_m,
                            .speed_mps = has_speed ? travel_m / motion_s : 0,
                            .posed_ns = row.posed_ns});

@@ -93,15 +93,15 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
 /// Of the triangle, or of all primitives that the part is one of.
 double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb& asked) {
   if (part.frame == nullptr) return 0;
-  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = part.frame, .bounds = {}};
+  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = *part.frame, .bounds = {}};
   return placing_error_m(object, part.triangle, asked);
 }
 
 GivenPart given(const Part& part) {
   if (part.pose == nullptr) return {};
   if (const auto* triangle = std::get_if<Triangle>(&part.own))
-    return {.own = *triangle, .pose = part.pose, .frame = part.frame};
-  return {.own = &std::get<Primitive>(part.own), .pose = part.pose, .frame = part.frame};
+    return {.own = *triangle, .pose = part.pose, .frame = part.frame.get()};
+  return {.own = &std::get<Primitive>(part.own), .pose = part.pose, .frame = part.frame.get()};
 }
 
 ConvexPart placed(const Part& part) {
@@ -213,19 +213,20 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
   }
   for (const auto& info : *snapshot.objects) {
     if (!info) continue;
-    const Frame& frame = snapshot.frames[slot_of(info->id)];
+    const auto kept = std::make_shared<const Frame>(snapshot.frame(slot_of(info->id)));
+    const Frame& frame = *kept;
     const Pose* pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(info->id)] : nullptr;
     for (const Primitive& primitive : info->primitives) {
       std::visit(
           [&](const auto& own) {
-            parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame, pose});
+            parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, kept, pose});
           },
           primitive);
     }
     if (!info->mesh) continue;
     for (std::uint32_t t = 0; t < info->mesh->mesh->triangles.size(); ++t) {
       const Triangle own = info->mesh->mesh->triangle(t);
-      parts.push_back({info->id, t, place(frame, own), own, &frame, pose});
+      parts.push_back({info->id, t, place(frame, own), own, kept, pose});
     }
   }
   return parts;

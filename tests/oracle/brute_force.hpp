@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <utility>
 #include <vector>
@@ -16,9 +17,9 @@ struct Part {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;
   std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace, Triangle> shape;
-  std::variant<Triangle, Primitive> own;  // in its object's frame
-  const Frame* frame = nullptr;           // null: of a scene
-  const Pose* pose = nullptr;             // that the frame was made of; null: of a scene, or none was given
+  std::variant<Triangle, Primitive> own;    // in its object's frame
+  std::shared_ptr<const Frame> frame = {};  // null: of a scene
+  const Pose* pose = nullptr;               // that the frame was made of; null: of a scene, or none was given
 
   /// How far it may be from where its pose has it, looked at from the point and so far beyond it.
   double placing_m(const Vec3& point, double beyond_m = 0) const;

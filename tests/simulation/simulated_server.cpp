@@ -26,7 +26,7 @@ std::vector<Ball> balls_of(const World& world) {
   for (const auto& info : *newest->objects) {
     if (!info) continue;
     const auto& local = std::get<Sphere>(info->primitives.front());
-    balls.push_back({info->id, &info->name, place(newest->frames[slot_of(info->id)], local)});
+    balls.push_back({info->id, &info->name, place(newest->frame(slot_of(info->id)), local)});
   }
   return balls;
 }

@@ -12,7 +12,7 @@ namespace collided::engine {
 struct GivenPart {
   std::variant<std::monostate, const Primitive*, Triangle> own;
   const Pose* pose = nullptr;
-  const Frame* frame = nullptr;  // frame_of(*pose)
+  const Frame* frame = nullptr;  // frame_of(*pose); null: that is worked out where it is needed
 
   /// How far the part, placed in double, may be from the numbers given, metres; 0 where its placing rounds nothing.
   ///

@@ -49,18 +49,18 @@ class FenceSearch {
 
   /// False: its carrier is not there.
   bool place_fence() {
-    placed_ = {.info = &fence_.body, .frame = &frame_, .bounds = {}, .pose = &world_pose_};
+    placed_ = {.info = &fence_.body, .frame = {}, .bounds = {}, .pose = &world_pose_};
     if (!fence_.rule.carrier.empty()) {
       const auto carrier = std::find_if(snapshot_.objects->begin(), snapshot_.objects->end(),
                                         [&](const auto& info) { return info && info->name == fence_.rule.carrier; });
       if (carrier == snapshot_.objects->end()) return false;
       const std::uint32_t slot = slot_of((*carrier)->id);
-      frame_ = snapshot_.frames[slot];
+      placed_.frame = snapshot_.frame(slot);
       placed_.pose = snapshot_.has_given_poses ? &snapshot_.poses[slot] : nullptr;
       // Distances are to the object itself.
       if (is_of_nearest()) placed_.info = carrier->get();
     }
-    placed_.bounds = bounds_of(*placed_.info, frame_);
+    placed_.bounds = bounds_of(*placed_.info, placed_.frame);
     return true;
   }
   bool is_of_nearest() const { return fence_.rule.nearest.has_value(); }
@@ -150,7 +150,6 @@ class FenceSearch {
   static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
 
   const Pose world_pose_;
-  Frame frame_;
   Placed placed_;
   std::vector<Outsider> outsiders_;
   FenceExplanation told_;

@@ -27,7 +27,7 @@ void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info,
   double nearest_m = kEndless;
   for (std::size_t i = 0; i < info.primitives.size(); ++i) {
     RayHit hit;
-    const Primitive placed = place(snapshot.frames[slot_of(info.id)], info.primitives[i]);
+    const Primitive placed = place(snapshot.frame(slot_of(info.id)), info.primitives[i]);
     const ExactResult verdict = std::visit([&](const auto& part) { return cast_ray(ray, part, hit); }, placed);
     if (!verdict.yes() || hit.distance_m >= nearest_m) continue;
     nearest_m = hit.distance_m;
@@ -40,7 +40,7 @@ void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info,
 std::optional<Triangle> placed_triangle(const Snapshot& snapshot, const ObjectInfo& info, std::uint32_t triangle) {
   if (info.scene_part == kNoScenePart) {
     if (!info.mesh) return std::nullopt;
-    return place(snapshot.frames[slot_of(info.id)], info.mesh->mesh->triangle(triangle));
+    return place(snapshot.frame(slot_of(info.id)), info.mesh->mesh->triangle(triangle));
   }
   for (const auto& scene : snapshot.scenes) {
     if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != info.id) continue;

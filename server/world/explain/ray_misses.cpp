@@ -22,11 +22,11 @@ Aabb bounded_part(const Placed& object) {
   if (is_finite(object.bounds)) return object.bounds;
   Aabb box;
   for (const Primitive& own : object.info->primitives) {
-    const Aabb one = bounds(place(*object.frame, own));
+    const Aabb one = bounds(place(object.frame, own));
     if (is_finite(one)) box.extend(one);
   }
   if (object.info->mesh) {
-    Aabb around{.low = object.frame->position, .high = object.frame->position};
+    Aabb around{.low = object.frame.position, .high = object.frame.position};
     box.extend(grown(around, object.info->mesh->radius_m));
   }
   return box;
@@ -121,7 +121,7 @@ std::optional<RayMiss> RayMisses::miss_of(const Passed& passed, double limit_m, 
   line.primitives = {Capsule{.a = ray_.origin, .b = end, .radius_m = 0}};
   const Pose world_pose;
   const Frame world;
-  const Placed segment{.info = &line, .frame = &world, .bounds = bounds_of(line, world), .pose = &world_pose};
+  const Placed segment{.info = &line, .frame = world, .bounds = bounds_of(line, world), .pose = &world_pose};
   WalkCost cost;
   const std::optional<ObjectClearance> found =
       clearance_between(segment, object, {.limit_m = limit_m, .depth = false}, cost, deadline);

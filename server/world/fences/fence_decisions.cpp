@@ -62,9 +62,9 @@ bool FenceDecisions::band_looks_at(std::uint32_t fence, const ObjectInfo& mover)
 }
 
 bool FenceDecisions::surely_stays(std::uint32_t fence, std::uint32_t mover) {
-  if (table_.is_carried(fence) || !is_about_origin(*rows_.info(mover), rows_[mover].lone_sphere)) return false;
+  if (table_.is_carried(fence) || !is_about_origin(*rows_.info(mover), rows_.lone_sphere(mover))) return false;
   const Box* box = lone_box(table_.body(fence));
-  return box != nullptr && surely_holds(*box, rows_[mover].frame.position);
+  return box != nullptr && surely_holds(*box, rows_[mover].pose.position);
 }
 
 void FenceDecisions::decide(std::uint32_t fence, std::uint32_t mover, bool is_new) {
@@ -108,8 +108,8 @@ void FenceDecisions::decide_carried(std::uint32_t fence, std::uint32_t mover, st
        .from_ns = row.posed_before_ns > 0 ? row.posed_before_ns : row.posed_ns,
        .to_ns = row.posed_ns,
        .mover_motion = step_.motion.body_motion(mover),
-       .fence_motion = {rows_.motion(carrier) == Motion::moved ? rows_[carrier].frame_before : rows_[carrier].frame,
-                        rows_[carrier].frame}});
+       .fence_motion = {rows_.motion(carrier) == Motion::moved ? rows_[carrier].frame_before() : rows_[carrier].frame(),
+                        rows_[carrier].frame()}});
 }
 
 void FenceDecisions::decide_on_common_time(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier) {
@@ -130,8 +130,8 @@ void FenceDecisions::decide_on_common_time(std::uint32_t fence, std::uint32_t mo
                   .fence = fence,
                   .from_ns = from_ns,
                   .to_ns = to_ns,
-                  .mover_motion = history.motion(mover, from_ns, to_ns, rows_[mover].frame),
-                  .fence_motion = history.motion(carrier, from_ns, to_ns, rows_[carrier].frame)});
+                  .mover_motion = history.motion(mover, from_ns, to_ns, rows_[mover].pose),
+                  .fence_motion = history.motion(carrier, from_ns, to_ns, rows_[carrier].pose)});
     if (history.jumps(carrier, to_ns) || history.jumps(mover, to_ns)) {
       const double at_s = step_.seconds_ago(to_ns);
       decide_instant(instant_on(fence, mover, carrier, to_ns), {EndReason::teleported, at_s, at_s});
@@ -158,8 +158,8 @@ FencePiece FenceDecisions::instant_on(std::uint32_t fence, std::uint32_t mover, 
           .fence = fence,
           .from_ns = time_ns,
           .to_ns = time_ns,
-          .mover_motion = BodyMotion::resting(history.at(mover, time_ns, rows_[mover].frame)),
-          .fence_motion = BodyMotion::resting(history.at(carrier, time_ns, rows_[carrier].frame))};
+          .mover_motion = BodyMotion::resting(history.at(mover, time_ns, rows_[mover].pose)),
+          .fence_motion = BodyMotion::resting(history.at(carrier, time_ns, rows_[carrier].pose))};
 }
 
 FencePiece FenceDecisions::instant_now(std::uint32_t fence, std::uint32_t mover, std::int64_t time_ns) const {
@@ -168,8 +168,8 @@ FencePiece FenceDecisions::instant_now(std::uint32_t fence, std::uint32_t mover,
           .fence = fence,
           .from_ns = time_ns,
           .to_ns = time_ns,
-          .mover_motion = BodyMotion::resting(rows_[mover].frame),
-          .fence_motion = BodyMotion::resting(carrier == FenceTable::kNone ? kWorldFrame : rows_[carrier].frame)};
+          .mover_motion = BodyMotion::resting(rows_[mover].frame()),
+          .fence_motion = BodyMotion::resting(carrier == FenceTable::kNone ? kWorldFrame : rows_[carrier].frame())};
 }
 
 /// Who is in goes out, stays, or is in doubt, which does not end it; who is not comes in within the piece or does not.
@@ -239,9 +239,9 @@ void FenceDecisions::decide_instant(const FencePiece& instant, const ContactEnd&
 Placed FenceDecisions::placed_fence(std::uint32_t fence, const Frame& frame) {
   const std::uint32_t carrier = table_.carrier(fence);
   const ObjectInfo& body = table_.body(fence);
-  Placed placed{.info = &body, .frame = &frame, .bounds = {}, .pose = nullptr};
+  Placed placed{.info = &body, .frame = frame, .bounds = {}, .pose = nullptr};
   if (carrier == FenceTable::kNone) placed.pose = &kWorldPose;
-  else if (is_same(frame, rows_[carrier].frame)) placed.pose = &rows_[carrier].pose;
+  else if (is_same(frame, rows_[carrier].frame())) placed.pose = &rows_[carrier].pose;
   placed.bounds = carrier == FenceTable::kNone ? table_.bounds(fence) : bounds_of(body, frame);
   return placed;
 }
@@ -291,7 +291,7 @@ SweptContact FenceDecisions::sweep(const FencePiece& piece) {
 /// The exact sweep of the one's sphere along its motion relative to the other; nothing where it is no lone sphere.
 std::optional<SweptContact> FenceDecisions::sweep_sphere(const FencePiece& piece, bool is_mover) {
   const std::optional<Sphere> sphere =
-      is_mover ? rows_[piece.mover].lone_sphere : lone_sphere(table_.body(piece.fence));
+      is_mover ? rows_.lone_sphere(piece.mover) : lone_sphere(table_.body(piece.fence));
   if (!sphere) return std::nullopt;
   const BodyMotion& motion = is_mover ? piece.mover_motion : piece.fence_motion;
   const BodyMotion& others = is_mover ? piece.fence_motion : piece.mover_motion;

@@ -24,12 +24,12 @@ inline bool is_resting(const BodyMotion& motion) {
   return motion.turn_rad == 0 && motion.from.position == motion.to.position;
 }
 
-/// An object at a frame, which must outlive it. A frame between two poses is interpolated: no pose was given for it.
+/// An object at a frame. A frame between two poses is interpolated: no pose was given for it.
 inline Placed placed_at(const ObjectRows& rows, std::uint32_t slot, const Frame& frame) {
   const ObjectRow& row = rows[slot];
-  const bool is_given = is_same(frame, row.frame);
+  const bool is_given = frame.position == row.pose.position && is_same(frame, row.frame());
   return {.info = rows.info(slot),
-          .frame = &frame,
+          .frame = frame,
           .bounds = is_given ? row.bounds : bounds_of(*rows.info(slot), frame),
           .pose = is_given ? &row.pose : nullptr};
 }

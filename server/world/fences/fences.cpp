@@ -245,16 +245,16 @@ void Fences::follow_carriers(const StepView& step) {
 
 /// Where its carrier is.
 Aabb Fences::bounds_at(const StepView& step, std::uint32_t fence) {
-  return grown(bounds_of(table_.body(fence), step.rows[table_.carrier(fence)].frame), table_.beyond_m(fence));
+  return grown(bounds_of(table_.body(fence), step.rows[table_.carrier(fence)].frame()), table_.beyond_m(fence));
 }
 
 Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
   const std::uint32_t carrier = table_.carrier(fence);
   const ObjectInfo& body = table_.body(fence);
   const ObjectRow& row = step.rows[carrier];
-  Aabb all = bounds_of(body, row.frame);
+  Aabb all = bounds_of(body, row.frame());
   if (step.rows.motion(carrier) == Motion::moved)
-    all.extend(bounds(body, BodyMotion(row.frame_before, row.frame), table_.reach_m(fence)));
+    all.extend(bounds(body, BodyMotion(row.frame_before(), row.frame()), table_.reach_m(fence)));
   step.motion.history().for_each(carrier, [&](const MotionSegment& segment) {
     if (segment.is_jump()) {
       all.extend(bounds_of(body, segment.from));

@@ -50,8 +50,8 @@ class GapWalk {
   bool look() {
     const Frame frame_a = a_.motion.at(time_);
     const Frame frame_b = b_.motion.at(time_);
-    const Placed a{.info = a_.info, .frame = &frame_a, .bounds = bounds_of(*a_.info, frame_a)};
-    const Placed b{.info = b_.info, .frame = &frame_b, .bounds = bounds_of(*b_.info, frame_b)};
+    const Placed a{.info = a_.info, .frame = frame_a, .bounds = bounds_of(*a_.info, frame_a)};
+    const Placed b{.info = b_.info, .frame = frame_b, .bounds = bounds_of(*b_.info, frame_b)};
     const double left_m = fastest_m_ * (1 - time_) * (1 + kBoundSlack) + off_m_;
     Deadline never;
     const std::optional<ObjectClearance> clearance =

@@ -12,7 +12,7 @@ namespace {
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 Placed placed_at(const GapBody& body, const Frame& frame) {
-  return {.info = body.info, .frame = &frame, .bounds = bounds_of(*body.info, frame), .pose = nullptr};
+  return {.info = body.info, .frame = frame, .bounds = bounds_of(*body.info, frame), .pose = nullptr};
 }
 
 /// Both sides at one time.

@@ -195,9 +195,9 @@ GapBounds NearestDecisions::gap_at(const NearestAsked& asked, std::uint32_t slot
   const Frame frame_about = frame_at(asked.about, time_ns);
   const Frame frame = frame_at(slot, time_ns);
   const ObjectInfo& about = info(asked, asked.about);
-  const Placed a{.info = &about, .frame = &frame_about, .bounds = bounds_of(about, frame_about), .pose = nullptr};
+  const Placed a{.info = &about, .frame = frame_about, .bounds = bounds_of(about, frame_about), .pose = nullptr};
   const ObjectInfo& other = *rows_.info(slot);
-  const Placed b{.info = &other, .frame = &frame, .bounds = bounds_of(other, frame), .pose = nullptr};
+  const Placed b{.info = &other, .frame = frame, .bounds = bounds_of(other, frame), .pose = nullptr};
   ++cost_.exact_tests;
   GapBounds gap = gap_bounds(a, b, limit_m, walk_);
   const double error_m = off_m(asked.about, time_ns) + off_m(slot, time_ns);
@@ -208,7 +208,7 @@ GapBounds NearestDecisions::gap_at(const NearestAsked& asked, std::uint32_t slot
 
 GapBody NearestDecisions::body(const NearestAsked& asked, std::uint32_t slot, const Stretch& part) {
   if (slot == kNone) return {.info = &info(asked, slot), .motion = BodyMotion::resting(Frame{}), .reach_m = 0};
-  const BodyMotion motion = paths_.motion(slot, part.from_ns, part.to_ns, rows_[slot].frame);
+  const BodyMotion motion = paths_.motion(slot, part.from_ns, part.to_ns, rows_[slot].pose);
   return {.info = rows_.info(slot),
           .motion = motion,
           .reach_m = motion.turn_rad > 0 ? rows_[slot].reach_m : 0,
@@ -216,7 +216,7 @@ GapBody NearestDecisions::body(const NearestAsked& asked, std::uint32_t slot, co
 }
 
 Frame NearestDecisions::frame_at(std::uint32_t slot, std::int64_t time_ns) const {
-  return slot == kNone ? Frame{} : paths_.at(slot, time_ns, rows_[slot].frame);
+  return slot == kNone ? Frame{} : paths_.at(slot, time_ns, rows_[slot].pose);
 }
 
 /// How far the object may be from its motion where frame_at() has it.

@@ -18,14 +18,13 @@ std::uint32_t Members::add(ObjectId id) {
   if (member.info->scene_part != kNoScenePart) {
     add_part(member);
   } else {
-    member.frame = snapshot_.frames[slot];
+    member.placed.frame = snapshot_.frame(slot);
     member.pose = snapshot_.poses[slot];
     member.placed.bounds = snapshot_.bounds[slot];
     if (snapshot_.has_given_poses) member.placed.pose = &member.pose;
   }
   if (snapshot_.pair_rules) member.rule_fit = snapshot_.pair_rules->fit_of(member.info->name);
   member.placed.info = member.info.get();
-  member.placed.frame = &member.frame;
   member.reach = member.placed.bounds;
   if (const std::optional<Aabb> region = unknown_region(snapshot_, id)) {
     member.reach.extend(*region);
@@ -57,9 +56,9 @@ const Placed& Members::placed(std::uint32_t number, Deadline& deadline) {
 void Members::set_pose(std::uint32_t number, const Pose& pose) {
   Member& member = members_[number];
   member.pose = pose;
-  member.frame = frame_of(pose);
+  member.placed.frame = frame_of(pose);
   member.placed.pose = &member.pose;
-  member.placed.bounds = bounds_of(*member.info, member.frame);
+  member.placed.bounds = bounds_of(*member.info, member.placed.frame);
   member.reach = member.placed.bounds;
   member.is_stale = false;
 }

@@ -42,7 +42,6 @@ class Members {
   struct Member {
     std::shared_ptr<const ObjectInfo> info;
     std::shared_ptr<const StaticScene> scene;  // of a part; else null
-    Frame frame;
     Pose pose;
     Placed placed;
     Aabb reach;
@@ -54,7 +53,7 @@ class Members {
 
   const Snapshot& snapshot_;
   PartMeshes& part_meshes_;
-  std::deque<Member> members_;  // whose frames are pointed to
+  std::deque<Member> members_;  // whose poses are pointed to
 };
 
 }  // namespace collided::engine

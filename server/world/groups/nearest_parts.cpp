@@ -44,7 +44,7 @@ BallAround ball_around(const ConvexPart& part, const Placed& mesh) {
     const Vec3 up = ground->normal.normalized();
     const double across_m = mesh.info->mesh->radius_m;
     const double deep_m = kFlat * across_m;
-    const Vec3 foot = mesh.frame->position - up * up.dot(mesh.frame->position - ground->point);
+    const Vec3 foot = mesh.frame.position - up * up.dot(mesh.frame.position - ground->point);
     return {foot - deep_m * up, deep_m, across_m};
   }
   const Aabb box = bounds_of_part(part);
@@ -60,12 +60,12 @@ void near_mesh_triangles(const ConvexPart& part, const Placed& object, const Nea
   const BallAround ball = ball_around(part, object);
   const auto candidate = [&](std::uint32_t number, double) {
     if (deadline.is_over() || nearest.may_overlap) return -1.0;
-    test(place(*object.frame, mesh.mesh->triangle(number)), number);
+    test(place(object.frame, mesh.mesh->triangle(number)), number);
     return nearest.may_overlap ? -1.0 : ball.square(nearest.reach_m());
   };
-  const Vec3 local = object.frame->rotation.transpose() * (ball.center - object.frame->position);
+  const Vec3 local = object.frame.rotation.transpose() * (ball.center - object.frame.position);
   mesh.tree.walk_near(local, ball.square(nearest.reach_m()),
-                      placement_slack(*object.frame, 2 * ball.center.lpNorm<1>(), mesh.radius_m), candidate, cost);
+                      placement_slack(object.frame, 2 * ball.center.lpNorm<1>(), mesh.radius_m), candidate, cost);
 }
 
 /// The primitives of one object against all of another; `taking` hands a pair on in the right order.
@@ -73,12 +73,12 @@ template <class Take>
 void primitives_against(const Placed& one, const Placed& other, const NearestParts& nearest, bool with_primitives,
                         WalkCost& cost, Deadline& deadline, Take&& taking) {
   const auto goes_on = [&] { return !nearest.may_overlap && !deadline.is_over(); };
-  visit_primitives_near(*one.info, *one.frame, grown(other.bounds, nearest.reach_m()), cost, [&](const Primitive& own) {
-    const ConvexPart part = place(*one.frame, own);
+  visit_primitives_near(*one.info, one.frame, grown(other.bounds, nearest.reach_m()), cost, [&](const Primitive& own) {
+    const ConvexPart part = place(one.frame, own);
     if (with_primitives) {
       const Aabb near = other.info->parts ? grown(bounds_of_part(part), nearest.reach_m()) : Aabb{};
-      visit_primitives_near(*other.info, *other.frame, near, cost, [&](const Primitive& second) {
-        taking(part, place(*other.frame, second), kNoTriangle);
+      visit_primitives_near(*other.info, other.frame, near, cost, [&](const Primitive& second) {
+        taking(part, place(other.frame, second), kNoTriangle);
         return goes_on();
       });
     }
@@ -90,8 +90,8 @@ void primitives_against(const Placed& one, const Placed& other, const NearestPar
 }
 
 void nearest_of_meshes(const Placed& a, const Placed& b, NearestParts& nearest, WalkCost& cost, Deadline& deadline) {
-  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
-  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  PlacedTriangles of_a(*a.info->mesh->mesh, a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b, double) {
     if (deadline.is_over()) return -1.0;
     const Triangle& first = of_a.at(triangle_a);

@@ -44,23 +44,23 @@ Aabb bounds_near(const Primitive& a, const Aabb& box) {
 /// The same of an object: a half-space is the only primitive of its object.
 Aabb bounds_near(const Placed& a, const Aabb& box) {
   const bool endless = a.info->primitives.size() == 1 && std::holds_alternative<HalfSpace>(a.info->primitives.front());
-  return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
+  return endless ? bounds_near(place(a.frame, a.info->primitives.front()), box) : a.bounds;
 }
 
 void search_mesh(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = bounds_near(a, b.bounds);
   if (near.empty()) return;
   const IndexedMesh& mesh = *b.info->mesh;
-  near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
+  near_triangles(mesh, b.frame, near, cost, [&](std::uint32_t triangle) {
     const GivenPart given_b = b.given(triangle);
-    search_parts(a, kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch, {given, given_b});
+    search_parts(a, kNoTriangle, place(b.frame, mesh.mesh->triangle(triangle)), triangle, touch, {given, given_b});
     return !touch.done();
   });
 }
 
 void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
-  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
-  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  PlacedTriangles of_a(*a.info->mesh->mesh, a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
     const GivenPart given_a = a.given(triangle_a);
     const GivenPart given_b = b.given(triangle_b);
@@ -75,11 +75,11 @@ void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkC
 
 /// a's mesh against b's primitives: the exact phase takes the primitive first, so the contact is flipped.
 void search_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
-  visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
+  visit_primitives_near(*b.info, b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
     turned.wanted = touch.wanted;
     turned.deadline = touch.deadline;
-    search_mesh(place(*b.frame, primitive), b.given(primitive), a, turned, cost);
+    search_mesh(place(b.frame, primitive), b.given(primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
     touch.level = std::max(touch.level, turned.level);
     touch.undecided = touch.undecided || turned.undecided;
@@ -107,8 +107,8 @@ Aabb placed_bounds(const Frame& frame, const Aabb& own, double reach_m) {
 
 }  // namespace
 
-double placement_slack(const Frame& frame, double distance_m, double reach_m) {
-  const double largest_m = frame.position.lpNorm<1>() + distance_m + 2 * reach_m;
+double placement_slack(const Vec3& frame_position, double distance_m, double reach_m) {
+  const double largest_m = frame_position.lpNorm<1>() + distance_m + 2 * reach_m;
   return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
 }
 
@@ -174,11 +174,11 @@ struct SeenMesh {
 };
 
 SeenMesh seen_mesh(const Placed& a, const Placed& b) {
-  const Mat3 back = a.frame->rotation.transpose();
-  const Vec3 between = b.frame->position - a.frame->position;
-  return {.rotation = back * b.frame->rotation,
+  const Mat3 back = a.frame.rotation.transpose();
+  const Vec3 between = b.frame.position - a.frame.position;
+  return {.rotation = back * b.frame.rotation,
           .position = back * between,
-          .slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+          .slack_m = 2 * placement_slack(a.frame, between.lpNorm<1>() + b.frame.position.lpNorm<1>(),
                                          a.info->mesh->radius_m + b.info->mesh->radius_m)};
 }
 
@@ -264,9 +264,9 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   // Bounds cost more than many tests, so they are computed only where an index needs them.
   const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
-  visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
+  visit_primitives_near(*b.info, b.frame, near, cost, [&](const Primitive& primitive) {
     const GivenPart given_b = b.given(primitive);
-    search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch, {given, given_b});
+    search_parts(a, kNoTriangle, place(b.frame, primitive), kNoTriangle, touch, {given, given_b});
     return !touch.done();
   });
   if (!touch.done() && b.info->mesh) search_mesh(a, given, b, touch, cost);
@@ -293,7 +293,7 @@ const Shape* only(const ObjectInfo& info) {
 
 /// How far off the placing of an object of one bounded primitive may be.
 double only_placing_error_m(const Placed& object) {
-  return object.pose == nullptr ? 0 : placing_error_m(*object.frame, object.info->primitives.front());
+  return object.pose == nullptr ? 0 : placing_error_m(object.frame, object.info->primitives.front());
 }
 
 /// The same where they are not placed yet.
@@ -302,7 +302,7 @@ bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
   const Box* own_b = only<Box>(*b.info);
   if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
   const double off_m = (only_placing_error_m(a) + only_placing_error_m(b)) * (1 + kBoundSlack);
-  return off_m > 0 && search_boxes(place(*a.frame, *own_a), place(*b.frame, *own_b), off_m, touch);
+  return off_m > 0 && search_boxes(place(a.frame, *own_a), place(b.frame, *own_b), off_m, touch);
 }
 
 /// What search_parts() does for two objects of one sphere each, without variants, where placing them rounds nothing.
@@ -312,8 +312,8 @@ bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
   const Sphere* own_b = only<Sphere>(*b.info);
   if (own_a == nullptr || own_b == nullptr || touch.yes || touch.met != nullptr) return false;
   if (only_placing_error_m(a) > 0 || only_placing_error_m(b) > 0) return false;
-  const Sphere ball_a = place(*a.frame, *own_a);
-  const Sphere ball_b = place(*b.frame, *own_b);
+  const Sphere ball_a = place(a.frame, *own_a);
+  const Sphere ball_b = place(b.frame, *own_b);
   const ExactResult verdict = overlaps(ball_a, ball_b);
   ++touch.exact_tests;
   touch.level = std::max(touch.level, verdict.level);
@@ -328,8 +328,8 @@ bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   if (search_boxes(a, b, touch) || search_balls(a, b, touch)) return;
   const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
-  visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
-    search_object(place(*a.frame, primitive), a.given(primitive), b, touch, cost);
+  visit_primitives_near(*a.info, a.frame, near, cost, [&](const Primitive& primitive) {
+    search_object(place(a.frame, primitive), a.given(primitive), b, touch, cost);
     return !touch.done();
   });
   if (touch.done() || !a.info->mesh) return;

@@ -25,17 +25,17 @@ namespace collided::engine {
 /// An object with its pose, and its bounds in world coordinates.
 struct Placed {
   const ObjectInfo* info = nullptr;
-  const Frame* frame = nullptr;
+  Frame frame;
   Aabb bounds;
   const Pose* pose = nullptr;  // what the frame was made of; null where it was not given, as between two poses
 
   /// A part of it as it was given.
   GivenPart given(const Primitive& own) const {
-    return pose == nullptr ? GivenPart{} : GivenPart{.own = &own, .pose = pose, .frame = frame};
+    return pose == nullptr ? GivenPart{} : GivenPart{.own = &own, .pose = pose, .frame = &frame};
   }
   GivenPart given(std::uint32_t triangle) const {
     if (pose == nullptr) return {};
-    return {.own = info->mesh->mesh->triangle(triangle), .pose = pose, .frame = frame};
+    return {.own = info->mesh->mesh->triangle(triangle), .pose = pose, .frame = &frame};
   }
 };
 
@@ -113,7 +113,10 @@ void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aab
 
 /// Rounding of placing a point and seeing it back from a frame, metres: what local bounds must grow by so that no
 /// placed point is lost (derivation at kPlacementRoundoffs).
-double placement_slack(const Frame& frame, double distance_m, double reach_m);
+double placement_slack(const Vec3& frame_position, double distance_m, double reach_m);
+inline double placement_slack(const Frame& frame, double distance_m, double reach_m) {
+  return placement_slack(frame.position, distance_m, reach_m);
+}
 
 /// A mesh's triangles at a frame. Keeps the last one, since walks over pairs return to it again and again.
 class PlacedTriangles {

@@ -6,7 +6,7 @@
 namespace collided::engine {
 
 double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb& other) {
-  const Frame& frame = *object.frame;
+  const Frame& frame = object.frame;
   if (frame.position.isZero(0) && frame.rotation == Mat3::Identity() && object.info->primitives.empty()) return 0;
   if (triangle != kNoTriangle && object.info->mesh)
     return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));

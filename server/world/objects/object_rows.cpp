@@ -50,9 +50,11 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
   source_[slot_of(info->id)] = source;
   row.movable = info->id;
   row.pose = pose;
-  row.frame = row.frame_before = frame_of(pose);
-  row.bounds = bounds_of(*info, row.frame);
-  row.lone_sphere = lone_sphere(*info);
+  row.pose_before = pose;
+  row.bounds = bounds_of(*info, row.frame());
+  const std::optional<Sphere> sphere = engine::lone_sphere(*info);
+  row.lone_radius_m = sphere ? sphere->radius_m : -1;
+  row.is_centred_sphere = sphere && sphere->center.isZero(0);
   row.reach_m = reach_of(*info);
   row.has_motion = false;
   row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
@@ -85,14 +87,13 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
   if (slot >= rows_.size() || rows_[slot].movable != id || id == 0) return false;
   ObjectRow& row = rows_[slot];
   if (!is_posed(slot)) {
-    row.frame_before = row.frame;
+    row.pose_before = row.pose;
     row.said_before_ns = row.posed_ns;
     row.posed_before_ns = row.posed_ns == kPosedAtStep ? row.posed_ns : std::max(row.posed_ns, at.since_ns);
   }
   row.pose = pose;
-  row.frame = frame_of(pose);
-  row.bounds = row.lone_sphere && row.lone_sphere->center.isZero(0) ? bounds(place(row.frame, *row.lone_sphere))
-                                                                    : bounds_of(*info(slot), row.frame);
+  row.bounds = row.is_centred_sphere ? bounds(Sphere{placed_center(pose, Vec3::Zero()), row.lone_radius_m})
+                                     : bounds_of(*info(slot), row.frame());
   // An object's time does not go back, even if its publisher's clock does: brackets are measured in it.
   row.posed_ns = std::max(row.posed_ns, at.time_ns);
   news_[slot] |= kPosed;
@@ -129,7 +130,7 @@ void ObjectRows::follow_source(std::uint32_t slot, std::uint32_t source, std::in
   row.joined_ns = std::max(row.joined_ns, decided_ns);
   row.born_ns = known_ns;
   row.posed_ns = row.posed_before_ns = row.said_before_ns = std::max(row.posed_ns, known_ns);
-  row.frame_before = row.frame;
+  row.pose_before = row.pose;
   row.has_motion = false;
   news_[slot] = kDefined;
   mark(slot, Motion::placed);
@@ -156,7 +157,6 @@ void ObjectRows::stamp_changes(std::int64_t world_time_ns, const Sources& source
 void ObjectRows::copy_row(std::uint32_t slot, Snapshot& to) const {
   const ObjectRow& row = rows_[slot];
   to.poses[slot] = row.pose;
-  to.frames[slot] = row.frame;
   to.bounds[slot] = row.bounds;
   to.posed_ns[slot] = row.posed_ns;
   to.stale[slot] = row.is_stale ? 1 : 0;
@@ -165,7 +165,6 @@ void ObjectRows::copy_row(std::uint32_t slot, Snapshot& to) const {
 void ObjectRows::copy_changes(Snapshot& to) {
   const std::size_t count = size();
   to.poses.resize(count);
-  to.frames.resize(count);
   to.bounds.resize(count);
   to.posed_ns.resize(count);
   to.stale.resize(count);

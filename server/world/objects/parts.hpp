@@ -10,7 +10,7 @@ namespace collided::engine {
 /// The object at its pose in this state.
 inline Placed placed_in(const Snapshot& snapshot, std::uint32_t slot) {
   return {.info = (*snapshot.objects)[slot].get(),
-          .frame = &snapshot.frames[slot],
+          .frame = snapshot.frame(slot),
           .bounds = snapshot.bounds[slot],
           .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
 }
@@ -33,12 +33,12 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
     const Placed object = placed_in(snapshot, slot_of(info->id));
     const auto visit_primitive = [&](const Primitive& primitive) {
       const GivenPart given = object.given(primitive);
-      std::visit([&](const auto& own) { visit(info->id, kNoTriangle, place(*object.frame, own), given); }, primitive);
+      std::visit([&](const auto& own) { visit(info->id, kNoTriangle, place(object.frame, own), given); }, primitive);
     };
     for (const Primitive& primitive : info->primitives) visit_primitive(primitive);
     if (!info->mesh) continue;
     for (std::uint32_t i = 0; i < info->mesh->mesh->triangles.size(); ++i) {
-      visit(info->id, i, place(*object.frame, info->mesh->mesh->triangle(i)), object.given(i));
+      visit(info->id, i, place(object.frame, info->mesh->mesh->triangle(i)), object.given(i));
     }
   }
 }
@@ -47,7 +47,7 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
 template <class Visit>
 void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangle, Visit&& visit) {
   const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
-  const Frame& frame = snapshot.frames[slot_of(object)];
+  const Frame frame = snapshot.frame(slot_of(object));
   if (triangle == kNoTriangle) {
     for (const Primitive& primitive : info.primitives) {
       std::visit([&](const auto& own) { visit(place(frame, own)); }, primitive);

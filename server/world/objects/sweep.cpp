@@ -43,17 +43,17 @@ Aabb bounds(const MovingSphere& mover) {
 void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle) { sweep_any(sweep, part, triangle); }
 
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
-  visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
-    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), kNoTriangle); }, primitive);
+  visit_primitives_near(*other.info, other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
+    std::visit([&](const auto& part) { sweep_any(sweep, place(other.frame, part), kNoTriangle); }, primitive);
     return true;
   });
   if (!other.info->mesh) return;
   const auto candidate = [&](std::uint32_t triangle) {
-    sweep_any(sweep, place(*other.frame, other.info->mesh->mesh->triangle(triangle)), triangle);
+    sweep_any(sweep, place(other.frame, other.info->mesh->mesh->triangle(triangle)), triangle);
     return true;
   };
   const IndexedMesh& mesh = *other.info->mesh;
-  mesh.tree.walk_box(seen_from(*other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
+  mesh.tree.walk_box(seen_from(other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
 }
 
 SweptContact turned_round(SweptContact touch) {

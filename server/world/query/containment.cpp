@@ -76,7 +76,7 @@ struct Crossings {
   double operator()(std::uint32_t number, double limit) {
     constexpr double kNearEdge = 1e-6;
     RayHit hit;
-    const ExactResult verdict = cast_ray(ray, place(*object.frame, object.info->mesh->mesh->triangle(number)), hit);
+    const ExactResult verdict = cast_ray(ray, place(object.frame, object.info->mesh->mesh->triangle(number)), hit);
     if (verdict.decision == Decision::undecided) doubtful = true;
     if (verdict.yes()) {
       doubtful = doubtful || hit.weights.minCoeff() < kNearEdge;
@@ -87,9 +87,9 @@ struct Crossings {
 
   bool count(WalkCost& cost) {
     const IndexedMesh& mesh = *object.info->mesh;
-    const Mat3 back = object.frame->rotation.transpose();
-    const Ray local{.origin = back * (ray.origin - object.frame->position), .direction = back * ray.direction};
-    const double slack_m = placement_slack(*object.frame, ray.origin.lpNorm<1>() * 2, mesh.radius_m);
+    const Mat3 back = object.frame.rotation.transpose();
+    const Ray local{.origin = back * (ray.origin - object.frame.position), .direction = back * ray.direction};
+    const double slack_m = placement_slack(object.frame, ray.origin.lpNorm<1>() * 2, mesh.radius_m);
     mesh.tree.walk_ray(local, std::numeric_limits<double>::infinity(), slack_m, *this, cost);
     std::sort(crossed.begin(), crossed.end());
     crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
@@ -127,7 +127,7 @@ bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   }
   // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
   // surfaces do not meet, so one point decides for its whole connected piece.
-  const auto is_in = [&](const Vec3& own) { return is_within(outer, place(*inner.frame, own)); };
+  const auto is_in = [&](const Vec3& own) { return is_within(outer, place(inner.frame, own)); };
   const bool has_primitives = !inner.info->primitives.empty();
   if (is_in(has_primitives ? inner_ball(inner.info->primitives.front()).point
                            : inner.info->mesh->mesh->triangle(0).a) == Decision::no)
@@ -151,7 +151,7 @@ std::optional<Contact> contact_of_contained(const Placed& a, const Placed& b, Co
   if (which == Contained::none || !outer.info->solid) return std::nullopt;
   WalkCost cost;
   std::uint32_t tests = 0;
-  const Vec3 point = place(*inner.frame, points_of_pieces(*inner.info).front());
+  const Vec3 point = place(inner.frame, points_of_pieces(*inner.info).front());
   Contact found = contact_within(*outer.info->solid, outer, inner, point, cost, tests).contact;
   found.depth_error_m += placing_error_m(outer, kNoTriangle, inner, kNoTriangle);
   if (which == Contained::a_in_b) found.normal = -found.normal;

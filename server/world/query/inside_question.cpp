@@ -36,8 +36,8 @@ struct InsideSearch {
   }
   void search(const Placed& object) {
     ContactSearch touch = begun();
-    visit_primitives_near(*object.info, *object.frame, near, question.walk, [&](const Primitive& primitive) {
-      search_parts(Primitive(ball), kNoTriangle, place(*object.frame, primitive), kNoTriangle, touch,
+    visit_primitives_near(*object.info, object.frame, near, question.walk, [&](const Primitive& primitive) {
+      search_parts(Primitive(ball), kNoTriangle, place(object.frame, primitive), kNoTriangle, touch,
                    {GivenPart{}, object.given(primitive)});
       return !touch.done();
     });

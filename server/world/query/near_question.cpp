@@ -244,7 +244,7 @@ void NearWalk::test_winding(const WindingMesh& winding, const Placed& object) {
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
-  const Frame& frame = question.snapshot.frames[slot];
+  const Frame frame = question.snapshot.frame(slot);
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
     const auto placing_m = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };

@@ -25,7 +25,7 @@ std::size_t part_count_of(const Snapshot& snapshot, ObjectId object) {
 
 std::vector<ConvexPart> parts_of_object(const Snapshot& snapshot, ObjectId object) {
   const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
-  const Frame& frame = snapshot.frames[slot_of(object)];
+  const Frame frame = snapshot.frame(slot_of(object));
   std::vector<ConvexPart> parts;
   for (const Primitive& primitive : info.primitives) {
     std::visit([&](const auto& own) { parts.emplace_back(Primitive(place(frame, own))); }, primitive);
@@ -48,6 +48,7 @@ std::vector<GivenPart> given_parts_of_object(const Snapshot& snapshot, ObjectId 
   for (std::uint32_t i = 0; info.mesh && i < info.mesh->mesh->triangles.size(); ++i) parts.push_back(placed.given(i));
   visit_scene_part(snapshot, info,
                    [&](const StaticScene&, const Part& part) { parts.resize(parts.size() + part.triangle_count); });
+  for (GivenPart& part : parts) part.frame = nullptr;  // `placed` goes, the pose stays
   return parts;
 }
 

@@ -13,19 +13,19 @@ namespace {
 
 /// A part to start from; first_bound() improves on it.
 ConvexPart any_part(const Placed& object) {
-  if (!object.info->primitives.empty()) return place(*object.frame, object.info->primitives.front());
-  return place(*object.frame, object.info->mesh->mesh->triangle(0));
+  if (!object.info->primitives.empty()) return place(object.frame, object.info->primitives.front());
+  return place(object.frame, object.info->mesh->mesh->triangle(0));
 }
 
 /// The triangle of the mesh that is nearest to the point. Alternating between the two objects brings them closer.
 std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost& cost, Deadline& deadline) {
-  const Vec3 local = object.frame->rotation.transpose() * (point - object.frame->position);
+  const Vec3 local = object.frame.rotation.transpose() * (point - object.frame.position);
   const IndexedMesh& mesh = *object.info->mesh;
   std::uint32_t triangle = 0;
   double best_m2 = std::numeric_limits<double>::infinity();
   const auto candidate = [&](std::uint32_t number, double) {
     if (deadline.is_over()) return -1.0;
-    const Closest found = closest(point, place(*object.frame, mesh.mesh->triangle(number)));
+    const Closest found = closest(point, place(object.frame, mesh.mesh->triangle(number)));
     const double m2 = found.distance_m * found.distance_m;
     if (m2 < best_m2) {
       best_m2 = m2;
@@ -34,7 +34,7 @@ std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost
     return best_m2 * (1 + kBoundSlack);
   };
   mesh.tree.walk_near(local, std::numeric_limits<double>::infinity(),
-                      placement_slack(*object.frame, point.lpNorm<1>(), mesh.radius_m), candidate, cost);
+                      placement_slack(object.frame, point.lpNorm<1>(), mesh.radius_m), candidate, cost);
   return triangle;
 }
 
@@ -46,9 +46,9 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost, Deadlin
   constexpr int kTurns = 6;
   for (int i = 0; i < kTurns; ++i) {
     if (b.info->mesh && b.info->primitives.empty())
-      of_b = place(*b.frame, b.info->mesh->mesh->triangle(nearest_triangle(b, best.on_a, cost, deadline)));
+      of_b = place(b.frame, b.info->mesh->mesh->triangle(nearest_triangle(b, best.on_a, cost, deadline)));
     if (a.info->mesh && a.info->primitives.empty())
-      of_a = place(*a.frame, a.info->mesh->mesh->triangle(nearest_triangle(a, best.on_b, cost, deadline)));
+      of_a = place(a.frame, a.info->mesh->mesh->triangle(nearest_triangle(a, best.on_b, cost, deadline)));
     const Separation here = separation(of_a, of_b);
     if (!(here.distance_m < best.distance_m)) break;
     best = here;
@@ -70,8 +70,8 @@ struct NearestPair {
 
 /// Two meshes: descends both trees at once.
 void search_meshes(const Placed& a, const Placed& b, NearestPair& nearest, WalkCost& cost, Deadline& deadline) {
-  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
-  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  PlacedTriangles of_a(*a.info->mesh->mesh, a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b, double) {
     if (deadline.is_over()) return -1.0;
     const Triangle& first = of_a.at(triangle_a);

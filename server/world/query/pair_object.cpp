@@ -27,9 +27,8 @@ std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const
 
 PairObject::PairObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline) {
   const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
-  frame = snapshot.frames[slot_of(id)];
   placed = {.info = &info,
-            .frame = &frame,
+            .frame = snapshot.frame(slot_of(id)),
             .bounds = snapshot.bounds[slot_of(id)],
             .pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(id)] : nullptr};
   reach = placed.bounds;
@@ -42,15 +41,14 @@ PairObject::PairObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline
   shape.mesh = mesh_of_part(snapshot, info, deadline);
   own = without_world(shape, [&deadline] { return deadline.is_over(); });
   own.solid = info.solid;
-  frame = Frame();
-  placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
+  placed = {.info = &own, .frame = {}, .bounds = bounds_of(own, Frame())};
   reach = placed.bounds;
 }
 
 void PairObject::place_at(const Frame& elsewhere) {
-  frame = elsewhere;
+  placed.frame = elsewhere;
   placed.pose = nullptr;
-  placed.bounds = bounds_of(*placed.info, frame);
+  placed.bounds = bounds_of(*placed.info, elsewhere);
 }
 
 }  // namespace collided::engine

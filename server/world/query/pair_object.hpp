@@ -9,7 +9,6 @@ namespace collided::engine {
 /// of its own, indexed here.
 struct PairObject {
   ObjectInfo own;
-  Frame frame;
   Placed placed;
   Aabb reach;             // bounds of every pose it may have
   bool is_stale = false;  // its publisher is lost, and its pose within reach is unknown

@@ -18,8 +18,8 @@ Decision decision_of(const ContactSearch& touch) {
 
 /// The pairs of triangles that overlap, offered as parts; visit returns false to end. As visit_part_pairs() does.
 void visit_met(const Placed& a, const Placed& b, const TrianglePairs& met, const PartPairVisit& visit) {
-  PlacedTriangles all_of_a(*a.info->mesh->mesh, *a.frame);
-  PlacedTriangles all_of_b(*b.info->mesh->mesh, *b.frame);
+  PlacedTriangles all_of_a(*a.info->mesh->mesh, a.frame);
+  PlacedTriangles all_of_b(*b.info->mesh->mesh, b.frame);
   for (const auto& [of_a, of_b] : met) {
     if (!visit({all_of_a.at(of_a), of_a}, {all_of_b.at(of_b), of_b})) return;
   }

@@ -141,7 +141,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   ProbeReading reading{.object = probe.object};
   if (probe.object == 0) return reading;
   const std::uint32_t slot = slot_of(probe.object);
-  const Frame& frame = snapshot.frames[slot];
+  const Frame frame = snapshot.frame(slot);
   const Vec3 start = place(frame, probe.start);
   const Vec3 direction = place(Frame{.rotation = frame.rotation}, probe.direction);
   const ObjectInfo& info = *(*snapshot.objects)[slot];

@@ -39,7 +39,7 @@ struct Question {
   const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }
   Placed placed(std::uint32_t slot) const {
     return {.info = &object(slot),
-            .frame = &snapshot.frames[slot],
+            .frame = snapshot.frame(slot),
             .bounds = snapshot.bounds[slot],
             .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
   }

@@ -41,7 +41,7 @@ std::optional<RayHit> hit_from_inside(const Ray& ray, const SolidMesh& solid, co
   const Aabb start{.low = ray.origin, .high = ray.origin};
   if (!overlaps(object.bounds, start) || question.deadline.is_over()) return std::nullopt;
   if (side_in_question(solid, object, ray.origin, question) != SolidSide::in) return std::nullopt;
-  const RayHit exit = first_on_surface(ray, *solid.surface, *object.frame, question);
+  const RayHit exit = first_on_surface(ray, *solid.surface, object.frame, question);
   if (question.deadline.was_over()) return std::nullopt;
   return RayHit{.point = ray.origin,
                 .normal = -exit.normal,

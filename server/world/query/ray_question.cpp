@@ -249,7 +249,7 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
 void RayWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
-  const Frame& frame = question.snapshot.frames[slot];
+  const Frame frame = question.snapshot.frame(slot);
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
     const auto placing_m = [&] {

@@ -56,12 +56,12 @@ void meet_scene(Question& question, const SweptBody& body, const StaticScene& sc
 /// What moves, where it begins.
 struct SweepStart {
   Pose pose;
-  Frame frame;
   Placed placed;
   std::vector<Vec3> points;  // of its pieces; found when they are first needed
 
-  SweepStart(const ObjectInfo& mover, const double* n) : pose(pose_at(n)), frame(frame_of(pose)) {
-    placed = {.info = &mover, .frame = &frame, .bounds = bounds_of(mover, frame), .pose = &pose};
+  SweepStart(const ObjectInfo& mover, const double* n) : pose(pose_at(n)) {
+    const Frame frame = frame_of(pose);
+    placed = {.info = &mover, .frame = frame, .bounds = bounds_of(mover, frame), .pose = &pose};
   }
   SweepStart(const SweepStart&) = delete;
   SweepStart& operator=(const SweepStart&) = delete;
@@ -91,7 +91,7 @@ void ask_sweep(Question& question, const double* n) {
   question.found.clear();
   const ObjectInfo& mover = *question.asked.mover;
   SweepStart start(mover, n);
-  const SweptBody body(mover, BodyMotion(start.frame, frame_of(pose_at(n + kPoseNumbers))));
+  const SweptBody body(mover, BodyMotion(start.placed.frame, frame_of(pose_at(n + kPoseNumbers))));
   First first;
   for (const auto& scene : question.snapshot.scenes) {
     meet_scene(question, body, *scene, first);
@@ -103,7 +103,7 @@ void ask_sweep(Question& question, const double* n) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
     SweptContact touch;
-    const BodyMotion rest = BodyMotion::resting(question.snapshot.frames[slot]);
+    const BodyMotion rest = BodyMotion::resting(question.snapshot.frame(slot));
     sweep(body, SweptBody(other, rest), options_of(question), question.walk, touch);
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;

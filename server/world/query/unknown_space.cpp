@@ -143,7 +143,7 @@ std::optional<Vec3> unknown_near(const Snapshot& snapshot, std::span<const Aabb>
     bool is_met = false;
     const auto candidate = [&](std::uint32_t slot) {
       const ObjectInfo& info = *(*snapshot.objects)[slot];
-      is_met = info.is_unknown && meets(info, snapshot.frames[slot], box_about(reach));
+      is_met = info.is_unknown && meets(info, snapshot.frame(slot), box_about(reach));
       return !is_met;
     };
     snapshot.grid->walk_box(reach, candidate, cost);

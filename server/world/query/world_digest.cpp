@@ -83,7 +83,7 @@ WorldDigest digest_of(const Snapshot& state) {
     const ObjectInfo* const info = (*state.objects)[slot].get();
     if (!counts(info)) continue;
     const std::uint64_t key = key_of(info->name);
-    const std::uint64_t hash = hash_of(*info, state.frames[slot]);
+    const std::uint64_t hash = hash_of(*info, state.frame(static_cast<std::uint32_t>(slot)));
     std::uint64_t* const sums = &digest.sums[2 * group_of(key)];
     sums[0] = sum(sums[0], hash);
     sums[1] = sum(sums[1], product(hash, key));

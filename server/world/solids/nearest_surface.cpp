@@ -27,22 +27,22 @@ std::optional<NearestSurface> nearest_surface(const IndexedMesh& surface, const 
   const auto candidate = [&](std::uint32_t number, double) {
     if (deadline.is_over()) return -1.0;
     const Triangle own = surface.mesh->triangle(number);
-    const Closest found = closest(point, place(*object.frame, own));
+    const Closest found = closest(point, place(object.frame, own));
     ++tests;
     const bool is_nearer =
         found.distance_m < best.distance_m || (found.distance_m == best.distance_m && number < best.triangle);
     if (!is_nearer) return limit_m2;
     best = {.distance_m = found.distance_m,
-            .error_m = found.distance_error_m + placing_error_m(*object.frame, own),
+            .error_m = found.distance_error_m + placing_error_m(object.frame, own),
             .triangle = number,
             .point = found.point,
             .normal = -found.normal};
     limit_m2 = square_up(best.distance_m + best.error_m);
     return limit_m2;
   };
-  const Vec3 away = point - object.frame->position;
-  const double slack_m = placement_slack(*object.frame, away.lpNorm<1>() + point.lpNorm<1>(), surface.radius_m);
-  surface.tree.walk_near(object.frame->rotation.transpose() * away, limit_m2, slack_m, candidate, cost);
+  const Vec3 away = point - object.frame.position;
+  const double slack_m = placement_slack(object.frame, away.lpNorm<1>() + point.lpNorm<1>(), surface.radius_m);
+  surface.tree.walk_near(object.frame.rotation.transpose() * away, limit_m2, slack_m, candidate, cost);
   if (deadline.was_over() || best.triangle == kNoTriangle) return std::nullopt;
   return best;
 }
@@ -62,18 +62,18 @@ WayOut way_out(const SolidMesh& solid, const Placed& object, const NearestSurfac
     way.least_m = std::max(0.0, nearest.distance_m - nearest.error_m - kUnderflow + inscribed_m) * (1 - kChainSlack);
   const Aabb& own = solid.surface->tree.bounds();
   const double far_m =
-      object.frame->position.lpNorm<1>() + solid.surface->radius_m + inner.low.lpNorm<1>() + inner.high.lpNorm<1>();
-  const double slack_m = placement_slack(*object.frame, far_m, solid.surface->radius_m);
+      object.frame.position.lpNorm<1>() + solid.surface->radius_m + inner.low.lpNorm<1>() + inner.high.lpNorm<1>();
+  const double slack_m = placement_slack(object.frame, far_m, solid.surface->radius_m);
   const auto look_along = [&](const Vec3& direction) {
     const double solid_m =
-        reach_along(own, object.frame->rotation.transpose() * direction) + object.frame->position.dot(direction);
+        reach_along(own, object.frame.rotation.transpose() * direction) + object.frame.position.dot(direction);
     const double least_m = -reach_along(inner, -direction);
     way.most_m = std::min(way.most_m, (solid_m - least_m + slack_m) * (1 + kChainSlack));
   };
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       look_along(sign * Vec3::Unit(axis));
-      look_along(sign * object.frame->rotation.col(axis));
+      look_along(sign * object.frame.rotation.col(axis));
     }
   }
   if (!nearest.normal.isZero(0)) look_along(nearest.normal);

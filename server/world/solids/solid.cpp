@@ -74,16 +74,16 @@ class CrossingCount {
 
 /// How far the point, seen from the object's frame in double, may be from where the given numbers have it.
 double seen_slack_m(const Placed& object, double away_m, const Vec3& point, double radius_m) {
-  const double rounded_m = placement_slack(*object.frame, away_m + point.lpNorm<1>(), radius_m);
+  const double rounded_m = placement_slack(object.frame, away_m + point.lpNorm<1>(), radius_m);
   // The frame's own error grows with the distance, like that of a point placed so far out.
-  const double given_m = object.pose != nullptr ? placing_error_m(*object.frame, away_m + radius_m) : 0;
+  const double given_m = object.pose != nullptr ? placing_error_m(object.frame, away_m + radius_m) : 0;
   return (rounded_m + given_m) * (1 + kChainSlack);
 }
 
 /// Its points are where its own numbers have them, exactly.
 bool is_unmoved(const Placed& object) {
   if (object.pose != nullptr && !object.pose->rotation.vec().isZero(0)) return false;
-  return object.frame->position.isZero(0) && object.frame->rotation == Mat3::Identity();
+  return object.frame.position.isZero(0) && object.frame.rotation == Mat3::Identity();
 }
 
 /// A point with the coordinates at / weight.
@@ -126,10 +126,10 @@ struct AskedPoint {
 };
 
 AskedPoint placed_point(const Placed& object, const Vec3& own) {
-  const Vec3 at = place(*object.frame, own);
+  const Vec3 at = place(object.frame, own);
   const bool is_exact = object.pose == nullptr || is_unmoved(object);
   return {.at = at,
-          .off_m = is_exact ? 0 : placing_error_m(*object.frame, Triangle{own, own, own}),
+          .off_m = is_exact ? 0 : placing_error_m(object.frame, Triangle{own, own, own}),
           .of = &object,
           .own = own};
 }
@@ -151,13 +151,13 @@ SideFound side_of_placed_corners(const IndexedMesh& surface, const Placed& objec
                                  WalkCost& cost) {
   const AxisDirection way = shortest_way_out(object.bounds, asked.at);
   CrossingCount<Point> count(std::move(exact), way);
-  const Mat3 back = object.frame->rotation.transpose();
-  const Vec3 away = asked.at - object.frame->position;
+  const Mat3 back = object.frame.rotation.transpose();
+  const Vec3 away = asked.at - object.frame.position;
   const Ray seen{.origin = back * away, .direction = back * along(way)};
   const double far_m = away.lpNorm<1>() + asked.at.lpNorm<1>();
-  const double slack_m = 2 * (placement_slack(*object.frame, far_m, surface.radius_m) + asked.off_m);
+  const double slack_m = 2 * (placement_slack(object.frame, far_m, surface.radius_m) + asked.off_m);
   const auto candidate = [&](std::uint32_t number, double limit) {
-    return count(number, place(*object.frame, surface.mesh->triangle(number)), limit);
+    return count(number, place(object.frame, surface.mesh->triangle(number)), limit);
   };
   surface.tree.walk_ray(seen, kInfinity, slack_m, candidate, cost);
   return count.found();
@@ -200,8 +200,8 @@ SideFound side_near_surface(const IndexedMesh& surface, const Placed& object, co
 SideFound side_placed(const IndexedMesh& surface, const SolidTree* tree, const Placed& object, const AskedPoint& asked,
                       WalkCost& cost) {
   if (is_unmoved(object) && asked.off_m == 0) return side_by(surface, tree, asked.at, cost);
-  const Vec3 away = asked.at - object.frame->position;
-  const Vec3 seen = object.frame->rotation.transpose() * away;
+  const Vec3 away = asked.at - object.frame.position;
+  const Vec3 seen = object.frame.rotation.transpose() * away;
   const double slack_m =
       (seen_slack_m(object, away.lpNorm<1>(), asked.at, surface.radius_m) + asked.off_m) * (1 + kChainSlack);
   const bool is_seen = seen.allFinite() && std::isfinite(slack_m);
@@ -232,8 +232,8 @@ SideFound side_of_placed(const IndexedMesh& surface, const Placed& object, const
 
 PointSeen point_seen_from(const Placed& object, const Vec3& point, double radius_m) {
   if (is_unmoved(object)) return {.at = point, .slack_m = 0};
-  const Vec3 away = point - object.frame->position;
-  return {.at = object.frame->rotation.transpose() * away,
+  const Vec3 away = point - object.frame.position;
+  return {.at = object.frame.rotation.transpose() * away,
           .slack_m = seen_slack_m(object, away.lpNorm<1>(), point, radius_m)};
 }
 
@@ -245,7 +245,7 @@ SolidSide side_by_rationals(const SolidMesh& solid, const Placed& object, const 
   CrossingCount<QuotientPoint> count(std::move(seen), AxisDirection{});
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle own = mesh.triangle(i);
-    if (count(i, is_given ? own : place(*object.frame, own), kInfinity) < 0) break;
+    if (count(i, is_given ? own : place(object.frame, own), kInfinity) < 0) break;
   }
   return count.found().side;
 }

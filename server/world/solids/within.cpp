@@ -75,7 +75,7 @@ PiecesWithin pieces_within(const SolidMesh& solid, const Placed& outer, const Pl
   for (const Vec3& own : points) {
     ++tests;
     const bool is_in = !deadline.is_over() && side_of_placed(solid, outer, inner, own, cost).side != SolidSide::out;
-    if (is_in && !found.some) found.point = place(*inner.frame, own);
+    if (is_in && !found.some) found.point = place(inner.frame, own);
     found.some = found.some || is_in;
     found.all = found.all && is_in;
     if (found.some && !found.all) break;

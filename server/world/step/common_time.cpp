@@ -53,7 +53,7 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   if (window.to_ns <= window.from_ns) return;
   cut(step_, first, second, window, lists_.cuts);
   std::int64_t from_ns = window.from_ns;
-  const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
+  const bool are_balls = rows_[first].is_lone_sphere() && rows_[second].is_lone_sphere();
   bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
   for (const std::int64_t to_ns : lists_.cuts) {
     // Two spheres: their centres alone rule out most pieces of most candidates.
@@ -62,8 +62,8 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
                               .b = second,
                               .from_ns = from_ns,
                               .to_ns = to_ns,
-                              .a_motion = history.motion(first, from_ns, to_ns, rows_[first].frame),
-                              .b_motion = history.motion(second, from_ns, to_ns, rows_[second].frame)});
+                              .a_motion = history.motion(first, from_ns, to_ns, rows_[first].pose),
+                              .b_motion = history.motion(second, from_ns, to_ns, rows_[second].pose)});
     }
     if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) {
       const double at_s = seconds_ago(to_ns);
@@ -200,8 +200,8 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
                           .b = b,
                           .from_ns = time_ns,
                           .to_ns = time_ns,
-                          .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].frame)),
-                          .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].frame))};
+                          .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].pose)),
+                          .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].pose))};
   Contained contained = Contained::none;
   const ContactSearch touch = touch_at_end(instant, contained);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
@@ -232,9 +232,9 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contain
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
     // A frame between two poses is interpolated: no pose was given for it.
     const ObjectRow& row = rows_[slot];
-    const bool is_given = frame.position == row.frame.position && frame.rotation == row.frame.rotation;
+    const bool is_given = frame.position == row.pose.position && frame.rotation == row.frame().rotation;
     return Placed{.info = rows_.info(slot),
-                  .frame = &frame,
+                  .frame = frame,
                   .bounds = is_given ? row.bounds : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
@@ -272,14 +272,14 @@ std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
   const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
   const BodyMotion& others = a_is_sphere ? piece.b_motion : piece.a_motion;
-  const std::optional<Sphere>& sphere = rows_[a_is_sphere ? piece.a : piece.b].lone_sphere;
+  const std::optional<Sphere> sphere = rows_.lone_sphere(a_is_sphere ? piece.a : piece.b);
   if (!sphere) return std::nullopt;
   SphereSweep sweep{.mover = {.start = place(path.from, sphere->center) + others.travel,
                               .end = place(path.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
   const Placed at_end{
-      .info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
+      .info = rows_.info(other), .frame = others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
   sweep_object(sweep, at_end, walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
@@ -288,10 +288,10 @@ std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece
 /// Two lone spheres certainly do not meet in this time, judged from their centres alone.
 bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const {
   const MotionHistory& history = step_.motion.history();
-  const Sphere& ball = *rows_[a].lone_sphere;
-  const Sphere& other = *rows_[b].lone_sphere;
-  const MotionHistory::PointMotion path = history.center_motion(a, ball.center, from_ns, to_ns, rows_[a].frame);
-  const MotionHistory::PointMotion others = history.center_motion(b, other.center, from_ns, to_ns, rows_[b].frame);
+  const Sphere ball = *rows_.lone_sphere(a);
+  const Sphere other = *rows_.lone_sphere(b);
+  const MotionHistory::PointMotion path = history.center_motion(a, ball.center, from_ns, to_ns, rows_[a].pose);
+  const MotionHistory::PointMotion others = history.center_motion(b, other.center, from_ns, to_ns, rows_[b].pose);
   return kernel::surely_apart(
       {.start = path.from + (others.to - others.from), .end = path.to, .radius_m = ball.radius_m},
       {.center = others.to, .radius_m = other.radius_m});
@@ -312,11 +312,10 @@ bool Decisions::surely_stay_apart(const PairPiece& piece) const {
 /// The error of placing both anywhere in the piece: at most that of the worse end, plus the motion's own error.
 double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const {
   const auto at = [&](const Frame& frame_a, const Frame& frame_b) {
-    Placed a = placed(piece.a);
-    Placed b = placed(piece.b);
-    a.frame = &frame_a;
-    b.frame = &frame_b;
-    return placing_error_m(a, a_triangle, b, b_triangle);
+    const auto placed_by = [&](std::uint32_t slot, const Frame& frame) {
+      return Placed{.info = rows_.info(slot), .frame = frame, .bounds = rows_[slot].bounds, .pose = &rows_[slot].pose};
+    };
+    return placing_error_m(placed_by(piece.a, frame_a), a_triangle, placed_by(piece.b, frame_b), b_triangle);
   };
   const double motion_m =
       piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m);

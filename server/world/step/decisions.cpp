@@ -234,7 +234,8 @@ BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_
   // again as its last motion took.
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
   if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
-  const BodyMotion path(row.frame_before, row.frame);
+  const Frame now = row.frame();
+  const BodyMotion path(row.frame_before(now), now);
   return path.velocity(point, rows_.has_moved(slot) ? time : 1,
                        static_cast<double>(motion_ns) * wire_contract::kNanosecond_s, slack_s);
 }

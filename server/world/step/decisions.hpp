@@ -131,6 +131,7 @@ class Decisions {
   ContactEnd emerging(const PairPiece& piece);
 
   // pair_decisions.cpp
+  Contained search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch);
   bool boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const;
   double placing_error_of(const FoundContact& found);
   std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, bool with_contact,
@@ -178,8 +179,10 @@ class Decisions {
   }
   bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
   Placed placed(std::uint32_t slot) const {
-    return {
-        .info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds, .pose = &rows_[slot].pose};
+    return {.info = rows_.info(slot),
+            .frame = rows_[slot].frame(),
+            .bounds = rows_[slot].bounds,
+            .pose = &rows_[slot].pose};
   }
   /// A number for the scene where SeparationCache takes a slot; counts down from the highest.
   static std::uint32_t partner_of(std::size_t scene) { return kNoTriangle - static_cast<std::uint32_t>(scene); }

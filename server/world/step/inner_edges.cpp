@@ -97,7 +97,7 @@ class Correction {
   void prefetch(std::span<const std::uint32_t> movers) {
     ahead_.clear();
     for (const std::uint32_t slot : movers) {
-      __builtin_prefetch(&rows_[slot].lone_sphere);
+      __builtin_prefetch(&rows_[slot].lone_radius_m);
       ledger_.for_each_of(slot, [&](std::uint32_t number) {
         ahead_.push_back({slot, number});
         return true;
@@ -107,7 +107,7 @@ class Correction {
     for (const ContactOf& next : ahead_) {
       const OpenContact& open = ledger_.open()[next.number];
       const std::uint32_t body = slot_of(slot_of(open.a) == next.slot ? open.b : open.a);
-      __builtin_prefetch(&rows_[body].lone_sphere);
+      __builtin_prefetch(&rows_[body].lone_radius_m);
       __builtin_prefetch(&rows_.info(body)->primitives);
       __builtin_prefetch(&rows_.info(body)->scene_part);
     }
@@ -116,7 +116,7 @@ class Correction {
   /// The mover's contacts with bodies that have faces, found in this step or before, by body.
   void collect(std::uint32_t slot) {
     sides_.clear();
-    const bool is_sphere = rows_[slot].lone_sphere.has_value();
+    const bool is_sphere = rows_[slot].is_lone_sphere();
     ledger_.for_each_of(slot, [&](std::uint32_t number) {
       const OpenContact& open = ledger_.open()[number];
       // A doubt has no normal, and a thing within a solid touches no face.
@@ -124,7 +124,7 @@ class Correction {
       const bool is_first = slot_of(open.a) == slot;
       const ObjectId body = is_first ? open.b : open.a;
       // Most contacts of a large world are between two balls, which is visible in rows that the step has just read.
-      if (is_sphere && rows_[slot_of(body)].lone_sphere) return true;
+      if (is_sphere && rows_[slot_of(body)].is_lone_sphere()) return true;
       if (!has_faces(info(body))) return true;
       sides_.push_back({.mover = is_first ? open.a : open.b,
                         .number = number,
@@ -216,7 +216,7 @@ class Correction {
     if (side.box) return &*side.box;
     const Box* own = lone_box(info(side.body));
     if (own == nullptr) return nullptr;
-    side.box = place(rows_[slot_of(side.body)].frame, *own);
+    side.box = place(rows_[slot_of(side.body)].frame(), *own);
     return &*side.box;
   }
 
@@ -225,7 +225,7 @@ class Correction {
     if (own.scene_part != kNoScenePart) return 0;
     const Aabb& bounds = rows_[slot_of(id)].bounds;
     const Vec3 size = bounds.high - bounds.low;
-    const double slack_m = placement_slack(rows_[slot_of(id)].frame, 0, size.lpNorm<1>());
+    const double slack_m = placement_slack(rows_[slot_of(id)].pose.position, 0, size.lpNorm<1>());
     return std::isfinite(slack_m) ? slack_m : 0;
   }
 
@@ -236,7 +236,7 @@ class Correction {
     }
     std::optional<Bounded> most;
     for (const Primitive& own : info(side.body).primitives) {
-      const Primitive placed = place(rows_[slot_of(side.body)].frame, own);
+      const Primitive placed = place(rows_[slot_of(side.body)].frame(), own);
       const Bounded reach = std::visit([&](const auto& shape) { return reach_of(shape, along, origin); }, placed);
       most = most ? max(*most, reach) : reach;
     }
@@ -255,7 +255,7 @@ class Correction {
   std::optional<Triangle> touched_triangle(const MoverContact& side) const {
     if (side.triangle == kNoTriangle) return std::nullopt;
     const ObjectInfo& own = info(side.body);
-    if (own.mesh) return place(rows_[slot_of(side.body)].frame, own.mesh->mesh->triangle(side.triangle));
+    if (own.mesh) return place(rows_[slot_of(side.body)].frame(), own.mesh->mesh->triangle(side.triangle));
     for (const auto& scene : scenes_) {
       if (own.scene_part >= scene->parts.size() || scene->part_objects[own.scene_part] != side.body) continue;
       return scene->mesh.triangle(scene->parts[own.scene_part].first_triangle + side.triangle);

@@ -93,8 +93,8 @@ const MotionSegment* MotionHistory::ending_after(std::uint32_t slot, std::int64_
 }
 
 BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns,
-                                 const Frame& resting) const {
-  if (!is_travelling(slot)) return BodyMotion::resting(resting);
+                                 const Pose& resting) const {
+  if (!is_travelling(slot)) return BodyMotion::resting(frame_of(resting));
   const MotionSegment* found = ending_after(slot, from_ns);
   if (found == nullptr) return BodyMotion::resting(segments_[slot].back().to);
   const bool rests = found->is_jump() || found->from_ns >= to_ns;
@@ -102,20 +102,20 @@ BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::
 }
 
 MotionHistory::PointMotion MotionHistory::center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,
-                                                        std::int64_t to_ns, const Frame& resting) const {
+                                                        std::int64_t to_ns, const Pose& resting) const {
   const auto at_rest = [&](const Frame& frame) {
     const Vec3 point = place(frame, center);
     return PointMotion{point, point};
   };
-  if (!is_travelling(slot)) return at_rest(resting);
+  if (!is_travelling(slot)) return at_rest(frame_of(resting));
   const MotionSegment* found = ending_after(slot, from_ns);
   if (found == nullptr) return at_rest(segments_[slot].back().to);
   if (found->is_jump() || found->from_ns >= to_ns) return at_rest(found->from);
   return {center_on(*found, center, from_ns), center_on(*found, center, to_ns)};
 }
 
-Frame MotionHistory::at(std::uint32_t slot, std::int64_t time_ns, const Frame& resting) const {
-  if (!is_travelling(slot)) return resting;
+Frame MotionHistory::at(std::uint32_t slot, std::int64_t time_ns, const Pose& resting) const {
+  if (!is_travelling(slot)) return frame_of(resting);
   const MotionSegment* later = ending_after(slot, time_ns);
   return later == nullptr ? segments_[slot].back().to : place_on(*later, time_ns);
 }

@@ -52,16 +52,16 @@ class MotionHistory {
 
   /// The motion from just after from_ns up to to_ns, before a jump at to_ns; no time of add_times() may lie between the
   /// two. resting: where the object is if it has no segment.
-  BodyMotion motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const;
+  BodyMotion motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Pose& resting) const;
   /// The same for a point of a lone sphere, at less cost.
   struct PointMotion {
     Vec3 from;
     Vec3 to;
   };
   PointMotion center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns, std::int64_t to_ns,
-                            const Frame& resting) const;
+                            const Pose& resting) const;
   /// The frame at that time, after a jump at it.
-  Frame at(std::uint32_t slot, std::int64_t time_ns, const Frame& resting) const;
+  Frame at(std::uint32_t slot, std::int64_t time_ns, const Pose& resting) const;
 
  private:
   const MotionSegment* ending_after(std::uint32_t slot, std::int64_t time_ns) const;

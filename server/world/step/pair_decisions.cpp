@@ -36,9 +36,9 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
     ++cost_.kept_apart;
     return;
   }
-  const Placed a = placed(first);
-  const Placed b = placed(second);
-  const bool is_held = ledger_.holds(a.info->id, b.info->id);
+  const ObjectId a = rows_.id(first);
+  const ObjectId b = rows_.id(second);
+  const bool is_held = ledger_.holds(a, b);
   // What touched in the last step mostly does so in this one.
   const PlacedBoxPair boxes = lists_.boxes.pair(rows_, first, second);
   if (!is_held && boxes.are_boxes() && boxes_stay_apart(first, second, boxes)) {
@@ -47,17 +47,19 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   }
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
-  if (overlaps(a.bounds, b.bounds) && !search_placed(boxes, touch)) search_objects(a, b, touch, walk_);
+  const bool are_near = overlaps(rows_[first].bounds, rows_[second].bounds);
+  Contained contained = Contained::none;
+  // Nothing lies within a box, as within the solid that a mesh encloses.
+  if (!boxes.are_boxes() || (are_near && !search_placed(boxes, touch)))
+    contained = search_placing(first, second, are_near, touch);
   cost_.exact_tests += touch.exact_tests;
-  const Contained contained = look_within(a, b, touch);
   std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
   // Of a pair that touches at the end the contact there is told, and of the one on the way only its time.
   if (!is_held) sweep = sweep_between(first, second, !touch.yes, mover);
-  report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr,
-         rows_.has_moved(mover) ? mover : first + second - mover, contained);
+  report(a, b, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover, contained);
   // What lies in a solid has a gap too, and is in contact.
-  if (are_meshes && !touch.yes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
+  if (are_meshes && !touch.yes && touch.exact_tests == 0 && are_near) look_for_gap(first, second);
 }
 
 std::uint32_t Decisions::sweep_looks() const {
@@ -88,6 +90,15 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   return kernel::surely_apart(path, {.center = b.end, .radius_m = b.radius_m});
 }
 
+/// Searches two objects of any kind where they are at the end of the step.
+Contained Decisions::search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch) {
+  if (!are_near && !rows_.info(first)->solid && !rows_.info(second)->solid) return Contained::none;
+  const Placed a = placed(first);
+  const Placed b = placed(second);
+  if (are_near) search_objects(a, b, touch, walk_);
+  return look_within(a, b, touch);
+}
+
 /// The two certainly do not meet on their motions.
 bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const {
   const bool is_placed = rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed;
@@ -95,7 +106,8 @@ bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second, cons
   // What met on the way to where one of them was placed did not meet it there: both count as resting.
   const auto resting = [&](std::uint32_t slot) {
     const ObjectRow& row = rows_[slot];
-    return kernel::MovingBox(*lone_box(*rows_.info(slot)), row.frame, row.frame, row.reach_m);
+    const Frame frame = row.frame();
+    return kernel::MovingBox(*lone_box(*rows_.info(slot)), frame, frame, row.reach_m);
   };
   return kernel::surely_apart(resting(first), resting(second));
 }
@@ -129,16 +141,17 @@ SweptContact Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second, 
 /// Sweeps the mover's sphere relative to the other object in its last orientation: the other's displacement is
 /// subtracted.
 std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other, bool with_contact) {
-  const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
+  const std::optional<Sphere> sphere = rows_.lone_sphere(mover);
   if (!sphere) return std::nullopt;
   const bool other_moved = rows_.motion(other) == Motion::moved;
-  const Frame& before = rows_.motion(mover) == Motion::moved ? rows_[mover].frame_before : rows_[mover].frame;
-  SphereSweep sweep{.mover = {.start = place(before, sphere->center),
-                              .end = place(rows_[mover].frame, sphere->center),
+  const ObjectRow& row = rows_[mover];
+  const Pose& before = rows_.motion(mover) == Motion::moved ? row.pose_before : row.pose;
+  SphereSweep sweep{.mover = {.start = placed_center(before, sphere->center),
+                              .end = placed_center(row.pose, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width,
                     .contacts = with_contact};
-  if (other_moved) sweep.mover.start += rows_[other].frame.position - rows_[other].frame_before.position;
+  if (other_moved) sweep.mover.start += rows_[other].pose.position - rows_[other].pose_before.position;
   sweep_object(sweep, placed(other), walk_);
   return sweep.found;
 }

@@ -34,10 +34,11 @@ const PlacedBox& PlacedBoxes::placed(const ObjectRows& rows, std::uint32_t slot)
   if (numbers_[slot] != kUnknown) return boxes_[numbers_[slot]];
   const ObjectRow& row = rows[slot];
   const Primitive& own = rows.info(slot)->primitives.front();
-  const Frame& before = rows.motion(slot) == Motion::moved ? row.frame_before : row.frame;
+  const Frame now = row.frame();
+  const Frame before = rows.motion(slot) == Motion::moved ? row.frame_before(now) : now;
   numbers_[slot] = static_cast<std::uint32_t>(boxes_.size());
   slots_.push_back(slot);
-  return boxes_.emplace_back(std::get<Box>(own), before, row.frame, row.reach_m, placing_error_m(row.frame, own));
+  return boxes_.emplace_back(std::get<Box>(own), before, now, row.reach_m, placing_error_m(now, own));
 }
 
 }  // namespace collided::engine

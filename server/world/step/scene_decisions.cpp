@@ -36,7 +36,7 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   lists_.part_touches.clear(step_.step_options.contacts);
   const auto test = [&](const auto& part_of_a, const Primitive& own) {
     const GivenPart given = a.given(own);
-    visit_scene(scene, bounds_as_given(*a.frame, own), walk_, allowed,
+    visit_scene(scene, bounds_as_given(a.frame, own), walk_, allowed,
                 [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
                   ContactSearch& touch = lists_.part_touches.of(part);
                   if (!touch.done())
@@ -46,7 +46,7 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
                 });
   };
   for (const Primitive& primitive : a.info->primitives) {
-    std::visit([&](const auto& own) { test(place(*a.frame, own), primitive); }, primitive);
+    std::visit([&](const auto& own) { test(place(a.frame, own), primitive); }, primitive);
   }
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene);
 }
@@ -120,7 +120,7 @@ void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene)
     if (touch.done()) --open_parts;
     return open_parts > 0;
   };
-  visit_scene_pairs(scene, *a.info->mesh, *a.frame, walk_, visit);
+  visit_scene_pairs(scene, *a.info->mesh, a.frame, walk_, visit);
 }
 
 }  // namespace collided::engine

@@ -35,15 +35,8 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   }
   widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
-    const ObjectRow& row = rows_[slot];
     const std::optional<MovingSphere> path = sphere_motion(slot);
-    swept_[slot] = needs_sweep(slot) ? 1 : 0;
-    bounds_[slot] = row.bounds;
-    if (path) {
-      bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
-    } else if (is_swept(slot)) {
-      bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
-    }
+    take_motion(slot, path);
     set_ball(slot, path);
     count_motion(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
@@ -59,6 +52,22 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     bounds_[slot].extend(history_.bounds(slot));
   }
   changed_.insert(changed_.end(), widened_.begin(), widened_.end());
+}
+
+/// Sets the bounds of an object's motion, and whether it is to be swept.
+void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path) {
+  const ObjectRow& row = rows_[slot];
+  swept_[slot] = 0;
+  bounds_[slot] = row.bounds;
+  if (path) bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
+  if (rows_.motion(slot) != Motion::moved || row.is_lone_sphere()) return;
+  // Of two equal rotations it does not matter which they are.
+  const Frame now = row.has_rotation_before() ? Frame{.position = row.pose.position} : row.frame();
+  const Frame before = row.frame_before(now);
+  if (before.rotation != now.rotation) swept_[slot] = kMoves | kTurns;
+  else if (before.position != now.position) swept_[slot] = kMoves;
+  else return;
+  bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, row.bounds, row.reach_m);
 }
 
 /// Objects whose source fell behind the floor are tested against all sources again.
@@ -81,58 +90,55 @@ void StepMotion::end_step(std::int64_t floor_ns) {
 MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source) {
   const ObjectRow& row = rows[slot];
   const MotionTimes times = motion_times(row, rows.is_new(slot), &source);
-  MotionSegment segment{
-      .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
+  MotionSegment segment{.from_ns = times.from_ns,
+                        .to_ns = times.to_ns,
+                        .from = row.frame_before(),
+                        .to = row.frame(),
+                        .bounds = row.bounds};
   if (!segment.is_jump()) {
-    const BodyMotion path = motion_between(row.lone_sphere, row.frame_before, row.frame);
+    const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to);
     segment.from = path.from;
     segment.to = path.to;
     segment.bounds = bounds(*rows.info(slot), path, row.reach_m);
   } else {
-    segment.bounds.extend(bounds_of(*rows.info(slot), row.frame_before));
+    segment.bounds.extend(bounds_of(*rows.info(slot), segment.from));
   }
   return segment;
 }
 
-bool StepMotion::turns(std::uint32_t slot) const {
-  return is_swept(slot) && rows_[slot].frame_before.rotation != rows_[slot].frame.rotation;
-}
-
 std::optional<MovingSphere> StepMotion::sphere_motion(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  if (!row.lone_sphere || rows_.motion(slot) != Motion::moved) return std::nullopt;
-  return MovingSphere{.start = place(row.frame_before, row.lone_sphere->center),
-                      .end = place(row.frame, row.lone_sphere->center),
-                      .radius_m = row.lone_sphere->radius_m};
-}
-
-bool StepMotion::needs_sweep(std::uint32_t slot) const {
-  const ObjectRow& row = rows_[slot];
-  if (rows_.motion(slot) != Motion::moved || row.lone_sphere) return false;
-  return row.frame_before.position != row.frame.position || row.frame_before.rotation != row.frame.rotation;
+  if (!row.is_lone_sphere() || rows_.motion(slot) != Motion::moved) return std::nullopt;
+  const Vec3 center = rows_.lone_sphere(slot)->center;
+  return MovingSphere{.start = placed_center(row.pose_before, center),
+                      .end = placed_center(row.pose, center),
+                      .radius_m = row.lone_radius_m};
 }
 
 BodyMotion StepMotion::body_motion(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  return motion_between(row.lone_sphere, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame, row.frame);
+  const Frame now = row.frame();
+  return motion_between(rows_.lone_sphere(slot), rows_.motion(slot) == Motion::moved ? row.frame_before(now) : now,
+                        now);
 }
 
 double StepMotion::longest_displacement_m(std::uint32_t slot, double reach_m) const {
   if (rows_.motion(slot) != Motion::moved) return 0;
-  return engine::longest_displacement_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
+  return engine::longest_displacement_m(rows_[slot].frame_before(), rows_[slot].frame(), reach_m);
 }
 
 void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& path) {
   const ObjectRow& row = rows_[slot];
   BallMotion& ball = balls_[slot];
   ball.radius_m = -1;
-  if (!row.lone_sphere) return;
-  const double off_m = row.lone_sphere->center.isZero(0) ? 0 : placing_error_m(row.frame, *row.lone_sphere);
-  ball.radius_m = row.lone_sphere->radius_m + 2 * off_m;
-  ball.end = path ? path->end : place(row.frame, row.lone_sphere->center);
+  if (!row.is_lone_sphere()) return;
+  const Sphere sphere = *rows_.lone_sphere(slot);
+  const double off_m = row.is_centred_sphere ? 0 : placing_error_m(row.frame(), sphere);
+  ball.radius_m = sphere.radius_m + 2 * off_m;
+  ball.end = path ? path->end : placed_center(row.pose, sphere.center);
   if (!path) return;
   ball.start = path->start;
-  ball.displacement = row.frame.position - row.frame_before.position;
+  ball.displacement = row.pose.position - row.pose_before.position;
 }
 
 /// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
@@ -146,8 +152,8 @@ void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const 
   }
   const double reach_m = info->mesh->radius_m;
   apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) +
-                        placement_slack(rows_[slot].frame_before, 0, reach_m) +
-                        placement_slack(rows_[slot].frame, 0, reach_m));
+                        placement_slack(rows_[slot].frame_before(), 0, reach_m) +
+                        placement_slack(rows_[slot].frame(), 0, reach_m));
 }
 
 }  // namespace collided::engine

@@ -65,7 +65,7 @@ class StepMotion {
   /// It moved to another pose in this step and is not a lone sphere; spheres have a sweep of their own.
   bool is_swept(std::uint32_t slot) const { return swept_[slot] != 0; }
   /// It is swept and its rotation changes.
-  bool turns(std::uint32_t slot) const;
+  bool turns(std::uint32_t slot) const { return (swept_[slot] & kTurns) != 0; }
   /// The motion of a lone sphere; nothing for other objects, new ones and teleported ones.
   std::optional<MovingSphere> sphere_motion(std::uint32_t slot) const;
   /// The motion of any object; for a lone sphere, the translation of its centre.
@@ -74,7 +74,9 @@ class StepMotion {
   double longest_displacement_m(std::uint32_t slot, double reach_m) const;
 
  private:
-  bool needs_sweep(std::uint32_t slot) const;
+  enum Sweep : std::uint8_t { kMoves = 1, kTurns = 2 };
+
+  void take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path);
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& motion);
   void begin_anew(const Sources& sources);
   void count_motion(std::uint32_t slot, SeparationCache& apart) const;
@@ -83,7 +85,7 @@ class StepMotion {
   std::vector<Aabb> bounds_;
   // a compact copy, since pairs of spheres are filtered before anything else of them is read
   std::vector<BallMotion> balls_;
-  std::vector<std::uint8_t> swept_;
+  std::vector<std::uint8_t> swept_;  // Sweep; 0: it is not swept
   std::vector<std::uint8_t> open_;
   std::vector<std::uint32_t> changed_;
   std::vector<std::uint32_t> widened_;  // slots whose bounds hold more than their present pose

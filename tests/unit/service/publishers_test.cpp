@@ -215,7 +215,7 @@ TEST_F(PublishersTest, QuaternionsStayAsTheyWereGivenAndTurnByTheirDirection) {
   const auto state = world.newest();
   const std::uint32_t slot = slot_of(*world.find("ball"));
   EXPECT_EQ(state->poses[slot].rotation.coeffs(), Quat(q[0], q[1], q[2], q[3]).coeffs());
-  EXPECT_TRUE(state->frames[slot].rotation.isApprox(Quat(0.6, 0.8, 0, 0).toRotationMatrix(), 1e-15));
+  EXPECT_TRUE(state->frame(slot).rotation.isApprox(Quat(0.6, 0.8, 0, 0).toRotationMatrix(), 1e-15));
 }
 
 TEST_F(PublishersTest, MalformedBatchesAreCountedWhole) {

@@ -63,7 +63,7 @@ TEST(WorldManyPoses, LeaveTheSameStateAsOneAfterTheOther) {
     const auto b = single.world.newest();
     for (const ObjectId id : together.ids) {
       const std::uint32_t slot = slot_of(id);
-      EXPECT_EQ(std::memcmp(&a->frames[slot], &b->frames[slot], sizeof(Frame)), 0);
+      EXPECT_EQ(std::memcmp(&a->poses[slot], &b->poses[slot], sizeof(Pose)), 0);
       EXPECT_EQ(std::memcmp(&a->bounds[slot], &b->bounds[slot], sizeof(Aabb)), 0);
       EXPECT_EQ(a->posed_ns[slot], b->posed_ns[slot]);
     }

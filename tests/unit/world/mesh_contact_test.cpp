@@ -16,7 +16,7 @@ using extreme::Stage;
 
 Placed placed(const Snapshot& state, ObjectId id) {
   return {.info = (*state.objects)[slot_of(id)].get(),
-          .frame = &state.frames[slot_of(id)],
+          .frame = state.frame(slot_of(id)),
           .bounds = state.bounds[slot_of(id)]};
 }
 

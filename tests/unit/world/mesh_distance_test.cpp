@@ -23,7 +23,7 @@ struct PlacedMesh {
   PlacedMesh(TriangleMesh mesh, const Pose& pose)
       : info(without_world({.primitives = {}, .mesh = std::make_shared<const TriangleMesh>(std::move(mesh))})),
         frame(frame_of(pose)) {}
-  Placed placed() const { return {.info = &info, .frame = &frame, .bounds = bounds_of(info, frame)}; }
+  Placed placed() const { return {.info = &info, .frame = frame, .bounds = bounds_of(info, frame)}; }
   std::vector<PlacedPart> parts() const { return parts_of(placed()); }
 };
 

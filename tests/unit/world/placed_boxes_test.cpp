@@ -85,8 +85,8 @@ TEST_F(PlacedBoxesTest, BothOfAPairAreThereHoweverManyCameBefore) {
   for (std::size_t i = 0; i + 1 < slots.size(); ++i) {
     const PlacedBoxPair pair = boxes_.pair(rows_, slots[i + 1], slots[i]);
     ASSERT_TRUE(pair.are_boxes());
-    EXPECT_EQ(pair.a->motion.at_end.center, place(rows_[slots[i + 1]].frame, kBox.center));
-    EXPECT_EQ(pair.b->motion.at_end.center, place(rows_[slots[i]].frame, kBox.center));
+    EXPECT_EQ(pair.a->motion.at_end.center, place(rows_[slots[i + 1]].frame(), kBox.center));
+    EXPECT_EQ(pair.b->motion.at_end.center, place(rows_[slots[i]].frame(), kBox.center));
   }
 }
 

@@ -286,7 +286,7 @@ TEST(WorldSolid, SidesAtAPoseAreThoseOfTheNumbersGiven) {
       pose.position = 10 * Vec3(normal(random), normal(random), normal(random));
       const Frame frame = frame_of(pose);
       ObjectInfo info;
-      Placed placed{.info = &info, .frame = &frame, .bounds = {}, .pose = &pose};
+      Placed placed{.info = &info, .frame = frame, .bounds = {}, .pose = &pose};
       for (const Vec3& vertex : named.mesh.vertices) placed.bounds.extend(place(frame, vertex));
       const Vec3 point = place(frame, points.next());
       WalkCost cost;
@@ -313,7 +313,7 @@ TEST(WorldSolid, ARoundedPositionDoesNotMoveTheFace) {
   pose.position = {0.1, 0, 0};
   const Frame frame = frame_of(pose);
   ObjectInfo info;
-  const Placed placed{.info = &info, .frame = &frame, .bounds = {{-0.1, -1, -1}, {0.31, 1, 1}}, .pose = &pose};
+  const Placed placed{.info = &info, .frame = frame, .bounds = {{-0.1, -1, -1}, {0.31, 1, 1}}, .pose = &pose};
   WalkCost cost;
   // The face is at 0.1 + 0.2 exactly, between these two doubles.
   EXPECT_EQ(side_of_placed(*solid, placed, {0.30000000000000004, 0, 0}, cost).side, SolidSide::out);
