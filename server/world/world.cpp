@@ -239,7 +239,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   if (info->is_unknown) info->filter.mask = 0;
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
-  info->primitives = definition.shape.primitives;
+  info->primitives = s.primitives.shared(definition.shape.primitives);
   info->parts = index_parts(info->primitives);
   info->solid = definition.solid;
   info->winding = definition.winding;
@@ -257,7 +257,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
 ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
   return {.name = info.name,
           .scene = info.scene,
-          .shape = {.primitives = info.primitives,
+          .shape = {.primitives = info.primitives.copy(),
                     .mesh = info.mesh ? info.mesh->mesh : nullptr,
                     .is_unknown = info.is_unknown},
           .pose = pose,

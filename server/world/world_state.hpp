@@ -11,6 +11,7 @@
 #include "server/world/fences/fences.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/pair_rules.hpp"
+#include "server/world/objects/shared_primitives.hpp"
 #include "server/world/step/decisions.hpp"
 #include "server/world/step/step_motion.hpp"
 #include "server/world/world.hpp"
@@ -36,6 +37,7 @@ struct World::State {
   // all boxes together; null while none was ever stated
   std::shared_ptr<const std::vector<Aabb>> covers;
   std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of vertices and triangles
+  RecentPrimitives primitives;
   std::size_t meshes_looked_through_at = 64;  // how many there are when those that nobody has any more are taken out
 
   std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step

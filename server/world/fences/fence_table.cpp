@@ -24,7 +24,7 @@ std::shared_ptr<const ObjectInfo> body_of(const FenceDefinition& definition, Obj
   if (!definition.solid && definition.shape.primitives.size() == 1) return nullptr;
   auto body = std::make_shared<ObjectInfo>();
   body->id = id;
-  body->primitives = definition.shape.primitives;
+  body->primitives = SharedPrimitives(definition.shape.primitives);
   body->parts = index_parts(body->primitives);
   body->solid = definition.solid;
   if (definition.solid) body->mesh = definition.solid->surface;
@@ -91,7 +91,7 @@ ObjectId FenceTable::add(const FenceDefinition& definition) {
                        .owner = definition.owner,
                        .nearest = definition.nearest});
   fence.body = body_of(definition, id(slot));
-  if (!fence.body) fence.primitive = definition.shape.primitives.front();
+  if (!fence.body) fence.primitive = primitives_.shared(definition.shape.primitives);
   scratch_slot_ = kNone;
   by_name_.insert(slot);
   if (is_carried(slot)) carried_.insert(slot);
@@ -107,7 +107,7 @@ void FenceTable::remove(std::uint32_t slot) {
   fence.name.clear();
   fence.rule.reset();
   fence.body.reset();
-  fence.primitive = Sphere{.center = Vec3::Zero()};
+  fence.primitive = {};
   free_.push_back(slot);
   set_bounds(slot, Aabb{});
 }
@@ -123,7 +123,7 @@ const ObjectInfo& FenceTable::body(std::uint32_t slot) {
   if (fence.body) return *fence.body;
   if (scratch_slot_ != slot) {
     scratch_.id = id(slot);
-    scratch_.primitives.assign(1, fence.primitive);
+    scratch_.primitives = fence.primitive;
     scratch_slot_ = slot;
   }
   return scratch_;
@@ -133,7 +133,7 @@ ObjectInfo FenceTable::described(std::uint32_t slot) const {
   if (fences_[slot].body) return *fences_[slot].body;
   ObjectInfo info;
   info.id = id(slot);
-  info.primitives.push_back(fences_[slot].primitive);
+  info.primitives = fences_[slot].primitive;
   return info;
 }
 

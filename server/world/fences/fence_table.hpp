@@ -13,12 +13,13 @@
 
 #include "server/broad_phase/grid/grid.hpp"
 #include "server/world/fences/fence.hpp"
+#include "server/world/objects/shared_primitives.hpp"
 #include "server/world/objects/sweep.hpp"
 
 namespace collided::engine {
 
 /// The fences of a world, by slot and by name, with an index over their bounds. Most are one primitive: such a fence
-/// takes some 400 bytes in all.
+/// takes some 300 bytes in all.
 /// threads  the writer's only
 class FenceTable {
  public:
@@ -93,7 +94,7 @@ class FenceTable {
   struct FenceRow {
     std::string name;
     std::shared_ptr<const FenceRule> rule;  // null: the slot is free
-    Primitive primitive;                    // the whole fence, where there is no body
+    SharedPrimitives primitive;             // the whole fence, where there is no body
     std::shared_ptr<const ObjectInfo> body;
     std::uint32_t generation = 1;
     std::uint32_t widest = kNone;  // of a band
@@ -125,6 +126,7 @@ class FenceTable {
   std::vector<std::uint32_t> free_;
   std::unordered_set<std::uint32_t, NameHash, NameEqual> by_name_{0, NameHash{&fences_}, NameEqual{&fences_}};
   std::unordered_multimap<std::size_t, std::weak_ptr<const FenceRule>> rules_;
+  RecentPrimitives primitives_;
   std::unordered_map<std::uint32_t, std::uint32_t> carrier_of_;               // object by fence
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> carried_by_;  // fences by object
   std::unordered_set<std::uint32_t> carried_;

@@ -26,7 +26,7 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
 
 ObjectInfo without_world(const Shape& shape, const std::function<bool()>& cancelled) {
   ObjectInfo info;
-  info.primitives = shape.primitives;
+  info.primitives = SharedPrimitives(shape.primitives);
   info.parts = index_parts(info.primitives);
   if (shape.mesh) {
     info.mesh =

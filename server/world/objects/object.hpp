@@ -9,6 +9,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
 #include "server/intake/scene.hpp"
+#include "server/world/objects/shared_primitives.hpp"
 
 namespace collided::engine {
 
@@ -57,7 +58,7 @@ struct ObjectInfo {
   bool is_unknown = false;
   LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;                // 0: the server's own
-  std::vector<Primitive> primitives;          // in the object's frame
+  SharedPrimitives primitives;                // in the object's frame
   std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
   std::shared_ptr<const IndexedMesh> mesh;    // in the object's frame; null for a part of a static scene
   std::shared_ptr<const SolidMesh> solid;     // what the mesh or the part encloses; null: it is a surface

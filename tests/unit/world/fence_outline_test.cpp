@@ -12,7 +12,7 @@ constexpr double kBeyond_m = 0.75;
 
 ObjectInfo of(const Primitive& shape) {
   ObjectInfo body;
-  body.primitives.push_back(shape);
+  body.primitives = {shape};
   return body;
 }
 

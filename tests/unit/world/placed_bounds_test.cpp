@@ -81,15 +81,17 @@ TEST_F(WorldPlacedBounds, ATurnedBoxLiesWithinItsBoundsWhereverItsPlacingPutsIt)
 
 TEST_F(WorldPlacedBounds, TurnedPartsWithAnIndexLieWithinTheirsToo) {
   for (int i = 0; i < 300; ++i) {
-    ObjectInfo info;
+    std::vector<Primitive> parts;
     for (int k = 0; k < 40; ++k) {
-      if (k % 2 == 0) info.primitives.push_back(Sphere{point(1), any(0, 0.1)});
-      else info.primitives.push_back(Capsule{point(1), point(1), any(0, 0.1)});
+      if (k % 2 == 0) parts.push_back(Sphere{point(1), any(0, 0.1)});
+      else parts.push_back(Capsule{point(1), point(1), any(0, 0.1)});
     }
     // Balls of no size at the corners of all the others' bounds.
     for (int corner = 0; corner < 8; ++corner) {
-      info.primitives.push_back(Sphere{Vec3(corner & 1 ? 2 : -2, corner & 2 ? 3 : -3, corner & 4 ? 4 : -4), 0});
+      parts.push_back(Sphere{Vec3(corner & 1 ? 2 : -2, corner & 2 ? 3 : -3, corner & 4 ? 4 : -4), 0});
     }
+    ObjectInfo info;
+    info.primitives = SharedPrimitives(parts);
     info.parts = index_parts(info.primitives);
     ASSERT_TRUE(info.parts);
     const Frame frame = frame_of(pose(std::pow(10, i % 7)));

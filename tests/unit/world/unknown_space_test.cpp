@@ -256,7 +256,7 @@ TEST(UnknownSpace, ASweepIsUndecidedFromWhereItReachesIn) {
   ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(post)));
   ASSERT_TRUE(world.step(1, 1, {}));
   ObjectInfo mover;
-  mover.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.01});
+  mover.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = 0.01}};
   QueryScratch scratch;
   const auto sweep = [&](double from, double to) {
     Answers answers;
