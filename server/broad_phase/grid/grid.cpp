@@ -22,6 +22,9 @@ struct Grid::Storage {
   std::vector<std::uint64_t> is_newer;                                    // by number: a bit each; none without newer
   std::vector<std::uint32_t> newer;
   std::vector<Aabb> newer_boxes;
+  // Shared with what it was updated from, which so must be rebuilt by the same thread, if at all.
+  std::shared_ptr<grid::RebuildScratch> scratch = std::make_shared<grid::RebuildScratch>();
+  std::size_t box_count = 0;     // that it was last rebuilt or updated with, empty ones included
   std::size_t hidden_count = 0;  // boxes of base that are not empty there and hidden
   grid::Levels over;             // of newer_boxes, numbered by their place in there
 
@@ -46,15 +49,19 @@ void Grid::rebuild(std::span<const Aabb> boxes) {
   s.newer.clear();
   s.is_newer.clear();
   s.hidden_count = 0;
+  s.box_count = boxes.size();
   if (s.base.use_count() > 1) s.base = std::make_shared<grid::Levels>();
-  s.base->rebuild(boxes);
+  s.base->rebuild(boxes, *s.scratch);
 }
 
 void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<const std::uint32_t> changed) {
   const Storage& old = *before.storage_;
   Storage& s = *storage_;
+  s.scratch = old.scratch;
   const std::size_t most = old.base->entry_count / kRebuildShare;
-  if (changed.size() > 2 * most) return rebuild(boxes);
+  // With fewer boxes than before, numbers are out of use.
+  if (changed.size() > 2 * most || boxes.size() < old.box_count) return rebuild(boxes);
+  s.box_count = boxes.size();
   s.base = old.base;
   s.newer = old.newer;
   s.is_newer = old.is_newer;
@@ -64,7 +71,7 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   if (s.newer.size() > most) return rebuild(boxes);
   s.newer_boxes.clear();
   for (const std::uint32_t number : s.newer) s.newer_boxes.push_back(boxes[number]);
-  s.over.rebuild(s.newer_boxes);
+  s.over.rebuild(s.newer_boxes, *s.scratch);
 }
 
 std::size_t Grid::size() const {
@@ -76,7 +83,7 @@ bool Grid::is_swept() const { return storage_->newer.empty() && storage_->base->
 
 std::size_t Grid::bytes() const {
   const Storage& s = *storage_;
-  return s.base->bytes() + s.over.bytes() + s.is_newer.capacity() * sizeof(s.is_newer[0]) +
+  return s.base->bytes() + s.over.bytes() + s.scratch->bytes() + s.is_newer.capacity() * sizeof(s.is_newer[0]) +
          s.newer.capacity() * sizeof(s.newer[0]) + s.newer_boxes.capacity() * sizeof(s.newer_boxes[0]);
 }
 

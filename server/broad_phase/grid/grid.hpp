@@ -25,7 +25,8 @@ class Grid {
   void rebuild(std::span<const Aabb> boxes);
   /// The same as rebuild(boxes), where `before` holds them all but for those changed, which may be named twice. A few
   /// are put into an index of their own over what `before` was built of, which is shared and not copied: the cost
-  /// follows how many changed since, not how many there are. Many changes make it rebuild.
+  /// follows how many changed since, not how many there are. Many changes make it rebuild. From then on
+  /// the two must not be rebuilt or updated at once: they share the memory for it.
   void update(const Grid& before, std::span<const Aabb> boxes, std::span<const std::uint32_t> changed);
 
   /// Number of boxes that are not empty.

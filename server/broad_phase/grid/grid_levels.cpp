@@ -89,14 +89,16 @@ void set_cells(GridLevel& level, double reach) {
 
 std::uint32_t whole_blocks(std::uint32_t places) { return (places + kBlock - 1) / kBlock * kBlock; }
 
+/// Room for some more, and not for much more: what a crowd took is given back when it has left.
 template <class T>
 void make_room(bvh::PlainArray<T>& array, std::size_t size) {
-  if (array.size() < size) array = bvh::PlainArray<T>(size + size / 8);
+  constexpr std::size_t kKept = 4'096;
+  if (array.size() < size || array.size() > 4 * size + kKept) array = bvh::PlainArray<T>(size + size / 8);
 }
 
 }  // namespace
 
-void Levels::choose_levels(std::span<const Aabb> boxes) {
+void Levels::choose_levels(std::span<const Aabb> boxes, RebuildScratch& scratch) {
   Histogram histogram{};
   exponent_of_box_.resize(boxes.size());
   entry_count = 0;
@@ -120,11 +122,11 @@ void Levels::choose_levels(std::span<const Aabb> boxes) {
     same.extent = same.extent.cwiseMax(boxes[i].high - boxes[i].low);
   }
   levels.clear();
-  level_of_exponent_.assign(histogram.size(), -1);
+  scratch.level_of_exponent.assign(histogram.size(), -1);
   for (const Group& group : group_sizes(histogram)) {
     if (group.count <= kFewBoxes) continue;
     for (int e = group.least; e <= group.most; ++e) {
-      level_of_exponent_[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
+      scratch.level_of_exponent[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
     }
     levels.emplace_back();
     levels.back().end = group.count;  // only the count until lay_out() assigns places
@@ -152,18 +154,19 @@ std::uint32_t Levels::lay_out() {
   return whole_blocks(loose_end);
 }
 
-/// Writes the numbers of each level's boxes and of the loose ones into members_, at the level's places.
-void Levels::share_out(std::span<const Aabb> boxes) {
+/// Writes the numbers of each level's boxes and of the loose ones into scratch.members, at the level's places.
+void Levels::share_out(std::span<const Aabb> boxes, RebuildScratch& scratch) {
   std::vector<std::uint32_t> next;
   for (const GridLevel& level : levels) next.push_back(level.begin);
   next.push_back(loose_begin);
-  members_.resize(loose_end);
+  scratch.members.resize(loose_end);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::int16_t exponent = exponent_of_box_[i];
     if (exponent == kEmpty) continue;
     const std::int16_t level =
-        exponent == kUnbounded ? std::int16_t{-1} : level_of_exponent_[exponent - kLeastExponent];
-    members_[next[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] = static_cast<std::uint32_t>(i);
+        exponent == kUnbounded ? std::int16_t{-1} : scratch.level_of_exponent[exponent - kLeastExponent];
+    scratch.members[next[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] =
+        static_cast<std::uint32_t>(i);
   }
 }
 
@@ -207,13 +210,13 @@ void Levels::pad(std::uint32_t from, std::uint32_t to) {
 
 template <class Element>
 void Levels::fill_level(std::span<const Aabb> boxes, const GridLevel& level, std::span<const std::uint32_t> members,
-                        std::vector<Element>& sorted, std::vector<Element>& scratch) {
+                        std::vector<Element>& sorted, std::vector<Element>& other) {
   sorted.resize(level.count());
   for (std::uint32_t i = 0; i < level.count(); ++i) {
     const std::uint32_t box = members.empty() ? i : members[i];
     sorted[i] = Element::of(level.key(boxes[box].low), box);
   }
-  radix_sort(sorted, scratch, level.z_shift + level.axes[2].bits());
+  radix_sort(sorted, other, level.z_shift + level.axes[2].bits());
   for (std::uint32_t i = 0; i < level.count(); ++i) {
     constexpr std::uint32_t kAhead = 16;
     if (i + kAhead < level.count()) {
@@ -251,11 +254,11 @@ bool Levels::are_few(std::span<const Aabb> boxes) {
   return few_numbers.size() <= kSweptBoxes;
 }
 
-void Levels::rebuild_few(std::span<const Aabb> boxes) {
+void Levels::rebuild_few(std::span<const Aabb> boxes, RebuildScratch& scratch) {
   exponent_of_box_.clear();
-  few_boxes_.clear();
-  for (const std::uint32_t number : few_numbers) few_boxes_.push_back(boxes[number]);
-  few.update(few_boxes_);
+  scratch.few_boxes.clear();
+  for (const std::uint32_t number : few_numbers) scratch.few_boxes.push_back(boxes[number]);
+  few.update(scratch.few_boxes);
   levels.clear();
   directory.clear();
   loose_begin = 0;
@@ -267,7 +270,7 @@ void Levels::rebuild_few(std::span<const Aabb> boxes) {
   make_room(numbers, place_count);
   for (std::uint32_t place = 0; place < loose_end; ++place) {
     const std::uint32_t number = few.number(place);
-    store(few_boxes_[number], few_numbers[number], kNoKey, place);
+    store(scratch.few_boxes[number], few_numbers[number], kNoKey, place);
   }
   pad(loose_end, place_count);
 }
@@ -277,39 +280,44 @@ bool Levels::holds(std::uint32_t number) const {
   return number < exponent_of_box_.size() && exponent_of_box_[number] != kEmpty;
 }
 
-void Levels::rebuild(std::span<const Aabb> boxes) {
-  if (are_few(boxes)) return rebuild_few(boxes);
+void Levels::rebuild(std::span<const Aabb> boxes, RebuildScratch& scratch) {
+  if (are_few(boxes)) return rebuild_few(boxes, scratch);
   few.clear();
-  choose_levels(boxes);
+  choose_levels(boxes, scratch);
   const std::uint32_t place_count = lay_out();
   make_room(blocks, place_count / kBlock);
   make_room(keys, place_count);
   make_room(numbers, place_count);
   const bool all_in_one = levels.size() == 1 && levels[0].count() == boxes.size();
-  if (!all_in_one) share_out(boxes);
+  if (!all_in_one) share_out(boxes, scratch);
   directory.clear();
   for (GridLevel& level : levels) {
     std::span<const std::uint32_t> members;  // none: every box is one
-    if (!all_in_one) members = std::span(members_).subspan(level.begin, level.count());
+    if (!all_in_one) members = std::span(scratch.members).subspan(level.begin, level.count());
     set_axes(boxes, level, members);
     if (level.z_shift + level.axes[2].bits() <= kPackedKeyBits) {
-      fill_level(boxes, level, members, packed_, other_packed_);
+      fill_level(boxes, level, members, scratch.packed, scratch.other_packed);
     } else {
-      fill_level(boxes, level, members, keyed_, other_keyed_);
+      fill_level(boxes, level, members, scratch.keyed, scratch.other_keyed);
     }
     pad(level.end, whole_blocks(level.end + 1));
     index_level(level);
   }
-  for (std::uint32_t i = loose_begin; i < loose_end; ++i) store(boxes[members_[i]], members_[i], kNoKey, i);
+  for (std::uint32_t i = loose_begin; i < loose_end; ++i)
+    store(boxes[scratch.members[i]], scratch.members[i], kNoKey, i);
   pad(loose_end, place_count);
+}
+
+std::size_t RebuildScratch::bytes() const {
+  return few_boxes.capacity() * sizeof(Aabb) + level_of_exponent.capacity() * sizeof(level_of_exponent[0]) +
+         members.capacity() * sizeof(members[0]) + (packed.capacity() + other_packed.capacity()) * sizeof(Packed) +
+         (keyed.capacity() + other_keyed.capacity()) * sizeof(Keyed);
 }
 
 std::size_t Levels::bytes() const {
   std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() +
-                      directory.capacity() * sizeof(directory[0]) + members_.capacity() * sizeof(members_[0]) +
-                      exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
-                      (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +
-                      (keyed_.capacity() + other_keyed_.capacity()) * sizeof(Keyed);
+                      directory.capacity() * sizeof(directory[0]) +
+                      exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]);
   for (const GridLevel& level : levels) {
     for (const Axis& axis : level.axes) bytes += axis.bytes();
   }

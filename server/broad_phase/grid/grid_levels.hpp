@@ -74,6 +74,19 @@ struct Extent {
   }
 };
 
+/// Memory that a rebuild needs no longer than it lasts, kept to save allocations: what is rebuilt in turn shares it.
+struct RebuildScratch {
+  std::vector<Aabb> few_boxes;
+  std::vector<std::int16_t> level_of_exponent;
+  std::vector<std::uint32_t> members;
+  std::vector<Packed> packed;
+  std::vector<Packed> other_packed;
+  std::vector<Keyed> keyed;
+  std::vector<Keyed> other_keyed;
+
+  std::size_t bytes() const;
+};
+
 /// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. After
 /// a level's last box there is at least one place with kNoKey. Boxes that fit no level (unbounded, or too few of their
 /// size for one) are loose: every query tests each of them. Where there are few boxes all are loose.
@@ -107,21 +120,21 @@ struct Levels {
     return low;
   }
 
-  void rebuild(std::span<const Aabb> boxes);
+  void rebuild(std::span<const Aabb> boxes, RebuildScratch& scratch);
   /// Whether the last rebuild had a box of this number that was not empty.
   bool holds(std::uint32_t number) const;
   std::size_t bytes() const;
 
  private:
   bool are_few(std::span<const Aabb> boxes);
-  void rebuild_few(std::span<const Aabb> boxes);
-  void choose_levels(std::span<const Aabb> boxes);
+  void rebuild_few(std::span<const Aabb> boxes, RebuildScratch& scratch);
+  void choose_levels(std::span<const Aabb> boxes, RebuildScratch& scratch);
   std::uint32_t lay_out();
-  void share_out(std::span<const Aabb> boxes);
+  void share_out(std::span<const Aabb> boxes, RebuildScratch& scratch);
   void set_axes(std::span<const Aabb> boxes, GridLevel& level, std::span<const std::uint32_t> members);
   template <class Element>
   void fill_level(std::span<const Aabb> boxes, const GridLevel& level, std::span<const std::uint32_t> members,
-                  std::vector<Element>& sorted, std::vector<Element>& scratch);
+                  std::vector<Element>& sorted, std::vector<Element>& other);
   void index_level(GridLevel& level);
   [[gnu::always_inline]] inline void store(const Aabb& box, std::uint32_t number, Key key, std::uint32_t place) {
     blocks[place / kBlock].set(place % kBlock, box);
@@ -131,16 +144,7 @@ struct Levels {
   void pad(std::uint32_t from, std::uint32_t to);
 
   Extent all_;  // every box of the last rebuild
-
-  // Scratch of rebuild, kept to save allocations.
-  std::vector<Aabb> few_boxes_;
   std::vector<std::int16_t> exponent_of_box_;
-  std::vector<std::int16_t> level_of_exponent_;
-  std::vector<std::uint32_t> members_;
-  std::vector<Packed> packed_;
-  std::vector<Packed> other_packed_;
-  std::vector<Keyed> keyed_;
-  std::vector<Keyed> other_keyed_;
 };
 
 }  // namespace collided::engine::grid

@@ -10,6 +10,13 @@
 namespace collided::engine {
 namespace {
 
+constexpr std::size_t kKept = 1'024;  // events and contacts: room for so many is not given back
+
+template <class T>
+bool has_far_more_room(const std::vector<T>& list) {
+  return list.capacity() > kKept && 16 * list.size() < list.capacity();
+}
+
 OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
   return {.a = found.a,
           .b = found.b,
@@ -38,6 +45,13 @@ OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_tim
 }  // namespace
 
 void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted) {
+  // A crowd's first step begins all its contacts at once, and contacts go with those who had them.
+  if (has_far_more_room(events_)) events_ = std::vector<Event>();
+  if (has_far_more_room(open_)) {
+    open_.shrink_to_fit();
+    found_in_step_.shrink_to_fit();
+    links_.give_back();
+  }
   events_.clear();
   found_slots_.clear();
   ++step_;

@@ -42,6 +42,8 @@ class ContactLinks {
     }
     links_.resize(links_.size() - 2);
   }
+  /// Gives memory back that most of the contacts took which are gone.
+  void give_back() { links_.shrink_to_fit(); }
   /// The object has two contacts or more.
   bool has_several(std::uint32_t slot) const {
     return slot < first_.size() && first_[slot] != kNone && links_[first_[slot]].after != kNone;

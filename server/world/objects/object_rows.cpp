@@ -1,10 +1,17 @@
 #include "server/world/objects/object_rows.hpp"
 
 #include <algorithm>
+#include <functional>
 
+#include "server/world/objects/column.hpp"
 #include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
+namespace {
+
+std::uint32_t tag_of(std::string_view name) { return static_cast<std::uint32_t>(std::hash<std::string_view>{}(name)); }
+
+}  // namespace
 
 ObjectTable& ObjectRows::table_to_change() {
   ++table_version_;
@@ -21,25 +28,32 @@ void ObjectRows::mark(std::uint32_t slot, Motion how) {
 }
 
 ObjectId ObjectRows::take_slot() {
-  std::uint32_t slot = static_cast<std::uint32_t>(rows_.size());
+  std::uint32_t slot = static_cast<std::uint32_t>(size());
   if (!free_slots_.empty()) {
     slot = free_slots_.back();
     free_slots_.pop_back();
     ++generations_[slot];
   } else {
     table_to_change().emplace_back();
-    rows_.emplace_back();
     motion_.push_back(Motion::none);
     news_.push_back(0);
     generations_.push_back(1);
     source_.push_back(Sources::kResting);
   }
+  make_row(slot);
   return id(slot);
+}
+
+void ObjectRows::make_row(std::uint32_t slot) {
+  if (slot < rows_.size()) return;
+  // By an eighth, not twofold: a row takes 240 bytes.
+  if (slot >= rows_.capacity()) rows_.reserve(slot + slot / 8 + 16);
+  rows_.resize(slot + 1);
 }
 
 void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {
   const std::uint32_t slot = slot_of(info->id);
-  names_.emplace(info->name, info->id);
+  names_.add(tag_of(info->name), slot);
   table_to_change()[slot] = std::move(info);
   mark(slot, Motion::placed);
 }
@@ -64,7 +78,7 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
 
 void ObjectRows::remove(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
-  names_.erase(info(slot)->name);
+  names_.remove(tag_of(info(slot)->name), slot);
   table_to_change()[slot].reset();
   // A scene's part may use this slot next, and a part has no pose, age or motion.
   rows_[slot] = ObjectRow{};
@@ -137,7 +151,7 @@ void ObjectRows::follow_source(std::uint32_t slot, std::uint32_t source, std::in
 }
 
 void ObjectRows::note_change(std::uint32_t slot) {
-  if (changes_.size() > 2 * size()) {
+  if (changes_.size() > size()) {
     forgotten_changes_ += changes_.size();
     changes_.clear();
   }
@@ -163,11 +177,11 @@ void ObjectRows::copy_row(std::uint32_t slot, Snapshot& to) const {
 }
 
 void ObjectRows::copy_changes(Snapshot& to) {
-  const std::size_t count = size();
-  to.poses.resize(count);
-  to.bounds.resize(count);
-  to.posed_ns.resize(count);
-  to.stale.resize(count);
+  const std::size_t count = row_count();
+  resize_column(to.poses, count);
+  resize_column(to.bounds, count);
+  resize_column(to.posed_ns, count);
+  resize_column(to.stale, count);
   const std::uint64_t change_count = forgotten_changes_ + changes_.size();
   // Most rows in a row cost less than as many here and there.
   if (to.changes_seen < forgotten_changes_ || change_count - to.changes_seen > count / 2) {
@@ -188,7 +202,23 @@ void ObjectRows::end_step() {
   }
   moved_.clear();
   free_slots_.insert(free_slots_.end(), freed_.begin(), freed_.end());
+  freed_count_ += freed_.size();
   freed_.clear();
+  // Looking through all costs a few steps for each object that was removed.
+  if (4 * freed_count_ > rows_.size()) give_rows_back();
+}
+
+void ObjectRows::give_rows_back() {
+  freed_count_ = 0;
+  std::size_t used = rows_.size();
+  while (used > 0 && info(static_cast<std::uint32_t>(used - 1)) == nullptr) --used;
+  if (used > rows_.size() / 2) return;
+  resize_column(rows_, used);
+  // New objects take low slots first, so that rows do not grow to their old number for a few.
+  std::sort(free_slots_.begin(), free_slots_.end(), std::greater<>());
+  // Slots without a row are among them: every state is copied as a whole once.
+  forgotten_changes_ += changes_.size();
+  changes_ = {};
 }
 
 const ObjectInfo* ObjectRows::find(ObjectId id) const {
@@ -198,9 +228,9 @@ const ObjectInfo* ObjectRows::find(ObjectId id) const {
 }
 
 std::optional<ObjectId> ObjectRows::find(std::string_view name) const {
-  const auto found = names_.find(std::string(name));
-  if (found == names_.end()) return std::nullopt;
-  return found->second;
+  const auto has_name = [&](std::uint32_t slot) { return info(slot)->name == name; };
+  const std::uint32_t slot = names_.find(tag_of(name), has_name);
+  return slot == TagIndex::kNone ? std::nullopt : std::optional(id(slot));
 }
 
 }  // namespace collided::engine

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "server/exact_phase/motion/body_motion.hpp"
@@ -13,6 +12,7 @@
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/objects/sources.hpp"
 #include "server/world/objects/sweep.hpp"
+#include "server/world/objects/tag_index.hpp"
 
 namespace collided::engine {
 
@@ -102,10 +102,13 @@ class ObjectRows {
   void stamp_changes(std::int64_t world_time_ns, const Sources& sources);
   /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
   void copy_changes(Snapshot& to);
-  /// Forgets the changes; slots freed in this step may be used again.
+  /// Forgets the changes; slots freed in this step may be used again. Once many were, gives back the rows after the last
+  /// object.
   void end_step();
 
   std::size_t size() const { return table_->size(); }
+  /// How many slots, from 0, have a row: those of all objects, and most free ones between them.
+  std::size_t row_count() const { return rows_.size(); }
   const ObjectRow& operator[](std::uint32_t slot) const { return rows_[slot]; }
   const ObjectTable& table() const { return *table_; }
   const ObjectInfo* info(std::uint32_t slot) const { return (*table_)[slot].get(); }
@@ -137,6 +140,8 @@ class ObjectRows {
 
  private:
   ObjectTable& table_to_change();
+  void make_row(std::uint32_t slot);
+  void give_rows_back();
   void mark(std::uint32_t slot, Motion how);
   void note_change(std::uint32_t slot);
   void copy_row(std::uint32_t slot, Snapshot& to) const;
@@ -152,11 +157,12 @@ class ObjectRows {
   std::shared_ptr<ObjectTable> table_;  // replaced when a definition changes
   std::uint64_t table_version_ = 0;
   bool table_is_shared_ = false;  // a snapshot holds the table: it is copied before the next change
-  std::unordered_map<std::string, ObjectId> names_;
+  TagIndex names_;                // slots by their objects' names, which the table has
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::uint32_t> freed_;  // in this step
+  std::size_t freed_count_ = 0;       // since rows were last looked through
   std::vector<std::uint32_t> moved_;  // in this step
-  // Slots in the order of their changes, up to twice as many as there are slots; and how many were forgotten before.
+  // Slots in the order of their changes, about as many as there are slots; and how many were forgotten before.
   std::vector<std::uint32_t> changes_;
   std::uint64_t forgotten_changes_ = 0;
 };

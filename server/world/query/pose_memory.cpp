@@ -7,6 +7,7 @@
 #include "idl/clocks.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/object_rows.hpp"
+#include "server/world/objects/column.hpp"
 #include "server/world/objects/sources.hpp"
 #include "server/world/step/step_motion.hpp"
 
@@ -53,7 +54,7 @@ void PoseMemory::note(const Step& step) {
     from_ns_ = to_ns_;
   }
   move_floor();
-  lives_.resize(step.rows.size());
+  resize_column(lives_, step.rows.row_count());
   for (const std::uint32_t slot : step.rows.moved()) note_object(step, slot);
   forget_in_turn();
   sources_.resize(step.sources.size());
@@ -172,7 +173,7 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     const auto take = [&](const Life& life) {
       if (!life.was_there(time_ns)) return;
       std::uint32_t slot = slot_of(life.info->id);
-      if ((*objects)[slot]) slot = add_slot(*objects, *state);
+      if (slot >= objects->size() || (*objects)[slot]) slot = add_slot(*objects, *state);
       (*objects)[slot] = named_by_slot(life.info, slot);
       put(life, slot, time_ns, *state);
     };

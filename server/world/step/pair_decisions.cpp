@@ -85,7 +85,7 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   MovingSphere path{.start = a.end, .end = a.end, .radius_m = a.radius_m};
   if (rows_.motion(first) != Motion::placed && rows_.motion(second) != Motion::placed) {
     if (rows_.motion(first) == Motion::moved) path.start = a.start;
-    if (rows_.motion(second) == Motion::moved) path.start += b.displacement;
+    if (rows_.motion(second) == Motion::moved) path.start += b.end - b.start;
   }
   return kernel::surely_apart(path, {.center = b.end, .radius_m = b.radius_m});
 }

@@ -4,6 +4,7 @@
 
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/objects/column.hpp"
 #include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
@@ -24,14 +25,28 @@ MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source
   return {.from_ns = row.has_motion && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
 }
 
+namespace {
+
+/// How far the motions of a sphere's centre and of its frame's origin may differ, metres: the exact sweep subtracts that of
+/// the origin.
+double strayed_m(const ObjectRow& row, const BallMotion& ball) {
+  const Vec3 of_origin = row.pose.position - row.pose_before.position;
+  const double rounding_m = kRoundoff * (row.pose.position.lpNorm<1>() + row.pose_before.position.lpNorm<1>() +
+                                         ball.start.lpNorm<1>() + ball.end.lpNorm<1>());
+  return ((ball.end - ball.start - of_origin).norm() + 4 * rounding_m) * (1 + kBoundSlack);
+}
+
+}  // namespace
+
 void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
-  bounds_.resize(rows_.size());
-  balls_.resize(rows_.size());
-  swept_.resize(rows_.size());
-  open_.resize(rows_.size());
-  changed_.insert(changed_.end(), widened_.begin(), widened_.end());
+  const std::size_t count = rows_.row_count();
+  resize_column(bounds_, count);
+  resize_column(balls_, balls_.empty() ? 0 : count);
+  resize_column(swept_, count);
+  resize_column(open_, count);
+  note_changed(widened_);
   for (const std::uint32_t slot : widened_) {
-    if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
+    if (slot < count && !rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
   }
   widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
@@ -51,7 +66,12 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     if (!rows_.has_moved(slot)) widened_.push_back(slot);
     bounds_[slot].extend(history_.bounds(slot));
   }
-  changed_.insert(changed_.end(), widened_.begin(), widened_.end());
+  note_changed(widened_);
+}
+
+/// As many changes as there are objects have the index rebuilt; to name more would take memory alone.
+void StepMotion::note_changed(const std::vector<std::uint32_t>& slots) {
+  if (changed_.size() < rows_.row_count()) changed_.insert(changed_.end(), slots.begin(), slots.end());
 }
 
 /// Sets the bounds of an object's motion, and whether it is to be swept.
@@ -129,16 +149,16 @@ double StepMotion::longest_displacement_m(std::uint32_t slot, double reach_m) co
 
 void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& path) {
   const ObjectRow& row = rows_[slot];
+  if (row.is_lone_sphere() && balls_.empty()) balls_.resize(rows_.row_count());
+  if (balls_.empty()) return;
   BallMotion& ball = balls_[slot];
-  ball.radius_m = -1;
+  ball.radius_m = row.lone_radius_m;
   if (!row.is_lone_sphere()) return;
   const Sphere sphere = *rows_.lone_sphere(slot);
-  const double off_m = row.is_centred_sphere ? 0 : placing_error_m(row.frame(), sphere);
-  ball.radius_m = sphere.radius_m + 2 * off_m;
   ball.end = path ? path->end : placed_center(row.pose, sphere.center);
-  if (!path) return;
-  ball.start = path->start;
-  ball.displacement = row.pose.position - row.pose_before.position;
+  ball.start = path ? path->start : ball.end;
+  if (row.is_centred_sphere) return;
+  ball.radius_m += 2 * placing_error_m(row.frame(), sphere) + (path ? strayed_m(row, ball) : 0);
 }
 
 /// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
@@ -152,8 +172,8 @@ void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const 
   }
   const double reach_m = info->mesh->radius_m;
   apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) +
-                        placement_slack(rows_[slot].frame_before(), 0, reach_m) +
-                        placement_slack(rows_[slot].frame(), 0, reach_m));
+                        placement_slack(rows_[slot].pose_before.position, 0, reach_m) +
+                        placement_slack(rows_[slot].pose.position, 0, reach_m));
 }
 
 }  // namespace collided::engine

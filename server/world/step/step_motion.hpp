@@ -13,11 +13,12 @@
 namespace collided::engine {
 
 /// An object that is one sphere, between its last two poses, in world coordinates.
-struct BallMotion {
-  Vec3 start = Vec3::Zero();  // of its centre, where it moved in this step
+struct alignas(64) BallMotion {  // one cache line
+  Vec3 start = Vec3::Zero();     // of its centre, where it moved in this step
   Vec3 end = Vec3::Zero();
-  Vec3 displacement = Vec3::Zero();  // of its frame's origin, where it moved in this step
-  double radius_m = -1;              // with what its placing may round; negative: the object is not one sphere
+  // With what its placing may round, and by how much its centre and its frame's origin move apart; negative: the object is
+  // not one sphere.
+  double radius_m = -1;
 };
 
 /// When an object moved to its pose, world time; both equal: it jumped there.
@@ -61,7 +62,7 @@ class StepMotion {
   /// Objects that began after the floor; may contain one twice.
   const std::vector<std::uint32_t>& young() const { return young_; }
   bool is_any_open() const { return !young_.empty() || !history_.travelling().empty(); }
-  const BallMotion& ball(std::uint32_t slot) const { return balls_[slot]; }
+  const BallMotion& ball(std::uint32_t slot) const { return slot < balls_.size() ? balls_[slot] : kNoBall; }
   /// It moved to another pose in this step and is not a lone sphere; spheres have a sweep of their own.
   bool is_swept(std::uint32_t slot) const { return swept_[slot] != 0; }
   /// It is swept and its rotation changes.
@@ -75,7 +76,9 @@ class StepMotion {
 
  private:
   enum Sweep : std::uint8_t { kMoves = 1, kTurns = 2 };
+  inline static const BallMotion kNoBall;
 
+  void note_changed(const std::vector<std::uint32_t>& slots);
   void take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path);
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& motion);
   void begin_anew(const Sources& sources);
@@ -83,7 +86,7 @@ class StepMotion {
 
   const ObjectRows& rows_;
   std::vector<Aabb> bounds_;
-  // a compact copy, since pairs of spheres are filtered before anything else of them is read
+  // A compact copy, since pairs of spheres are filtered before anything else of them is read; empty while there is none.
   std::vector<BallMotion> balls_;
   std::vector<std::uint8_t> swept_;  // Sweep; 0: it is not swept
   std::vector<std::uint8_t> open_;

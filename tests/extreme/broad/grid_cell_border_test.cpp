@@ -50,7 +50,8 @@ TEST(ExtremeGridCellBorder, OneStepBesideTheBorderParts) {
 // The grid's own borders, on both sides of zero, and one step on either side of each.
 TEST(ExtremeGridCellBorder, CornersOnTheGridsOwnBordersAreFoundFromBothSides) {
   grid::Levels levels;
-  levels.rebuild(std::vector<Aabb>(100, extreme::cube({0, 0, 0}, 1)));
+  grid::RebuildScratch scratch;
+  levels.rebuild(std::vector<Aabb>(100, extreme::cube({0, 0, 0}, 1)), scratch);
   const double cell_m = levels.levels.at(0).cell_m[0];
   std::vector<Aabb> boxes;
   for (int i = 0; i < 7 * 7 * 27; ++i) {

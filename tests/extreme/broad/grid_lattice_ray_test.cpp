@@ -46,7 +46,8 @@ TEST(ExtremeGridLatticeRay, WithinAPlaneOfCellBorders) {
 // The grid's own borders: each cube begins in the corner of its cell, and the ray passes through all those corners.
 TEST(ExtremeGridLatticeRay, ThroughTheCornersOfTheGridsOwnCells) {
   grid::Levels levels;
-  levels.rebuild(lattice({0, 0, 0}));
+  grid::RebuildScratch scratch;
+  levels.rebuild(lattice({0, 0, 0}), scratch);
   const double cell_m = levels.levels.at(0).cell_m[0];
   for (const double first : {0.0, -4.0, -8.0}) {
     std::vector<Aabb> boxes;

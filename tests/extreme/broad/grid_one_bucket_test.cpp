@@ -22,7 +22,8 @@ TEST(ExtremeGridOneBucket, EveryBoxIsStillFoundAndInBoundedTime) {
   constexpr std::size_t kCount = 200'000;
   const std::vector<Aabb> boxes = rows_and_one_far(kCount);
   grid::Levels levels;
-  levels.rebuild(boxes);
+  grid::RebuildScratch scratch;
+  levels.rebuild(boxes, scratch);
   ASSERT_EQ(levels.levels.size(), 1u);
   const grid::GridLevel& level = levels.levels[0];
   ASSERT_EQ(levels.keys[level.begin + kCount - 1] >> level.bucket_shift, 0u) << "the scene must be worth testing";
@@ -48,7 +49,8 @@ TEST(ExtremeGridOneBucket, AWorldTooWideForItsKeysLosesNothing) {
     }
   }
   grid::Levels levels;
-  levels.rebuild(boxes);
+  grid::RebuildScratch scratch;
+  levels.rebuild(boxes, scratch);
   ASSERT_EQ(levels.levels.size(), 1u);
   ASSERT_GT(levels.levels[0].axes[0].bytes(), 0u) << "the scene must be worth testing";
   const Grid grid = extreme::grid_of(boxes);

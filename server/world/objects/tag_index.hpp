@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace collided::engine {
+
+/// Numbers of things by a hash of their key: a table of open addressing with linear probing (Knuth, TAOCP 3, 6.4,
+/// Algorithms L and R). The keys themselves stand with the things, so an entry takes 8 bytes and a key that is not there is
+/// known as such without reading them.
+/// Always: at most half of the entries are used.
+class TagIndex {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  /// The number under this tag for which has_key(number), or kNone.
+  template <class HasKey>
+  std::uint32_t find(std::uint32_t tag, HasKey&& has_key) const {
+    if (entries_.empty()) return kNone;
+    for (std::size_t at = tag & mask_; entries_[at].number != kNone; at = (at + 1) & mask_) {
+      if (entries_[at].tag == tag && has_key(entries_[at].number)) return entries_[at].number;
+    }
+    return kNone;
+  }
+  /// Prefetches where a search begins. Always inline: the compiler leaves out calls of what only prefetches.
+  [[gnu::always_inline]] void prefetch(std::uint32_t tag) const {
+    if (!entries_.empty()) __builtin_prefetch(&entries_[tag & mask_]);
+  }
+  /// The key must not be there.
+  void add(std::uint32_t tag, std::uint32_t number) {
+    if (2 * (count_ + 1) > entries_.size()) resize(entries_.empty() ? 16 : 2 * entries_.size());
+    put({tag, number});
+    ++count_;
+  }
+  /// The number must be there under this tag. Gives memory back once a sixteenth is used.
+  void remove(std::uint32_t tag, std::uint32_t number) {
+    std::size_t hole = place_of(tag, number);
+    --count_;
+    // Entries after the hole move into it unless that would put them before the place where their search begins.
+    for (std::size_t at = (hole + 1) & mask_; entries_[at].number != kNone; at = (at + 1) & mask_) {
+      const std::size_t from_home = (at - entries_[at].tag) & mask_;
+      if (from_home < ((at - hole) & mask_)) continue;
+      entries_[hole] = entries_[at];
+      hole = at;
+    }
+    entries_[hole].number = kNone;
+    if (16 * count_ < entries_.size() && entries_.size() > kLeastToShrink) resize(entries_.size() / 4);
+  }
+  /// What is there under the number `from` gets the number `to`.
+  void renumber(std::uint32_t tag, std::uint32_t from, std::uint32_t to) { entries_[place_of(tag, from)].number = to; }
+  std::size_t size() const { return count_; }
+
+ private:
+  struct Entry {
+    std::uint32_t tag = 0;
+    std::uint32_t number = kNone;
+  };
+  static constexpr std::size_t kLeastToShrink = 4'096;  // entries: what is less is not worth the work
+
+  std::size_t place_of(std::uint32_t tag, std::uint32_t number) const {
+    std::size_t at = tag & mask_;
+    while (entries_[at].number != number) at = (at + 1) & mask_;
+    return at;
+  }
+  void put(const Entry& entry) {
+    std::size_t at = entry.tag & mask_;
+    while (entries_[at].number != kNone) at = (at + 1) & mask_;
+    entries_[at] = entry;
+  }
+  void resize(std::size_t size) {
+    std::vector<Entry> old(size);
+    old.swap(entries_);
+    mask_ = size - 1;
+    for (const Entry& entry : old) {
+      if (entry.number != kNone) put(entry);
+    }
+  }
+
+  std::vector<Entry> entries_;  // a power of two of them
+  std::size_t mask_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace collided::engine
