@@ -2,7 +2,10 @@
 
 #include <gmpxx.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace collided::engine {
@@ -14,16 +17,7 @@ namespace collided::engine {
 class Dyadic {
  public:
   Dyadic() = default;
-  Dyadic(double exact) : finite_(std::isfinite(exact)) {  // NOLINT: a double is an exact number
-    if (!finite_ || exact == 0) return;
-    int exponent;
-    mantissa_ = std::ldexp(std::frexp(exact, &exponent), 53);
-    exponent_ = exponent - 53;
-    // Keep mantissas short: most scenes are full of small integers and halves.
-    const mp_bitcnt_t zeros = mpz_scan1(mantissa_.get_mpz_t(), 0);
-    mantissa_ >>= zeros;
-    exponent_ += static_cast<long>(zeros);
-  }
+  Dyadic(double exact) : Dyadic(short_of(exact)) {}  // NOLINT: a double is an exact number
 
   Dyadic(mpz_class mantissa, long exponent) : mantissa_(std::move(mantissa)), exponent_(exponent) {}
 
@@ -50,6 +44,9 @@ class Dyadic {
   }
   friend Dyadic operator+(const Dyadic& a, const Dyadic& b) { return sum(a, b, false); }
   friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return sum(a, b, true); }
+  // The same numbers in the same form, in the memory of a temporary where that serves.
+  friend Dyadic operator+(Dyadic&& a, const Dyadic& b) { return sum_in_place(std::move(a), b, false); }
+  friend Dyadic operator-(Dyadic&& a, const Dyadic& b) { return sum_in_place(std::move(a), b, true); }
   friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
     Dyadic result;
     result.finite_ = a.finite_ && b.finite_;
@@ -57,8 +54,53 @@ class Dyadic {
     result.exponent_ = a.exponent_ + b.exponent_;
     return result;
   }
+  /// b * a, without a number of its own for b.
+  friend Dyadic times(const Dyadic& a, double b) {
+    const Short factor = short_of(b);
+    Dyadic result;
+    result.finite_ = a.finite_ && factor.finite;
+    mpz_mul_si(result.mantissa_.get_mpz_t(), a.mantissa_.get_mpz_t(), factor.mantissa);
+    result.exponent_ = a.exponent_ + factor.exponent;
+    return result;
+  }
 
  private:
+  /// A double as mantissa * 2^exponent. The mantissa is odd, or zero: mantissas stay short, since most scenes are full of
+  /// small integers and halves.
+  struct Short {
+    long mantissa = 0;
+    long exponent = 0;
+    bool finite = true;
+  };
+  static Short short_of(double exact) {
+    constexpr int kFractionBits = 52;
+    constexpr std::uint64_t kHidden = std::uint64_t{1} << kFractionBits;
+    constexpr long kMostBiased = 0x7ff;
+    const auto bits = std::bit_cast<std::uint64_t>(exact);
+    const auto biased = static_cast<long>(bits >> kFractionBits) & kMostBiased;
+    if (biased == kMostBiased) return {.finite = false};
+    const std::uint64_t fraction = (bits & (kHidden - 1)) | (biased != 0 ? kHidden : 0);
+    if (fraction == 0) return {};
+    const int zeros = std::countr_zero(fraction);
+    const auto mantissa = static_cast<long>(fraction >> zeros);
+    return {.mantissa = std::signbit(exact) ? -mantissa : mantissa,
+            .exponent = std::max(biased, 1L) - (1'023 + kFractionBits) + zeros};
+  }
+  explicit Dyadic(const Short& exact) : mantissa_(exact.mantissa), exponent_(exact.exponent), finite_(exact.finite) {}
+
+  static Dyadic sum_in_place(Dyadic&& a, const Dyadic& b, bool subtract) {
+    if (&a == &b || (b.sign() != 0 && a.sign() != 0 && a.exponent_ < b.exponent_)) return sum(a, b, subtract);
+    a.finite_ = a.finite_ && b.finite_;
+    if (b.sign() == 0) return std::move(a);
+    if (a.sign() != 0 && a.exponent_ > b.exponent_) {
+      mpz_mul_2exp(a.mantissa_.get_mpz_t(), a.mantissa_.get_mpz_t(),
+                   static_cast<mp_bitcnt_t>(a.exponent_ - b.exponent_));
+    }
+    a.exponent_ = b.exponent_;
+    if (subtract) a.mantissa_ -= b.mantissa_;
+    else a.mantissa_ += b.mantissa_;
+    return std::move(a);
+  }
   static Dyadic sum(const Dyadic& a, const Dyadic& b, bool subtract) {
     Dyadic result;
     result.finite_ = a.finite_ && b.finite_;

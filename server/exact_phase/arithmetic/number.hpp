@@ -117,7 +117,7 @@ inline Decision either(Decision a, Decision b) {
 }
 
 inline Expansion abs(const Expansion& x) { return x.leading() < 0 ? -x : x; }
-inline Dyadic abs(const Dyadic& x) { return x.sign() < 0 ? -x : x; }
+inline Dyadic abs(Dyadic x) { return x.sign() < 0 ? -std::move(x) : std::move(x); }
 using engine::abs;
 
 /// The larger of two; without a sign if either has none.
