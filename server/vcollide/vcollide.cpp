@@ -145,8 +145,8 @@ std::vector<std::array<int, 2>> VCollide::State::meet(const Pair& pair, bool all
   const Object& a = object(pair.first);
   const Object& b = object(pair.second);
   Meeting meeting{{*a.info.mesh->mesh, a.frame}, {*b.info.mesh->mesh, b.frame}, a, b, all};
-  walk_mesh_pairs({&a.info, &a.frame, bounds[static_cast<std::size_t>(pair.first)]},
-                  {&b.info, &b.frame, bounds[static_cast<std::size_t>(pair.second)]}, meeting, kNeverOver, cost);
+  walk_mesh_pairs({&a.info, a.frame, bounds[static_cast<std::size_t>(pair.first)]},
+                  {&b.info, b.frame, bounds[static_cast<std::size_t>(pair.second)]}, meeting, kNeverOver, cost);
   std::sort(meeting.pairs.begin(), meeting.pairs.end());
   meeting.pairs.erase(std::unique(meeting.pairs.begin(), meeting.pairs.end()), meeting.pairs.end());
   return std::move(meeting.pairs);
