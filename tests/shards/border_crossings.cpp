@@ -50,16 +50,22 @@ struct ToldEvent {
   EventKind kind = EventKind::began;
   EndReason reason = EndReason::none;
   nanoseconds at{0};
+  nanoseconds bracket{0};  // the change happened at most so long before
   Vec3 point = Vec3::Zero();
   double depth_m = 0;
   double depth_error_m = 0;
 };
 using Told = std::map<std::pair<std::string, std::string>, std::vector<ToldEvent>>;
 
+nanoseconds bracket_of(const Event& event) {
+  return nanoseconds(std::llround((event.bracket_low_s - event.bracket_high_s) * 1e9));
+}
+
 void note(const Event& event, Told& told) {
   told[std::minmax(event.a, event.b)].push_back({.kind = event.kind,
                                                  .reason = event.reason,
                                                  .at = happened(event),
+                                                 .bracket = bracket_of(event),
                                                  .point = event.point,
                                                  .depth_m = event.depth_m,
                                                  .depth_error_m = event.depth_error_m});
@@ -261,7 +267,9 @@ class BorderCrossings {
     std::size_t i = 0;
     std::size_t j = 0;
     const auto is_same = [](const ToldEvent& a, const ToldEvent& b) {
-      return a.kind == b.kind && a.reason == b.reason && std::abs((a.at - b.at).count()) <= 2;
+      // Each server's time is rounded once, and within its bracket.
+      const nanoseconds apart = std::max(a.bracket, b.bracket) + 2ns;
+      return a.kind == b.kind && a.reason == b.reason && a.at - b.at <= apart && b.at - a.at <= apart;
     };
     while (i < whole.size() || j < sharded.size()) {
       if (i < whole.size() && j < sharded.size() && is_same(whole[i], sharded[j])) {
