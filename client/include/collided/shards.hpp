@@ -31,7 +31,6 @@ struct ShardState {
   Vec3 high = Vec3::Zero();
   bool is_there = false;      // it answers, and says that it is this shard of this map
   std::string fault = {};     // why it is not there
-  std::uint64_t server = 0;   // that serves it: FleetMember::server; 0: none
   std::string state = {};     // as in ServerStatus
   std::uint32_t objects = 0;  // that it holds; those near a border are held by several
   std::uint64_t static_triangles = 0;

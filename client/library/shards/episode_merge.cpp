@@ -56,7 +56,6 @@ void EpisodeMerge::hear(std::size_t shard, const Event& event) {
   HeardEvent heard{.at = happened(event), .order = order_++, .shard = shard, .event = in_order_of_names(event)};
   // What held when the shard's events were first heard comes before all of them.
   if (event.kind == EventKind::open) heard.at = std::min(event.began, heard.at);
-  late_ += event.kind != EventKind::open && heard.at <= settled_ ? 1 : 0;
   std::vector<HeardEvent>& of_pair = pending_[{heard.event.a, heard.event.b}];
   // A removal has the time of its server's clock, which may be ahead of what the publishers say next.
   for (HeardEvent& earlier : of_pair) {
@@ -66,7 +65,6 @@ void EpisodeMerge::hear(std::size_t shard, const Event& event) {
 }
 
 void EpisodeMerge::settle(nanoseconds through) {
-  settled_ = std::max(settled_, through);
   std::vector<std::vector<HeardEvent>> instants;
   for (auto entry = pending_.begin(); entry != pending_.end();) {
     std::vector<HeardEvent>& of_pair = entry->second;

@@ -36,8 +36,6 @@ class EpisodeMerge {
   void settle(std::chrono::nanoseconds through);
 
   std::size_t open_contacts() const { return told_count_; }
-  /// How many events came after others of a later time had been told.
-  std::uint64_t late() const { return late_; }
 
  private:
   using Names = std::pair<std::string, std::string>;
@@ -69,11 +67,9 @@ class EpisodeMerge {
   Tell tell_;
   std::map<Names, std::vector<HeardEvent>> pending_;
   std::map<Names, PairState> pairs_;
-  std::chrono::nanoseconds settled_{std::chrono::nanoseconds::min()};
   std::uint64_t order_ = 0;
   std::uint64_t sequence_ = 0;
   std::size_t told_count_ = 0;
-  std::uint64_t late_ = 0;
 };
 
 }  // namespace collided::client

@@ -197,7 +197,7 @@ void Commands::run(CommandAsk ask) {
         names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload,  names::kPiece,
         names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences,  names::kAllow,
         names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled, names::kHandOver,
-        names::kSettled};
+        names::kSettled,    names::kShard};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
