@@ -156,15 +156,15 @@ void ShardedPublishing::leave(std::uint32_t number, std::size_t shard) {
   Copies& copies = copies_[number];
   if ((copies.held & shards::set_of(shard)) == 0) return;
   const std::size_t place = place_of(copies, shard);
-  // A shard that takes nothing now is asked again by the next flush.
+  // A shard that takes nothing now keeps it, until the object moves again: one copy too many changes nothing.
   if (!members_[shard].publisher->remove(copies.handles[place])) return;
   copies.handles.erase(copies.handles.begin() + static_cast<std::ptrdiff_t>(place));
   copies.held &= ~shards::set_of(shard);
   --members_[shard].objects;
 }
 
-/// Removes objects from shards that they had left by the last flush and are still out of, by twice the margin: one that
-/// goes to and fro at a border is not defined again each time.
+/// Removes objects from shards that they had left by the last flush, by twice the margin: one that goes to and fro at a
+/// border is not defined again each time.
 void ShardedPublishing::drop_left() {
   for (const auto& [number, shards_left] : left_) {
     if (!objects_.at(number).used) continue;
