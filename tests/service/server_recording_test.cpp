@@ -333,6 +333,7 @@ TEST_F(ServerRecording, RulesAndAttachmentsFromBeforeAreInTheFlightRecorderToo) 
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
   for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
+  for (const std::string& warning : again->warnings) ADD_FAILURE() << warning;
   Client client = connect();
   // The last poses of the replayed publisher come by another way than what the replay waits for.
   EXPECT_TRUE(test::eventually([&] { return get(client, "lid") == lid_was; })) << get(client, "lid");

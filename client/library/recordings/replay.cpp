@@ -82,6 +82,9 @@ class Replaying {
     std::vector<dds::Sample<wire::Query>> query(1);
     if (!wire::read_cdr(run_.items[index].data, query[0])) return;
     const std::uint64_t recorded_client = query[0]->client;
+    const nlohmann::json arguments = parsed_text(*query[0]);
+    // What it is attached to may be a publisher's, whose definition comes by another way.
+    if (command_of(arguments) == wire_contract::command::kAttach) wait_applied();
     std::string refusal;
     ask(query, [&](const wire::Reply& reply) {
       const auto text = dds::view(reply.text);
@@ -90,7 +93,6 @@ class Replaying {
     });
     ++report_.commands;
     if (!refusal.empty()) return warn(std::string("refused now: ") + query[0]->text + ": " + refusal);
-    const nlohmann::json arguments = parsed_text(*query[0]);
     if (command_of(arguments) == wire_contract::command::kFence)
       fences_.done(recorded_client, arguments, dds::view(query[0]->blob));
   }
