@@ -20,7 +20,7 @@
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/crossing_round.hpp"
 #include "tests/service/endurance/measuring.hpp"
-#include "tests/service/network/tap_link.hpp"
+#include "tests/service/network/tap_hub.hpp"
 
 namespace collided::testing_support {
 using namespace engine;
@@ -258,7 +258,7 @@ class Crossings {
   /// False where a publisher was lost.
   bool perform(std::uint64_t seed, std::size_t lanes, CrossingCounts& counts) {
     const CrossingRound round = crossing_round(seed, lanes);
-    if (!link_) link_ = std::make_unique<TapLink>(far_.device->file(), near_->file(), seed);
+    if (!link_) link_ = std::make_unique<TapHub>(std::vector<int>{far_.device->file(), near_->file()}, seed);
     link_->set({.loss = 0.01 * static_cast<double>(seed % 3), .reorder = 0.1, .is_cut = false});
     const std::size_t lost_before = publishers_lost();
     const ScratchFolder folder;
@@ -326,7 +326,7 @@ class Crossings {
   int domain_;
   FarSide far_;
   std::unique_ptr<TapDevice> near_;
-  std::unique_ptr<TapLink> link_;
+  std::unique_ptr<TapHub> link_;
   std::unique_ptr<CrossingWatcher> watcher_;
 };
 

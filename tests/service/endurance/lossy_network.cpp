@@ -11,7 +11,7 @@
 
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/moving_crowd.hpp"
-#include "tests/service/network/tap_link.hpp"
+#include "tests/service/network/tap_hub.hpp"
 
 namespace collided::testing_support {
 namespace {
@@ -51,7 +51,7 @@ class LossyNetwork {
       : domain_(own_domain()),
         far_(start_far_side(server_path, folder_.path(), domain_)),
         near_((enter_own_network(), std::make_unique<TapDevice>("collided1", 2))),
-        link_(far_.device->file(), near_->file(), kSeed) {
+        link_({far_.device->file(), near_->file()}, kSeed) {
     if (!far_.server->says("ready:", 20s)) {
       std::fprintf(stderr, "%s", far_.server->errors().c_str());
       std::exit(2);
@@ -146,7 +146,7 @@ class LossyNetwork {
   int domain_;
   FarSide far_;
   std::unique_ptr<TapDevice> near_;
-  TapLink link_;
+  TapHub link_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::unique_ptr<MovingCrowd> crowd_;
   std::vector<std::unique_ptr<Bookkeeper>> keepers_;

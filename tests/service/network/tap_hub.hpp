@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -31,19 +32,23 @@ class TapDevice {
 /// user has where the system allows that. Throws std::runtime_error with what is missing.
 void enter_own_network();
 
-/// A cable between two devices that loses frames, lets others overtake and can be cut.
-class TapLink {
+/// A hub that joins devices: what one sends, all others get. It loses frames, lets others overtake and can be cut.
+class TapHub {
  public:
   struct Weather {
-    double loss = 0;     // part of the frames
-    double reorder = 0;  // part of them that is held back for up to kLongest
-    bool is_cut = false;
+    double loss = 0;      // part of the frames
+    double reorder = 0;   // part of them that is held back for up to kLongest
+    bool is_cut = false;  // everybody from everybody
   };
   static constexpr std::chrono::milliseconds kLongest{10};
+  static constexpr std::size_t kMost = 8;
 
-  TapLink(int a, int b, std::uint64_t seed);
-  ~TapLink();
+  /// The devices' files, at most kMost.
+  TapHub(std::vector<int> devices, std::uint64_t seed);
+  ~TapHub();
   void set(const Weather& weather);
+  /// Cuts two devices, by their places, from each other, or joins them again.
+  void cut(std::size_t a, std::size_t b, bool is_cut);
   std::uint64_t carried() const { return carried_.load(); }
   std::uint64_t lost() const { return lost_.load(); }
 
@@ -54,15 +59,16 @@ class TapLink {
     std::vector<std::uint8_t> bytes;
   };
   void run();
-  void take(int from, int to);
+  void take(std::size_t from);
+  void pass_on(const Frame& frame);
   void send(const Frame& frame);
   bool chance(double probability) { return std::bernoulli_distribution(probability)(random_); }
 
-  int a_;
-  int b_;
+  const std::vector<int> devices_;
   std::atomic<double> loss_{0};
   std::atomic<double> reorder_{0};
   std::atomic<bool> is_cut_{false};
+  std::array<std::atomic<bool>, kMost * kMost> cut_pairs_{};  // by from * kMost + to
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> carried_{0}, lost_{0};
   std::mt19937_64 random_;

@@ -1,4 +1,4 @@
-#include "tests/service/network/tap_link.hpp"
+#include "tests/service/network/tap_hub.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -85,25 +85,31 @@ void enter_own_network() {
   if (::unshare(CLONE_NEWNET) != 0) missing("a network namespace");
 }
 
-TapLink::TapLink(int a, int b, std::uint64_t seed) : a_(a), b_(b), random_(seed), thread_([this] { run(); }) {}
+TapHub::TapHub(std::vector<int> devices, std::uint64_t seed)
+    : devices_(std::move(devices)), random_(seed), thread_([this] { run(); }) {}
 
-TapLink::~TapLink() {
+TapHub::~TapHub() {
   ending_.store(true);
   thread_.join();
 }
 
-void TapLink::set(const Weather& weather) {
+void TapHub::set(const Weather& weather) {
   loss_.store(weather.loss);
   reorder_.store(weather.reorder);
   is_cut_.store(weather.is_cut);
 }
 
-void TapLink::run() {
+void TapHub::cut(std::size_t a, std::size_t b, bool is_cut) {
+  cut_pairs_.at(a * kMost + b).store(is_cut);
+  cut_pairs_.at(b * kMost + a).store(is_cut);
+}
+
+void TapHub::run() {
   while (!ending_.load()) {
-    pollfd files[] = {{a_, POLLIN, 0}, {b_, POLLIN, 0}};
-    ::poll(files, 2, held_back_.empty() ? 20 : 1);
-    take(a_, b_);
-    take(b_, a_);
+    std::vector<pollfd> files;
+    for (const int device : devices_) files.push_back({device, POLLIN, 0});
+    ::poll(files.data(), files.size(), held_back_.empty() ? 20 : 1);
+    for (std::size_t device = 0; device < devices_.size(); ++device) take(device);
     const Clock::time_point now = Clock::now();
     while (!held_back_.empty() && held_back_.begin()->first <= now) {
       send(held_back_.begin()->second);
@@ -112,28 +118,34 @@ void TapLink::run() {
   }
 }
 
-void TapLink::take(int from, int to) {
+void TapHub::take(std::size_t from) {
   constexpr std::size_t kLargest = 65'536;
-  Frame frame{.to = to, .bytes = std::vector<std::uint8_t>(kLargest)};
+  Frame frame{.to = -1, .bytes = std::vector<std::uint8_t>(kLargest)};
   for (int i = 0; i < 256; ++i) {
-    const ssize_t size = ::read(from, frame.bytes.data(), kLargest);
+    const ssize_t size = ::read(devices_[from], frame.bytes.data(), kLargest);
     if (size <= 0) return;
-    if (is_cut_.load() || chance(loss_.load())) {
-      ++lost_;
-      continue;
-    }
     frame.bytes.resize(static_cast<std::size_t>(size));
-    if (chance(reorder_.load())) {
-      const auto pause = std::chrono::microseconds(random_() % std::chrono::microseconds(kLongest).count());
-      held_back_.emplace(Clock::now() + pause, frame);
-    } else {
-      send(frame);
+    for (std::size_t to = 0; to < devices_.size(); ++to) {
+      if (to == from) continue;
+      frame.to = devices_[to];
+      const bool is_lost = is_cut_.load() || cut_pairs_[from * kMost + to].load() || chance(loss_.load());
+      if (is_lost) {
+        ++lost_;
+      } else {
+        pass_on(frame);
+      }
     }
     frame.bytes.resize(kLargest);
   }
 }
 
-void TapLink::send(const Frame& frame) {
+void TapHub::pass_on(const Frame& frame) {
+  if (!chance(reorder_.load())) return send(frame);
+  const auto pause = std::chrono::microseconds(random_() % std::chrono::microseconds(kLongest).count());
+  held_back_.emplace(Clock::now() + pause, frame);
+}
+
+void TapHub::send(const Frame& frame) {
   ++carried_;
   static_cast<void>(::write(frame.to, frame.bytes.data(), frame.bytes.size()) > 0);
 }
