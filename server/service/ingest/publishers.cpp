@@ -72,6 +72,7 @@ void Publishers::retire(Publisher& publisher) {
   parked_count_ -= publisher.parked.size();
   publisher.parked.clear();
   publisher.parts.clear();
+  publisher.said_again.clear();
   publisher.said_all = false;
   publisher.watermark = {};
   publisher.clock = {};
@@ -168,6 +169,9 @@ Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::in
 
 /// Applies all batches of an instant within one step, so that no question sees a robot's links half moved.
 Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
+  if (!publisher.said_again.empty() && last.sequence > 0 &&
+      take_said_again(publisher, last.sequence) == Applied::step_first)
+    return Applied::step_first;
   const bool has_instant = last.source_time_ns != 0 || publisher.clock.is_without_stamps();
   if (has_instant && (last.flags & wire_contract::kBringsObjects) != 0) world_.expect_objects(publisher.id);
   if (has_instant && !publisher.entering.empty()) enter_with_instant(publisher, last.definitions_through);

@@ -160,6 +160,12 @@ class Publishers {
     std::unique_ptr<Described> described = std::make_unique<Described>();
     Pose pose;  // the newest accepted; also where it returns after its publisher was lost
   };
+  /// A definition of an object that is there, said again: it says only where the object is, and may have overtaken batches.
+  struct SaidAgain {
+    std::uint32_t number = 0;
+    std::uint64_t sequence = 0;
+    Pose pose;
+  };
   struct Publisher {
     std::uint64_t id = 0;
     std::string name;
@@ -173,6 +179,7 @@ class Publishers {
     std::deque<PoseSample> parked;        // wait for definitions, oldest first
     std::vector<PoseSample> parts;        // batches of an instant whose last batch has not come
     std::vector<std::uint32_t> entering;  // numbers of objects that wait for an instant, and of some that no longer do
+    std::vector<SaidAgain> said_again;    // wait for the batches before them, oldest first
     std::int64_t heard_ns = 0;            // its last sample, server's clock
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // its writer of definitions lives
@@ -193,7 +200,12 @@ class Publishers {
   void back_alive(Publisher& publisher);
 
   std::optional<std::string> why_bad(const DefinitionSample& sample) const;
+  bool is_posed_at(const Record& record, const Pose& pose) const;
+  bool is_said_again(const Record& record, const DefinitionSample& sample) const;
   bool is_there_already(const Record& record, const DefinitionSample& sample) const;
+  void wait_for_batches(Publisher& publisher, const DefinitionSample& sample);
+  Applied take_said_again(Publisher& publisher, std::uint64_t before);
+  void place_again(Publisher& publisher, Record& record, const SaidAgain& said);
   void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
   void enter(Publisher& publisher, Record& record);
   void enter_with_instant(Publisher& publisher, std::uint64_t definitions_through);

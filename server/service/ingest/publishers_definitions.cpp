@@ -35,6 +35,13 @@ Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
     ++counts_.definitions_late;
     return Applied::done;
   }
+  const bool lacks_batches = publisher->watermark.through() + 1 < sample.sequence;
+  if (record && lacks_batches && !sample.removed && !why_bad(sample) && is_said_again(*record, sample)) {
+    wait_for_batches(*publisher, sample);
+    publisher->definitions_seen = std::max(publisher->definitions_seen, sample.sequence);
+    publisher->watermark.apply_definition(sample.sequence, now_ns);
+    return Applied::done;
+  }
   if (record && record->place == Place::in_world && record->touched_step == step_) return Applied::step_first;
   if (!record) {
     if (record_count_ >= limits_.object_numbers) {
@@ -69,20 +76,27 @@ std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) c
   return std::nullopt;
 }
 
+/// Not only as the publisher posed it last: a command may have moved it while the publisher was away.
+bool Publishers::is_posed_at(const Record& record, const Pose& pose) const {
+  return is_same(pose, record.pose) && !world_.has_moved(record.id) &&
+         is_same(pose, world_.newest()->poses[slot_of(record.id)]);
+}
+
 /// The object is in the world just as the sample defines it.
 bool Publishers::is_there_already(const Record& record, const DefinitionSample& sample) const {
+  return is_said_again(record, sample) && is_posed_at(record, std::get<Pose>(checked_pose(sample.pose)));
+}
+
+/// Likewise, maybe at another pose.
+bool Publishers::is_said_again(const Record& record, const DefinitionSample& sample) const {
   if (record.place != Place::in_world || record.is_claim || sample.claims) return false;
   if (world_.info(record.id) == nullptr) return false;  // a command has removed it
   const ObjectDefinition& there = record.described->definition;
-  // Not only as the publisher posed it last: a command may have moved it while the publisher was away.
-  const Pose pose = std::get<Pose>(checked_pose(sample.pose));
-  const bool is_posed_so = is_same(pose, record.pose) && !world_.has_moved(record.id) &&
-                           is_same(pose, world_.newest()->poses[slot_of(record.id)]);
   const bool is_kind_same = there.moving == sample.moving &&
                             there.lost_policy == static_cast<LostPolicy>(sample.lost_policy) &&
                             (there.solid != nullptr) == (sample.solid != nullptr) &&
                             (there.winding != nullptr) == (sample.winding != nullptr);
-  return is_posed_so && is_kind_same && there.name == sample.name && is_same(there.filter, sample.filter) &&
+  return is_kind_same && there.name == sample.name && is_same(there.filter, sample.filter) &&
          is_same_shape(there.shape, std::get<Shape>(sample.shape));
 }
 

@@ -69,7 +69,12 @@ void Publishers::forget_lost(std::int64_t now_ns) {
 void Publishers::settle(std::int64_t now_ns) {
   if (!claims_.empty()) find_lost_claims();
   if (!waiting_.empty()) retry_names();
-  for (auto& [id, publisher] : publishers_) publisher->watermark.settle(now_ns);
+  for (auto& [id, publisher] : publishers_) {
+    publisher->watermark.settle(now_ns);
+    // One that has to be placed right after a step waits for the next call.
+    if (!publisher->said_again.empty())
+      static_cast<void>(take_said_again(*publisher, publisher->watermark.through() + 1));
+  }
   forget_lost(now_ns);
 }
 

@@ -124,6 +124,50 @@ TEST_F(PublishersTest, APoseOlderThanItsDefinitionIsForAnEarlierObject) {
   EXPECT_EQ(publishers.counts().poses_late, 1U);
 }
 
+/// What is said again comes on another topic than poses, and may be faster.
+TEST_F(PublishersTest, ADefinitionSaidAgainTakesItsPlaceAmongTheBatchesThatItOvertook) {
+  define(definition(0, 1, "ball"));
+  step();
+  move(pose(2, {{0, 4}}));
+  step();
+  define(definition(0, 5, "ball", 6));
+  step();
+  EXPECT_EQ(height("ball"), 4) << "batches 3 and 4 are still under way";
+  move(pose(3, {{0, -1}}));  // through the floor
+  step();
+  move(pose(4, {{0, 6}}));
+  step();
+  move(pose(6, {{0, 7}}, 5));
+  step();
+  EXPECT_EQ(height("ball"), 7);
+  std::vector<EventKind> kinds;
+  for (const Event& event : events) {
+    kinds.push_back(event.kind);
+    EXPECT_NE(event.reason, EndReason::geometry_changed) << "it was not placed";
+  }
+  EXPECT_EQ(kinds, (std::vector{EventKind::began, EventKind::ended, EventKind::began, EventKind::ended}));
+  EXPECT_EQ(publishers.counts().poses_late, 0U);
+}
+
+TEST_F(PublishersTest, WhatWasSaidAgainPlacesAnObjectWhoseBatchesWereLost) {
+  define(definition(0, 1, "ball"));
+  step();
+  move(pose(2, {{0, 4}}));
+  step();
+  define(definition(0, 5, "ball", 6));
+  move(pose(6, {}, 5));  // 3 and 4 never come
+  step();
+  EXPECT_EQ(height("ball"), 6);
+  // And where no batch follows, once nobody waits for them any more.
+  define(definition(0, 9, "ball", 8));
+  step();
+  EXPECT_EQ(height("ball"), 6);
+  now_ns += 2 * SequenceWatermark::kGapPatienceNs;
+  publishers.settle(now_ns);
+  step();
+  EXPECT_EQ(height("ball"), 8);
+}
+
 TEST_F(PublishersTest, BatchesWaitForTheirDefinitions) {
   move(pose(5, {{1, 2}}, 4));
   EXPECT_EQ(publishers.counts().batches_parked, 1U);
