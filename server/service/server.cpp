@@ -187,7 +187,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, asked_as(options)),
       succession({.on_world_thread = [this](std::function<void()> job) { return inbox.push_job(std::move(job)); },
-                  .speak = [this](std::int64_t heard_ns) { loop.speak(heard_ns); },
+                  .speak = [this](const SpokenBefore& before) { loop.speak(before); },
                   .fall_silent = [this] { loop.fall_silent(); },
                   .say_last_words = [this] { return loop.say_last_words(); },
                   .has_come_as_far = [this](const PublisherProgress& far) { return has_come_as_far(far); },
@@ -285,7 +285,7 @@ void Server::Parts::note_publishers() {
 
 void Server::Parts::tick() {
   note_publishers();
-  if (event_writer.lapsed_ns() != 0 && !term.is_over()) loop.speak(event_writer.lapsed_ns());
+  if (event_writer.lapsed_ns() != 0 && !term.is_over()) loop.speak({.heard_ns = event_writer.lapsed_ns()});
   answering->tick(listeners->query_owners());
   commands.look_for_gone();
   const std::uint64_t superseded_now = inbox.counts().poses_superseded;

@@ -75,8 +75,12 @@ void Server::Parts::stand_by() {
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       is_replica() ? 0 : options.take_over_ns,
       [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
-      [this] { return election && election->has_place() && succession.role() == wire_contract::MemberRole::standby; },
-      [this] { succession.cannot_follow(); });
+      [this] { return is_given_place(); },
+      [this] {
+        if (is_given_place())
+          succession.lose_place("this server was given the place, and gives it up: it ends, for another one to start");
+        else succession.cannot_follow();
+      });
   if (readiness)
     standby->on_compared(
         [this](std::int64_t instant_ns, bool is_same) { readiness->note_compared(instant_ns, is_same); });
@@ -89,9 +93,19 @@ bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
   });
 }
 
+bool Server::Parts::is_given_place() const {
+  return election && election->has_place() && succession.role() == wire_contract::MemberRole::standby;
+}
+
 bool Server::Parts::take_over(const Standby::Predecessor& of, const std::string& why) {
   if (election && !election->succeeds(of.epoch)) return false;
-  if (!succession.take_over(of.server, of.heard_ns, why)) return false;
+  if (!succession.take_over(of.server, of.spoken, why)) return false;
+  if (!of.is_same) {
+    log->warn(
+        "this server's world was not the other one's: publishers are asked to say all again, and what moved since "
+        "the two heard each other last may have begun and ended no contact");
+    loop.ask_publishers_again();
+  }
   if (election && election->mode() == TakeOverMode::fast)
     log->warn("the one before may publish and answer until it next asks etcd, for {:.1f} s at most",
               options.authority_lease_s / 3.0);

@@ -82,6 +82,8 @@ struct Server::Parts {
   void stand_by();
   /// Whether what those of the publishers that live have sent is in the world up to there.
   bool has_come_as_far(const PublisherProgress& progress) const;
+  /// An authority has given the primary's place to this server, which has not taken it yet.
+  bool is_given_place() const;
   /// Makes this server the primary, if it may be; of a standby.
   bool take_over(const Standby::Predecessor& of, const std::string& why);
   /// The primary hands over to this server. Returns why it does not take the place; empty: it has.

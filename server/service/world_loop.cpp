@@ -207,8 +207,8 @@ void WorldLoop::step_if_due() {
   }
 }
 
-void WorldLoop::speak(std::int64_t heard_ns) {
-  with_.event_writer.speak(heard_ns);
+void WorldLoop::speak(const SpokenBefore& before) {
+  with_.event_writer.speak(before);
   broadcast_.mark_all();
   fence_broadcast_.mark_all();
   step_now();

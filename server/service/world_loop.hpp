@@ -94,8 +94,7 @@ class WorldLoop {
   void step_now();
   /// Begins to write what this server finds, having been silent: the newest events that nobody was told, all that holds,
   /// and the status. For jobs on this thread.
-  /// heard_ns  when the server that spoke so far was heard last, steady clock
-  void speak(std::int64_t heard_ns);
+  void speak(const SpokenBefore& before);
   /// Writes nothing from now on. For jobs on this thread.
   void fall_silent() { with_.event_writer.fall_silent(); }
   /// Steps, says that this server stops, and falls silent: all that it has taken from publishers is told. Returns how far

@@ -112,13 +112,13 @@ void DdsEventWriter::note_lapse() {
   if (lapsed_ns_ == 0 && term_.is_over()) lapsed_ns_ = std::max<std::int64_t>(1, term_.until_ns());
 }
 
-void DdsEventWriter::speak(std::int64_t heard_ns) {
+void DdsEventWriter::speak(const SpokenBefore& before) {
   is_silent_ = false;
   lapsed_ns_ = 0;
   note_lapse();
   // What was kept stays so until the term goes on.
   if (is_quiet()) return;
-  untold_.tell_all(heard_ns, [&](const UntoldEvents::UntoldFrame& frame) {
+  untold_.tell_all(before, [&](const UntoldEvents::UntoldFrame& frame) {
     const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
     write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
   });

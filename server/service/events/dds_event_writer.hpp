@@ -32,7 +32,7 @@ class DdsEventWriter : public EventWriter {
                  const ServingTerm& term);
 
   void fall_silent() override { is_silent_ = true; }
-  void speak(std::int64_t heard_ns) override;
+  void speak(const SpokenBefore& before) override;
   /// Since when it writes nothing because the term was over, steady clock; 0: it writes, or fell silent for another
   /// reason.
   std::int64_t lapsed_ns() const { return is_silent_ ? 0 : lapsed_ns_; }

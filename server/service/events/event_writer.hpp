@@ -37,6 +37,13 @@ struct StatusColumns {
   std::vector<std::uint8_t> publisher_states, publisher_names;
 };
 
+/// What is known of the server that spoke so far, by the one that takes its place and tells again what it may not have told.
+struct SpokenBefore {
+  std::int64_t heard_ns = 0;  // when it was heard last, steady clock; 0: all that was kept is told again
+  std::int64_t same_from_ns =
+      0;  // world time since when this one finds what it found; it has told what was before. 0: always
+};
+
 /// What the world's thread writes to: DdsEventWriter in the server, a list in tests. Only that thread calls it.
 class EventWriter {
  public:
@@ -44,8 +51,7 @@ class EventWriter {
   /// From now on nothing is written, as of a server that stands by; all else is as if it were.
   virtual void fall_silent() {}
   /// Ends that: first come the events that the server which spoke so far may not have written.
-  /// heard_ns  when that one was heard last, steady clock; 0: this one tells all that it kept
-  virtual void speak(std::int64_t /*heard_ns*/) {}
+  virtual void speak(const SpokenBefore&) {}
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;

@@ -23,12 +23,12 @@ class UntoldEvents {
 
   /// Keeps a frame, and lets go of those that are more than kMostEvents before.
   void keep(const EventColumns& events, const Stamp& stamp, bool is_of_fences, std::int64_t now_ns);
-  /// Calls tell(const UntoldFrame&) with those that the other one may not have told, in order, and forgets all.
-  /// heard_ns  when it was heard last, steady clock; 0: never
+  /// Calls tell(const UntoldFrame&) with those that the other one may not have told, in order, and forgets all. Their numbers
+  /// follow each other: it begins behind the last frame with an event from before the two found the same.
   template <class Tell>
-  void tell_all(std::int64_t heard_ns, Tell&& tell) {
-    for (const UntoldFrame& frame : frames_) {
-      if (frame.kept_ns >= heard_ns - kReachNs) tell(frame);
+  void tell_all(const SpokenBefore& before, Tell&& tell) {
+    for (std::size_t i = first_after(before.same_from_ns); i < frames_.size(); ++i) {
+      if (frames_[i].kept_ns >= before.heard_ns - kReachNs) tell(frames_[i]);
     }
     frames_.clear();
     event_count_ = 0;
@@ -39,6 +39,8 @@ class UntoldEvents {
   static constexpr std::int64_t kReachNs = 2'000'000'000;
   /// A subscriber remembers as many that it has heard.
   static constexpr std::size_t kMostEvents = wire_contract::kEventTopic.keep_last;
+
+  std::size_t first_after(std::int64_t same_from_ns) const;
 
   std::deque<UntoldFrame> frames_;
   std::size_t event_count_ = 0;  // of all frames

@@ -20,7 +20,7 @@ bool DigestMaker::make(std::int64_t now_ns) {
   const std::int64_t instant_ns = settled_ns / kSecondNs * kSecondNs;
   if (instant_ns <= newest_.time_ns) return false;
   if (!is_quiet) return make_past(*newest, instant_ns);
-  if (newest->version == quiet_version_) {
+  if (state_ && newest->version == quiet_version_) {
     newest_.time_ns = instant_ns;
     return true;
   }

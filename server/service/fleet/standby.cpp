@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <utility>
 
 #include "server/service/runtime/clock.hpp"
@@ -94,21 +95,31 @@ bool Standby::succeed(std::int64_t silent_ns) {
     if (!no_heir_.empty() && !is_given_place_()) return false;
     name = primary_name_;
   }
-  if (state() != ServerState::ready) {
+  if (!may_take_place()) {
     if (!is_left_alone_.exchange(true))
       with_.notice(fmt::format("'{}' has been silent for {} ms, and this server does not hold all that it had", name,
                                silent_ns / 1'000'000));
+    if (is_given_place_()) cannot_follow_();
     return false;
   }
   if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one()) && !is_given_place_()) return false;
   return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
 }
 
+/// Once an authority has given the place to this server, the other one ends: what of the publishers' this one lacks, since it
+/// was cut off, the publishers say again. What commands did there nobody says again.
+bool Standby::may_take_place() const { return follower_.is_whole() && (is_same_.load() || is_given_place_()); }
+
 bool Standby::take_place(const std::string& why) {
   const std::lock_guard lock(taking_mutex_);
   if (has_place_) return true;
-  if (state() != ServerState::ready) return false;
-  Predecessor of{.server = follower_.primary(), .heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns()};
+  if (!may_take_place()) return false;
+  Predecessor of{
+      .server = follower_.primary(),
+      .spoken = {.heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns(), .same_from_ns = same_from_ns_.load()},
+      .is_same = is_same_.load()};
+  // What differs was found by this server alone: nothing is told again, and what holds now stands in the state.
+  if (!of.is_same) of.spoken.same_from_ns = std::numeric_limits<std::int64_t>::max();
   {
     const std::lock_guard state_lock(mutex_);
     of.epoch = primary_epoch_;
@@ -127,7 +138,9 @@ void Standby::note_own(const InstantDigest& digest, std::shared_ptr<const Snapsh
 void Standby::judge() {
   if (comparison_.compared() == judged_) return;
   judged_ = comparison_.compared();
-  is_same_.store(comparison_.differing() == 0);
+  const bool is_same = comparison_.differing() == 0;
+  if (is_same && !is_same_.load()) same_from_ns_.store(comparison_.compared_to_ns());
+  is_same_.store(is_same);
   if (compared_) compared_(comparison_.compared_to_ns(), is_same_.load() && follower_.is_whole());
   // Ever more seldom: while publishers of many objects say all again, the two may be a moment apart.
   if (std::has_single_bit(comparison_.differing())) again_.fetch_add(1);

@@ -29,13 +29,15 @@ class Standby {
   struct Predecessor {
     std::uint64_t server = 0;
     std::uint64_t epoch = 0;
-    std::int64_t heard_ns = 0;  // when it was heard last, steady clock
+    SpokenBefore spoken;
+    bool is_same = true;  // this server held the same world when that was compared last
   };
   /// Makes this server the primary in the place of that one; false: not yet.
   using TakeOver = std::function<bool(const Predecessor& of, const std::string& why)>;
   /// silent_after_ns  when the primary is given up; 0: never
   /// has_place        whether an authority has given this server the place: then it takes over, whatever the primary says
-  /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe
+  /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe. Where it has the
+  ///                  place, nobody else can take it before
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
           std::int64_t silent_after_ns, TakeOver take_over, std::function<bool()> has_place,
           std::function<void()> cannot_follow);
@@ -66,6 +68,7 @@ class Standby {
   void judge();
   void refuse_for_good(std::string sentence);
   bool succeed(std::int64_t silent_ns);
+  bool may_take_place() const;
   int ready_before_this_one() const;
 
   const ChangeFollower::Collaborators with_;
@@ -79,9 +82,10 @@ class Standby {
   WorldComparison comparison_;
   std::uint64_t judged_ = 0;  // compared instants that were looked at
   std::atomic<std::uint64_t> again_{1};
-  std::atomic<bool> is_same_{false};  // the worlds were the same at the newest instant that was compared
-  mutable std::mutex mutex_;          // for these five
-  std::string difference_;            // empty: there is none that lasts
+  std::atomic<bool> is_same_{false};           // the worlds were the same at the newest instant that was compared
+  std::atomic<std::int64_t> same_from_ns_{0};  // and at all from this one on, world time
+  mutable std::mutex mutex_;                   // for these five
+  std::string difference_;                     // empty: there is none that lasts
   std::string no_heir_;  // why it cannot take the primary's place before it is started again; empty: it can
   std::string primary_name_;
   std::uint64_t primary_epoch_ = 0;

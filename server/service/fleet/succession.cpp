@@ -33,13 +33,13 @@ bool Succession::done_on_world_thread(std::function<void()> job) const {
 
 // ---- of a standby
 
-bool Succession::take_over(std::uint64_t primary, std::int64_t heard_ns, const std::string& why) {
+bool Succession::take_over(std::uint64_t primary, const SpokenBefore& before, const std::string& why) {
   // What the world's thread has yet to take in from publishers comes in the steps that follow, as ever.
-  const bool is_done = done_on_world_thread([this, primary, heard_ns] {
+  const bool is_done = done_on_world_thread([this, primary, before] {
     predecessor_.store(primary);
     role_.store(MemberRole::primary);
     with_.takes_questions.store(true);
-    with_.speak(heard_ns);
+    with_.speak(before);
   });
   if (!is_done) return false;
   with_.notice(fmt::format("{}: this server has taken its place, as epoch {}", why, with_.epoch));
@@ -143,7 +143,7 @@ bool Succession::hand_over(ChangeFeed& feed, const Heir& to) {
   with_.notice(fmt::format("'{}' has not taken this server's place within 3 s", to.name));
   hands_over_.store(false);
   with_.takes_questions.store(true);
-  static_cast<void>(done_on_world_thread([this] { with_.speak(0); }));
+  static_cast<void>(done_on_world_thread([this] { with_.speak({}); }));
   return false;
 }
 

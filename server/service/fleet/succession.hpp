@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "server/service/events/event_writer.hpp"
 #include "server/service/fleet/change_feed.hpp"
 #include "server/service/fleet/handover_words.hpp"
 #include "server/service/fleet/membership.hpp"
@@ -24,7 +25,7 @@ class Succession {
   struct Collaborators {
     /// Has the world's thread do it soon; false: it has too much to do. The four that follow are called there.
     std::function<bool(std::function<void()>)> on_world_thread;
-    std::function<void(std::int64_t heard_ns)> speak;  // see WorldLoop
+    std::function<void(const SpokenBefore&)> speak;  // see WorldLoop
     std::function<void()> fall_silent;
     std::function<PublisherProgress()> say_last_words;              // and falls silent
     std::function<bool(const PublisherProgress&)> has_come_as_far;  // with the publishers that live
@@ -53,8 +54,7 @@ class Succession {
 
   /// Makes this server the primary in the place of that one. Returns once its first words are written. False: the
   /// world's thread does not take it; try again.
-  /// heard_ns  when that one was heard last, steady clock
-  bool take_over(std::uint64_t primary, std::int64_t heard_ns, const std::string& why);
+  bool take_over(std::uint64_t primary, const SpokenBefore& before, const std::string& why);
   /// Waits until this server has what another one had of each publisher, a moment at most.
   void catch_up(const PublisherProgress& progress);
 

@@ -19,6 +19,15 @@ ObjectId ball(World& world, std::uint64_t publisher) {
   return std::get<ObjectId>(world.define(definition));
 }
 
+TEST(InstantDigest, AWorldThatNeverStepsHasAState) {
+  const World world{WorldOptions{}};
+  DigestMaker digests(world);
+  ASSERT_TRUE(digests.make(kStart));
+  ASSERT_NE(digests.state(), nullptr);
+  ASSERT_TRUE(digests.make(kStart + kSecond));
+  EXPECT_NE(digests.state(), nullptr);
+}
+
 /// A world whose ball moves by a metre every eighth of a second, for three seconds.
 class Moving {
  public:

@@ -2,23 +2,39 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
+
+#include "idl/columns.hpp"
 
 namespace collided::engine::service {
 namespace {
 
 constexpr std::int64_t kOneSecond = 1'000'000'000;
+const std::size_t kWidth = wire::width_of<wire::EventFrame>(wire::kEventColumns);
 
 EventColumns events_of(std::uint64_t first, std::size_t count) {
   EventColumns events;
   events.first_sequence = first;
   events.kinds.resize(count);
+  events.numbers.resize(count * kWidth);
   return events;
 }
 
-std::vector<std::uint64_t> told(UntoldEvents& untold, std::int64_t heard_ns) {
+/// One event whose bracket begins so long before the frame's time.
+EventColumns event_from_ago(std::uint64_t number, double ago_s) {
+  EventColumns events = events_of(number, 1);
+  std::size_t place = 0;
+  for (const auto& column : wire::kEventColumns) {
+    if (column.sequence == &wire::EventFrame::bracket_lows) events.numbers[place] = ago_s;
+    place += column.width;
+  }
+  return events;
+}
+
+std::vector<std::uint64_t> told(UntoldEvents& untold, std::int64_t heard_ns, std::int64_t same_from_ns = 0) {
   std::vector<std::uint64_t> first;
-  untold.tell_all(heard_ns,
+  untold.tell_all({.heard_ns = heard_ns, .same_from_ns = same_from_ns},
                   [&](const UntoldEvents::UntoldFrame& frame) { first.push_back(frame.events.first_sequence); });
   return first;
 }
@@ -50,6 +66,26 @@ TEST(UntoldEvents, AsManyAreKeptAsASubscriberRemembersThatItHasHeard) {
   const std::vector<std::uint64_t> all = told(untold, kOneSecond);
   ASSERT_EQ(all.size(), kMost);
   EXPECT_EQ(all.front(), 2 * kMost);
+}
+
+TEST(UntoldEvents, WhatASecondServerFoundBeforeItHeldTheSameWorldIsNotTold) {
+  UntoldEvents untold;
+  const auto keep = [&](std::uint64_t number, double ago_s) {
+    untold.keep(event_from_ago(number, ago_s), {.world_time_ns = static_cast<std::int64_t>(number) * kOneSecond}, false,
+                kOneSecond);
+  };
+  keep(1, 0.5);
+  keep(2, 0.5);
+  keep(3, 1.5);  // from before second 2
+  keep(4, 0.5);
+  keep(5, 0.5);
+  EXPECT_EQ(told(untold, kOneSecond, 2 * kOneSecond), (std::vector<std::uint64_t>{4, 5}));
+}
+
+TEST(UntoldEvents, NothingIsToldOfAWorldThatIsNotTheSame) {
+  UntoldEvents untold;
+  untold.keep(event_from_ago(1, 0), {.world_time_ns = kOneSecond}, false, kOneSecond);
+  EXPECT_TRUE(told(untold, 0, std::numeric_limits<std::int64_t>::max()).empty());
 }
 
 TEST(UntoldEvents, FramesWithoutEventsAreNotKept) {
