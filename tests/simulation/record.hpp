@@ -13,8 +13,9 @@ namespace collided::simulation {
 /// What the world's side tells the watchers' side through a pipe: messages of one kind, the virtual time and a payload.
 /// The two sides are programs of their own, since the engine's and the library's types share their names.
 enum class Kind : std::uint8_t {
-  run,       // seed: a new run begins
+  run,       // seed, and whether it is of a fleet: a new run begins
   frame,     // as EventFrame of collided.idl
+  expected,  // likewise, of a server that hears what the fleet hears, and never fails
   shard,     // as ContactShard
   bookmark,  // as Status
   calm,      // from here on the line loses nothing

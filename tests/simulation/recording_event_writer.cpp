@@ -30,9 +30,23 @@ void RecordingEventWriter::check(const service::EventColumns& events, std::size_
   open_.erase(found);
 }
 
-void RecordingEventWriter::write_events(const service::EventColumns& events, const service::Stamp&) {
+void RecordingEventWriter::write_events(const service::EventColumns& events, const service::Stamp& stamp) {
   for (std::size_t i = 0; i < events.size(); ++i) check(events, i);
+  if (voice_ == Voice::is_silent) untold_.keep(events, stamp, false, now_ns_);
+  else write_frame(events, stamp, false);
+}
+
+void RecordingEventWriter::speak(const service::SpokenBefore& before) {
+  voice_ = Voice::speaks;
+  untold_.tell_all(
+      before, [&](const service::UntoldEvents::UntoldFrame& frame) { write_frame(frame.events, frame.stamp, true); });
+}
+
+void RecordingEventWriter::write_frame(const service::EventColumns& events, const service::Stamp& stamp,
+                                       bool is_again) {
   payload_.put(epoch_);
+  payload_.put(stamp.world_time_ns);
+  payload_.put(static_cast<std::uint8_t>(is_again));
   payload_.put(events.first_sequence);
   payload_.put(events.kinds);
   payload_.put(events.reasons);
@@ -46,11 +60,12 @@ void RecordingEventWriter::write_events(const service::EventColumns& events, con
   payload_.put(events.numbers);
   payload_.put(events.named.ids);
   payload_.put(events.named.names);
-  payload_.send(Kind::frame, now_ns_, to_);
+  payload_.send(voice_ == Voice::is_expected ? Kind::expected : Kind::frame, now_ns_, to_);
 }
 
 void RecordingEventWriter::write_contacts(const service::ContactColumns& contacts, const service::Stamp&,
                                           std::uint64_t as_of_sequence) {
+  if (voice_ != Voice::speaks) return;
   payload_.put(epoch_);
   payload_.put(as_of_sequence);
   payload_.put(contacts.shard);
@@ -70,6 +85,7 @@ void RecordingEventWriter::write_contacts(const service::ContactColumns& contact
 void RecordingEventWriter::write_status(const service::StatusColumns& status) {
   if (status.last_event_sequence != last_sequence_) violation_("a bookmark that does not name the last event");
   if (status.contact_count != open_.size()) violation_("a bookmark that counts other contacts than events left open");
+  if (voice_ != Voice::speaks) return;
   payload_.put(epoch_);
   payload_.put(status.last_event_sequence);
   payload_.put(status.contact_count);

@@ -17,6 +17,8 @@ using namespace engine;
 class SimulatedClock {
  public:
   SimulatedClock(std::mt19937_64& random, std::int64_t now_ns);
+  /// One that is less than a lease from every other of its kind for a quarter of a minute.
+  static SimulatedClock near(std::mt19937_64& random, std::int64_t now_ns);
 
   /// The same twice where it is coarser than the calls.
   std::int64_t stamp(std::int64_t now_ns) const;
@@ -27,6 +29,9 @@ class SimulatedClock {
   }
 
  private:
+  SimulatedClock(std::int64_t since_ns, std::int64_t offset_ns, double drift, std::int64_t resolution_ns)
+      : since_ns_(since_ns), offset_ns_(offset_ns), drift_(drift), resolution_ns_(resolution_ns) {}
+
   static constexpr std::int64_t kMostCorrectionNs = wire_contract::kPublisherLeaseNs / 2;
 
   std::int64_t since_ns_;
@@ -43,6 +48,7 @@ class SimulatedPublisher {
   struct Object {
     std::string name;
     Vec3 position = Vec3::Zero();
+    Vec3 sent = Vec3::Zero();  // where it was said to be last
     double radius_m = 0.5;
     LostPolicy policy = LostPolicy::remove;
     bool is_moved = false;  // since the last flush
@@ -58,11 +64,13 @@ class SimulatedPublisher {
 
   service::DefinitionSample add(const Object& object);
   service::DefinitionSample remove(std::uint32_t number);
-  /// Every object with its newest pose, as after a hang.
+  /// Every object where it was said to be last, as after a hang; what has moved since waits for the next flush.
   std::vector<service::DefinitionSample> define_all();
   void move(std::uint32_t number, const Vec3& position);
   /// The poses that were moved since the last flush; all of them where `everything`.
   service::PoseSample flush(std::int64_t now_ns, bool teleported, bool everything);
+  /// A batch of nothing, as a sign of life behind definitions.
+  service::PoseSample word();
   SimulatedClock& clock() { return clock_; }
 
  private:

@@ -19,8 +19,9 @@ constexpr int kStillTicks = 300;  // longer than the longest way, two bookmarks,
 
 }  // namespace
 
-SimulatedRun::SimulatedRun(std::uint64_t seed, std::FILE* to) : seed_(seed), random_(seed), to_(to) {
+SimulatedRun::SimulatedRun(std::uint64_t seed, std::FILE* to) : SeededChoices(seed), seed_(seed), to_(to) {
   payload_.put(seed);
+  payload_.put(std::uint8_t{0});
   payload_.send(Kind::run, now_ns_, to_);
   for (std::size_t count = 2 + random_() % 3; count > 0; --count) {
     hosts_.push_back({.publisher = {next_id_++, 1, SimulatedClock(random_, now_ns_)}, .period = any_period()});
@@ -31,13 +32,6 @@ void SimulatedRun::violation(const std::string& what) {
   ++violations_;
   std::fprintf(stderr, "violation: seed=%llu t=%.2f s epoch=%llu: %s\n", static_cast<unsigned long long>(seed_),
                1e-9 * static_cast<double>(now_ns_), static_cast<unsigned long long>(epoch_), what.c_str());
-}
-
-Vec3 SimulatedRun::any_place() {
-  std::uniform_real_distribution<double> coordinate(-1.2, 1.2);
-  const double x = coordinate(random_);
-  const double y = coordinate(random_);
-  return {x, y, coordinate(random_)};
 }
 
 void SimulatedRun::run() {

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <random>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "tests/simulation/seeded_choices.hpp"
 #include "tests/simulation/simulated_publisher.hpp"
 #include "tests/simulation/simulated_server.hpp"
 
@@ -17,7 +17,7 @@ using namespace engine;
 
 /// One seed: publishers that move, add, remove, hang, crash and come back, a server that crashes, a line to it that
 /// loses, repeats and reorders poses; then calm, and what must be true by then.
-class SimulatedRun {
+class SimulatedRun : private SeededChoices {
  public:
   SimulatedRun(std::uint64_t seed, std::FILE* to);
   void run();
@@ -46,12 +46,6 @@ class SimulatedRun {
     std::int64_t notices_at_ns = 0;      // the new server
   };
 
-  bool chance(double probability) { return std::uniform_real_distribution<double>()(random_) < probability; }
-  std::int64_t up_to(std::int64_t most_ns) {
-    return static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most_ns + 1));
-  }
-  Vec3 any_place();
-
   void tick(bool is_calm);
   void trouble();
   void trouble(Host& host);
@@ -68,7 +62,6 @@ class SimulatedRun {
   void violation(const std::string& what);
 
   std::uint64_t seed_;
-  std::mt19937_64 random_;
   std::FILE* to_;
   Payload payload_;
   std::int64_t now_ns_ = 1'000'000'000;

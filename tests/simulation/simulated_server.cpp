@@ -14,6 +14,9 @@ using wire_contract::ServerState;
 
 namespace {
 
+/// Of where things were; servers of a fleet compare that.
+constexpr std::int64_t kMemoryNs = 5'000'000'000;
+
 struct Ball {
   ObjectId id;
   const std::string* name;
@@ -44,15 +47,17 @@ void each_touching_pair(const World& world, ContactSearch&& touch) {
 }  // namespace
 
 SimulatedServer::SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to,
-                                 RecordingEventWriter::Violation violation)
+                                 RecordingEventWriter::Violation violation, Voice voice, bool lacks_nothing)
     : epoch_(epoch),
       started_ns_(now_ns),
+      lacks_nothing_(lacks_nothing || epoch == 1),
       next_status_ns_(now_ns),
       violation_(violation),
-      event_writer_(std::make_unique<RecordingEventWriter>(epoch, to, violation)),
-      world_(WorldOptions{.epoch = epoch}),
+      event_writer_(std::make_unique<RecordingEventWriter>(epoch, voice, to, violation)),
+      world_(WorldOptions{.epoch = epoch, .memory = {.reach_ns = kMemoryNs}}),
       publishers_(world_, {}),
-      broadcast_(world_, *event_writer_, [](const std::string&) {}) {
+      broadcast_(world_, *event_writer_, [](const std::string&) {}),
+      digests_(world_) {
   event_writer_->set_time(now_ns);
   broadcast_.mark_all();
   broadcast_.publish();
@@ -82,11 +87,27 @@ void SimulatedServer::lost(std::uint64_t publisher, std::int64_t now_ns) {
 void SimulatedServer::tick(std::int64_t now_ns) {
   event_writer_->set_time(now_ns);
   changes_ += publishers_.take_changes();
+  if (say_again_ns_ != 0 && now_ns >= say_again_ns_) {
+    say_again_ns_ = 0;
+    broadcast_.mark_all();
+    changes_ = std::max<std::uint64_t>(1, changes_);
+  }
   if (changes_ > 0) step(now_ns);
   if (now_ns < next_status_ns_) return;
   next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
   publishers_.settle(now_ns);
   say_status(now_ns);
+  digests_.make(now_ns);
+}
+
+void SimulatedServer::speak(std::int64_t now_ns, const service::SpokenBefore& before) {
+  event_writer_->set_time(now_ns);
+  event_writer_->speak(before);
+  broadcast_.mark_all();
+  step(now_ns);
+  say_status(now_ns);
+  constexpr std::int64_t kSoonNs = 300'000'000;
+  say_again_ns_ = now_ns + kSoonNs;
 }
 
 void SimulatedServer::step(std::int64_t now_ns) {
@@ -102,7 +123,7 @@ void SimulatedServer::step(std::int64_t now_ns) {
 
 void SimulatedServer::say_status(std::int64_t now_ns) {
   service::StatusColumns status;
-  const bool recovering = epoch_ > 1 && now_ns - started_ns_ < kRecoveryNs;
+  const bool recovering = !lacks_nothing_ && now_ns - started_ns_ < kRecoveryNs;
   status.state = recovering ? ServerState::recovering : ServerState::ready;
   status.last_event_sequence = world_.last_event_sequence();
   status.contact_count = static_cast<std::uint32_t>(world_.contacts().size());

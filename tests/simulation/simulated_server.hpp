@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/service/events/broadcast.hpp"
+#include "server/service/fleet/instant_digest.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/world/world.hpp"
 #include "tests/simulation/recording_event_writer.hpp"
@@ -24,7 +25,9 @@ class SimulatedServer {
  public:
   static constexpr std::int64_t kRecoveryNs = 300'000'000;
 
-  SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to, RecordingEventWriter::Violation violation);
+  /// lacks_nothing  it begins with what was there before it, or there was nothing: it does not wait for publishers
+  SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to, RecordingEventWriter::Violation violation,
+                  Voice voice = Voice::speaks, bool lacks_nothing = false);
 
   std::uint64_t epoch() const { return epoch_; }
   std::uint64_t steps() const { return steps_; }
@@ -35,6 +38,10 @@ class SimulatedServer {
   void lost(std::uint64_t publisher, std::int64_t now_ns);
   /// A step where something has changed; ten bookmarks a second.
   void tick(std::int64_t now_ns);
+  /// Takes the place of the one that spoke so far.
+  void speak(std::int64_t now_ns, const service::SpokenBefore& before);
+  /// Of the world at the newest whole second that is settled, and the state that it is of.
+  const service::DigestMaker& digests() const { return digests_; }
   /// Of what is in the world now, by all pairs.
   /// And pairs in doubt.
   std::set<NamedPair> touching() const;
@@ -49,12 +56,15 @@ class SimulatedServer {
 
   std::uint64_t epoch_;
   std::int64_t started_ns_;
+  bool lacks_nothing_;
   std::int64_t next_status_ns_;
+  std::int64_t say_again_ns_ = 0;  // when all that holds is said once more; 0: not
   RecordingEventWriter::Violation violation_;
   std::unique_ptr<RecordingEventWriter> event_writer_;
   World world_;
   service::Publishers publishers_;
   service::Broadcast broadcast_;
+  service::DigestMaker digests_;
   std::uint64_t changes_ = 0;
   std::uint64_t steps_ = 0;
 };

@@ -20,6 +20,7 @@ void SimulatedWatcher::emit(const Event& event) {
     violation_(name_ + ": " + event.a + " x " + event.b + ", event " + std::to_string(event.sequence) + " of epoch " +
                std::to_string(event.epoch) + ' ' + what);
   };
+  events_.push_back(event);
   const NamedPair pair = std::minmax(event.a, event.b);
   if (event.kind == EventKind::ended) {
     if (open_.erase(pair) == 0) say("ended without having begun");
@@ -50,7 +51,7 @@ void SimulatedWatcher::hear_due(std::int64_t now_ns) {
 }
 
 void SimulatedWatcher::send(const Heard& message, std::int64_t now_ns) {
-  if (const auto* shard = std::get_if<HeardShard>(&message)) newest_shards_[shard->shard] = *shard;
+  if (const auto* shard = std::get_if<HeardShard>(&message)) newest_shards_[{shard->from.epoch, shard->shard}] = *shard;
   hear_due(now_ns);
   if (now_ns < cut_off_until_ns_) return;
   if (chance(line_.partitions)) cut_off_until_ns_ = now_ns + up_to(line_.longest_partition_ns);

@@ -42,6 +42,8 @@ class SimulatedWatcher {
   /// Sequences of what came as it happened, of the newest epoch.
   const std::vector<std::uint64_t>& told() const { return reported_; }
   std::uint64_t resyncs() const { return state_.resyncs(); }
+  /// All that was told, in order.
+  const std::vector<Event>& events() const { return events_; }
 
  private:
   bool chance(double probability) { return std::uniform_real_distribution<double>()(random_) < probability; }
@@ -58,11 +60,13 @@ class SimulatedWatcher {
   Violation violation_;
   std::int64_t cut_off_until_ns_ = 0;
   std::multimap<std::int64_t, Heard> delayed_;
-  std::map<std::uint8_t, client::HeardShard> newest_shards_;  // that DDS brings in the end, lost or not
+  // By server and number: those that DDS brings in the end, lost or not.
+  std::map<std::pair<std::uint64_t, std::uint8_t>, client::HeardShard> newest_shards_;
   std::set<NamedPair> open_;
   std::uint64_t last_epoch_ = 0;
   std::uint64_t last_sequence_ = 0;
   std::vector<std::uint64_t> reported_;
+  std::vector<Event> events_;
   client::WatchState state_;
 };
 

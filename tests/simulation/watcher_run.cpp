@@ -1,7 +1,10 @@
 // The watchers' side of the simulation: reads a record from its standard input, each watcher behind a line of its own,
 // and prints what the whole run amounted to. Exit status 1 where the contract was broken.
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,8 +24,10 @@ client::HeardFrame frame_of(Message& message, client::Names& names) {
   dds::Sample<wire::EventFrame> frame;
   frame->epoch = message.get<std::uint64_t>();
   frame->server = life_of(frame->epoch).server;
+  frame->world_time_ns = message.get<std::int64_t>();
+  const bool is_again = message.get<std::uint8_t>() != 0;
+  frame->version = is_again ? 0 : 1;
   frame->first_sequence = message.get<std::uint64_t>();
-  frame->world_time_ns = message.time_ns();
   const auto kinds = message.get_all<std::uint8_t>();
   const auto reasons = message.get_all<std::uint8_t>();
   const auto doubts = message.get_all<std::uint8_t>();
@@ -111,7 +116,8 @@ struct Totals {
 /// One seed's watchers.
 class Run {
  public:
-  Run(std::uint64_t seed, std::int64_t started_ns, Totals& totals) : seed_(seed), totals_(totals) {
+  Run(std::uint64_t seed, bool is_fleet, std::int64_t started_ns, Totals& totals)
+      : seed_(seed), is_fleet_(is_fleet), totals_(totals) {
     constexpr std::int64_t kMs = 1'000'000;
     const auto violation = [this](const std::string& what) {
       ++totals_.violations;
@@ -136,6 +142,10 @@ class Run {
         totals_.events += frame.entries.size();
         return send(frame, message.time_ns());
       }
+      case Kind::expected:
+        for (const client::HeardFrame::Entry& entry : frame_of(message, expected_names_).entries)
+          expected_[pair_of(entry.event)].push_back(entry.event);
+        return;
       case Kind::shard: return send(shard_of(message, names_), message.time_ns());
       case Kind::bookmark: return send(bookmark_of(message), message.time_ns());
       case Kind::calm:
@@ -156,6 +166,7 @@ class Run {
       watcher->compare(truth);
       totals_.resyncs += watcher->resyncs();
     }
+    if (is_fleet_) return compare_with_expected();
     // Nothing was lost and the server never fell: each event came once, as it happened.
     const std::vector<std::uint64_t>& told = watchers_.front()->told();
     bool is_each_once = epoch_ != 1 || (told.size() == last_sequence_ && watchers_.front()->resyncs() == 0);
@@ -166,9 +177,48 @@ class Run {
                  static_cast<unsigned long long>(seed_), told.size(), static_cast<unsigned long long>(last_sequence_));
   }
 
+  static NamedPair pair_of(const Event& event) { return std::minmax(event.a, event.b); }
+
+  /// On a good line each event that the server which never failed found is told once, as it happened, whoever spoke.
+  void compare_with_expected() {
+    std::map<NamedPair, std::vector<Event>> told;
+    for (const Event& event : watchers_.front()->events()) told[pair_of(event)].push_back(event);
+    for (auto& [pair, events] : told) expected_[pair];  // so that what was invented is compared too
+    for (const auto& [pair, events] : expected_) {
+      const std::string difference = first_difference(events, told[pair]);
+      if (difference.empty()) continue;
+      ++totals_.violations;
+      std::fprintf(stderr, "violation: fleet seed=%llu: %s x %s: %s\n", static_cast<unsigned long long>(seed_),
+                   pair.first.c_str(), pair.second.c_str(), difference.c_str());
+    }
+  }
+
+  static std::string first_difference(const std::vector<Event>& expected, const std::vector<Event>& told) {
+    const auto words = [](const std::vector<Event>& events, std::size_t i) {
+      if (i >= events.size()) return std::string("nothing");
+      const Event& one = events[i];
+      return std::string(one.kind == EventKind::began   ? "began"
+                         : one.kind == EventKind::ended ? "ended"
+                                                        : "changed") +
+             " at " + std::to_string(happened(one).count()) + " ns" + (one.resync ? ", as a difference" : "") +
+             " (epoch " + std::to_string(one.epoch) + ')';
+    };
+    for (std::size_t i = 0; i < std::max(expected.size(), told.size()); ++i) {
+      constexpr std::chrono::nanoseconds kRounded{4};
+      const bool is_same = i < expected.size() && i < told.size() && expected[i].kind == told[i].kind &&
+                           !told[i].resync && std::chrono::abs(happened(expected[i]) - happened(told[i])) <= kRounded;
+      if (!is_same)
+        return "event " + std::to_string(i) + ": expected " + words(expected, i) + ", told " + words(told, i);
+    }
+    return {};
+  }
+
   std::uint64_t seed_;
+  bool is_fleet_;
   Totals& totals_;
   client::Names names_;
+  client::Names expected_names_;
+  std::map<NamedPair, std::vector<Event>> expected_;
   std::vector<std::unique_ptr<SimulatedWatcher>> watchers_;
   std::uint64_t epoch_ = 0;
   std::uint64_t last_sequence_ = 0;
@@ -184,14 +234,17 @@ int main() {
   Message message;
   while (message.receive(stdin)) {
     if (message.kind() == Kind::run) {
-      run = std::make_unique<Run>(message.get<std::uint64_t>(), message.time_ns(), totals);
+      const auto seed = message.get<std::uint64_t>();
+      const bool is_fleet = message.get<std::uint8_t>() != 0;
+      run = std::make_unique<Run>(seed, is_fleet, message.time_ns(), totals);
     } else if (message.kind() == Kind::end) {
       const auto seeds = message.get<std::uint64_t>();
       const auto steps = message.get<std::uint64_t>();
       const std::uint64_t violations = totals.violations + message.get<std::uint64_t>();
-      std::printf("seeds=%llu steps=%llu events=%llu resyncs=%llu violations=%llu\n",
+      std::printf("seeds=%llu steps=%llu events=%llu resyncs=%llu takeovers=%llu violations=%llu\n",
                   static_cast<unsigned long long>(seeds), static_cast<unsigned long long>(steps),
                   static_cast<unsigned long long>(totals.events), static_cast<unsigned long long>(totals.resyncs),
+                  static_cast<unsigned long long>(message.get<std::uint64_t>()),
                   static_cast<unsigned long long>(violations));
       return violations == 0 ? 0 : 1;
     } else {
