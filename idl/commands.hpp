@@ -47,9 +47,9 @@ inline constexpr const char* kMove = "move";
 /// name (glob) -> removed [names], detached [names] (what was attached to them and stays; only where there is any), ended, version. Refused for objects of a live publisher.
 inline constexpr const char* kRemove = "remove";
 
-/// name (glob, "" = all), moving (true / false / absent: both), limit
+/// name (glob, "" = all), moving (true / false / absent: both), limit, bounds (true: with them)
 /// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale, attached_to (only where it
-/// is)}], count, version
+/// is), bounds [low, high] (null for a side without end, or in place of both where there is no triangle)}], count, version
 inline constexpr const char* kList = "list";
 
 /// name -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -17,6 +18,7 @@ using nlohmann::json;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostNameBytes = 63;
+constexpr const char* kNameRule = "its name must be 1 to 63 letters, digits or '_'";
 
 std::string text_of(double value) {
   if (std::isinf(value)) return value < 0 ? "-endless" : "endless";
@@ -65,7 +67,7 @@ ShardEntry read_shard(const json& said, std::size_t place) {
   refuse_unknown(said, {"name", "low", "high"}, where);
   const auto name = said.find("name");
   if (name == said.end() || !name->is_string() || !is_name(name->get_ref<const std::string&>())) {
-    throw ShardMapError(where + ": its name must be 1 to 63 letters, digits or '_'");
+    throw ShardMapError(where + ": " + kNameRule);
   }
   ShardEntry shard{.name = name->get<std::string>(), .box = {}};
   const std::string named = "shard '" + shard.name + '\'';
@@ -212,6 +214,34 @@ ShardMap ShardMap::parse(std::string_view text) {
   for (const json& shard : *shards) map.shards_.push_back(read_shard(shard, map.shards_.size()));
   map.finish();
   return map;
+}
+
+ShardMap ShardMap::of(double margin_m, std::vector<ShardEntry> shards) {
+  if (shards.empty() || shards.size() > kMostShards) {
+    throw ShardMapError(std::to_string(shards.size()) + " shards; a map holds 1 to " + std::to_string(kMostShards));
+  }
+  for (const ShardEntry& shard : shards) {
+    if (!is_name(shard.name)) throw ShardMapError('\'' + shard.name + "': " + kNameRule);
+  }
+  ShardMap map;
+  map.margin_m_ = margin_m;
+  map.shards_ = std::move(shards);
+  map.finish();
+  return map;
+}
+
+std::string ShardMap::text() const {
+  const auto written = [](const std::array<double, 3>& corner) {
+    json list = json::array();
+    for (const double side : corner) list.push_back(std::isinf(side) ? json(nullptr) : json(side));
+    return list.dump();
+  };
+  std::string text = "{\"margin_m\": " + json(margin_m_).dump() + ", \"shards\": [\n";
+  for (const ShardEntry& shard : shards_) {
+    text += "  {\"name\": " + json(shard.name).dump() + ", \"low\": " + written(shard.box.low) +
+            ", \"high\": " + written(shard.box.high) + (&shard == &shards_.back() ? "}]}\n" : "},\n");
+  }
+  return text;
 }
 
 void ShardMap::finish() {

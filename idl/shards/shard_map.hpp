@@ -54,6 +54,10 @@ class ShardMap {
   static ShardMap parse(std::string_view json);
   /// The same from a file; the message begins with its name.
   static ShardMap read(const std::string& path);
+  /// The same of boxes that somebody has worked out.
+  static ShardMap of(double margin_m, std::vector<ShardEntry> shards);
+  /// The JSON text that parse() reads, a line for each shard, with a line feed at its end.
+  std::string text() const;
 
   /// How far outside its box a shard still holds everything, metres. An object is sent to a shard before it can touch
   /// anything in that shard's box; and where the answers of two shards meet at a border, both hold both objects.

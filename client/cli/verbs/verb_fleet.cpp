@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <collided/fleet.hpp>
@@ -8,6 +10,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/verbs/fleet_of_shards.hpp"
+#include "client/cli/verbs/fleet_plan.hpp"
 
 namespace collided::cli {
 namespace {
@@ -16,11 +19,21 @@ bool is_wrong(const Finding& finding) { return finding.health == Health::fail; }
 
 class FleetCommand : public Command {
  public:
-  void declare(CLI::App&) override {}
+  void declare(CLI::App& app) override {
+    app.add_option("action", action_, "plan: propose a shard map; without: list who is there")
+        ->check(CLI::IsMember({"plan"}));
+    app.add_option("--into", plan_.into, "plan: so many shards (2)");
+    app.add_option("--by", plan_.by, "plan: what counts as load: moving, objects or triangles (moving)");
+    app.add_option("--margin", plan_.margin, "plan: how far outside its box a shard holds everything (1)");
+    app.add_option("--split", plan_.split, "plan: the shard of --shards that is split (the one with most load)");
+    app.add_option("-o", plan_.out, "plan: file for the map (standard output)");
+  }
 
   bool takes_shards() const override { return true; }
 
   Exit run(Session& session, const Globals& globals) override {
+    if (action_ == "plan") return plan_shards(session, globals, plan_);
+    refuse_options_of_plan();
     if (!globals.shards.empty()) return print_shards(session, globals);
     const Fleet found = take(fleet(connect_options(session.io, globals)));
     Printer printer = make_printer(session.io, globals);
@@ -38,6 +51,14 @@ class FleetCommand : public Command {
   }
 
  private:
+  void refuse_options_of_plan() const {
+    for (const auto& [name, value] :
+         {std::pair("--into", &plan_.into), std::pair("--by", &plan_.by), std::pair("--margin", &plan_.margin),
+          std::pair("--split", &plan_.split), std::pair("-o", &plan_.out)}) {
+      if (!value->empty()) throw bad_use(fmt::format("{} is for 'collide fleet plan'", name));
+    }
+  }
+
   static void print_table(Printer& printer, const std::vector<FleetMember>& members) {
     static const std::vector<std::string> kHeader{"NAME", "ROLE",    "STATE", "EPOCH", "WORLD",
                                                   "LAG",  "VERSION", "HOST",  "PID",   "UP"};
@@ -73,6 +94,9 @@ class FleetCommand : public Command {
             {"clock_ahead", seconds_of(member.clock_ahead)},
             {"alarm", member.alarm}};
   }
+
+  std::string action_;
+  FleetPlanOptions plan_;
 };
 
 }  // namespace

@@ -106,7 +106,10 @@ constexpr Verb kVerbs[] = {
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"fleet", "Follow", "which servers of a namespace there are, and whether they fit together",
-     "fleet\nfleet --shards FILE", "fleet\nfleet --json\nfleet --shards map.json", make_fleet},
+     "fleet\nfleet --shards FILE\nfleet plan [--into N]\nfleet plan --shards FILE",
+     "fleet\nfleet --json\nfleet --shards map.json\nfleet plan --into 4 -o map.json\nfleet plan --shards map.json "
+     "--split west",
+     make_fleet},
     {"handover", "Follow", "a server that stands by takes the primary's place, and the primary ends", "handover [NAME]",
      "handover\nhandover south", make_handover},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},

@@ -220,7 +220,8 @@ void Commands::on_world_thread(CommandAsk ask, Change change, bool is_durable) {
 // ---- commands that look
 
 json Commands::list(const Arguments& arguments) const {
-  arguments.allow_only({"name", "moving", "limit"});
+  arguments.allow_only({"name", "moving", "limit", "bounds"});
+  const bool has_bounds = arguments.truth("bounds", false);
   const std::string glob = arguments.text("name");
   const std::optional<bool> moving =
       arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
@@ -231,7 +232,9 @@ json Commands::list(const Arguments& arguments) const {
   for (const auto& info : *state->objects) {
     if (!info || (moving && info->moving != *moving)) continue;
     if (!glob.empty() && !glob_matches(glob, info->name)) continue;
-    if (count++ < limit) objects.push_back(describe_briefly(*state, *info, with_.loop.publisher_name(info->publisher)));
+    if (count++ >= limit) continue;
+    objects.push_back(describe_briefly(*state, *info, with_.loop.publisher_name(info->publisher)));
+    if (has_bounds) objects.back()["bounds"] = bounds_of(*state, *info);
   }
   return {{"objects", objects}, {"count", count}, {"version", state->version}};
 }

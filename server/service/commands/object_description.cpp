@@ -104,6 +104,15 @@ ObjectId find_shown(const Snapshot& state, const std::string& name) {
   throw BadCommand(unknown_object(name, others));
 }
 
+nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info) {
+  if (info.scene_part != kNoTriangle) {
+    const StaticScene* scene = scene_with(snapshot, info);
+    return scene != nullptr ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
+  }
+  const Aabb& bounds = snapshot.bounds[slot_of(info.id)];
+  return {numbers(bounds.low), numbers(bounds.high)};
+}
+
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
   const std::uint32_t slot = slot_of(info.id);
   const bool placed = info.scene_part == kNoTriangle;
@@ -143,13 +152,13 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   if (info.scene_part != kNoTriangle) {
     const StaticScene* scene = scene_with(snapshot, info);
     if (scene && is_solid_by_winding(*scene, info.scene_part)) object["solid_by"] = "winding";
-    object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
+    object["bounds"] = bounds_of(snapshot, info);
     return;
   }
   const Pose& pose = snapshot.poses[slot];
   object["pose"] = numbers(pose.position);
   for (const json& number : numbers(pose.rotation)) object["pose"].push_back(number);
-  object["bounds"] = {numbers(snapshot.bounds[slot].low), numbers(snapshot.bounds[slot].high)};
+  object["bounds"] = bounds_of(snapshot, info);
   if (snapshot.posed_ns[slot] > 0) object["age_ns"] = std::max<std::int64_t>(0, now_ns - snapshot.posed_ns[slot]);
 }
 

@@ -23,6 +23,9 @@ ObjectId find_shown(const Snapshot& state, const std::string& name);
 /// What `list` says of an object (idl/commands.hpp). publisher_name: empty for an object of the server's own.
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
 
+/// [low, high] of an object's bounds, or null where it has no triangles; a side that is not finite becomes null in the text.
+nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info);
+
 /// What `get` adds to that: pose, bounds, shape, filter, age.
 void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object);
 
