@@ -60,6 +60,7 @@ inline constexpr const char* kGet = "get";
 /// version
 inline constexpr const char* kLeftOut = "left_out";
 
+/// watch (a number of its own), map (fingerprint of the newest shard map all of whose shards it watches); of a watch of several
 /// -> settled_ns (world time up to which every contact is decided: by the publishers that have objects here; where none has,
 ///    the server's clock), event_sequence (all of those are told up to this event), epoch
 inline constexpr const char* kSettled = "settled";
@@ -72,8 +73,15 @@ inline constexpr const char* kPlan = "plan";
 inline constexpr const char* kCovers = "covers";
 
 /// Of one of several servers that share a world: -> name (of the shard), map (fingerprint of the shard map, 16 hexadecimal
-/// digits), epoch. Refused by a server that holds all of its world
+/// digits), epoch, succession (as the command of that name has it; only where there is one), watches and watches_behind (how
+/// many have asked for `settled` within the last seconds, and how many of those do not watch all shards of the next map;
+/// only with succession). Refused by a server that holds all of its world
 inline constexpr const char* kShard = "shard";
+
+/// What becomes of the shards, told to each of them: revision, phase, from, map; see idl/shards/shard_split.hpp. What has a
+/// revision that is not higher than the last one is refused, and what does not begin with the map that holds here. With
+/// phase `done` a server that is no shard of the next map covers nothing from then on. -> version
+inline constexpr const char* kSuccession = "succession";
 
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
 ///    differences [text], questions [{kind, double, expansion, rational}] (answers by the highest level needed),
@@ -271,7 +279,7 @@ inline QueryRight right_for(std::string_view name, bool has_upload) {
   if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
   if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
   for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss,
-                                        kRecording, kSampled, kFence, kAttach, kDetach, kHandOver})
+                                        kRecording, kSampled, kFence, kAttach, kDetach, kHandOver, kSuccession})
     if (name == change) return QueryRight::change;
   return QueryRight::ask;
 }

@@ -250,7 +250,7 @@ void ShardMap::finish() {
   Fingerprint fingerprint;
   fingerprint.add(margin_m_);
   for (const ShardEntry& shard : shards_) {
-    held_.push_back(grown(shard.box, margin_m_));
+    hold(shard);
     fingerprint.add(shard.name);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       fingerprint.add(shard.box.low[axis]);
@@ -258,6 +258,31 @@ void ShardMap::finish() {
     }
   }
   fingerprint_ = fingerprint.value();
+}
+
+void ShardMap::hold(const ShardEntry& shard) {
+  active_ |= set_of(held_.size());
+  held_.push_back(grown(shard.box, margin_m_));
+}
+
+ShardMap ShardMap::limited_to(ShardSet active) const {
+  ShardMap limited = *this;
+  limited.active_ = active;
+  return limited;
+}
+
+ShardMap ShardMap::with(const std::vector<ShardEntry>& more) const {
+  if (shards_.size() + more.size() > kMostShards) {
+    throw ShardMapError(std::to_string(shards_.size() + more.size()) +
+                        " shards, those before a split among them; at most " + std::to_string(kMostShards) +
+                        " are known at a time");
+  }
+  ShardMap larger = *this;
+  for (const ShardEntry& shard : more) {
+    larger.hold(shard);
+    larger.shards_.push_back(shard);
+  }
+  return larger;
 }
 
 ShardMap ShardMap::read(const std::string& path) {
@@ -282,20 +307,18 @@ std::optional<std::size_t> ShardMap::find(std::string_view name) const {
 ShardSet ShardMap::touched_by(const ShardBox& box) const {
   ShardSet touched = 0;
   for (std::size_t i = 0; i < shards_.size(); ++i) touched |= ShardSet{meet(shards_[i].box, box)} << i;
-  return touched;
+  return touched & active_;
 }
 
 ShardSet ShardMap::holders_of(const ShardBox& box) const {
   ShardSet holders = 0;
   for (std::size_t i = 0; i < held_.size(); ++i) holders |= ShardSet{meet(held_[i], box)} << i;
-  return holders;
+  return holders & active_;
 }
 
 std::size_t ShardMap::owner_of(const std::array<double, 3>& point) const {
   return static_cast<std::size_t>(std::countr_zero(touched_by({point, point})));
 }
-
-ShardSet ShardMap::all() const { return ~ShardSet{0} >> (kMostShards - shards_.size()); }
 
 std::string shard_namespace(std::string_view name_space, std::string_view shard) {
   return std::string(name_space) + "/shard_" + std::string(shard);

@@ -75,16 +75,25 @@ class ShardMap {
   /// The shard to whom a point belongs: the first in the map whose box contains it. What several shards tell of the same
   /// thing is taken from that one.
   std::size_t owner_of(const std::array<double, 3>& point) const;
-  ShardSet all() const;
+  ShardSet all() const { return active_; }
 
-  /// The same for maps that say the same; two members with different ones do not fit together.
+  /// The same shards, of which only some hold anything: the others are in no set and own nothing, but keep their places.
+  ShardMap limited_to(ShardSet active) const;
+  /// With more shards behind those that are there, whose boxes may overlap them: for the time in which a shard is split.
+  ///
+  /// throws  ShardMapError for more than kMostShards
+  ShardMap with(const std::vector<ShardEntry>& more) const;
+
+  /// Of the map as it was read. The same for maps that say the same; two members with different ones do not fit together.
   std::uint64_t fingerprint() const { return fingerprint_; }
 
  private:
   ShardMap() = default;
   void finish();
+  void hold(const ShardEntry& shard);
 
   double margin_m_ = 1;
+  ShardSet active_ = 0;
   std::vector<ShardEntry> shards_;
   std::vector<ShardBox> held_;
   std::uint64_t fingerprint_ = 0;

@@ -185,14 +185,21 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
 
 void World::State::gather_covers() {
   auto all = std::make_shared<std::vector<Aabb>>();
-  if (options.held) all->push_back(*options.held);
-  else
+  if (!options.held) {
     for (const auto& [scene, boxes] : covers_of) all->insert(all->end(), boxes.begin(), boxes.end());
+  } else if (!is_over) {
+    all->push_back(*options.held);
+  }
   covers = std::move(all);
 }
 
 void World::state_covers(std::string_view scene, std::span<const Aabb> boxes) {
   state_->covers_of.insert_or_assign(std::string(scene), std::vector<Aabb>(boxes.begin(), boxes.end()));
+  state_->gather_covers();
+}
+
+void World::cover_nothing() {
+  state_->is_over = true;
   state_->gather_covers();
 }
 

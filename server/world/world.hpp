@@ -28,7 +28,8 @@ struct WorldOptions {
   std::int64_t clock_error_ns = 0;  // between two publishers' clocks: widens brackets and nothing else
   PoseMemoryOptions memory = {};    // how far back questions about a past instant reach
   double sweep_width_s = 1e-6;      // of the bracket of any other mover's first contact, seconds of world time
-  // The world is a shard: it has everything that comes into this box, which is what it covers whatever is stated.
+  // The world is a shard: it has everything that comes into this box, which is what it covers whatever is stated, until
+  // cover_nothing().
   std::optional<Aabb> held = {};
 };
 
@@ -130,6 +131,8 @@ class World {
   /// anything was stated, with or without boxes, what lies outside of all boxes is not covered, even after the scenes
   /// that stated them are gone: removing a scene must not make more of the world known. A shard covers what it holds.
   void state_covers(std::string_view scene, std::span<const Aabb> boxes);
+  /// A shard whose part others hold now: from the next step on nothing is covered, past instants included.
+  void cover_nothing();
   /// Returns the number of objects removed; their contacts end with geometry_changed.
   std::uint32_t remove_scene(std::string_view name);
 

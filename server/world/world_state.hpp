@@ -34,6 +34,7 @@ struct World::State {
   std::vector<StaleObject> stale_objects;
   std::unordered_map<ObjectId, std::size_t> stale_places;           // in stale_objects
   std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": stated for the whole world
+  bool is_over = false;                                             // see cover_nothing()
   // all boxes together; null while none was ever stated
   std::shared_ptr<const std::vector<Aabb>> covers;
   std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of vertices and triangles

@@ -1,15 +1,19 @@
 // Objects go to and fro across the borders of four shards, and the same ones in one server that holds everything:
-//   border_crossings SERVER CROSSINGS [SEED]
+//   border_crossings SERVER CROSSINGS [SEED [SPLITS]]
 // Two publishers with instants of their own tell both worlds the same poses at the same times. What a watch of the shards
 // tells must be what a watch of the one server tells: for each pair the same events in the same order at the same times.
+// With one split a shard is split on the way, with two one of those in its place later; and rays are asked of both worlds all
+// the while, whose answers about a settled instant must be the same.
 // Prints the figures, and exits 1 where an event was lost, told twice, told otherwise or out of order.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <future>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -23,6 +27,7 @@
 #include "idl/shards/shard_map.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/measuring.hpp"
+#include "tests/shards/same_answers.hpp"
 
 namespace collided::testing_support {
 namespace {
@@ -33,6 +38,7 @@ using std::chrono::nanoseconds;
 constexpr int kObjects = 48;  // of each publisher
 constexpr double kRange = 2;  // m, about the point where all shards meet
 constexpr auto kPatience = 60s;
+constexpr auto kTick = 15ms;
 constexpr int kMostShown = 10;
 constexpr std::int64_t kCrossingsInRound = 10'000;
 
@@ -42,6 +48,22 @@ constexpr const char* kMap = R"({"margin_m": 0.5, "shards": [
   {"name": "b", "low": [0, null, null], "high": [null, 0, null]},
   {"name": "c", "low": [null, 0, null], "high": [0, null, null]},
   {"name": "d", "low": [0, 0, null], "high": [null, null, null]}]})";
+
+// One quarter in two, askew of where all meet, and then one of the two again.
+constexpr const char* kSplit = R"({"margin_m": 0.5, "shards": [
+  {"name": "a", "low": [null, null, null], "high": [0, 0, null]},
+  {"name": "b", "low": [0, null, null], "high": [null, 0, null]},
+  {"name": "c", "low": [null, 0, null], "high": [0, null, null]},
+  {"name": "d1", "low": [0, 0, null], "high": [0.7, null, null]},
+  {"name": "d2", "low": [0.7, 0, null], "high": [null, null, null]}]})";
+constexpr const char* kSplitAgain = R"({"margin_m": 0.5, "shards": [
+  {"name": "a", "low": [null, null, null], "high": [0, 0, null]},
+  {"name": "b", "low": [0, null, null], "high": [null, 0, null]},
+  {"name": "c", "low": [null, 0, null], "high": [0, null, null]},
+  {"name": "d1", "low": [0, 0, null], "high": [0.7, null, null]},
+  {"name": "d21", "low": [0.7, 0, null], "high": [null, 1.1, 0.2]},
+  {"name": "d22", "low": [0.7, 0, 0.2], "high": [null, 1.1, null]},
+  {"name": "d23", "low": [0.7, 1.1, null], "high": [null, null, null]}]})";
 
 constexpr const char* kFloor = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3\nf 1 3 4\n";
 
@@ -92,13 +114,12 @@ struct Walker {
 
 class BorderCrossings {
  public:
-  BorderCrossings(const std::string& server, std::uint64_t seed) : random_(seed), domain_(own_domain()) {
-    const std::string file = folder_.path() + "/map.json";
-    std::ofstream(file) << kMap;
+  BorderCrossings(const std::string& server, std::uint64_t seed)
+      : server_(server), random_(seed), domain_(own_domain()) {
+    const std::string file = write(kMap, "map.json");
     std::ofstream(folder_.path() + "/floor.obj") << kFloor;
-    start(server, {"--namespace", "whole"});
-    for (std::size_t i = 0; i < map_.size(); ++i)
-      start(server, {"--namespace", "city", "--shard", file + ':' + map_.at(i).name});
+    start({"--namespace", "whole"});
+    for (std::size_t i = 0; i < map_.size(); ++i) start_shard(file, map_.at(i).name);
     whole_.emplace(value_of(Client::connect({.domain = domain_, .name_space = "whole", .wait = 20s}), "connect"));
     sharded_.emplace(
         value_of(ShardedClient::connect(file, {.domain = domain_, .name_space = "city", .wait = 20s}), "connect"));
@@ -110,8 +131,16 @@ class BorderCrossings {
   }
 
   /// Returns the number of faults.
-  int run(std::int64_t wanted) {
+  int run(std::int64_t wanted, int splits) {
     const auto started = SteadyClock::now();
+    if (splits > 0) {
+      go_until(wanted / 3);
+      split("map.json", kSplit, "split.json", "d", {"d1", "d2"});
+    }
+    if (splits > 1) {
+      go_until(std::max(crossings_ + 1, 2 * wanted / 3));
+      split("split.json", kSplitAgain, "again.json", "d2", {"d21", "d22", "d23"});
+    }
     while (crossings_ < wanted) {
       go_until(std::min(wanted, crossings_ + kCrossingsInRound));
       compare();
@@ -124,6 +153,10 @@ class BorderCrossings {
         static_cast<long long>(crossings_), static_cast<long long>(ticks_), whole_count_, lost_, extra_, differing_,
         out_of_order_, at_another_step_, static_cast<unsigned long long>(sharded_watch_->gaps()),
         sources_[0].sharded->copies() + sources_[1].sharded->copies(), 2 * kObjects, seconds);
+    if (splits > 0)
+      std::printf("splits=%d rays=%d hit=%d undecided=%d differing=%d\n", splits, ray_count_, hit_count_,
+                  undecided_count_, differing_answers_);
+    faults_ += differing_answers_ + static_cast<int>(splits > 0 && sharded_watch_->gaps() > 0);
     return faults_ + lost_ + extra_ + differing_ + out_of_order_;
   }
 
@@ -135,9 +168,19 @@ class BorderCrossings {
     nanoseconds instant{0};
   };
 
-  void start(const std::string& server, const std::vector<std::string>& options) {
+  std::string write(const char* map, const std::string& name) {
+    std::ofstream(folder_.path() + '/' + name) << map;
+    return folder_.path() + '/' + name;
+  }
+
+  void start_shard(const std::string& file, const std::string& name) {
+    start({"--namespace", "city", "--shard", file + ':' + name});
+    shard_servers_[name] = servers_.back().get();
+  }
+
+  void start(const std::vector<std::string>& options) {
     const std::string name = "server_" + std::to_string(servers_.size());
-    std::vector<std::string> words{server,        folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
+    std::vector<std::string> words{server_,       folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
                                    "--state-dir", folder_.path() + '/' + name};
     words.insert(words.end(), options.begin(), options.end());
     servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
@@ -189,10 +232,16 @@ class BorderCrossings {
   /// Goes on until so many borders were crossed, and until everything is decided and told up to a last instant, at which
   /// everything rests.
   void go_until(std::int64_t crossings) {
-    for (; crossings_ < crossings; ++ticks_) {
+    go_while([&] { return crossings_ < crossings; });
+  }
+
+  template <class GoesOn>
+  void go_while(const GoesOn& goes_on) {
+    for (; goes_on(); ++ticks_) {
       for (Source& source : sources_) tick(source);
       take();
       if (ticks_ % 20 == 0) wait_applied();
+      if (ticks_ % 20 == 0 && shard_servers_.size() > map_.size()) ask_rays(*sharded_);
     }
     for (int i = 0; i < 2; ++i) {
       for (Source& source : sources_) tick(source, true);
@@ -204,6 +253,67 @@ class BorderCrossings {
       ++faults_;
     }
     quieten();
+  }
+
+  /// Splits a shard while everything goes on, and ends its server. Others are connected by the map of before then.
+  void split(const std::string& file, const char* next, const std::string& next_file, const std::string& shard,
+             const std::vector<std::string>& into) {
+    const std::string next_path = write(next, next_file);
+    for (const std::string& name : into) start_shard(next_path, name);
+    const ConnectOptions options{.domain = domain_, .name_space = "city", .wait = 20s};
+    auto done = std::async(std::launch::async, [&] {
+      return split_shard(
+          folder_.path() + '/' + file, next_path, options,
+          {.patience = kPatience, .said = [](const std::string& said) { std::printf("  %s\n", said.c_str()); }});
+    });
+    // At the pace of publishers, since what takes time here are waits.
+    go_while([&] { return done.wait_for(kTick) != std::future_status::ready; });
+    const Result<ShardSplitReport> report = done.get();
+    if (!report) {
+      std::printf("split: %s\n", report.error().message.c_str());
+      ++faults_;
+      return;
+    }
+    std::printf("  split %s: %llu objects, %zu watches, %.1f s\n", shard.c_str(),
+                static_cast<unsigned long long>(report->objects), report->watches,
+                std::chrono::duration<double>(report->took).count());
+    shard_servers_.at(shard)->signal(SIGTERM);
+    shard_servers_.at(shard)->wait(10s);
+    ShardedClient late = value_of(
+        ShardedClient::connect(folder_.path() + '/' + file, {.domain = domain_, .name_space = "city", .wait = 2s}),
+        "connect");
+    if (late.shards().size() != sharded_->shards().size()) ++faults_;
+    for (int i = 0; i < 20; ++i) ask_rays(late);
+    compare();
+  }
+
+  /// About an instant that every shard has decided, and of the one server about the same.
+  void ask_rays(ShardedClient& client) {
+    std::uniform_real_distribution<> somewhere(-1.3 * kRange, 1.3 * kRange);
+    std::vector<RayQuestion> rays(20);
+    for (RayQuestion& ray : rays) {
+      ray.origin = Vec3(somewhere(random_), somewhere(random_), 0.6);
+      ray.direction = Vec3(somewhere(random_), somewhere(random_), somewhere(random_) / 8);
+    }
+    const Result<Answers> sharded = client.ask(rays, {.timeout = kPatience, .as_of = {.kind = Instant::Kind::settled}});
+    const Instant then{.kind = Instant::Kind::at, .time = sharded ? sharded->world_time : nanoseconds(0)};
+    const Result<Answers> whole = whole_->ask(rays, {.timeout = kPatience, .as_of = then});
+    if (!sharded || !whole) {
+      if (++differing_answers_ <= kMostShown)
+        std::printf("a question failed: %s\n", (sharded ? whole : sharded).error().message.c_str());
+      return;
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Answer& one = whole->answers[i];
+      const Answer& all = sharded->answers[i];
+      ++ray_count_;
+      hit_count_ += one.verdict == Verdict::hit ? 1 : 0;
+      undecided_count_ += one.verdict == Verdict::undecided ? 1 : 0;
+      if (are_equal(one, all)) continue;
+      if (++differing_answers_ > kMostShown) continue;
+      std::printf("a ray differs: verdict %d reason %d, of the shards %d reason %d\n", static_cast<int>(one.verdict),
+                  static_cast<int>(one.reason), static_cast<int>(all.verdict), static_cast<int>(all.reason));
+    }
   }
 
   void tick(Source& source, bool rests = false) {
@@ -307,11 +417,13 @@ class BorderCrossings {
                 words(whole).c_str(), words(sharded).c_str());
   }
 
+  const std::string server_;
   std::mt19937_64 random_;
   const int domain_;
   const shards::ShardMap map_ = shards::ShardMap::parse(kMap);
   ScratchFolder folder_;
   std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::map<std::string, ChildProcess*> shard_servers_;
   std::optional<Client> whole_;
   std::optional<ShardedClient> sharded_;
   std::optional<Watch> whole_watch_;
@@ -329,6 +441,10 @@ class BorderCrossings {
   int differing_ = 0;
   int out_of_order_ = 0;
   int at_another_step_ = 0;
+  int ray_count_ = 0;
+  int hit_count_ = 0;
+  int undecided_count_ = 0;
+  int differing_answers_ = 0;
 };
 
 }  // namespace
@@ -336,11 +452,12 @@ class BorderCrossings {
 
 int main(int count, char** words) {
   if (count < 3) {
-    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED]\n");
+    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED [SPLITS]]\n");
     return 2;
   }
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   collided::testing_support::BorderCrossings crossings(words[1], seed);
-  return crossings.run(std::strtoll(words[2], nullptr, 10)) == 0 ? 0 : 1;
+  const int splits = count > 4 ? std::atoi(words[4]) : 0;
+  return crossings.run(std::strtoll(words[2], nullptr, 10), splits) == 0 ? 0 : 1;
 }

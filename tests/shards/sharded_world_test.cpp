@@ -1,6 +1,5 @@
 // What several servers answer together, beside one server with the same world.
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 
 #include "tests/oracle/seed.hpp"
 #include "tests/service/eventually.hpp"
+#include "tests/shards/same_answers.hpp"
 #include "tests/shards/sharded_fixture.hpp"
 
 namespace collided {
@@ -22,28 +22,16 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
+using testing_support::are_equal;
 
 constexpr const char* kHalves = R"({"margin_m": 1, "shards": [
   {"name": "west", "low": [null, null, null], "high": [0, null, null]},
   {"name": "east", "low": [0, null, null], "high": [null, null, null]}]})";
 
-std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
-
 std::string text_of(const Answer& answer) {
   json text{{"verdict", static_cast<int>(answer.verdict)}, {"reason", static_cast<int>(answer.reason)}};
   for (const Hit& hit : answer.hits) text["hits"].push_back({hit.object, hit.triangle, hit.distance_m, hit.error_m});
   return text.dump();
-}
-
-bool are_equal(const Hit& a, const Hit& b) {
-  return a.object == b.object && a.triangle == b.triangle && bits(a.distance_m) == bits(b.distance_m) &&
-         bits(a.error_m) == bits(b.error_m) && bits(a.exit_m) == bits(b.exit_m) && a.point == b.point &&
-         a.normal == b.normal && a.inside == b.inside;
-}
-
-bool are_equal(const Answer& a, const Answer& b) {
-  return a.verdict == b.verdict && a.reason == b.reason &&
-         std::ranges::equal(a.hits, b.hits, [](const Hit& one, const Hit& other) { return are_equal(one, other); });
 }
 
 class ShardedWorld : public testing_support::ShardedWorldTest {

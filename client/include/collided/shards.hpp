@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <ranges>
@@ -155,6 +156,39 @@ class ShardedClient {
   explicit ShardedClient(std::shared_ptr<client::ShardLinks> links);
   std::shared_ptr<client::ShardLinks> links_;
 };
+
+/// How a shard is split.
+struct ShardSplitOptions {
+  /// So long the new shards may take to hold all that the old one holds; then it is taken back.
+  std::chrono::nanoseconds patience = std::chrono::seconds(60);
+  bool undo = false;                                  // takes back what was begun and does not hold yet
+  std::function<void(const std::string&)> said = {};  // gets a sentence with each step
+};
+
+/// A split that was carried out.
+struct ShardSplitReport {
+  std::string shard;              // that was split
+  std::vector<std::string> into;  // in its place
+  std::uint64_t objects = 0;      // that it held, when the new ones held them all
+  std::size_t watches = 0;        // that watched it then
+  std::chrono::nanoseconds took{0};
+};
+
+/// Splits a shard while its world runs: no event is lost or told twice, and no question fails or misses anything. The next
+/// map differs from the map before in that one shard is replaced by others that fill its box; their servers run already.
+///
+/// Every ShardedClient takes part by itself: publishers tell the new shards too, and watches watch them. Once these hold
+/// everything, questions go to them; then publishers and watches leave the old one, which covers nothing from then on and
+/// may be stopped. One that is called again after it was cut short goes on where that ended.
+///
+/// map_file, next_file  shard maps
+/// options              as for ShardedClient::connect
+/// errors   bad_input for maps that do not differ by one split; no_server where a shard of either map is not there; refused
+///          by a server with another map; timeout where the new shards do not come to hold everything. With all of these the
+///          map before holds, as long as the next one did not
+/// cost     some ten seconds, and lists of all objects of the shard
+Result<ShardSplitReport> split_shard(const std::string& map_file, const std::string& next_file,
+                                     const ConnectOptions& options, const ShardSplitOptions& how = {});
 
 }  // namespace collided
 

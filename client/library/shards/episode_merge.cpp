@@ -64,6 +64,17 @@ void EpisodeMerge::hear(std::size_t shard, const Event& event) {
   of_pair.push_back(std::move(heard));
 }
 
+void EpisodeMerge::forget(std::size_t shard) {
+  for (auto entry = pending_.begin(); entry != pending_.end();) {
+    std::erase_if(entry->second, [&](const HeardEvent& heard) { return heard.shard == shard; });
+    entry = entry->second.empty() ? pending_.erase(entry) : std::next(entry);
+  }
+  for (auto& [names, pair] : pairs_) {
+    pair.open &= ~shards::set_of(shard);
+    pair.contained &= ~shards::set_of(shard);
+  }
+}
+
 void EpisodeMerge::settle(nanoseconds through) {
   std::vector<std::vector<HeardEvent>> instants;
   for (auto entry = pending_.begin(); entry != pending_.end();) {
@@ -103,8 +114,9 @@ void EpisodeMerge::settle_instant(std::span<HeardEvent> instant) {
 void EpisodeMerge::take_turn(PairState& pair, std::span<HeardEvent* const> turn) {
   for (const HeardEvent* heard : turn) note(pair, *heard);
   if (!pair.is_told) {
-    const HeardEvent* first = chosen(turn, EventKind::open);
-    if (first == nullptr) first = chosen(turn, EventKind::began);
+    // One who begins to watch a shard finds it open there in the instant in which it begins.
+    const HeardEvent* first = chosen(turn, EventKind::began);
+    if (first == nullptr) first = chosen(turn, EventKind::open);
     if (pair.open == 0 || first == nullptr) return;
     begin(pair, *first);
   }

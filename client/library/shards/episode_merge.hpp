@@ -20,7 +20,8 @@ namespace collided::client {
 /// What a shard tells of a pair is true of the pair for as long as it holds both objects, and at each instant of a contact
 /// a shard whose box has a point of it holds both. So a contact begins with the first `began` that a shard tells. It ends
 /// when one shard says so, for a reason that is the pair's: the others will say the same. That an object was removed may
-/// only mean that it has left a shard: so the contact ends for that reason when the last shard says so.
+/// only mean that it has left a shard: so the contact ends for that reason when the last shard says so. While a shard is
+/// split its box is also that of others: nothing of this changes, since boxes may overlap.
 ///
 /// threads  one at a time
 /// Always: for every pair of names it tells `began` (or `open`) and `ended` in turn, with the names in order, and between
@@ -28,7 +29,13 @@ namespace collided::client {
 class EpisodeMerge {
  public:
   using Tell = std::function<void(const Event&)>;
-  EpisodeMerge(const shards::ShardMap& map, Tell tell) : map_(map), tell_(std::move(tell)) {}
+  EpisodeMerge(shards::ShardMap map, Tell tell) : map_(std::move(map)), tell_(std::move(tell)) {}
+
+  /// Goes by another map from now on, in which each shard has the place that it had: after a split others are there too.
+  void set_map(shards::ShardMap map) { map_ = std::move(map); }
+  /// Leaves aside what a shard has told of what goes on. To be called once other shards hold all that it held, and have been
+  /// heard about it: what is open with them stays open.
+  void forget(std::size_t shard);
 
   /// Takes an event of a shard, in that shard's order.
   void hear(std::size_t shard, const Event& event);
@@ -63,7 +70,7 @@ class EpisodeMerge {
   void begin(PairState& pair, const HeardEvent& heard);
   void tell(PairState& pair, Event event);
 
-  const shards::ShardMap& map_;
+  shards::ShardMap map_;
   Tell tell_;
   std::map<Names, std::vector<HeardEvent>> pending_;
   std::map<Names, PairState> pairs_;

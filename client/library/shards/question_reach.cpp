@@ -61,7 +61,7 @@ template <class Entry>
 ShardSet where_entered(const ShardMap& map, const Entry& enters) {
   ShardSet touched = 0;
   for (std::size_t place = 0; place < map.size(); ++place) touched |= ShardSet{enters(map.at(place).box)} << place;
-  return touched;
+  return touched & map.all();
 }
 
 }  // namespace

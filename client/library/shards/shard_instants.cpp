@@ -23,14 +23,14 @@ bool is_at_rest(Client& client, std::uint64_t version) {
 }
 
 /// Asks every shard about a point, only to hear its time.
-Result<std::vector<std::optional<ShardTime>>> times_of(const ShardLinks& links, const AskOptions& options,
-                                                       Instant::Kind kind) {
+Result<std::vector<std::optional<ShardTime>>> times_of(const ShardLinks& links, const shards::ShardMap& map,
+                                                       const AskOptions& options, Instant::Kind kind) {
   AskOptions asked{.mode = HitMode::verdict, .timeout = options.timeout, .fresh = options.fresh};
   asked.as_of.kind = kind;
-  std::vector<std::shared_ptr<Client>> clients(links.map().size());
+  std::vector<std::shared_ptr<Client>> clients(map.size());
   std::vector<std::future<Result<Answers>>> answers(clients.size());
   for (std::size_t place = 0; place < clients.size(); ++place) {
-    clients[place] = links.shard(place);
+    if ((map.all() & shards::set_of(place)) != 0) clients[place] = links.shard(place);
     if (clients[place]) answers[place] = clients[place]->ask_async(std::vector{InsideQuestion{Vec3::Zero()}}, asked);
   }
   std::vector<std::optional<ShardTime>> times(clients.size());
@@ -67,13 +67,13 @@ bool is_silence(const Error& error) {
          error.code == ErrorCode::no_server;
 }
 
-Result<ShardInstants> choose_instants(const ShardLinks& links, const AskOptions& options) {
-  ShardInstants chosen{.of_shard = std::vector<ShardInstants::OfShard>(links.map().size()), .time = {}};
+Result<ShardInstants> choose_instants(const ShardLinks& links, const shards::ShardMap& map, const AskOptions& options) {
+  ShardInstants chosen{.of_shard = std::vector<ShardInstants::OfShard>(map.size()), .time = {}};
   const Instant& asked = options.as_of;
   if (asked.kind == Instant::Kind::latest) return chosen;
   // Where a shard rests, its newest state is its settled one.
   const bool is_settled = asked.kind == Instant::Kind::settled;
-  const auto times = times_of(links, options, is_settled ? Instant::Kind::settled : Instant::Kind::latest);
+  const auto times = times_of(links, map, options, is_settled ? Instant::Kind::settled : Instant::Kind::latest);
   if (!times) return times.error();
   nanoseconds time = asked.time;
   if (asked.kind != Instant::Kind::at) time = common_time(*times) - (is_settled ? nanoseconds(0) : asked.time);

@@ -27,8 +27,9 @@ struct ShardInstants {
   std::optional<std::chrono::nanoseconds> time;  // world time of all; nothing: each shard's newest
 };
 
+/// map      whose shards are asked
 /// threads  any
 /// cost     nothing for `latest`, else a question to every shard
-Result<ShardInstants> choose_instants(const ShardLinks& links, const AskOptions& options);
+Result<ShardInstants> choose_instants(const ShardLinks& links, const shards::ShardMap& map, const AskOptions& options);
 
 }  // namespace collided::client

@@ -1,72 +1,88 @@
 #include "client/library/shards/shard_links.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <chrono>
-#include <cstdio>
 #include <thread>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "client/library/commands/command.hpp"
 #include "client/library/connection/errors.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::client {
 namespace {
 
+using shards::ShardMap;
+using shards::ShardSet;
+using shards::Succession;
+using shards::SuccessionPhase;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr nanoseconds kLookAgain = std::chrono::seconds(1);
+/// While a shard is split, whose steps must have been heard of by all within seconds.
+constexpr nanoseconds kLookAgainInChange = milliseconds(200);
 /// Of one that was not there before: it is asked again, so others need not wait for it.
 constexpr nanoseconds kLookAgainWait = milliseconds(300);
-
-std::string hexadecimal(std::uint64_t fingerprint) {
-  std::array<char, 17> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(fingerprint));
-  return text.data();
-}
 
 /// What a server says of its place among the shards.
 struct SaidPlace {
   std::uint64_t epoch = 0;
-  std::string fault;  // empty: it is the shard
+  std::string name = {};
+  std::uint64_t map = 0;  // fingerprint
+  std::optional<Succession> succession = {};
+  std::string fault = {};  // empty: it is a shard, of whatever map
 };
 
-SaidPlace place_of(Client& client, const std::string& name, std::uint64_t fingerprint) {
+SaidPlace read_place(const std::string& answer) {
+  const nlohmann::json said = nlohmann::json::parse(answer, nullptr, false);
+  if (!said.is_object()) return {.fault = "what the server there says of its shard is no JSON object"};
+  SaidPlace place{.epoch = said.value("epoch", std::uint64_t{0}), .name = said.value("name", std::string())};
+  place.map = shards::fingerprint_of(said.value("map", std::string())).value_or(0);
+  if (const auto succession = said.find("succession"); succession != said.end()) {
+    try {
+      place.succession = shards::parse_succession(succession->dump());
+    } catch (const shards::ShardMapError& wrong) {
+      return {.fault = std::string("what the server there says of a split: ") + wrong.what()};
+    }
+  }
+  return place;
+}
+
+SaidPlace place_of(Client& client) {
   const Result<std::string> answer = client.command(wire_contract::command::kShard, "{}");
   if (!answer && answer.error().code == ErrorCode::refused)
     return {.fault = "the server there is not started with --shard: " + answer.error().message};
   if (!answer) return {.fault = answer.error().message};
-  const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
-  if (!said.is_object()) return {.fault = "what the server there says of its shard is no JSON object"};
-  const std::string said_name = said.value("name", std::string());
-  const std::string said_map = said.value("map", std::string());
-  if (said_name != name) return {.fault = "the server there is shard '" + said_name + '\''};
-  if (said_map != hexadecimal(fingerprint))
-    return {.fault = "the server there is shard '" + said_name + "' of another map (" + said_map + ", this one is " +
-                     hexadecimal(fingerprint) + ')'};
-  return {.epoch = said.value("epoch", std::uint64_t{0}), .fault = {}};
+  return read_place(*answer);
 }
 
 }  // namespace
 
-ShardLinks::ShardLinks(shards::ShardMap map, const ConnectOptions& options)
-    : map_(std::move(map)), options_(options), links_(map_.size()) {}
+ShardLinks::ShardLinks(ShardMap map, const ConnectOptions& options)
+    : options_(options), own_map_(map.fingerprint()), links_(map.size()) {
+  known_.emplace(own_map_, map.all());
+  view_ = std::make_shared<const ShardView>(ShardView{.asked = map, .held = map, .held_by = own_map_});
+}
 
-Result<std::shared_ptr<ShardLinks>> ShardLinks::open(shards::ShardMap map, const ConnectOptions& options) {
+Result<std::shared_ptr<ShardLinks>> ShardLinks::open(ShardMap map, const ConnectOptions& options) {
   std::shared_ptr<ShardLinks> links(new ShardLinks(std::move(map), options));
-  std::vector<std::thread> looking;
-  for (std::size_t place = 0; place < links->map_.size(); ++place) {
-    looking.emplace_back([&links = *links, place] { links.look_for(place, links.options_.wait); });
+  // Those that are there may tell of others, which have taken a shard's place.
+  for (std::size_t looked = 0; looked < links->links_.size();) {
+    std::vector<std::thread> looking;
+    for (const std::size_t end = links->links_.size(); looked < end; ++looked) {
+      looking.emplace_back([&links = *links, place = looked] { links.look_for(place, links.options_.wait); });
+    }
+    for (std::thread& one : looking) one.join();
   }
-  for (std::thread& one : looking) one.join();
   const bool is_one_there = std::ranges::any_of(links->links_, [](const ShardLink& link) { return link.epoch != 0; });
   if (!is_one_there) {
     return Error{ErrorCode::no_server,
-                 "none of " + std::to_string(links->map_.size()) + " shards is there; shard '" +
-                     links->map_.at(0).name + "': " + links->links_.front().fault,
+                 "none of " + std::to_string(links->links_.size()) + " shards is there; shard '" +
+                     links->view_->held.at(0).name + "': " + links->links_.front().fault,
                  "start them with 'collided --shard FILE:NAME', on this domain and namespace"};
   }
   links->thread_ = std::thread([&links = *links] { links.run(); });
@@ -80,6 +96,11 @@ ShardLinks::~ShardLinks() {
   }
   over_.notify_all();
   if (thread_.joinable()) thread_.join();
+}
+
+std::shared_ptr<const ShardView> ShardLinks::view() const {
+  const std::lock_guard lock(mutex_);
+  return view_;
 }
 
 std::shared_ptr<Client> ShardLinks::shard(std::size_t place) const {
@@ -107,6 +128,15 @@ std::string ShardLinks::fault(std::size_t place) const {
   return links_[place].fault;
 }
 
+/// Why the map that this was opened with is not that of a server that says so; empty: it is.
+std::string ShardLinks::fault_of(const Succession& said) const {
+  const bool is_to_come = said.next.fingerprint() == own_map_ && !known_.contains(said.from);
+  if (!is_to_come) return {};
+  if (said.phase == SuccessionPhase::joining) return "its shard is being split, and this map does not hold yet";
+  if (said.phase == SuccessionPhase::withdrawn) return "a split to this map was taken back";
+  return {};
+}
+
 bool ShardLinks::check(std::size_t place) {
   std::shared_ptr<Client> client;
   {
@@ -114,16 +144,72 @@ bool ShardLinks::check(std::size_t place) {
     client = links_[place].client;
   }
   if (!client) return false;
-  const SaidPlace said = place_of(*client, map_.at(place).name, map_.fingerprint());
+  SaidPlace said = place_of(*client);
   const std::lock_guard lock(mutex_);
-  links_[place].epoch = said.epoch;
+  if (said.succession) learn(*said.succession);
+  const std::string& name = view_->held.at(place).name;
+  const bool is_known =
+      known_.contains(said.map) || (said.succession && (known_.contains(said.succession->from) ||
+                                                        known_.contains(said.succession->next.fingerprint())));
+  if (said.fault.empty() && said.succession) said.fault = fault_of(*said.succession);
+  if (said.fault.empty() && said.name != name) said.fault = "the server there is shard '" + said.name + '\'';
+  if (said.fault.empty() && !is_known)
+    said.fault = "the server there is shard '" + said.name + "' of another map (" + shards::fingerprint_text(said.map) +
+                 ", this one is " + shards::fingerprint_text(own_map_) + ')';
+  links_[place].epoch = said.fault.empty() ? said.epoch : 0;
   links_[place].fault = said.fault;
   return said.fault.empty();
 }
 
+/// Takes the newest that is told of a split. Under the mutex.
+void ShardLinks::learn(const Succession& said) {
+  if (newest_ && said.revision <= newest_->revision) return;
+  newest_ = said;
+  // Where only the next map is known, those before it are of no interest.
+  if (!known_.contains(said.from)) return;
+  try {
+    show(said);
+  } catch (const shards::ShardMapError& wrong) {
+    // All of what is known goes on; what the shard that was split held is not covered.
+    for (ShardLink& link : links_) link.fault = wrong.what();
+  }
+}
+
+void ShardLinks::show(const Succession& said) {
+  // A name may come back with another box, after a split that was taken back: then it has another place.
+  const auto place_of = [](const ShardMap& all, const shards::ShardEntry& shard) -> std::optional<std::size_t> {
+    for (std::size_t place = 0; place < all.size(); ++place) {
+      const shards::ShardEntry& known = all.at(place);
+      if (known.name == shard.name && known.box.low == shard.box.low && known.box.high == shard.box.high) return place;
+    }
+    return std::nullopt;
+  };
+  ShardMap all = view_->held;
+  ShardSet next = 0;
+  std::vector<shards::ShardEntry> unknown;
+  for (std::size_t i = 0; i < said.next.size(); ++i) {
+    const shards::ShardEntry& shard = said.next.at(i);
+    const std::optional<std::size_t> there = place_of(all, shard);
+    next |= shards::set_of(there ? *there : all.size() + unknown.size());
+    if (!there) unknown.push_back(shard);
+  }
+  all = all.with(unknown);
+  const ShardSet before = known_.at(said.from);
+  known_.insert_or_assign(said.next.fingerprint(), next);
+  const bool is_in_force = said.phase == SuccessionPhase::in_force || said.phase == SuccessionPhase::done;
+  ShardSet held = before | next;
+  if (said.phase == SuccessionPhase::done) held = next;
+  if (said.phase == SuccessionPhase::withdrawn) held = before;
+  links_.resize(all.size());
+  view_ = std::make_shared<const ShardView>(
+      ShardView{.asked = all.limited_to(is_in_force ? next : before),
+                .held = all.limited_to(held),
+                .held_by = said.phase == SuccessionPhase::withdrawn ? said.from : said.next.fingerprint()});
+}
+
 void ShardLinks::look_for(std::size_t place, nanoseconds wait) {
   ConnectOptions options = options_;
-  options.name_space = shards::shard_namespace(options_.name_space, map_.at(place).name);
+  options.name_space = shards::shard_namespace(options_.name_space, view()->held.at(place).name);
   options.wait = wait;
   // A replica holds no map.
   options.replicas = false;
@@ -145,6 +231,7 @@ void ShardLinks::look_again(std::size_t place) {
   std::uint64_t epoch = 0;
   {
     const std::lock_guard lock(mutex_);
+    if ((view_->held.all() & shards::set_of(place)) == 0) return;
     client = links_[place].client;
     epoch = links_[place].epoch;
   }
@@ -153,9 +240,38 @@ void ShardLinks::look_again(std::size_t place) {
   if (status && status->epoch != epoch) check(place);
 }
 
+/// Asks the next shard that is there whether one is split.
+void ShardLinks::ask_for_news() {
+  std::shared_ptr<Connection> asked;
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < links_.size() && !asked; ++i) {
+      asked_last_ = (asked_last_ + 1) % links_.size();
+      const ShardLink& link = links_[asked_last_];
+      const bool is_held = (view_->held.all() & shards::set_of(asked_last_)) != 0;
+      if (is_held && link.epoch != 0 && !link.connection->pulse().silent()) asked = link.connection;
+    }
+  }
+  if (!asked) return;
+  const Result<std::string> answer =
+      command(*asked, wire_contract::command::kShard, nlohmann::json::object(), kLookAgainWait);
+  if (!answer) return;
+  const SaidPlace said = read_place(*answer);
+  const std::lock_guard lock(mutex_);
+  if (said.succession) learn(*said.succession);
+}
+
+/// Whether a split is under way. Under the mutex.
+bool ShardLinks::is_changing() const {
+  return newest_ && (newest_->phase == SuccessionPhase::joining || newest_->phase == SuccessionPhase::in_force);
+}
+
 void ShardLinks::run() {
   std::unique_lock lock(mutex_);
-  while (!over_.wait_for(lock, kLookAgain, [&] { return is_over_; })) {
+  while (!over_.wait_for(lock, is_changing() ? kLookAgainInChange : kLookAgain, [&] { return is_over_; })) {
+    lock.unlock();
+    ask_for_news();
+    lock.lock();
     for (std::size_t place = 0; place < links_.size() && !is_over_; ++place) {
       lock.unlock();
       look_again(place);

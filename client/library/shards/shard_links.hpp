@@ -2,9 +2,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,10 +15,20 @@
 #include "client/library/connection/connection.hpp"
 #include "collided/shards.hpp"
 #include "idl/shards/shard_map.hpp"
+#include "idl/shards/shard_split.hpp"
 
 namespace collided::client {
 
-/// The connections to the shards of a map. Those that are not there are looked for once a second on a thread of this.
+/// Which shards there are now. Places are the same in both maps and in every later view: of shards that have gone they stay
+/// empty, and new ones come behind.
+struct ShardView {
+  shards::ShardMap asked;  // whose shards answer questions
+  shards::ShardMap held;  // whose shards are told of objects and watched: while one is split, it and those in its place
+  std::uint64_t held_by;  // fingerprint of the newest map whose shards are all in `held`
+};
+
+/// The connections to the shards of a map, and of those that succeed it. Those that are not there are looked for once a
+/// second on a thread of this; one shard a second is asked whether one is split.
 ///
 /// threads  any
 class ShardLinks {
@@ -26,7 +39,7 @@ class ShardLinks {
   ShardLinks(const ShardLinks&) = delete;
   ShardLinks& operator=(const ShardLinks&) = delete;
 
-  const shards::ShardMap& map() const { return map_; }
+  std::shared_ptr<const ShardView> view() const;
   const ConnectOptions& options() const { return options_; }
   /// The connection to a shard; null while it was never there, and while what serves there is not that shard of this map.
   /// One that was lost is kept, since it resumes by itself: calls on it fail with disconnected meanwhile.
@@ -52,12 +65,21 @@ class ShardLinks {
   };
   void look_for(std::size_t place, std::chrono::nanoseconds wait);
   void look_again(std::size_t place);
+  void ask_for_news();
+  void learn(const shards::Succession& said);
+  void show(const shards::Succession& said);
+  std::string fault_of(const shards::Succession& said) const;
+  bool is_changing() const;
   void run();
 
-  const shards::ShardMap map_;
   const ConnectOptions options_;
-  mutable std::mutex mutex_;  // for the next two
-  std::vector<ShardLink> links_;
+  mutable std::mutex mutex_;  // for what follows
+  std::shared_ptr<const ShardView> view_;
+  std::map<std::uint64_t, shards::ShardSet> known_;  // the shards of each map, by its fingerprint
+  std::uint64_t own_map_ = 0;                        // fingerprint of the one that this was opened with
+  std::optional<shards::Succession> newest_;         // by its revision
+  std::vector<ShardLink> links_;                     // by place in the view
+  std::size_t asked_last_ = 0;                       // for news
   bool is_over_ = false;
   std::condition_variable over_;
   std::thread thread_;

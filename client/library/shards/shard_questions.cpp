@@ -55,13 +55,13 @@ template <class Question>
 class ShardBatch {
  public:
   ShardBatch(ShardLinks& links, std::span<const Question> questions, const AskOptions& options)
-      : links_(links), map_(links.map()), questions_(questions), options_(options) {}
+      : links_(links), view_(links.view()), questions_(questions), options_(options) {}
 
   Result<Answers> run() {
     // The world of a shard that rested may have begun to change between its time and its answer.
     constexpr int kMostTries = 3;
     for (int tries = 0; tries < kMostTries; ++tries) {
-      Result<ShardInstants> instants = choose_instants(links_, options_);
+      Result<ShardInstants> instants = choose_instants(links_, map_, options_);
       if (!instants) return instants.error();
       instants_ = std::move(*instants);
       is_outrun_ = false;
@@ -182,7 +182,8 @@ class ShardBatch {
   }
 
   ShardLinks& links_;
-  const ShardMap& map_;
+  const std::shared_ptr<const ShardView> view_;
+  const ShardMap& map_ = view_->asked;
   const std::span<const Question> questions_;
   const AskOptions& options_;
   ShardInstants instants_;

@@ -75,9 +75,11 @@ template Result<Answers> ShardedClient::ask_all(std::span<const NearQuestion>, c
 template Result<Answers> ShardedClient::ask_all(std::span<const InsideQuestion>, const AskOptions&);
 
 std::vector<ShardState> ShardedClient::shards() {
-  const shards::ShardMap& map = links_->map();
+  const std::shared_ptr<const client::ShardView> view = links_->view();
+  const shards::ShardMap& map = view->held;
   std::vector<ShardState> states;
   for (std::size_t place = 0; place < map.size(); ++place) {
+    if ((map.all() & shards::set_of(place)) == 0) continue;
     const shards::ShardEntry& shard = map.at(place);
     ShardState& state = states.emplace_back();
     state.name = shard.name;

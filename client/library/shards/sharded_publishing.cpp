@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cstdint>
+#include <string>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "client/library/asking/question_encoding.hpp"
+#include "client/library/commands/command.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/publisher.hpp"
 #include "client/library/shards/shape_reach.hpp"
 #include "idl/clocks.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::client {
 
@@ -23,6 +29,10 @@ namespace {
 constexpr nanoseconds kTryAgain = std::chrono::seconds(1);
 /// A shard that had none of this publisher's objects has to have the first one before others may decide beyond its time.
 constexpr nanoseconds kEnterWait = milliseconds(250);
+/// Who has not said anything for so long, and for so long in a shard, rests.
+constexpr nanoseconds kRests = std::chrono::seconds(2);
+/// So often it is looked whether shards have come or gone, also where nobody calls.
+constexpr nanoseconds kLookAround = milliseconds(200);
 
 template <class Visit>
 void for_each_shard(shards::ShardSet set, const Visit& visit) {
@@ -33,9 +43,47 @@ void for_each_shard(shards::ShardSet set, const Visit& visit) {
 
 ShardedPublishing::ShardedPublishing(std::shared_ptr<ShardLinks> links, const std::string& name,
                                      const PublishOptions& options)
-    : links_(std::move(links)), name_(name), options_(options), members_(links_->map().size()) {
-  const shards::ShardMap& map = links_->map();
-  for (std::size_t shard = 0; shard < map.size(); ++shard) neighbours_.push_back(map.holders_of(map.held_by(shard)));
+    : links_(std::move(links)), name_(name), options_(options) {
+  members_.reserve(shards::ShardMap::kMostShards);
+  follow_view();
+}
+
+/// Takes the shards that there are now: what new ones should hold is missing there, and those that are gone hold nothing.
+void ShardedPublishing::follow_view() {
+  std::shared_ptr<const ShardView> newest = links_->view();
+  if (newest == view_) return;
+  view_ = std::move(newest);
+  const shards::ShardMap& map = view_->held;
+  const std::size_t known = members_.size();
+  members_.resize(map.size());
+  neighbours_.clear();
+  for (std::size_t shard = 0; shard < map.size(); ++shard) {
+    neighbours_.push_back(map.holders_of(map.held_by(shard)));
+    if ((map.all() & shards::set_of(shard)) == 0) give_up(shard);
+  }
+  missing_ &= map.all();
+  wanted_ &= map.all();
+  new_in_ &= map.all();
+  for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
+    const PublishedObject& object = objects_.at(number);
+    if (!object.used) continue;
+    const Vec3& at = object.sent.position;
+    missing_ |= map.holders_of(box_around(at, at, copies_[number].reach_m)) & ~copies_[number].held;
+  }
+  if (known != 0 && missing_ != 0) news_.notify_all();
+}
+
+/// Others hold what this shard held. Its own objects go with the publisher.
+void ShardedPublishing::give_up(std::size_t shard) {
+  for (Copies& copies : copies_) {
+    if ((copies.held & shards::set_of(shard)) == 0) continue;
+    copies.handles.erase(copies.handles.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)));
+    copies.held &= ~shards::set_of(shard);
+  }
+  members_[shard] = {};
+  // Whoever waits to join it need not.
+  members_[shard].tried = Clock::now();
+  joined_.notify_all();
 }
 
 Result<std::unique_ptr<ShardedPublishing>> ShardedPublishing::start(std::shared_ptr<ShardLinks> links,
@@ -44,6 +92,7 @@ Result<std::unique_ptr<ShardedPublishing>> ShardedPublishing::start(std::shared_
   std::unique_ptr<ShardedPublishing> state(new ShardedPublishing(std::move(links), name, options));
   // What a publisher may be called, and what its lease may be, the first one says.
   for (std::size_t shard = 0; shard < state->members_.size(); ++shard) {
+    if ((state->view_->held.all() & shards::set_of(shard)) == 0) continue;
     const std::shared_ptr<Client> client = state->links_->answers(shard) ? state->links_->shard(shard) : nullptr;
     if (!client) continue;
     Result<Publisher> first = client->publish(name, options);
@@ -94,7 +143,56 @@ void ShardedPublishing::join(ShardSet needed, std::unique_lock<std::mutex>& lock
 
 void ShardedPublishing::take_part(std::size_t shard, Publisher publisher) {
   publisher.state_->announce();
-  members_[shard].publisher = std::make_unique<Publisher>(std::move(publisher));
+  ShardMember& member = members_[shard];
+  member.publisher = std::make_unique<Publisher>(std::move(publisher));
+  member.joined = Clock::now();
+  member.decided.reset();
+}
+
+/// A shard that others publish to has decided up to some instant without this publisher. From one after that on what enters
+/// moves there as everywhere else: so it says its instants first, and its objects enter with one that the shard waits for.
+bool ShardedPublishing::may_fill(std::size_t shard) const {
+  const ShardMember& member = members_[shard];
+  return member.publisher && (flushed_.count() == 0 || (member.decided && *member.decided <= flushed_));
+}
+
+/// Asks shards that miss something how far they have decided. The lock is given up meanwhile.
+void ShardedPublishing::find_decided(std::unique_lock<std::mutex>& lock) {
+  for_each_shard(missing_, [&](std::size_t shard) {
+    const ShardMember& member = members_[shard];
+    if (!member.publisher || member.decided || !links_->answers(shard)) return;
+    if (may_fill(shard) || (flushed_at_ < Clock::now() - kRests && member.joined < Clock::now() - kRests))
+      return catch_up(shard);
+    if (member.flushed.count() == 0 || !member.publisher->wait_applied(kEnterWait)) return;
+    const std::shared_ptr<Connection> connection = links_->connection(shard);
+    const Publisher* const asked_for = member.publisher.get();
+    if (!connection) return;
+    lock.unlock();
+    const Result<std::string> answer =
+        command(*connection, wire_contract::command::kSettled, nlohmann::json::object(), kEnterWait);
+    lock.lock();
+    if (!answer || members_[shard].publisher.get() != asked_for) return;
+    const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
+    if (said.is_object()) members_[shard].decided = nanoseconds(said.value("settled_ns", std::int64_t{0}));
+  });
+}
+
+/// A shard has the objects of one who rests as of the last flush: there may be no other one.
+void ShardedPublishing::catch_up(std::size_t shard) {
+  fill(shards::set_of(shard));
+  ShardMember& member = members_[shard];
+  if (flushed_.count() == 0 || member.objects == 0 || !member.publisher->flush(flushed_)) return;
+  member.flushed = flushed_;
+  static_cast<void>(member.publisher->wait_applied(kEnterWait));
+}
+
+/// Has this become a publisher of the shards that are there again, or for the first time.
+void ShardedPublishing::try_missing() {
+  for_each_shard(missing_, [&](std::size_t shard) {
+    const ShardMember& member = members_[shard];
+    if (!member.publisher && links_->answers(shard) && Clock::now() - member.tried >= kTryAgain)
+      wanted_ |= shards::set_of(shard);
+  });
 }
 
 /// Becomes a publisher of what objects may enter next, so that none waits for it at a border.
@@ -113,8 +211,12 @@ void ShardedPublishing::join_ahead() {
 void ShardedPublishing::run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    news_.wait(lock, [&] { return is_over_ || wanted_ != 0; });
+    news_.wait_for(lock, kLookAround, [&] { return is_over_ || wanted_ != 0; });
     if (is_over_) return;
+    follow_view();
+    try_missing();
+    find_decided(lock);
+    if (wanted_ == 0) continue;
     const auto shard = static_cast<std::size_t>(std::countr_zero(wanted_));
     const std::shared_ptr<Client> client = links_->answers(shard) ? links_->shard(shard) : nullptr;
     std::optional<Publisher> publisher;
@@ -125,7 +227,8 @@ void ShardedPublishing::run() {
       lock.lock();
     }
     wanted_ &= ~shards::set_of(shard);
-    if (publisher) take_part(shard, std::move(*publisher));
+    const bool is_held = (view_->held.all() & shards::set_of(shard)) != 0;
+    if (publisher && is_held) take_part(shard, std::move(*publisher));
     else members_[shard].tried = Clock::now();
     joined_.notify_all();
   }
@@ -184,25 +287,31 @@ ShardedPublishing::ShardSet ShardedPublishing::holders_on_way(std::uint32_t numb
   const PublishedObject& object = objects_.at(number);
   const bool is_teleported = object.waiting == PublishedObject::Waiting::teleported;
   const Vec3& to = object.options.pose.position;
-  return links_->map().holders_of(box_around(is_teleported ? to : object.sent.position, to, copies_[number].reach_m));
+  return view_->held.holders_of(box_around(is_teleported ? to : object.sent.position, to, copies_[number].reach_m));
 }
 
 /// Shards that were not there when they were needed, and are now, get what they should hold.
 ShardedPublishing::ShardSet ShardedPublishing::fill_missing() {
   ShardSet filled = 0;
   for_each_shard(missing_, [&](std::size_t shard) {
-    if (members_[shard].publisher) filled |= shards::set_of(shard);
-    else if (links_->answers(shard)) wanted_ |= shards::set_of(shard);
+    if (may_fill(shard)) filled |= shards::set_of(shard);
+    else if (!members_[shard].publisher && links_->answers(shard)) wanted_ |= shards::set_of(shard);
   });
-  for (std::uint32_t number = 0; filled != 0 && number < objects_.numbers_used(); ++number) {
+  if (filled != 0) fill(filled);
+  return filled;
+}
+
+/// Enters what shards should hold that this is a publisher of.
+void ShardedPublishing::fill(ShardSet into) {
+  for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
     const PublishedObject& object = objects_.at(number);
     if (!object.used) continue;
     const Vec3& at = object.sent.position;
-    const ShardSet holders = links_->map().holders_of(box_around(at, at, copies_[number].reach_m));
-    for_each_shard(holders & filled & ~copies_[number].held, [&](std::size_t shard) { enter(number, shard); });
+    const ShardSet holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m));
+    for_each_shard(holders & into & ~copies_[number].held, [&](std::size_t shard) { enter(number, shard); });
   }
-  missing_ &= ~filled;
-  return filled;
+  missing_ &= ~into;
+  for_each_shard(into, [&](std::size_t shard) { members_[shard].decided.reset(); });
 }
 
 /// Has the shards on the ways of what moved hold it, and tells them when it was where it was.
@@ -210,7 +319,8 @@ std::optional<Error> ShardedPublishing::enter_all(ShardSet& entered) {
   std::optional<Error> failed;
   for (const std::uint32_t number : objects_.waiting()) {
     for_each_shard(holders_on_way(number) & ~copies_[number].held, [&](std::size_t shard) {
-      if (!members_[shard].publisher) {
+      const bool is_missing = (missing_ & shards::set_of(shard)) != 0;
+      if (!members_[shard].publisher || is_missing) {
         missing_ |= shards::set_of(shard);
       } else if (auto error = enter(number, shard)) {
         failed = std::move(error);
@@ -260,7 +370,7 @@ std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds inst
 
 /// Which of the objects that moved are out of a shard that holds them.
 void ShardedPublishing::note_left() {
-  const shards::ShardMap& map = links_->map();
+  const shards::ShardMap& map = view_->held;
   for (const std::uint32_t number : objects_.waiting()) {
     const Copies& copies = copies_[number];
     if (std::has_single_bit(copies.held)) continue;
@@ -274,6 +384,7 @@ void ShardedPublishing::note_left() {
 
 Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& options) {
   std::unique_lock lock(mutex_);
+  follow_view();
   if (objects_.has_name(options.name)) {
     return bad_input("object '" + options.name + "': this publisher has an object of that name already");
   }
@@ -286,11 +397,14 @@ Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& opt
   if (number >= copies_.size()) copies_.resize(number + 1);
   copies_[number] = {.shape = options.shape, .reach_m = reach_of(options.shape, options.scale), .handles = {}};
   const Vec3& at = options.pose.position;
-  const ShardSet holders = links_->map().holders_of(box_around(at, at, copies_[number].reach_m));
+  ShardSet holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m));
   join(holders, lock);
   std::optional<Error> failed;
+  // Others may be there since, and some of them have it already.
+  holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m)) & ~copies_[number].held;
   for_each_shard(holders, [&](std::size_t shard) {
-    if (!members_[shard].publisher) missing_ |= shards::set_of(shard);
+    const bool is_missing = (missing_ & shards::set_of(shard)) != 0;
+    if (!members_[shard].publisher || is_missing) missing_ |= shards::set_of(shard);
     else if (!failed) failed = enter(number, shard);
   });
   join_ahead();
@@ -332,6 +446,7 @@ Result<void> ShardedPublishing::move(Object object, const Pose& pose, bool telep
 
 Result<void> ShardedPublishing::flush(nanoseconds source_time) {
   std::unique_lock lock(mutex_);
+  follow_view();
   const nanoseconds said = source_time.count() != 0 ? source_time : nanoseconds(wire_contract::since_1970_ns());
   const nanoseconds instant = std::max(said, flushed_ + nanoseconds(1));
   drop_left();
@@ -344,9 +459,10 @@ Result<void> ShardedPublishing::flush(nanoseconds source_time) {
   for (const std::uint32_t number : objects_.waiting()) note(move_copies(number));
   note_left();
   for_each_shard(entered, [&](std::size_t shard) { note(tell(shard, instant, true)); });
-  for_each_shard(links_->map().all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
+  for_each_shard(view_->held.all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
   objects_.mark_sent(objects_.waiting().size());
   flushed_ = instant;
+  flushed_at_ = Clock::now();
   join_ahead();
   if (failed) return *failed;
   return {};
@@ -371,7 +487,7 @@ Result<void> ShardedPublishing::wait_applied(nanoseconds timeout) {
     const nanoseconds left = std::max<nanoseconds>(deadline - Clock::now(), milliseconds(1));
     if (auto applied = members_[shard].publisher->wait_applied(left); !applied) {
       Error error = applied.error();
-      error.message = "shard '" + links_->map().at(shard).name + "': " + error.message;
+      error.message = "shard '" + view_->held.at(shard).name + "': " + error.message;
       return error;
     }
   }

@@ -43,8 +43,11 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
     std::unique_ptr<Publisher> publisher;  // null: it is not one there
     std::chrono::nanoseconds flushed{0};   // the newest instant that the shard was told
     std::size_t objects = 0;               // that it holds
-    bool was_away = false;    // it did not answer since the last flush: what it holds is placed there again, not moved
-    Clock::time_point tried;  // when joining it failed last
+    bool was_away = false;     // it did not answer since the last flush: what it holds is placed there again, not moved
+    Clock::time_point tried;   // when joining it failed last
+    Clock::time_point joined;  // when this became a publisher of it
+    std::optional<std::chrono::nanoseconds>
+        decided;  // when something was found missing: how far it has decided without this
   };
   /// An object's shape, and where it is defined.
   struct Copies {
@@ -58,8 +61,14 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   shards::ShardBox box_around(const Vec3& a, const Vec3& b, double reach_m) const;
   Error unknown(Object object) const;
 
+  void follow_view();
+  void give_up(std::size_t shard);
   void join(ShardSet needed, std::unique_lock<std::mutex> & lock);
   void take_part(std::size_t shard, Publisher publisher);
+  void catch_up(std::size_t shard);
+  void try_missing();
+  bool may_fill(std::size_t shard) const;
+  void find_decided(std::unique_lock<std::mutex> & lock);
   void join_ahead();
   void run();
 
@@ -70,6 +79,7 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   ShardSet needed() const;
   ShardSet holders_on_way(std::uint32_t number) const;
   ShardSet fill_missing();
+  void fill(ShardSet into);
   std::optional<Error> enter_all(ShardSet & entered);
   std::optional<Error> move_copies(std::uint32_t number);
   std::optional<Error> tell(std::size_t shard, std::chrono::nanoseconds instant, bool is_entered);
@@ -79,15 +89,18 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   const std::string name_;
   const PublishOptions options_;
   mutable std::mutex mutex_;
-  std::vector<ShardMember> members_;                      // by place in the map
+  std::shared_ptr<const ShardView> view_;                 // by which objects are told, until follow_view()
+  std::vector<ShardMember> members_;                      // by place in the view; it never moves
   std::vector<ShardSet> neighbours_;                      // likewise: the shards that hold something in common with it
   PublishedObjects objects_;                              // their shapes are in copies_
   std::vector<Copies> copies_;                            // by object number
   std::vector<std::pair<std::uint32_t, ShardSet>> left_;  // numbers of objects, and the shards that they were out of
   std::chrono::nanoseconds flushed_{0};
-  ShardSet missing_ = 0;  // shards that were not there when an object should have been defined in them
-  ShardSet new_in_ = 0;   // shards where an object was added since the last flush
-  ShardSet wanted_ = 0;   // to be joined
+  Clock::time_point flushed_at_;
+  ShardSet missing_ =
+      0;  // shards that do not hold all that they should: they were not there, or have not come far enough
+  ShardSet new_in_ = 0;  // shards where an object was added since the last flush
+  ShardSet wanted_ = 0;  // to be joined
   bool is_over_ = false;
   std::condition_variable news_;    // something is wanted, or it is over
   std::condition_variable joined_;  // a shard was joined, or that failed

@@ -24,8 +24,10 @@ constexpr nanoseconds kAskTimeout = milliseconds(250);
 ShardedWatching::ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options)
     : links_(std::move(links)),
       options_(options),
-      shards_(links_->map().size()),
-      merge_(links_->map(), [this](const Event& event) { events_.push(event); }),
+      number_(random_number()),
+      view_(links_->view()),
+      shards_(view_->held.size()),
+      merge_(view_->held, [this](const Event& event) { events_.push(event); }),
       events_(options.capacity),
       thread_([this] { run(); }) {}
 
@@ -47,21 +49,52 @@ bool ShardedWatching::sleep() {
 void ShardedWatching::run() {
   while (!sleep()) {
     if (!may_settle_ || has_heard_all()) {
-      std::vector<ShardEvent> heard;
-      {
-        const std::lock_guard lock(heard_mutex_);
-        heard.swap(heard_);
-      }
-      for (const ShardEvent& one : heard) merge_.hear(one.shard, one.event);
+      take_heard();
       if (may_settle_) {
         merge_.settle(*may_settle_);
         settled_ns_ = std::max<std::int64_t>(settled_ns_, may_settle_->count());
         open_contacts_ = merge_.open_contacts();
       }
+      follow_view();
       ask_all();
     }
     for (std::size_t shard = 0; shard < shards_.size(); ++shard) count_gaps(shard);
   }
+}
+
+void ShardedWatching::take_heard() {
+  std::vector<ShardEvent> heard;
+  {
+    const std::lock_guard lock(heard_mutex_);
+    heard.swap(heard_);
+  }
+  for (const ShardEvent& one : heard) {
+    if ((view_->held.all() & shards::set_of(one.shard)) != 0) merge_.hear(one.shard, one.event);
+  }
+}
+
+/// Watches the shards that there are now. One that is gone was split some time ago: since then those in its place have held
+/// all that it held, and have been heard with it.
+void ShardedWatching::follow_view() {
+  std::shared_ptr<const ShardView> newest = links_->view();
+  if (newest == view_) return;
+  view_ = std::move(newest);
+  shards_.resize(view_->held.size());
+  merge_.set_map(view_->held);
+  for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
+    if ((view_->held.all() & shards::set_of(shard)) != 0 || !shards_[shard].watch) continue;
+    shards_[shard] = {};
+    merge_.forget(shard);
+  }
+}
+
+/// The newest map all of whose shards are watched, and told of this.
+std::string ShardedWatching::watched_map() const {
+  for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
+    const bool is_held = (view_->held.all() & shards::set_of(shard)) != 0;
+    if (is_held && !shards_[shard].now) return told_map_;
+  }
+  return shards::fingerprint_text(view_->held_by);
 }
 
 /// A round: how far has each shard come? What all had decided in the round before may be told once what each one has told
@@ -72,7 +105,9 @@ void ShardedWatching::ask_all() {
     if (shard.now) all_decided = std::min(all_decided, shard.now->settled);
   }
   const shards::ShardSet before = std::exchange(there_, 0);
+  told_map_ = watched_map();
   for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
+    if ((view_->held.all() & shards::set_of(shard)) == 0) continue;
     if (!shards_[shard].watch) watch_new(shard);
     shards_[shard].now = ask(shard);
     if (shards_[shard].now) there_ |= shards::set_of(shard);
@@ -103,8 +138,8 @@ void ShardedWatching::watch_new(std::size_t shard) {
 
 std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t shard) {
   if (!shards_[shard].watch || !shards_[shard].watch->in_step() || !links_->answers(shard)) return std::nullopt;
-  const Result<std::string> answer =
-      command(*links_->connection(shard), wire_contract::command::kSettled, nlohmann::json::object(), kAskTimeout);
+  const Result<std::string> answer = command(*links_->connection(shard), wire_contract::command::kSettled,
+                                             {{"watch", number_}, {"map", told_map_}}, kAskTimeout);
   if (!answer) return std::nullopt;
   const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
   if (!said.is_object()) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -49,7 +50,10 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   };
 
   void run();
+  void take_heard();
+  void follow_view();
   void watch_new(std::size_t shard);
+  std::string watched_map() const;
   std::optional<ShardProgress> ask(std::size_t shard);
   void ask_all();
   bool has_heard_all() const;
@@ -58,8 +62,11 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
 
   const std::shared_ptr<ShardLinks> links_;
   const WatchOptions options_;
+  const std::uint64_t number_;  // by which servers know it among others
   // Of the thread.
-  std::vector<WatchedShard> shards_;
+  std::shared_ptr<const ShardView> view_;
+  std::vector<WatchedShard> shards_;                    // by place in the view
+  std::string told_map_;                                // fingerprint of the newest map all of whose shards are watched
   shards::ShardSet there_ = 0;                          // shards that answered in the newest round
   std::optional<std::chrono::nanoseconds> may_settle_;  // by the round before
   EpisodeMerge merge_;

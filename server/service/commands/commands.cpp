@@ -128,14 +128,23 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
 /// The commands of the world's thread; null: it is none.
 Commands::Change Commands::change_of(std::string_view command) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
-      {names::kGet, &Commands::get},          {names::kAdd, &Commands::add},
-      {names::kMove, &Commands::move},        {names::kRemove, &Commands::remove},
-      {names::kClear, &Commands::clear},      {names::kProbe, &Commands::probe},
-      {names::kProbes, &Commands::probes},    {names::kAcceptLoss, &Commands::accept_loss},
-      {names::kLeftOut, &Commands::left_out}, {names::kFence, &Commands::fence},
-      {names::kFences, &Commands::fences},    {names::kAllow, &Commands::allow},
-      {names::kDeny, &Commands::deny},        {names::kAttach, &Commands::attach},
-      {names::kDetach, &Commands::detach},    {names::kSettled, &Commands::settled},
+      {names::kGet, &Commands::get},
+      {names::kAdd, &Commands::add},
+      {names::kMove, &Commands::move},
+      {names::kRemove, &Commands::remove},
+      {names::kClear, &Commands::clear},
+      {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes},
+      {names::kAcceptLoss, &Commands::accept_loss},
+      {names::kLeftOut, &Commands::left_out},
+      {names::kFence, &Commands::fence},
+      {names::kFences, &Commands::fences},
+      {names::kAllow, &Commands::allow},
+      {names::kDeny, &Commands::deny},
+      {names::kAttach, &Commands::attach},
+      {names::kDetach, &Commands::detach},
+      {names::kSettled, &Commands::settled},
+      {names::kSuccession, &Commands::succession},
   };
   const auto found = std::ranges::find(kChanges, command, &std::pair<std::string, Change>::first);
   return found == kChanges.end() ? nullptr : found->second;
@@ -197,7 +206,7 @@ void Commands::run(CommandAsk ask) {
         names::kMore,       names::kPoses,     names::kRecording, names::kCovers, names::kUpload,  names::kPiece,
         names::kAcceptLoss, names::kClearance, names::kLeftOut,   names::kFence,  names::kFences,  names::kAllow,
         names::kDeny,       names::kAllowed,   names::kAttach,    names::kDetach, names::kSampled, names::kHandOver,
-        names::kSettled,    names::kShard};
+        names::kSettled,    names::kShard,     names::kSuccession};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -291,14 +300,6 @@ json Commands::covers(const Arguments& arguments) const {
   return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
 }
 
-json Commands::shard(const Arguments& arguments) const {
-  arguments.allow_only({});
-  if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
-  return {{"name", with_.shard->name},
-          {"map", fmt::format("{:016x}", with_.shard->fingerprint)},
-          {"epoch", with_.loop.world().newest()->epoch}};
-}
-
 json Commands::get(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"name"});
   const ObjectInfo& info = *with_.loop.world().info(find_object(arguments.text("name")));
@@ -334,8 +335,11 @@ json Commands::left_out(const CommandAsk&, const Arguments& arguments) {
   return {{"objects", objects}, {"version", with_.loop.world().newest()->version}};
 }
 
-json Commands::settled(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({});
+json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"watch", "map"});
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+  if (with_.shard != nullptr && arguments.has("watch"))
+    shard_watchers_.heard(ask.client, arguments.whole("watch", 0, kMost), arguments.text("map"), steady_ns());
   const SnapshotRing::Lease newest = with_.loop.world().newest();
   return {{"settled_ns", with_.loop.settled_ns()},
           {"event_sequence", with_.loop.world().last_event_sequence()},

@@ -9,16 +9,19 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <thread>
 
+#include "idl/shards/shard_split.hpp"
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/commands/geometry_service.hpp"
 #include "server/service/commands/scene_loading.hpp"
 #include "server/service/commands/shard_place.hpp"
+#include "server/service/commands/shard_watchers.hpp"
 #include "server/service/commands/upload_receiver.hpp"
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/ingest/inbox.hpp"
@@ -122,7 +125,7 @@ class Commands {
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json covers(const Arguments& arguments) const;
-  nlohmann::json shard(const Arguments& arguments) const;
+  nlohmann::json shard(const Arguments& arguments);
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
   nlohmann::json allowed(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
@@ -133,6 +136,8 @@ class Commands {
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json settled(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json succession(const CommandAsk& ask, const Arguments& arguments);
+  void succeed(shards::Succession next);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
@@ -291,7 +296,10 @@ class Commands {
   UploadReceiver uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // path by scene; used by the world's thread alone
   std::set<std::uint64_t> fence_owners_;                // clients that may have fences; likewise
-  std::vector<CommandAsk> parted_;                      // by a crash: attachments whose parents may still come back
+  ShardWatchers shard_watchers_;
+  std::mutex succession_mutex_;
+  std::optional<shards::Succession> succession_;  // none: no other map than that of the start is known
+  std::vector<CommandAsk> parted_;                // by a crash: attachments whose parents may still come back
   std::atomic<bool> stopping_{false};
   std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;

@@ -199,6 +199,7 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
       if (command == names::kAllow) return allow(ask, arguments);
       if (command == names::kDeny) return deny(ask, arguments);
       if (command == names::kAttach) return attach(ask, arguments);
+      if (command == names::kSuccession) return succession(ask, arguments);
       if (command == names::kMove) return move(ask, arguments);
       if (command == names::kAdd) return add(ask, arguments);
       // What is not there needs no removing: the start options or the file may be others than before.

@@ -23,8 +23,9 @@ constexpr std::string_view kMemberMoved = "member_moved/";
 constexpr std::string_view kMoved = "moved/";
 constexpr std::string_view kProbe = "probe/";
 constexpr std::string_view kFence = "fence/";
-constexpr std::string_view kAttached = "attached/";  // by the name of the child
-constexpr std::string_view kRule = "rule/";          // with the place in their order
+constexpr std::string_view kAttached = "attached/";      // by the name of the child
+constexpr std::string_view kRule = "rule/";              // with the place in their order
+constexpr std::string_view kSuccession = "succession/";  // of the shard's map, of which there is one
 // These are no commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
@@ -41,7 +42,7 @@ std::string member_key(std::string_view kind, std::string_view scene, std::strin
 template <class Visit>
 void for_each_command(const Journal& journal, const Visit& visit) {
   for (const std::string_view kind :
-       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached}) {
+       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached, kSuccession}) {
     for (const Journal::Entry& entry : journal.entries()) {
       if (entry.key.starts_with(kind)) visit(entry);
     }
@@ -303,6 +304,10 @@ void DurableState::rules_set(std::size_t earlier_count, const std::vector<std::s
 
 void DurableState::attached(const std::string& child, const std::string& command) {
   change({}, {{.key = key(kAttached, child), .text = command, .blob = {}}});
+}
+
+void DurableState::succession_set(const CommandAsk& ask) {
+  change({}, {{.key = key(kSuccession, "map"), .text = ask.text, .blob = {}}});
 }
 
 void DurableState::detached(const std::string& child) { change({key(kAttached, child)}, {}); }

@@ -94,6 +94,8 @@ class DurableState {
   /// Keeps what an object is attached to, as the command that does it again.
   void attached(const std::string& child, const std::string& command);
   void detached(const std::string& child);
+  /// Keeps what becomes of the shards, in place of what was to become of them before.
+  void succession_set(const CommandAsk& ask);
   /// From now on these publishers count and no others; until the first call, those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace collided::engine::service {
+
+/// Who watches this shard together with others, and by which map: such a watch asks again and again how far the shard has
+/// decided. So it is known before a shard is split whether all of them watch the new shards.
+///
+/// threads  any
+class ShardWatchers {
+ public:
+  struct Counts {
+    std::size_t all = 0;     // heard within kLast
+    std::size_t behind = 0;  // that do not watch by the map asked about
+  };
+  static constexpr std::int64_t kLast = 3'000'000'000;  // ns; a watch asks fifty times a second
+  static constexpr std::size_t kMost = 65'536;          // beyond it they count, and nobody knows what they watch
+
+  /// client, watch  whose it is, and its number there
+  /// map            the fingerprint that it says
+  void heard(std::uint64_t client, std::uint64_t watch, std::string map, std::int64_t now_ns);
+  /// How many there are, and how many of them do not watch by this map.
+  Counts counts(const std::string& map, std::int64_t now_ns);
+
+ private:
+  struct Heard {
+    std::string map;
+    std::int64_t at_ns = 0;
+  };
+  void forget_old(std::int64_t now_ns);
+
+  std::mutex mutex_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Heard> heard_;
+  std::int64_t turned_away_ns_ = 0;  // when one was not noted, for want of room; 0: never
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <string>
+
+#include "idl/commands.hpp"
+#include "idl/shards/shard_split.hpp"
+#include "server/service/commands/commands.hpp"
+
+// Which map of shards this server is of, and which one comes after it.
+namespace collided::engine::service {
+
+using nlohmann::json;
+namespace names = wire_contract::command;
+
+namespace {
+
+/// What holds cannot be taken back.
+int step_of(shards::SuccessionPhase phase) {
+  switch (phase) {
+    case shards::SuccessionPhase::joining:
+    case shards::SuccessionPhase::withdrawn: return 0;
+    case shards::SuccessionPhase::in_force: return 1;
+    case shards::SuccessionPhase::done: return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+
+json Commands::shard(const Arguments& arguments) {
+  arguments.allow_only({});
+  if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
+  json answer{{"name", with_.shard->name},
+              {"map", shards::fingerprint_text(with_.shard->fingerprint)},
+              {"epoch", with_.loop.world().newest()->epoch}};
+  const std::lock_guard lock(succession_mutex_);
+  if (!succession_) return answer;
+  answer["succession"] = json::parse(shards::succession_text(*succession_));
+  const ShardWatchers::Counts counts =
+      shard_watchers_.counts(shards::fingerprint_text(succession_->next.fingerprint()), steady_ns());
+  answer["watches"] = counts.all;
+  answer["watches_behind"] = counts.behind;
+  return answer;
+}
+
+/// Notes a phase, which must come after the one that is known, of a map that comes after the one that holds.
+void Commands::succeed(shards::Succession next) {
+  const std::lock_guard lock(succession_mutex_);
+  const std::uint64_t own = with_.shard->fingerprint;
+  std::uint64_t holds = own;
+  if (succession_) {
+    if (next.revision <= succession_->revision)
+      throw BadCommand(fmt::format("revision {} is not higher than {}, which is known here. Nothing was done",
+                                   next.revision, succession_->revision));
+    if (succession_->phase != shards::SuccessionPhase::withdrawn) holds = succession_->next.fingerprint();
+    const bool is_same = next.from == succession_->from && next.next.fingerprint() == succession_->next.fingerprint();
+    if (succession_->phase == shards::SuccessionPhase::joining && !is_same)
+      throw BadCommand(fmt::format("a split to map {} is under way. Nothing was done",
+                                   shards::fingerprint_text(succession_->next.fingerprint())),
+                       "finish that one, or take it back: collide fleet split ... --undo");
+    if (is_same) holds = next.from;
+    if (is_same && step_of(next.phase) < step_of(succession_->phase))
+      throw BadCommand(fmt::format("'{}' does not come after '{}'. Nothing was done", name_of(next.phase),
+                                   name_of(succession_->phase)));
+  }
+  if (next.from != holds && next.from != own && next.next.fingerprint() != own)
+    throw BadCommand(fmt::format("it begins with map {}, and this server is of map {}. Nothing was done",
+                                 shards::fingerprint_text(next.from), shards::fingerprint_text(holds)));
+  succession_ = std::move(next);
+}
+
+json Commands::succession(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"revision", "phase", "from", "map", "durable"});
+  if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world. Nothing was done");
+  World& world = with_.loop.world();
+  try {
+    shards::Succession next = shards::parse_succession(ask.text);
+    const bool is_over = next.phase == shards::SuccessionPhase::done && !next.next.find(with_.shard->name);
+    succeed(std::move(next));
+    // From the next snapshot on, nobody takes what is no longer here for free space.
+    if (is_over) world.cover_nothing();
+  } catch (const shards::ShardMapError& wrong) {
+    throw BadCommand(fmt::format("succession: {}. Nothing was done", wrong.what()));
+  }
+  if (with_.durable != nullptr) with_.durable->succession_set(ask);
+  return {{"version", step()}};
+}
+
+}  // namespace collided::engine::service
