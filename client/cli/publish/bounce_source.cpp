@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/event_watch.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/readable.hpp"
 #include "client/cli/publish/sphere_mesh.hpp"
@@ -31,11 +32,11 @@ class BounceSource : public MotionSource {
  public:
   explicit BounceSource(const BounceSourceOptions& options) : options_(options), bounce_(options.bounce) {}
 
-  void begin(Client& client, Publisher& publisher) override {
+  void begin(Session& session, const Globals& globals, WorldPublisher& publisher) override {
     // The watch begins before the first sphere is added, so that no contact is missed.
     WatchOptions own;
     own.only = escaped_glob(options_.name) + "/*";
-    if (options_.bounces) watch_.emplace(take(client.watch(own)));
+    if (options_.bounces) watch_.emplace(session, globals, own);
     add(publisher, options_.name + "/cube", {cube_walls(options_.bounce.side_m / 2)}, {}, false);
     for (std::size_t at = 0; at < bounce_.spheres().size(); ++at) {
       const Sphere& sphere = bounce_.spheres()[at];
@@ -47,7 +48,7 @@ class BounceSource : public MotionSource {
 
   std::optional<double> next_time() override { return static_cast<double>(frame_) / options_.rate_hz; }
 
-  std::size_t move(Publisher& publisher) override {
+  std::size_t move(WorldPublisher& publisher) override {
     if (watch_) hear();
     if (frame_++ > 0) bounce_.step(1 / options_.rate_hz);
     for (std::size_t at = 0; at < objects_.size(); ++at) {
@@ -91,7 +92,7 @@ class BounceSource : public MotionSource {
     return sphere_mesh(sphere.radius_m, bands.latitudes, bands.longitudes);
   }
 
-  Publisher::Object add(Publisher& publisher, const std::string& name, Shape shape, const Pose& pose,
+  Publisher::Object add(WorldPublisher& publisher, const std::string& name, Shape shape, const Pose& pose,
                         bool moving) const {
     ObjectOptions object;
     object.name = name;
@@ -177,7 +178,7 @@ class BounceSource : public MotionSource {
 
   BounceSourceOptions options_;
   Bounce bounce_;
-  std::optional<Watch> watch_;
+  std::optional<EventWatch> watch_;
   std::vector<Publisher::Object> objects_;
   std::unordered_map<std::string, std::size_t> index_of_;
   std::uint64_t frame_ = 0;

@@ -17,7 +17,7 @@ class CsvSource : public MotionSource {
  public:
   CsvSource(Io& io, const CsvSourceOptions& options) : io_(io), options_(options) { open(); }
 
-  void begin(Client&, Publisher&) override {}
+  void begin(Session&, const Globals&, WorldPublisher&) override {}
 
   std::optional<double> next_time() override {
     frame_.clear();
@@ -38,7 +38,7 @@ class CsvSource : public MotionSource {
     return std::max(0.0, *time_s - *first_time_s_);
   }
 
-  std::size_t move(Publisher& publisher) override {
+  std::size_t move(WorldPublisher& publisher) override {
     const std::size_t known = objects_.size();
     for (const PoseRow& row : frame_) {
       auto found = objects_.find(row.name);

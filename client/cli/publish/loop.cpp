@@ -23,9 +23,9 @@ class Loop {
         globals_(globals),
         source_(source),
         options_(options),
-        publisher_(take(session.client(globals).publish(options.publisher_name))),
+        publisher_(session, globals, options.publisher_name),
         until_(options.most_frames, options.most_time) {
-    source_.begin(session.client(globals), publisher_);
+    source_.begin(session, globals, publisher_);
   }
 
   Exit run() {
@@ -77,7 +77,7 @@ class Loop {
     poses_ += source_.move(publisher_);
     if (source_.has_own_instants()) publisher_.stream();
     const std::chrono::nanoseconds at = instant();
-    const Result<std::uint64_t> sent = publisher_.flush(at);
+    const Result<void> sent = publisher_.flush(at);
     source_.sent(at);
     ++frames_;
     if (!sent) lose(sent.error());
@@ -109,7 +109,7 @@ class Loop {
     print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
     while (!stop_requested && Clock::now() < until_.end()) {
       // Everything rests; this flush says so, so that contacts with other publishers' objects can be decided.
-      if (const Result<std::uint64_t> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent)
+      if (const Result<void> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent)
         lose(sent.error());
       sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));
     }
@@ -144,7 +144,7 @@ class Loop {
   const Globals& globals_;
   MotionSource& source_;
   const PublishLoopOptions& options_;
-  Publisher publisher_;
+  WorldPublisher publisher_;
   Until until_;
   Clock::time_point start_;
   Clock::time_point round_start_;

@@ -49,7 +49,7 @@ class PathSource : public MotionSource {
     frame_count_ = static_cast<std::uint64_t>(std::ceil(path_.length_m() / options.speed_m_s * options.rate_hz)) + 1;
   }
 
-  void begin(Client&, Publisher& publisher) override {
+  void begin(Session&, const Globals&, WorldPublisher& publisher) override {
     ObjectOptions object;
     object.name = options_.name;
     object.shape = {options_.shape};
@@ -68,7 +68,7 @@ class PathSource : public MotionSource {
     return static_cast<double>(frame_) / options_.rate_hz;
   }
 
-  std::size_t move(Publisher& publisher) override {
+  std::size_t move(WorldPublisher& publisher) override {
     moved(publisher.move(object_, pose_at(static_cast<double>(frame_++) / options_.rate_hz * options_.speed_m_s)));
     return 1;
   }

@@ -22,11 +22,12 @@ class RobotSource : public MotionSource {
     open();
   }
 
-  void begin(Client& client, Publisher& publisher) override {
+  void begin(Session& session, const Globals& globals, WorldPublisher& publisher) override {
     read();
     if (!read_ahead_) throw bad_use(fmt::format("{} has no row that can be used", file_->name()));
+    Client& client = session.client(globals);
     load_if_missing(client);
-    published_ = take(PublishedRobot::claim(client, publisher, robot_,
+    published_ = take(PublishedRobot::claim(client, publisher.of_one_server(), robot_,
                                             {.scene = options_.scene,
                                              .base = options_.base,
                                              .joints = read_ahead_->joints,
@@ -44,8 +45,9 @@ class RobotSource : public MotionSource {
     return std::max(0.0, *row_.time_s - *first_time_s_);
   }
 
-  std::size_t move(Publisher& publisher) override {
-    const Result<std::vector<std::string>> set = published_->set_joints(publisher, row_.joints, is_restarted_);
+  std::size_t move(WorldPublisher& publisher) override {
+    const Result<std::vector<std::string>> set =
+        published_->set_joints(publisher.of_one_server(), row_.joints, is_restarted_);
     is_restarted_ = false;
     moved(set ? Result<void>() : Result<void>(set.error()));
     return published_->object_count();

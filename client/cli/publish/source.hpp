@@ -10,6 +10,7 @@
 #include <collided/client.hpp>
 
 #include "client/cli/output/output.hpp"
+#include "client/cli/publish/world_publisher.hpp"
 #include "client/cli/session.hpp"
 
 namespace collided::cli {
@@ -37,12 +38,12 @@ inline void moved(const Result<void>& result) {
 class MotionSource {
  public:
   virtual ~MotionSource() = default;
-  /// Adds the objects that are known from the start.
-  virtual void begin(Client& client, Publisher& publisher) = 0;
+  /// Adds the objects that are known from the start. What it watches or asks, it does by the session of the publisher.
+  virtual void begin(Session& session, const Globals& globals, WorldPublisher& publisher) = 0;
   /// When the next frame is due, in seconds after the first at speed 1; nothing after the last.
   virtual std::optional<double> next_time() = 0;
   /// Moves what moves in that frame, and returns the number of poses.
-  virtual std::size_t move(Publisher& publisher) = 0;
+  virtual std::size_t move(WorldPublisher& publisher) = 0;
   /// The frame of the last move() was sent with this time, since 1970, to which the server's events refer.
   virtual void sent(std::chrono::nanoseconds /*instant*/) {}
   /// Whether the objects have separate instants, so that a frame says nothing about those that it leaves out.

@@ -36,16 +36,16 @@ class VoxelSource : public MotionSource {
   VoxelSource(const VoxelSourceOptions& options, std::vector<double> points)
       : options_(options), points_(std::move(points)) {}
 
-  void begin(Client&, Publisher& publisher) override {
-    voxels_.emplace(take(PublishedVoxels::start(publisher, options_.name, options_.voxels, options_.objects.layers,
-                                                options_.objects.lost_policy)));
+  void begin(Session&, const Globals&, WorldPublisher& publisher) override {
+    voxels_.emplace(take(PublishedVoxels::start(publisher.of_one_server(), options_.name, options_.voxels,
+                                                options_.objects.layers, options_.objects.lost_policy)));
   }
   std::optional<double> next_time() override {
     return is_taken_ ? std::nullopt : std::optional<double>(static_cast<double>(frames_) / options_.rate_hz);
   }
-  std::size_t move(Publisher& publisher) override {
-    scan_ = take(
-        voxels_->insert(publisher, std::span<const double>(points_), options_.origin, wire_contract::since_1970()));
+  std::size_t move(WorldPublisher& publisher) override {
+    scan_ = take(voxels_->insert(publisher.of_one_server(), std::span<const double>(points_), options_.origin,
+                                 wire_contract::since_1970()));
     is_taken_ = true;
     ++frames_;
     // A block that the server has no room for would be space that is taken for free.

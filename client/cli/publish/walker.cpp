@@ -47,7 +47,7 @@ class Walker : public MotionSource {
     }
   }
 
-  void begin(Client&, Publisher& publisher) override {
+  void begin(Session&, const Globals&, WorldPublisher& publisher) override {
     const std::vector<Pose> poses = walker_poses(bvh_, parts_, options_, 1);
     for (std::size_t at = 0; at < parts_.size(); ++at) {
       ObjectOptions object;
@@ -67,7 +67,7 @@ class Walker : public MotionSource {
     return static_cast<double>(frame_ - 1) * bvh_.frame_seconds;
   }
 
-  std::size_t move(Publisher& publisher) override {
+  std::size_t move(WorldPublisher& publisher) override {
     const std::vector<Pose> poses = walker_poses(bvh_, parts_, options_, frame_++);
     // When the recording begins again, the person is placed at the start, not moved there through the room.
     for (std::size_t at = 0; at < poses.size(); ++at) moved(publisher.move(objects_[at], poses[at], restarted_));

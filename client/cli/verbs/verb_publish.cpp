@@ -52,10 +52,15 @@ class PublishCommand : public Command {
     for (Setting& setting : settings_) setting.given = setting.given || setting.flag || !setting.text.empty();
     const Kind kind = kind_of_run();
     for (const Setting& setting : settings_) refuse_unless_known(setting, kind);
+    if (!globals.shards.empty() && (kind == Kind::robot || kind == Kind::voxels))
+      throw bad_use(fmt::format("{} is published to one server, so --shards is not for it",
+                                kind == Kind::robot ? "a robot" : "a scan"));
     PublishLoopOptions loop = loop_options();
     const std::unique_ptr<MotionSource> source = make_source(session.io, kind, loop);
     return publish(session, globals, *source, loop);
   }
+
+  bool takes_shards() const override { return true; }
 
  private:
   Setting& setting(std::string_view name) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/event_watch.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
@@ -113,7 +114,9 @@ class WatchCommand : public Command {
     if (!command_.empty()) shell_.emplace(command_);
     if (post_url_) poster_.emplace(*post_url_);
     if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
-    Watch watch = take(session.client(globals).watch(options_));
+    if (manifold_ && !globals.shards.empty())
+      throw bad_use("--manifold asks one server about the two, so --shards is not for it");
+    EventWatch watch(session, globals, options_);
     if (options_.since && watch.tells_since() > *options_.since)
       print_hint(session.io, globals,
                  fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
@@ -125,7 +128,7 @@ class WatchCommand : public Command {
     std::uint64_t count = 0;
     while (!until.reached(count) && session.io.out.good()) {
       const std::optional<Event> event = next_of(watch, session.io, until);
-      tell_of_silence(session, globals, watch);
+      if (const std::string_view news = watch.news(); !news.empty()) print_hint(session.io, globals, news);
       if (!event) continue;
       print(printer, *event, session.io);
       if (manifold_ && event->kind == EventKind::began) print_manifold(session, globals, printer, *event);
@@ -141,6 +144,8 @@ class WatchCommand : public Command {
     if (stop_requested) return Exit::interrupted;
     return count > 0 ? Exit::yes : Exit::no;
   }
+
+  bool takes_shards() const override { return true; }
 
  private:
   void print(Printer& printer, const Event& event, Io& io) const {
@@ -195,14 +200,6 @@ class WatchCommand : public Command {
                            format_count(counts.dropped), format_count(counts.refused), why));
   }
 
-  void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
-    const bool connected = watch.connected();
-    if (connected == was_connected_) return;
-    was_connected_ = connected;
-    print_hint(session.io, globals,
-               connected ? "the server is back" : "the server is silent; events that it missed come marked resync");
-  }
-
   WatchOptions options_;
   std::string since_;
   std::string most_events_;
@@ -214,7 +211,6 @@ class WatchCommand : public Command {
   std::optional<std::string> post_url_;
   std::optional<EventPoster> poster_;
   bool manifold_ = false;
-  bool was_connected_ = true;
 };
 
 }  // namespace

@@ -61,6 +61,19 @@ Result<Answers> answer_all(std::span<const Question> questions, const AskOptions
   return answers;
 }
 
+std::optional<Event> next_event(std::chrono::nanoseconds wait) {
+  {
+    const std::lock_guard lock(fake::server().mutex);
+    if (!fake::server().events.empty()) {
+      Event event = fake::server().events.front();
+      fake::server().events.pop_front();
+      return event;
+    }
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+
 template <class T>
 std::future<Result<T>> ready(Result<T> result) {
   std::promise<Result<T>> promise;
@@ -340,40 +353,61 @@ Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Watch::~Watch() = default;
 Watch::Watch(Watch&&) noexcept = default;
 Watch& Watch::operator=(Watch&&) noexcept = default;
-std::optional<Event> Watch::next(std::chrono::nanoseconds wait) {
-  {
-    const std::lock_guard lock(fake::server().mutex);
-    if (!fake::server().events.empty()) {
-      Event event = fake::server().events.front();
-      fake::server().events.pop_front();
-      return event;
-    }
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
-}
+std::optional<Event> Watch::next(std::chrono::nanoseconds wait) { return next_event(wait); }
 std::uint64_t Watch::lost() const { return 0; }
 std::uint64_t Watch::resyncs() const { return 0; }
 bool Watch::connected() const { return true; }
 std::size_t Watch::open_contacts() const { return 0; }
 std::chrono::nanoseconds Watch::tells_since() const { return fake::server().tells_since; }
 
+namespace {
+
+std::size_t new_publisher(const std::string& name, bool is_sharded) {
+  fake::Published& published = fake::server().publishers.emplace_back();
+  published.publisher = name;
+  published.is_sharded = is_sharded;
+  return fake::server().publishers.size() - 1;
+}
+
+std::uint32_t add_object(std::size_t publisher, const ObjectOptions& options) {
+  auto& objects = fake::server().publishers[publisher].objects;
+  const auto handle = static_cast<std::uint32_t>(objects.size() + 1);
+  objects[handle] = options;
+  return handle;
+}
+
+Result<void> move_object(std::size_t publisher, std::uint32_t object, const Pose& pose) {
+  fake::server().publishers[publisher].pending[object] = pose;
+  if (fake::server().on_move) {
+    if (auto error = fake::server().on_move()) return *error;
+  }
+  return {};
+}
+
+std::uint64_t flush_batch(std::size_t publisher, std::chrono::nanoseconds source_time) {
+  fake::Published& published = fake::server().publishers[publisher];
+  published.stamps.push_back(source_time);
+  published.batches.push_back(std::move(published.pending));
+  published.pending.clear();
+  if (fake::server().on_flush) fake::server().on_flush(published);
+  return std::uint64_t{published.batches.size()};
+}
+
+Result<void> left_out() {
+  const std::optional<Error>& error = fake::server().left_out;
+  return error ? Result<void>(*error) : Result<void>();
+}
+
+}  // namespace
+
 Result<Publisher> Client::publish(const std::string& publisher_name, const PublishOptions&) {
-  auto state = std::make_unique<Publisher::State>();
-  state->index = fake::server().publishers.size();
-  fake::server().publishers.push_back({publisher_name, {}, {}, {}});
-  return Publisher(std::move(state));
+  return Publisher(std::make_unique<Publisher::State>(Publisher::State{new_publisher(publisher_name, false)}));
 }
 Publisher::Publisher(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Publisher::~Publisher() = default;
 Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
-Result<Publisher::Object> Publisher::add(const ObjectOptions& options) {
-  auto& objects = fake::server().publishers[state_->index].objects;
-  const auto handle = static_cast<Object>(objects.size() + 1);
-  objects[handle] = options;
-  return handle;
-}
+Result<Publisher::Object> Publisher::add(const ObjectOptions& options) { return add_object(state_->index, options); }
 Result<Publisher::Object> Publisher::claim(const std::string& name, const Pose& pose, LostPolicy lost_policy) {
   return add({.name = name, .pose = pose, .lost_policy = lost_policy});
 }
@@ -385,27 +419,54 @@ Result<void> Publisher::reshape(Object object, const Shape& shape) {
   fake::server().publishers[state_->index].objects[object].shape = shape;
   return {};
 }
-Result<void> Publisher::move(Object object, const Pose& pose, bool) {
-  fake::server().publishers[state_->index].pending[object] = pose;
-  if (fake::server().on_move) {
-    if (auto error = fake::server().on_move()) return *error;
-  }
-  return {};
-}
+Result<void> Publisher::move(Object object, const Pose& pose, bool) { return move_object(state_->index, object, pose); }
 Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
-  fake::Published& published = fake::server().publishers[state_->index];
-  published.stamps.push_back(source_time);
-  published.batches.push_back(std::move(published.pending));
-  published.pending.clear();
-  if (fake::server().on_flush) fake::server().on_flush(published);
-  return std::uint64_t{published.batches.size()};
+  return flush_batch(state_->index, source_time);
 }
 void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
 Result<void> Publisher::keep_alive() { return {}; }
-Result<void> Publisher::wait_applied(std::chrono::nanoseconds) {
-  const std::optional<Error>& left_out = fake::server().left_out;
-  return left_out ? Result<void>(*left_out) : Result<void>();
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds) { return left_out(); }
+
+namespace client {
+class ShardedPublishing {
+ public:
+  std::size_t index = 0;
+};
+class ShardedWatching {};
+}  // namespace client
+
+Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions&) {
+  return ShardedPublisher(
+      std::make_unique<client::ShardedPublishing>(client::ShardedPublishing{new_publisher(publisher_name, true)}));
 }
+ShardedPublisher::ShardedPublisher(std::unique_ptr<client::ShardedPublishing> state) : state_(std::move(state)) {}
+ShardedPublisher::~ShardedPublisher() = default;
+ShardedPublisher::ShardedPublisher(ShardedPublisher&&) noexcept = default;
+ShardedPublisher& ShardedPublisher::operator=(ShardedPublisher&&) noexcept = default;
+Result<ShardedPublisher::Object> ShardedPublisher::add(const ObjectOptions& options) {
+  return add_object(state_->index, options);
+}
+Result<void> ShardedPublisher::move(Object object, const Pose& pose, bool) {
+  return move_object(state_->index, object, pose);
+}
+Result<void> ShardedPublisher::flush(std::chrono::nanoseconds source_time) {
+  flush_batch(state_->index, source_time);
+  return {};
+}
+Result<void> ShardedPublisher::keep_alive() { return {}; }
+Result<void> ShardedPublisher::wait_applied(std::chrono::nanoseconds) { return left_out(); }
+
+Result<ShardedWatch> ShardedClient::watch(const WatchOptions& options) {
+  fake::server().watched_with = options;
+  return ShardedWatch(std::make_unique<client::ShardedWatching>());
+}
+ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : state_(std::move(state)) {}
+ShardedWatch::~ShardedWatch() = default;
+ShardedWatch::ShardedWatch(ShardedWatch&&) noexcept = default;
+ShardedWatch& ShardedWatch::operator=(ShardedWatch&&) noexcept = default;
+std::optional<Event> ShardedWatch::next(std::chrono::nanoseconds wait) { return next_event(wait); }
+std::uint64_t ShardedWatch::lost() const { return 0; }
+std::uint64_t ShardedWatch::gaps() const { return fake::server().shard_gaps; }
 
 std::string_view library_version() { return "0.1.0"; }
 

@@ -26,6 +26,7 @@ struct Published {
   std::map<std::uint32_t, Pose> pending;
   std::vector<std::chrono::nanoseconds> stamps = {};  // one a flush
   bool is_streamed = false;
+  bool is_sharded = false;  // it publishes to several shards
 };
 
 struct Server {
@@ -78,6 +79,7 @@ struct Server {
   std::vector<FleetMember> members;
   std::string shard_map;  // that was connected by
   std::vector<ShardState> shards;
+  std::uint64_t shard_gaps = 0;  // of a watch of theirs
   Strangers strangers;
 
   std::uint64_t version = 18204;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// Warns of each shard of --shards that is not there, with what this means to the verb.
+void warn_of_shards_away(Session& session, const Globals& globals, std::string_view meaning);
+
+}  // namespace collided::cli

@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+#include "tests/cli/fakes/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+/// `watch` and `publish` with --shards.
+class ShardedVerbs : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    Event began;
+    began.kind = EventKind::began;
+    began.a = "ball/0";
+    began.b = "ball/1";
+    began.sequence = began.episode = 1;
+    began.world_time = began.began = std::chrono::milliseconds(12'201);
+    began.depth_m = 0.0031;
+    Event ended = began;
+    ended.kind = EventKind::ended;
+    ended.reason = EndReason::separated;
+    ended.sequence = 2;
+    ended.world_time = std::chrono::milliseconds(12'455);
+    fake::server().events = {began, ended};
+    fake::server().shards = {{.name = "west", .is_there = true, .state = "ready"},
+                             {.name = "east", .is_there = true, .state = "ready"}};
+  }
+};
+
+TEST_F(ShardedVerbs, AWatchTellsEachContactAsThatOfOneServerDoes) {
+  const std::string fields = " -n 2 --fields what,a,b,after,why,sequence";
+  const auto events = fake::server().events;
+  for (const char* form : {"", " --json", " --csv", " --format '{what} {a} {b}'"}) {
+    fake::server().events = events;
+    const Ran whole = collide("watch" + fields + form);
+    fake::server().events = events;
+    const Ran sharded = collide("watch --only 'ball/*' --skip cube --shards map.json" + fields + form);
+    EXPECT_EQ(sharded.code, 0) << sharded.err;
+    EXPECT_EQ(sharded.out, whole.out);
+    EXPECT_NE(whole.out.find("ended"), std::string::npos) << whole.out;
+  }
+  EXPECT_EQ(fake::server().shard_map, "map.json");
+  EXPECT_EQ(fake::server().watched_with.only, "ball/*");
+  EXPECT_EQ(fake::server().watched_with.skip, "cube");
+}
+
+TEST_F(ShardedVerbs, AWatchSaysWhatItDoesNotHear) {
+  fake::server().shards[1] = {.name = "east", .fault = "no server"};
+  const Ran away = collide("watch -n 1 --shards map.json");
+  EXPECT_EQ(away.code, 0);
+  EXPECT_EQ(away.err.find("warning: shard 'east' is not there: no server; what happens in its part is not heard\n"), 0U)
+      << away.err;
+  fake::server().shard_gaps = 1;
+  const Ran gap = collide("watch -n 1 --shards map.json");
+  EXPECT_NE(gap.err.find("a shard was not heard for a while: events of its part may be missing"), std::string::npos)
+      << gap.err;
+}
+
+TEST_F(ShardedVerbs, AWatchRefusesToAskOneServerOfTheTwo) {
+  const Ran ran = collide("watch -n 1 --manifold --shards map.json");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err, "error: watch: --manifold asks one server about the two, so --shards is not for it\n");
+}
+
+TEST_F(ShardedVerbs, FilesPathsRecordingsAndSpheresArePublishedToShards) {
+  const ScratchFile file("poses.csv", "t,name,x,y,z\n5,a,0,0,0\n5,b,1,0,0\n5.01,a,0,0,1\n5.01,b,1,0,1\n");
+  for (const std::string& what : {file.path(), std::string("--waypoints '0,0,1 0.1,0,1' --shape sphere:0.1"),
+                                  std::string("--spheres 3 --size 0.1 --bounce --steps 2")}) {
+    fake::server().publishers.clear();
+    const Ran ran = collide("publish " + what + " --shards map.json --as mover --json --fields frames,lost");
+    EXPECT_EQ(ran.code, 0) << what << ": " << ran.err;
+    ASSERT_EQ(fake::server().publishers.size(), 1U) << what;
+    EXPECT_TRUE(fake::server().publishers[0].is_sharded) << what;
+    EXPECT_EQ(fake::server().publishers[0].publisher, "mover");
+    EXPECT_GE(fake::server().publishers[0].batches.size(), 2U) << what;
+  }
+  EXPECT_EQ(fake::server().shard_map, "map.json");
+  EXPECT_EQ(fake::server().watched_with.only, "spheres/*") << "the spheres hear of their contacts through all shards";
+  fake::server().shards[1] = {.name = "east", .fault = "no server"};
+  EXPECT_EQ(collide("publish " + file.path() + " --shards map.json")
+                .err.find("warning: shard 'east' is not there: no server; it gets its objects when it is there\n"),
+            0U);
+}
+
+// A frame tells each shard where everything is. What one leaves out would be said to have rested.
+TEST_F(ShardedVerbs, AFrameThatLeavesObjectsOutIsRefused) {
+  const ScratchFile file("poses.csv", "t,name,x,y,z\n5,a,0,0,0\n5,b,1,0,0\n5.01,a,0,0,1\n5.02,b,1,0,1\n");
+  const Ran ran = collide("publish " + file.path() + " --shards map.json");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err,
+            "error: publish: a frame leaves objects out, so --shards is not for it: each frame says where all of them "
+            "are\n       give every object a row at every time\n");
+  EXPECT_EQ(fake::server().publishers.at(0).batches.size(), 1U) << "the frame itself is not sent";
+}
+
+TEST_F(ShardedVerbs, ARobotAndAScanArePublishedToOneServer) {
+  const Ran robot = collide("publish arm.urdf --joints plan.csv --shards map.json");
+  EXPECT_EQ(robot.code, 2);
+  EXPECT_EQ(robot.err, "error: publish: a robot is published to one server, so --shards is not for it\n");
+  const Ran scan = collide("publish scan.pcd --voxels 5cm --shards map.json");
+  EXPECT_EQ(scan.code, 2);
+  EXPECT_EQ(scan.err, "error: publish: a scan is published to one server, so --shards is not for it\n");
+  EXPECT_TRUE(fake::server().shard_map.empty()) << "it says so before it connects";
+}
+
+}  // namespace
+}  // namespace collided
