@@ -38,7 +38,7 @@ std::string_view EventWatch::news() {
     const std::uint64_t before = std::exchange(gaps_, shards->gaps());
     return before == gaps_
                ? ""
-               : "a shard was not heard for a while: events of its part may be missing (collide fleet --shards)";
+               : "a shard was silent, or another server took its place; what was missed comes marked resync";
   }
   const bool is_connected = std::get<Watch>(watch_).connected();
   if (is_connected == std::exchange(was_connected_, is_connected)) return "";

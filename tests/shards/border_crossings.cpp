@@ -1,9 +1,11 @@
 // Objects go to and fro across the borders of four shards, and the same ones in one server that holds everything:
-//   border_crossings SERVER CROSSINGS [SEED [SPLITS]]
+//   border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS]]]
 // Two publishers with instants of their own tell both worlds the same poses at the same times. What a watch of the shards
 // tells must be what a watch of the one server tells: for each pair the same events in the same order at the same times.
 // With one split a shard is split on the way, with two one of those in its place later; and rays are asked of both worlds all
 // the while, whose answers about a settled instant must be the same.
+// KILLS: so often a shard's primary is killed amid the crossings, and its standby takes its place. The publishers, the watch
+// and a client that asks go on; no answer may be wrong, and none undecided once the standby is there.
 // Prints the figures, and exits 1 where an event was lost, told twice, told otherwise or out of order.
 
 #include <algorithm>
@@ -23,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "collided/fleet.hpp"
 #include "collided/shards.hpp"
 #include "idl/shards/shard_map.hpp"
 #include "tests/service/child_process.hpp"
@@ -41,6 +44,9 @@ constexpr auto kPatience = 60s;
 constexpr auto kTick = 15ms;
 constexpr int kMostShown = 10;
 constexpr std::int64_t kCrossingsInRound = 10'000;
+// While a shard is being replaced, frames come as from a publisher of 200 a second.
+constexpr auto kFrame = 5ms;
+constexpr auto kReplacing = 600ms;
 
 // Four quarters about the z axis.
 constexpr const char* kMap = R"({"margin_m": 0.5, "shards": [
@@ -114,11 +120,11 @@ struct Walker {
 
 class BorderCrossings {
  public:
-  BorderCrossings(const std::string& server, std::uint64_t seed)
-      : server_(server), random_(seed), domain_(own_domain()) {
+  BorderCrossings(std::string server, std::uint64_t seed, int kills)
+      : server_(std::move(server)), random_(seed), domain_(own_domain()), kills_(kills) {
     const std::string file = write(kMap, "map.json");
     std::ofstream(folder_.path() + "/floor.obj") << kFloor;
-    start({"--namespace", "whole"});
+    whole_server_ = start({"--namespace", "whole"});
     for (std::size_t i = 0; i < map_.size(); ++i) start_shard(file, map_.at(i).name);
     whole_.emplace(value_of(Client::connect({.domain = domain_, .name_space = "whole", .wait = 20s}), "connect"));
     sharded_.emplace(
@@ -133,6 +139,7 @@ class BorderCrossings {
   /// Returns the number of faults.
   int run(std::int64_t wanted, int splits) {
     const auto started = SteadyClock::now();
+    const std::int64_t in_round = kills_ > 0 ? std::max<std::int64_t>(1, wanted / (kills_ + 1)) : kCrossingsInRound;
     if (splits > 0) {
       go_until(wanted / 3);
       split("map.json", kSplit, "split.json", "d", {"d1", "d2"});
@@ -142,22 +149,24 @@ class BorderCrossings {
       split("split.json", kSplitAgain, "again.json", "d2", {"d21", "d22", "d23"});
     }
     while (crossings_ < wanted) {
-      go_until(std::min(wanted, crossings_ + kCrossingsInRound));
+      if (killed_ < kills_) fail_over();
+      go_until(std::min(wanted, crossings_ + in_round));
       compare();
     }
     const double seconds = std::chrono::duration<double>(SteadyClock::now() - started).count();
     std::printf(
         "crossings=%lld ticks=%lld events=%zu lost=%d extra=%d differing=%d out_of_order=%d at_another_step=%d "
-        "gaps=%llu "
-        "copies=%zu of %d in %.1f s\n",
+        "gaps=%llu copies=%zu of %d kills=%d crossed_then=%lld asked=%d undecided=%d unanswered=%d wrong=%d in %.1f "
+        "s\n",
         static_cast<long long>(crossings_), static_cast<long long>(ticks_), whole_count_, lost_, extra_, differing_,
         out_of_order_, at_another_step_, static_cast<unsigned long long>(sharded_watch_->gaps()),
-        sources_[0].sharded->copies() + sources_[1].sharded->copies(), 2 * kObjects, seconds);
+        sources_[0].sharded->copies() + sources_[1].sharded->copies(), 2 * kObjects, killed_,
+        static_cast<long long>(crossed_amid_kills_), asked_, undecided_, unanswered_, wrong_, seconds);
     if (splits > 0)
       std::printf("splits=%d rays=%d hit=%d undecided=%d differing=%d\n", splits, ray_count_, hit_count_,
                   undecided_count_, differing_answers_);
     faults_ += differing_answers_ + static_cast<int>(splits > 0 && sharded_watch_->gaps() > 0);
-    return faults_ + lost_ + extra_ + differing_ + out_of_order_;
+    return wrong_ + faults_ + lost_ + extra_ + differing_ + out_of_order_;
   }
 
  private:
@@ -174,17 +183,83 @@ class BorderCrossings {
   }
 
   void start_shard(const std::string& file, const std::string& name) {
-    start({"--namespace", "city", "--shard", file + ':' + name});
-    shard_servers_[name] = servers_.back().get();
+    shard_servers_[name] = start({"--namespace", "city", "--shard", file + ':' + name});
   }
 
-  void start(const std::vector<std::string>& options) {
-    const std::string name = "server_" + std::to_string(servers_.size());
+  std::unique_ptr<ChildProcess> start(const std::vector<std::string>& options) {
+    const std::string name = "server_" + std::to_string(started_++);
     std::vector<std::string> words{server_,       folder_.path() + "/floor.obj", "--domain", std::to_string(domain_),
-                                   "--state-dir", folder_.path() + '/' + name};
+                                   "--state-dir", folder_.path() + '/' + name,   "--member", name};
     words.insert(words.end(), options.begin(), options.end());
-    servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
-    if (!servers_.back()->says("ready:", 20s)) std::printf("%s\n", servers_.back()->errors().c_str());
+    auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
+    if (!process->says("ready:", 20s)) std::printf("%s\n", process->errors().c_str());
+    return process;
+  }
+
+  // ---- a standby takes a shard's place
+
+  /// Kills the server of a shard that has a standby, and goes on while that takes its place.
+  void fail_over() {
+    const std::size_t shard = random_() % map_.size();
+    const std::string name = "server_" + std::to_string(started_);
+    std::unique_ptr<ChildProcess> standby =
+        start({"--standby-of", "city", "--shard", folder_.path() + "/map.json:" + map_.at(shard).name});
+    // While the two have not found their worlds the same, it would not take the place.
+    const auto patience_over = SteadyClock::now() + kPatience;
+    const auto pause = std::chrono::milliseconds(100 + random_() % 200);
+    do frames_for(pause, shard);
+    while (!is_ready(shard, name) && SteadyClock::now() < patience_over);
+    if (SteadyClock::now() >= patience_over) {
+      std::printf("the standby of shard '%s' does not become ready: %s\n", map_.at(shard).name.c_str(),
+                  standby->errors().c_str());
+      ++faults_;
+    }
+    const std::int64_t crossings = crossings_;
+    shard_servers_[map_.at(shard).name]->signal(SIGKILL);
+    ++killed_;
+    frames_for(kReplacing, shard);
+    shard_servers_[map_.at(shard).name] = std::move(standby);
+    crossed_amid_kills_ += crossings_ - crossings;
+    if (!wait_until([&] { return ask(shard); }, kPatience)) {
+      std::printf("nobody answers in the place of shard '%s': %s\n", map_.at(shard).name.c_str(),
+                  shard_servers_[map_.at(shard).name]->errors().c_str());
+      ++faults_;
+    }
+  }
+
+  void frames_for(nanoseconds time, std::size_t shard) {
+    for (const auto end = SteadyClock::now() + time; SteadyClock::now() < end; ++ticks_) {
+      for (Source& source : sources_) tick(source);
+      take();
+      ask(shard);
+      std::this_thread::sleep_for(kFrame);
+    }
+  }
+
+  bool is_ready(std::size_t shard, const std::string& name) const {
+    const Result<Fleet> all =
+        fleet({.domain = domain_, .name_space = shards::shard_namespace("city", map_.at(shard).name)});
+    if (!all) return false;
+    const auto found = std::ranges::find(all->members, name, &FleetMember::name);
+    return found != all->members.end() && found->state == "ready" && found->hash_time != 0s;
+  }
+
+  /// Asks for a ray down to the floor in a shard, outside of where things move. True: it is decided.
+  bool ask(std::size_t shard) {
+    const shards::ShardBox& box = map_.at(shard).box;
+    const Vec3 origin{std::isinf(box.low[0]) ? -7.0 : 7.0, std::isinf(box.low[1]) ? -7.0 : 7.0, 5};
+    const Result<Answer> answer =
+        sharded_->ask(RayQuestion{.origin = origin, .direction = -Vec3::UnitZ(), .length_m = 10});
+    ++asked_;
+    if (!answer || answer->verdict == Verdict::undecided) {
+      ++(answer ? undecided_ : unanswered_);
+      return false;
+    }
+    if (answer->verdict != Verdict::hit || answer->hits.at(0).distance_m != 5) {
+      std::printf("the ray in shard '%s' is answered wrongly\n", map_.at(shard).name.c_str());
+      ++wrong_;
+    }
+    return true;
   }
 
   void add_publisher(int number) {
@@ -197,7 +272,7 @@ class BorderCrossings {
                  {.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {9.0 * number, 0, 9}}}),
              "add");
     flush(source);
-    value_of(source.whole->wait_applied(kPatience), "wait");
+    wait_applied(*source.whole);
     std::this_thread::sleep_for(100ms);
     flush(source);
     std::uniform_real_distribution<> somewhere(-1, 1);
@@ -215,8 +290,8 @@ class BorderCrossings {
       source.walkers.push_back(walker);
     }
     flush(source);
-    value_of(source.whole->wait_applied(kPatience), "wait");
-    value_of(source.sharded->wait_applied(kPatience), "wait");
+    wait_applied(*source.whole);
+    wait_applied(*source.sharded);
   }
 
   static Pose pose_of(const Walker& walker) { return {.position = walker.position, .rotation = walker.rotation}; }
@@ -248,7 +323,12 @@ class BorderCrossings {
     }
     wait_applied();
     const nanoseconds last = std::min(sources_[0].instant, sources_[1].instant);
-    if (!wait_until([&] { return sharded_watch_->settled() >= last; }, kPatience)) {
+    const auto is_settled = [&] {
+      if (sharded_watch_->settled() >= last) return true;
+      for (Source& source : sources_) flush(source);
+      return false;
+    };
+    if (!wait_until(is_settled, kPatience, 20ms)) {
       std::printf("the shards do not decide up to the last instant\n");
       ++faults_;
     }
@@ -335,10 +415,22 @@ class BorderCrossings {
 
   void wait_applied() {
     for (Source& source : sources_) {
-      value_of(source.whole->wait_applied(kPatience), "wait");
-      value_of(source.sharded->wait_applied(kPatience), "wait");
+      wait_applied(*source.whole);
+      wait_applied(*source.sharded);
     }
     take();
+  }
+
+  /// A server that is short of time is silent for a moment, and so is a shard that is being replaced.
+  template <class AnyPublisher>
+  static void wait_applied(AnyPublisher& publisher) {
+    Result<void> applied;
+    const auto is_over = [&] {
+      applied = publisher.wait_applied(kPatience);
+      return applied || applied.error().code != ErrorCode::disconnected;
+    };
+    wait_until(is_over, kPatience);
+    value_of(applied, "wait");
   }
 
   void take() {
@@ -420,10 +512,12 @@ class BorderCrossings {
   const std::string server_;
   std::mt19937_64 random_;
   const int domain_;
+  const int kills_;
   const shards::ShardMap map_ = shards::ShardMap::parse(kMap);
   ScratchFolder folder_;
-  std::vector<std::unique_ptr<ChildProcess>> servers_;
-  std::map<std::string, ChildProcess*> shard_servers_;
+  std::unique_ptr<ChildProcess> whole_server_;
+  std::map<std::string, std::unique_ptr<ChildProcess>> shard_servers_;
+  int started_ = 0;
   std::optional<Client> whole_;
   std::optional<ShardedClient> sharded_;
   std::optional<Watch> whole_watch_;
@@ -435,6 +529,12 @@ class BorderCrossings {
   std::int64_t crossings_ = 0;
   std::int64_t ticks_ = 0;
   nanoseconds newest_{0};
+  int killed_ = 0;
+  std::int64_t crossed_amid_kills_ = 0;
+  int asked_ = 0;
+  int undecided_ = 0;
+  int unanswered_ = 0;
+  int wrong_ = 0;
   int faults_ = 0;
   int lost_ = 0;
   int extra_ = 0;
@@ -452,12 +552,13 @@ class BorderCrossings {
 
 int main(int count, char** words) {
   if (count < 3) {
-    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED [SPLITS]]\n");
+    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS]]]\n");
     return 2;
   }
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-  collided::testing_support::BorderCrossings crossings(words[1], seed);
   const int splits = count > 4 ? std::atoi(words[4]) : 0;
+  const int kills = count > 5 ? std::atoi(words[5]) : 0;
+  collided::testing_support::BorderCrossings crossings(words[1], seed, kills);
   return crossings.run(std::strtoll(words[2], nullptr, 10), splits) == 0 ? 0 : 1;
 }

@@ -118,6 +118,11 @@ bool ShardLinks::answers(std::size_t place) const {
   return found != nullptr && !found->pulse().silent();
 }
 
+bool ShardLinks::may_answer(std::size_t place) const {
+  const std::shared_ptr<Connection> found = connection(place);
+  return found != nullptr && Clock::now() - found->pulse().last_heard() < kMayBeReplaced;
+}
+
 std::uint64_t ShardLinks::epoch(std::size_t place) const {
   const std::lock_guard lock(mutex_);
   return links_[place].epoch;

@@ -19,6 +19,9 @@
 
 namespace collided::client {
 
+/// A shard that falls silent may have a standby, which takes its place within this time.
+inline constexpr std::chrono::nanoseconds kMayBeReplaced = std::chrono::seconds(1);
+
 /// Which shards there are now. Places are the same in both maps and in every later view: of shards that have gone they stay
 /// empty, and new ones come behind.
 struct ShardView {
@@ -48,6 +51,8 @@ class ShardLinks {
   std::shared_ptr<Connection> connection(std::size_t place) const;
   /// Whether a shard is there and its server was heard a moment ago.
   bool answers(std::size_t place) const;
+  /// Whether it answers, or fell silent only so short a while ago that a standby may be taking its place.
+  bool may_answer(std::size_t place) const;
   /// The epoch of the server that has said that it is the shard. Who answers with another one is to be checked first.
   std::uint64_t epoch(std::size_t place) const;
   /// Asks the server behind a connection whether it is the shard. False: it is not, or does not answer.

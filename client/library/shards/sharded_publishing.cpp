@@ -332,7 +332,7 @@ std::optional<Error> ShardedPublishing::enter_all(ShardSet& entered) {
   // A shard that has had objects of this publisher all the while has heard of that instant.
   for_each_shard(entered, [&](std::size_t shard) {
     ShardMember& member = members_[shard];
-    if (flushed_.count() == 0 || member.flushed == flushed_ || !links_->answers(shard)) return;
+    if (flushed_.count() == 0 || member.flushed == flushed_ || !links_->may_answer(shard)) return;
     if (auto said = member.publisher->flush(flushed_); !said) failed = said.error();
   });
   return failed;
@@ -347,7 +347,7 @@ std::optional<Error> ShardedPublishing::move_copies(std::uint32_t number) {
     ShardMember& member = members_[shard];
     const Result<void> moved = member.publisher->move(
         copies.handles[place_of(copies, shard)], objects_.at(number).options.pose, is_teleported || member.was_away);
-    if (!moved && !failed && links_->answers(shard)) failed = moved.error();
+    if (!moved && !failed && links_->may_answer(shard)) failed = moved.error();
   });
   return failed;
 }
@@ -355,7 +355,8 @@ std::optional<Error> ShardedPublishing::move_copies(std::uint32_t number) {
 std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds instant, bool is_entered) {
   ShardMember& member = members_[shard];
   if (!member.publisher) return std::nullopt;
-  if (!links_->answers(shard)) {
+  // A standby that takes a shard's place has heard what the shard was told meanwhile.
+  if (!links_->may_answer(shard)) {
     member.was_away = true;
     return std::nullopt;
   }
@@ -472,7 +473,7 @@ Result<void> ShardedPublishing::keep_alive() {
   const std::lock_guard lock(mutex_);
   std::optional<Error> failed;
   for (std::size_t shard = 0; shard < members_.size(); ++shard) {
-    if (!members_[shard].publisher || !links_->answers(shard)) continue;
+    if (!members_[shard].publisher || !links_->may_answer(shard)) continue;
     if (auto said = members_[shard].publisher->keep_alive(); !said && !failed) failed = said.error();
   }
   if (failed) return *failed;

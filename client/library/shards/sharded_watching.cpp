@@ -48,6 +48,7 @@ bool ShardedWatching::sleep() {
 
 void ShardedWatching::run() {
   while (!sleep()) {
+    if (may_settle_ && is_outdated()) may_settle_.reset();
     if (!may_settle_ || has_heard_all()) {
       take_heard();
       if (may_settle_) {
@@ -98,7 +99,8 @@ std::string ShardedWatching::watched_map() const {
 }
 
 /// A round: how far has each shard come? What all had decided in the round before may be told once what each one has told
-/// by now has been heard: what a shard was given before another went on is in that.
+/// by now has been heard: what a shard was given before another went on is in that. While a shard is silent that a standby
+/// may be replacing, nothing is told; what the standby has told by then counts from the round after.
 void ShardedWatching::ask_all() {
   nanoseconds all_decided = nanoseconds::max();
   for (const WatchedShard& shard : shards_) {
@@ -106,20 +108,41 @@ void ShardedWatching::ask_all() {
   }
   const shards::ShardSet before = std::exchange(there_, 0);
   told_map_ = watched_map();
+  bool is_any_awaited = false;
   for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
     if ((view_->held.all() & shards::set_of(shard)) == 0) continue;
-    if (!shards_[shard].watch) watch_new(shard);
-    shards_[shard].now = ask(shard);
-    if (shards_[shard].now) there_ |= shards::set_of(shard);
+    WatchedShard& watched = shards_[shard];
+    if (!watched.watch) watch_new(shard);
+    if (const std::optional<ShardProgress> said = ask(shard)) {
+      const bool is_replaced = watched.now && watched.now->told.epoch != said->told.epoch;
+      is_any_awaited = is_any_awaited || is_replaced;
+      watched.now = said;
+      watched.answered = Clock::now();
+    } else if (watched.now && Clock::now() - watched.answered < kMayBeReplaced) {
+      is_any_awaited = true;
+    } else if (watched.now) {
+      watched.now.reset();
+      ++gaps_;
+    }
+    if (watched.now) there_ |= shards::set_of(shard);
   }
   // One that has come or gone since then was not in that round.
-  const bool is_same = before == there_ && all_decided != nanoseconds::max();
+  const bool is_same = before == there_ && !is_any_awaited && all_decided != nanoseconds::max();
   may_settle_ = is_same ? std::optional(all_decided) : std::nullopt;
+}
+
+/// Since the newest round a shard has fallen silent, or another server has taken its place.
+bool ShardedWatching::is_outdated() const {
+  return std::ranges::any_of(shards_, [](const WatchedShard& shard) {
+    if (!shard.now) return false;
+    const std::optional<EventPlace> through = shard.watch->told_through();
+    return !shard.watch->connected() || (through && through->epoch > shard.now->told.epoch);
+  });
 }
 
 bool ShardedWatching::has_heard_all() const {
   return std::ranges::all_of(shards_, [](const WatchedShard& shard) {
-    if (!shard.now || !shard.watch->connected()) return true;
+    if (!shard.now) return true;
     const std::optional<EventPlace> through = shard.watch->told_through();
     return through && through->epoch == shard.now->told.epoch && through->sequence >= shard.now->told.sequence;
   });
@@ -152,8 +175,6 @@ void ShardedWatching::count_gaps(std::size_t shard) {
   if (!watched.watch) return;
   const std::uint64_t resyncs = watched.watch->resyncs();
   gaps_ += resyncs - std::exchange(watched.resyncs, resyncs);
-  const bool is_there = watched.watch->connected();
-  if (std::exchange(watched.was_there, is_there) && !is_there) ++gaps_;
 }
 
 }  // namespace collided::client

@@ -40,9 +40,9 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   };
   struct WatchedShard {
     std::unique_ptr<Watch::State> watch;  // null: it was never there
-    std::optional<ShardProgress> now;     // by the newest round; none: it does not answer
-    bool was_there = false;
-    std::uint64_t resyncs = 0;  // that are in gaps_
+    std::optional<ShardProgress> now;     // by the newest round in which it answered; none: it is away
+    Clock::time_point answered;           // when that was
+    std::uint64_t resyncs = 0;            // that are in gaps_
   };
   struct ShardEvent {
     std::size_t shard = 0;
@@ -56,6 +56,7 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   std::string watched_map() const;
   std::optional<ShardProgress> ask(std::size_t shard);
   void ask_all();
+  bool is_outdated() const;
   bool has_heard_all() const;
   void count_gaps(std::size_t shard);
   bool sleep();
