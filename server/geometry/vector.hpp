@@ -8,6 +8,7 @@ namespace collided::engine {
 /// The engine's only vector types: double, from Eigen.
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-using Quat = Eigen::Quaterniond;
+/// Not aligned to 16 bytes, which would make a pose of seven doubles one of eight.
+using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 }  // namespace collided::engine

@@ -29,7 +29,7 @@ class RandomWorld {
     const double size = only_slow_meshes ? 0.003 : chance(0.7) ? 0.03 : 0.5;
     const Quat small = Quat(1, uniform(-size, size), uniform(-size, size), uniform(-size, size)).normalized();
     return {.position = pose.position + point(size),
-            .rotation = chance(0.5) ? pose.rotation : (small * pose.rotation).normalized()};
+            .rotation = chance(0.5) ? pose.rotation : Quat((small * pose.rotation).normalized())};
   }
 
   template <class Items>

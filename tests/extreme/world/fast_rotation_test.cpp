@@ -30,7 +30,7 @@ TEST(ExtremeFastRotation, ARodThatRenamesItsAxesTouchesToTheStep) {
     EXPECT_EQ(stage.step().size(), touching);
     Quat turned = Quat::Identity();
     for (int i = 0; i < 300; ++i) {
-      turned = Quat(i % 3 == 2 ? Quat::Identity() : i % 3 == 1 ? Quat(-0.5, 0.5, 0.5, 0.5) : kThird);
+      turned = Quat(i % 3 == 2 ? Quat(Quat::Identity()) : i % 3 == 1 ? Quat(-0.5, 0.5, 0.5, 0.5) : kThird);
       stage.move(rod, extreme::at({0, 0, 0}, turned));
       stage.step();
       // Less than a rounding away, its way is in doubt, and that is told as what it is.

@@ -50,7 +50,7 @@ TEST_P(ExtremeMonotoneSize, ALargerBallNeverLosesAnOverlap) {
 TEST_P(ExtremeMonotoneSize, ALargerBoxNeverLosesAnOverlap) {
   for (int i = 0; i < 25; ++i) {
     const Vec3 center = mixer.point(5);
-    const Quat turn = i % 2 == 0 ? Quat::Identity() : Quat(0.5, 0.5, 0.5, 0.5);
+    const Quat turn = i % 2 == 0 ? Quat(Quat::Identity()) : Quat(0.5, 0.5, 0.5, 0.5);
     std::set<ObjectId> before;
     for (const double half : ladder()) {
       const auto now = met(stage.ask(QuestionKind::box, {center.x(), center.y(), center.z(), half, half, half, turn.w(),

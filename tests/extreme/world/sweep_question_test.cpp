@@ -79,7 +79,7 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
   const auto point = [&](double reach) {
     return Vec3(reach * uniform(generator), reach * uniform(generator), reach * uniform(generator));
   };
-  const auto turn = [&] {
+  const auto turn = [&]() -> Quat {
     return Quat(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized();
   };
   extreme::Stage stage;

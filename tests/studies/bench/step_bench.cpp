@@ -69,7 +69,7 @@ class Crowd {
       velocities_.push_back(kSpeed_mps * any());
       const Vec3 axis = any().normalized();
       turns_.push_back(kind.turns ? Quat(Eigen::AngleAxisd(kSpin_radps * kPeriod_s * std::abs(part(random)), axis))
-                                  : Quat::Identity());
+                                  : Quat(Quat::Identity()));
       ObjectDefinition definition{
           .name = std::to_string(i), .scene = "", .shape = shape_of(kind.name), .pose = poses_.back(), .filter = {}};
       definition.publisher = 1 + i * publishers / count;

@@ -60,7 +60,7 @@ std::vector<BodyMotion> motions(bool turn, std::mt19937_64& random) {
     const Vec3 to = from + Vec3(dx, dy, -6 + 4 * any());
     const double w = any(), p = any(), q = any();
     const Quat other = Quat(w, p, q, any()).normalized();
-    made.emplace_back(frame_of({from, Quat::Identity()}), frame_of({to, turn ? other : Quat::Identity()}));
+    made.emplace_back(frame_of({from, Quat::Identity()}), frame_of({to, turn ? other : Quat(Quat::Identity())}));
   }
   return made;
 }

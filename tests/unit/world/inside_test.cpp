@@ -59,7 +59,7 @@ TEST_F(WorldInside, ABoxThatLiesInASolidHasADepthWithABoundThatHolds) {
   std::mt19937_64 random = oracle::seeded(170);
   std::uniform_real_distribution<double> in(-1, 1);
   std::normal_distribution<double> any;
-  const auto turn = [&] { return Quat(any(random), any(random), any(random), any(random)).normalized(); };
+  const auto turn = [&]() -> Quat { return Quat(any(random), any(random), any(random), any(random)).normalized(); };
   const Vec3 half{1, 1.5, 2};
   const Pose pose{.position = {5, -3, 2}, .rotation = turn()};
   add("crate", scenes::box(half), pose);
