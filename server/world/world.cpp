@@ -40,7 +40,8 @@ bool are_equal(const TriangleMesh& a, const TriangleMesh& b) {
 }
 
 Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
-  const std::string of = holder != nullptr && !holder->scene.empty() ? " (of scene '" + holder->scene + "')" : "";
+  const std::string of =
+      holder != nullptr && !holder->rare->scene.empty() ? " (of scene '" + holder->rare->scene + "')" : "";
   return {"the name '" + name + "' is taken" + of + "; names are unique in a world. Nothing was added"};
 }
 
@@ -118,7 +119,9 @@ IndexedScene World::index_scene(Scene scene, const BvhOptions& options) {
 
 std::optional<Refusal> World::refusal_of(const Scene& scene, bool replaces) const {
   const State& s = *state_;
-  const auto leaves = [&](const ObjectInfo* info) { return replaces && info != nullptr && info->scene == scene.name; };
+  const auto leaves = [&](const ObjectInfo* info) {
+    return replaces && info != nullptr && info->rare->scene == scene.name;
+  };
   std::size_t loaded = s.rows.name_count();
   for (std::uint32_t slot = 0; replaces && slot < s.rows.size(); ++slot) loaded -= leaves(s.rows.info(slot)) ? 1 : 0;
   const std::size_t added = scene.parts.size() + scene.objects.size();
@@ -150,13 +153,14 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
     auto info = std::make_shared<ObjectInfo>();
     info->id = id;
     info->name = scene.parts[part].name;
-    info->scene = scene.name;
+    info->rare.edit().scene = scene.name;
     info->filter = scene.parts[part].filter;
     info->scene_part = part;
     info->part_triangles = scene.parts[part].triangle_count;
-    info->cut = scene.parts[part].cut;
-    if (const SolidPart* own = entry_of(indexed.geometry->solid_parts, part)) info->solid = own->solid;
-    if (const WindingPart* own = entry_of(indexed.geometry->winding_parts, part)) info->winding = own->winding;
+    info->rare.edit().cut = scene.parts[part].cut;
+    if (const SolidPart* own = entry_of(indexed.geometry->solid_parts, part)) info->rare.edit().solid = own->solid;
+    if (const WindingPart* own = entry_of(indexed.geometry->winding_parts, part))
+      info->rare.edit().winding = own->winding;
     s.rows.put(std::move(info));
     indexed.geometry->part_objects.push_back(id);
   }
@@ -208,7 +212,7 @@ std::uint32_t World::remove_scene(std::string_view name) {
   std::uint32_t removed_count = 0;
   for (std::uint32_t slot = 0; slot < s.rows.size(); ++slot) {
     const ObjectInfo* info = s.rows.info(slot);
-    if (info == nullptr || info->scene != name) continue;
+    if (info == nullptr || info->rare->scene != name) continue;
     remove(info->id, EndReason::geometry_changed);
     ++removed_count;
   }
@@ -239,7 +243,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   const ObjectId id = s.rows.take_slot();
   info->id = id;
   info->name = definition.name;
-  info->scene = definition.scene;
+  if (!definition.scene.empty()) info->rare.edit().scene = definition.scene;
   info->filter = definition.filter;
   info->moving = definition.moving;
   info->is_unknown = definition.shape.is_unknown;
@@ -247,11 +251,11 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
   info->primitives = s.primitives.shared(definition.shape.primitives);
-  info->parts = index_parts(info->primitives);
-  info->solid = definition.solid;
-  info->winding = definition.winding;
+  if (auto parts = index_parts(info->primitives)) info->rare.edit().parts = std::move(parts);
+  if (definition.solid) info->rare.edit().solid = definition.solid;
+  if (definition.winding) info->rare.edit().winding = definition.winding;
   if (definition.cut.piece_of) {
-    info->cut = definition.cut;
+    info->rare.edit().cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
   }
   const std::uint32_t source = definition.moving ? s.sources.add_object(definition.publisher) : Sources::kResting;
@@ -263,7 +267,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
 
 ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
   return {.name = info.name,
-          .scene = info.scene,
+          .scene = info.rare->scene,
           .shape = {.primitives = info.primitives.copy(),
                     .mesh = info.mesh ? info.mesh->mesh : nullptr,
                     .is_unknown = info.is_unknown},
@@ -273,9 +277,9 @@ ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
           .lost_policy = info.lost_policy,
           .publisher = info.publisher,
           .indexed = info.mesh,
-          .cut = info.cut,
-          .solid = info.solid,
-          .winding = info.winding};
+          .cut = info.rare->cut,
+          .solid = info.rare->solid,
+          .winding = info.rare->winding};
 }
 
 bool World::remove(ObjectId id, EndReason reason) {

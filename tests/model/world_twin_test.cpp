@@ -307,7 +307,7 @@ class WorldTwin : public testing::Test {
       EXPECT_EQ(info->filter.mask, object.definition.filter.mask);
       EXPECT_EQ(info->filter.group, object.definition.filter.group);
       EXPECT_EQ(info->moving, object.definition.moving);
-      EXPECT_EQ(info->scene, object.definition.scene);
+      EXPECT_EQ(info->rare->scene, object.definition.scene);
     }
     EXPECT_EQ(count, plain_.objects().size());
     ASSERT_EQ(now->scenes.size(), plain_.scenes().size());

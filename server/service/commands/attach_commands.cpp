@@ -65,7 +65,7 @@ void Commands::keep_detached(const std::string& child) {
       {"command", names::kMove}, {"name", child}, {"pose", pose_json(state->poses[slot_of(*id)])}, {"teleport", true}};
   const CommandAsk ask{0, 0, again.dump(), {}};
   tell_flight_recorder(ask);
-  if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->scene, child, ask);
+  if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->rare->scene, child, ask);
 }
 
 json Commands::detach(const CommandAsk& ask, const Arguments& arguments) {

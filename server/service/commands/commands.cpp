@@ -455,14 +455,14 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
   const Vec3 before = world.newest()->poses[slot_of(id)].position;
   if (!world.move(id, *pose, with_.clock.now_ns(), teleport)) {
     throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
-                                 printable(world.info(id)->scene)));
+                                 printable(world.info(id)->rare->scene)));
   }
   const ObjectInfo& info = *world.info(id);
   if (with_.durable != nullptr && info.publisher == 0) {
     // When it is carried out again the object is placed, not moved: its motion was over before the crash.
     json again = json::parse(ask.text);
     again["teleport"] = true;
-    with_.durable->object_moved(info.scene, name, {0, 0, again.dump(), {}});
+    with_.durable->object_moved(info.rare->scene, name, {0, 0, again.dump(), {}});
   }
   const std::uint64_t version = step();
   json began = json::array();

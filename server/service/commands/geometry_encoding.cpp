@@ -34,7 +34,7 @@ void refuse_above_limit(std::uint64_t bytes, const std::string& what) {
 
 const std::shared_ptr<const StaticScene>* scene_of(const Snapshot& state, const ObjectInfo& info) {
   for (const auto& scene : state.scenes) {
-    if (scene->name == info.scene) return &scene;
+    if (scene->name == info.rare->scene) return &scene;
   }
   return nullptr;
 }
@@ -46,7 +46,7 @@ class ObjectsEncoder {
       : state_(state), numbers_(numbers), encoder_(64 * 1024) {}
 
   void add(const ObjectInfo& info) {
-    bytes_ += 320 + info.name.size() + info.scene.size() + 200 * info.primitives.size();
+    bytes_ += 320 + info.name.size() + info.rare->scene.size() + 200 * info.primitives.size();
     refuse_above_limit(bytes_, fmt::format("{} objects and more", objects_.size() + 1));
     flatbuffers::FlatBufferBuilder& builder = encoder_.builder();
     const std::vector<format::Run> runs = runs_of(info);
@@ -56,7 +56,7 @@ class ObjectsEncoder {
     }
     const auto shape = solids.empty() ? flatbuffers::Offset<format::Shape>{} : encoder_.shape(solids);
     const auto name = builder.CreateString(info.name);
-    const auto scene = builder.CreateString(info.scene);
+    const auto scene = builder.CreateString(info.rare->scene);
     const auto run_vector = builder.CreateVectorOfStructs(runs);
     const std::uint32_t slot = slot_of(info.id);
     // A scene's parts are in world coordinates already.

@@ -50,7 +50,7 @@ json describe(const HalfSpace& half_space) {
 
 const StaticScene* scene_with(const Snapshot& snapshot, const ObjectInfo& info) {
   const auto found = std::find_if(snapshot.scenes.begin(), snapshot.scenes.end(),
-                                  [&](const auto& scene) { return scene->name == info.scene; });
+                                  [&](const auto& scene) { return scene->name == info.rare->scene; });
   return found == snapshot.scenes.end() ? nullptr : found->get();
 }
 
@@ -120,7 +120,7 @@ nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info
               {"id", info.id},
               {"kind", kind_of(info)},
               {"moving", info.moving},
-              {"scene", info.scene},
+              {"scene", info.rare->scene},
               {"publisher", publisher_name},
               {"position", placed ? numbers(snapshot.poses[slot].position) : json(nullptr)},
               {"triangles", triangles_of(info)},
@@ -147,8 +147,8 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
     shape.push_back({{"mesh", mesh}});
   }
   object["shape"] = shape;
-  object["solid"] = info.solid != nullptr || !info.primitives.empty();
-  if (info.winding) object["solid_by"] = "winding";
+  object["solid"] = info.rare->solid != nullptr || !info.primitives.empty();
+  if (info.rare->winding) object["solid_by"] = "winding";
   if (info.scene_part != kNoTriangle) {
     const StaticScene* scene = scene_with(snapshot, info);
     if (scene && is_solid_by_winding(*scene, info.scene_part)) object["solid_by"] = "winding";

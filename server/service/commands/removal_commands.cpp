@@ -30,7 +30,7 @@ void Commands::refuse_if_foreign(const CommandAsk& ask, std::string_view object,
 const ObjectInfo* Commands::foreign_in_scene(const CommandAsk& ask, std::string_view scene) const {
   if (!ask.from.peer) return nullptr;
   for (const auto& info : with_.loop.world().objects()) {
-    if (info && info->scene == scene && !ask.from.peer->may_name(info->name)) return info.get();
+    if (info && info->rare->scene == scene && !ask.from.peer->may_name(info->name)) return info.get();
   }
   return nullptr;
 }
@@ -60,7 +60,7 @@ json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
   for (const ObjectId id : chosen) {
     const ObjectInfo& info = *world.info(id);
     removed.push_back(info.name);
-    if (info.publisher == 0) gone.push_back({.scene = info.scene, .name = info.name});
+    if (info.publisher == 0) gone.push_back({.scene = info.rare->scene, .name = info.name});
     world.remove(id, EndReason::removed);
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);
@@ -104,11 +104,11 @@ json Commands::clear(const CommandAsk& ask, const Arguments& arguments) {
   for (const auto& info : objects) {
     if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
     const bool is_live = info->publisher != 0 && with_.loop.publishers().is_live(info->publisher);
-    if (is_live || kept_scenes.contains(info->scene) || (ask.from.peer && !ask.from.peer->may_name(info->name))) {
+    if (is_live || kept_scenes.contains(info->rare->scene) || (ask.from.peer && !ask.from.peer->may_name(info->name))) {
       ++kept;
     } else if (world.remove(info->id, EndReason::removed)) {
       ++removed;
-      if (info->publisher == 0) gone.push_back({.scene = info->scene, .name = info->name});
+      if (info->publisher == 0) gone.push_back({.scene = info->rare->scene, .name = info->name});
     }
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);

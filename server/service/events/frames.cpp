@@ -41,7 +41,7 @@ void NameBook::note(ObjectId id, const World& world) {
   if (is_fence(id)) entry.name = world.fences()->name(id);
   if (const ObjectInfo* info = world.info(id)) {
     entry.name = info->name;
-    entry.cut = info->cut;
+    entry.cut = info->rare->cut;
     entry.part_triangles = info->part_triangles;
   }
 }

@@ -196,14 +196,14 @@ std::string Publishers::why_waits(const Record& record) const {
   const Publisher* const owner = info->publisher == 0 ? nullptr : find(info->publisher);
   if (owner != nullptr) return fmt::format("the name is taken, by publisher {}", printable(owner->name));
   if (record.is_claim && info->scene_part != kNoScenePart)
-    return fmt::format("it is a part of the mesh of scene {}, which stands still", printable(info->scene));
+    return fmt::format("it is a part of the mesh of scene {}, which stands still", printable(info->rare->scene));
   if (record.is_claim && !info->moving) return "it was added as static; a scene is to be loaded as moving";
   const AttachedObject* const attached = record.is_claim ? world_.attachments().find(info->id) : nullptr;
   if (attached != nullptr)
     return fmt::format("it is attached to {}, and moves along with that", printable(attached->parent_name));
   if (record.is_claim) return {};
-  return info->scene.empty() ? std::string("the name is taken")
-                             : fmt::format("the name is taken, by scene {}", printable(info->scene));
+  return info->rare->scene.empty() ? std::string("the name is taken")
+                                   : fmt::format("the name is taken, by scene {}", printable(info->rare->scene));
 }
 
 void Publishers::wait(const Publisher& publisher, Record& record, std::string why) {

@@ -31,7 +31,7 @@ Refusal unknown_group(const Snapshot& state, const std::string& what, const std:
   for (const auto& info : *state.objects) {
     if (!info) continue;
     names.push_back(info->name);
-    if (!info->scene.empty()) scenes.insert(info->scene);
+    if (!info->rare->scene.empty()) scenes.insert(info->rare->scene);
   }
   if (text.find_first_of("*?[") == std::string::npos) {
     const std::string loaded = scenes.empty() ? "" : fmt::format("; scenes: {}", fmt::join(scenes, ", "));
@@ -50,7 +50,7 @@ std::variant<std::vector<ObjectId>, Refusal> objects_meant(const Snapshot& state
                                                            const std::string& text, const std::string& skip) {
   const auto is_left_out = [&](const ObjectInfo& info) { return !skip.empty() && glob_matches(skip, info.name); };
   std::vector<ObjectId> meant = chosen_from(state, [&](const ObjectInfo& info) { return info.name == text; });
-  if (meant.empty()) meant = chosen_from(state, [&](const ObjectInfo& info) { return info.scene == text; });
+  if (meant.empty()) meant = chosen_from(state, [&](const ObjectInfo& info) { return info.rare->scene == text; });
   if (meant.empty()) meant = chosen_from(state, [&](const ObjectInfo& info) { return glob_matches(text, info.name); });
   if (meant.empty()) return unknown_group(state, what, text);
   std::erase_if(meant, [&](ObjectId id) { return is_left_out(*(*state.objects)[slot_of(id)]); });

@@ -73,8 +73,8 @@ class WhatIfReader {
   const ObjectInfo& find_free(std::string_view name) {
     const ObjectInfo& info = find(name);
     if (info.scene_part != kNoScenePart)
-      refuse(
-          fmt::format("object {} is a part of scene {} and stays where it is", printable(name), printable(info.scene)));
+      refuse(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
+                         printable(info.rare->scene)));
     if (!goes_.insert(info.id).second) refuse(fmt::format("object {} is named twice", printable(name)));
     return info;
   }

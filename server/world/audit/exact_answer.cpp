@@ -130,9 +130,9 @@ std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide l
   std::vector<ObjectId> found;
   const Vec3 point = point_of(question_.numbers.data());
   for (const auto& info : *snapshot.objects) {
-    if (!info || !info->solid || !allowed(snapshot, info->id)) continue;
+    if (!info || !info->rare->solid || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
-    if (side_by_rationals(*info->solid, placed, point) >= least) found.push_back(info->id);
+    if (side_by_rationals(*info->rare->solid, placed, point) >= least) found.push_back(info->id);
   }
   return found;
 }
@@ -140,9 +140,9 @@ std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide l
 std::vector<ObjectId> ExactAnswer::by_winding(const Snapshot& snapshot, WindingSide asked) const {
   std::vector<ObjectId> found;
   for (const auto& info : *snapshot.objects) {
-    if (!info || !info->winding || !allowed(snapshot, info->id)) continue;
+    if (!info || !info->rare->winding || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
-    if (side_by_winding_sum(*info->winding, placed, point_of(question_.numbers.data())) == asked)
+    if (side_by_winding_sum(*info->rare->winding, placed, point_of(question_.numbers.data())) == asked)
       found.push_back(info->id);
   }
   return found;

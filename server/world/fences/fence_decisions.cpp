@@ -248,9 +248,10 @@ Placed FenceDecisions::placed_fence(std::uint32_t fence, const Frame& frame) {
 
 /// Of two whose surfaces do not meet: whether the outer one, a solid mesh, has some of the inner one within it.
 bool FenceDecisions::holds_a_piece(const Placed& outer, const Placed& inner, PiecePoints& points) {
-  if (!outer.info->solid) return false;
+  if (!outer.info->rare->solid) return false;
   Deadline never;
-  return pieces_within(*outer.info->solid, outer, inner, points.of(*inner.info), never, walk_, cost_.exact_tests).some;
+  return pieces_within(*outer.info->rare->solid, outer, inner, points.of(*inner.info), never, walk_, cost_.exact_tests)
+      .some;
 }
 
 ContactSearch FenceDecisions::touch_at_end(const FencePiece& piece) {

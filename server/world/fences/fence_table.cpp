@@ -25,8 +25,8 @@ std::shared_ptr<const ObjectInfo> body_of(const FenceDefinition& definition, Obj
   auto body = std::make_shared<ObjectInfo>();
   body->id = id;
   body->primitives = SharedPrimitives(definition.shape.primitives);
-  body->parts = index_parts(body->primitives);
-  body->solid = definition.solid;
+  if (auto parts = index_parts(body->primitives)) body->rare.edit().parts = std::move(parts);
+  if (definition.solid) body->rare.edit().solid = definition.solid;
   if (definition.solid) body->mesh = definition.solid->surface;
   return body;
 }

@@ -76,7 +76,7 @@ void primitives_against(const Placed& one, const Placed& other, const NearestPar
   visit_primitives_near(*one.info, one.frame, grown(other.bounds, nearest.reach_m()), cost, [&](const Primitive& own) {
     const ConvexPart part = place(one.frame, own);
     if (with_primitives) {
-      const Aabb near = other.info->parts ? grown(bounds_of_part(part), nearest.reach_m()) : Aabb{};
+      const Aabb near = other.info->rare->parts ? grown(bounds_of_part(part), nearest.reach_m()) : Aabb{};
       visit_primitives_near(*other.info, other.frame, near, cost, [&](const Primitive& second) {
         taking(part, place(other.frame, second), kNoTriangle);
         return goes_on();

@@ -56,10 +56,10 @@ NearestParts nearest_within(const Placed& a, const Placed& b, double limit_m, bo
 
 /// One lies within the other, a solid: how far their surfaces are apart, with the sign of being inside.
 std::optional<ObjectClearance> within_solid(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
-  if (!a.info->solid && !b.info->solid) return std::nullopt;
+  if (!a.info->rare->solid && !b.info->rare->solid) return std::nullopt;
   const Contained contained = containment(a, b, deadline);
   const Placed& outer = contained == Contained::a_in_b ? b : a;
-  if (contained == Contained::none || !outer.info->solid) return std::nullopt;
+  if (contained == Contained::none || !outer.info->rare->solid) return std::nullopt;
   const NearestParts nearest = nearest_within(a, b, kEndless, false, cost, deadline);
   ObjectClearance inside = of_distance(nearest, placing_error_m(a, kNoTriangle, b, kNoTriangle));
   inside.touches = Decision::yes;

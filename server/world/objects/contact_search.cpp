@@ -232,8 +232,8 @@ Aabb bounds_as_given(const Frame& frame, const Primitive& own) {
 
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {
   Aabb all;
-  if (info.parts) {
-    all.extend(placed_bounds(frame, info.parts->tree.bounds(), info.parts->radius_m));
+  if (info.rare->parts) {
+    all.extend(placed_bounds(frame, info.rare->parts->tree.bounds(), info.rare->parts->radius_m));
   } else {
     for (const Primitive& primitive : info.primitives) all.extend(bounds_as_given(frame, primitive));
   }
@@ -263,7 +263,7 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 
 void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   // Bounds cost more than many tests, so they are computed only where an index needs them.
-  const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
+  const Aabb near = b.info->rare->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, b.frame, near, cost, [&](const Primitive& primitive) {
     const GivenPart given_b = b.given(primitive);
     search_parts(a, kNoTriangle, place(b.frame, primitive), kNoTriangle, touch, {given, given_b});
@@ -327,7 +327,7 @@ bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
 
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   if (search_boxes(a, b, touch) || search_balls(a, b, touch)) return;
-  const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
+  const Aabb near = a.info->rare->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, a.frame, near, cost, [&](const Primitive& primitive) {
     search_object(place(a.frame, primitive), a.given(primitive), b, touch, cost);
     return !touch.done();

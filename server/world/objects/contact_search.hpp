@@ -101,14 +101,14 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
 template <class Visit>
 void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aabb& world, WalkCost& cost,
                            Visit&& visit) {
-  if (!info.parts) {
+  if (!info.rare->parts) {
     for (const Primitive& primitive : info.primitives) {
       if (!visit(primitive)) return;
     }
     return;
   }
   const auto candidate = [&](std::uint32_t number) { return static_cast<bool>(visit(info.primitives[number])); };
-  info.parts->tree.walk_box(seen_from(frame, world, info.parts->radius_m), candidate, cost);
+  info.rare->parts->tree.walk_box(seen_from(frame, world, info.rare->parts->radius_m), candidate, cost);
 }
 
 /// Rounding of placing a point and seeing it back from a frame, metres: what local bounds must grow by so that no

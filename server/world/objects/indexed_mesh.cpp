@@ -27,7 +27,7 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
 ObjectInfo without_world(const Shape& shape, const std::function<bool()>& cancelled) {
   ObjectInfo info;
   info.primitives = SharedPrimitives(shape.primitives);
-  info.parts = index_parts(info.primitives);
+  if (auto parts = index_parts(info.primitives)) info.rare.edit().parts = std::move(parts);
   if (shape.mesh) {
     info.mesh =
         indexed_mesh(shape.mesh, Bvh::build(*shape.mesh, {.threads = 1, .progress = {}, .cancelled = cancelled}));

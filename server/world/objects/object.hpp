@@ -9,6 +9,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
 #include "server/intake/scene.hpp"
+#include "server/world/objects/indirect_value.hpp"
 #include "server/world/objects/shared_primitives.hpp"
 
 namespace collided::engine {
@@ -47,30 +48,35 @@ struct SceneLevel;    // scene_levels.hpp
 struct SolidMesh;     // server/world/solids
 struct WindingMesh;   // server/world/solids
 
+/// What few objects have of what is known of them.
+struct RareInfo {
+  std::string scene;                          // that it was loaded with; empty: added at run time
+  std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
+  std::shared_ptr<const SolidMesh> solid;     // what the mesh or the part encloses; null: it is a surface
+  // What a mesh that does not close holds by its winding number: for `inside` and signed near alone, to all else it is a
+  // surface. Null where it was not asked for, or the mesh closes.
+  std::shared_ptr<const WindingMesh> winding;
+  CutTriangles cut;  // of the object's triangles: which original each piece belongs to
+};
+
 /// What is known of an object besides its pose. Immutable: a new definition makes a new one.
 struct ObjectInfo {
   ObjectId id = 0;
   std::string name;
-  std::string scene;  // that it was loaded with; empty: added at run time
   Filter filter;
   bool moving = false;
   // What is in it is not known: it meets nothing, and an answer that claims something about its space is undecided.
   bool is_unknown = false;
   LostPolicy lost_policy = LostPolicy::remove;
-  std::uint64_t publisher = 0;                // 0: the server's own
-  SharedPrimitives primitives;                // in the object's frame
-  std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
-  std::shared_ptr<const IndexedMesh> mesh;    // in the object's frame; null for a part of a static scene
-  std::shared_ptr<const SolidMesh> solid;     // what the mesh or the part encloses; null: it is a surface
-  // What a mesh that does not close holds by its winding number: for `inside` and signed near alone, to all else it is a
-  // surface. Null where it was not asked for, or the mesh closes.
-  std::shared_ptr<const WindingMesh> winding;
+  std::uint64_t publisher = 0;              // 0: the server's own
+  SharedPrimitives primitives;              // in the object's frame
+  std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
+  IndirectValue<RareInfo> rare;
   std::uint32_t scene_part = kNoScenePart;  // number of the part, where the object is a run of static triangles
   std::uint32_t part_triangles = 0;         // of the part, or of a mesh with triangles cut by mending
-  CutTriangles cut;                         // of these triangles: which original each piece belongs to
 
   /// The number that answers give for a triangle.
-  std::uint32_t reported_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
+  std::uint32_t reported_triangle(std::uint32_t triangle) const { return rare->cut.told(triangle, part_triangles); }
 };
 
 /// The object is a mesh without primitives.

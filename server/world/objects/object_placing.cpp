@@ -12,7 +12,8 @@ double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb&
     return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
   // Indexed primitives are spheres, capsules and boxes; a box errs in its position, its rotation and its pose in its
   // own frame, so three errors.
-  if (object.info->parts && !object.info->mesh) return 3 * placing_error_m(frame, object.info->parts->radius_m);
+  if (object.info->rare->parts && !object.info->mesh)
+    return 3 * placing_error_m(frame, object.info->rare->parts->radius_m);
   double most_m = object.info->mesh ? placing_error_m(frame, object.info->mesh->radius_m) : 0;
   for (const Primitive& own : object.info->primitives) {
     double far_m = 0;

@@ -119,11 +119,11 @@ Decision is_within(const Placed& outer, const Vec3& point) {
 /// closes is known, and its side of a point is exact.
 bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
-  if (outer.info->solid) {
+  if (outer.info->rare->solid) {
     WalkCost cost;
     std::uint32_t tests = 0;
     const std::vector<Vec3> points = points_of_pieces(*inner.info);
-    return pieces_within(*outer.info->solid, outer, inner, points, deadline, cost, tests).all;
+    return pieces_within(*outer.info->rare->solid, outer, inner, points, deadline, cost, tests).all;
   }
   // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
   // surfaces do not meet, so one point decides for its whole connected piece.
@@ -148,11 +148,11 @@ Contained containment(const Placed& a, const Placed& b, Deadline& deadline) {
 std::optional<Contact> contact_of_contained(const Placed& a, const Placed& b, Contained which) {
   const Placed& outer = which == Contained::a_in_b ? b : a;
   const Placed& inner = which == Contained::a_in_b ? a : b;
-  if (which == Contained::none || !outer.info->solid) return std::nullopt;
+  if (which == Contained::none || !outer.info->rare->solid) return std::nullopt;
   WalkCost cost;
   std::uint32_t tests = 0;
   const Vec3 point = place(inner.frame, points_of_pieces(*inner.info).front());
-  Contact found = contact_within(*outer.info->solid, outer, inner, point, cost, tests).contact;
+  Contact found = contact_within(*outer.info->rare->solid, outer, inner, point, cost, tests).contact;
   found.depth_error_m += placing_error_m(outer, kNoTriangle, inner, kNoTriangle);
   if (which == Contained::a_in_b) found.normal = -found.normal;
   return found;

@@ -42,9 +42,9 @@ struct InsideSearch {
       return !touch.done();
     });
     if (touch.yes && touch.wanted) touch.contact.depth_error_m += placing_error_m(object, kNoTriangle, near);
-    if (object.info->solid) meet_deeper(*object.info->solid, object, touch);
+    if (object.info->rare->solid) meet_deeper(*object.info->rare->solid, object, touch);
     take(object.info->id, touch);
-    if (object.info->winding && !touch.yes) search_by_winding(*object.info->winding, object);
+    if (object.info->rare->winding && !touch.yes) search_by_winding(*object.info->rare->winding, object);
   }
   /// A mesh that does not close has no way out to measure: what is told is how far its surface is.
   void search_by_winding(const WindingMesh& winding, const Placed& object) {
@@ -91,7 +91,7 @@ void ask_inside(Question& question, const double* n) {
   if (question.snapshot.grid && !search.ended()) {
     const auto candidate = [&](std::uint32_t slot) {
       const Placed object = question.placed(slot);
-      const bool is_solid = !object.info->primitives.empty() || object.info->solid || object.info->winding;
+      const bool is_solid = !object.info->primitives.empty() || object.info->rare->solid || object.info->rare->winding;
       if (is_solid && question.allows(object.info->id)) search.search(object);
       return !search.ended();
     };

@@ -250,13 +250,13 @@ void NearWalk::walk_object(std::uint32_t slot) {
     const auto placing_m = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };
     std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
   };
-  if (info.parts) {
-    walk_parts(*info.parts, frame, test_primitive);
+  if (info.rare->parts) {
+    walk_parts(*info.rare->parts, frame, test_primitive);
   } else {
     for (std::size_t i = 0; i < info.primitives.size() && !is_over(); ++i) test_primitive(i);
   }
-  if (info.solid) test_solid(*info.solid, question.placed(slot));
-  if (info.winding) test_winding(*info.winding, question.placed(slot));
+  if (info.rare->solid) test_solid(*info.rare->solid, question.placed(slot));
+  if (info.rare->winding) test_winding(*info.rare->winding, question.placed(slot));
   if (!info.mesh) return;
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
     const Triangle own = info.mesh->mesh->triangle(triangle);

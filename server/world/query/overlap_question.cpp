@@ -93,7 +93,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
     search_object(primitive, given, object, touch, question.walk);
     if (touch.yes && touch.wanted)
       touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
-    if (object.info->solid) meet_solid(asked, *object.info->solid, object, touch, question);
+    if (object.info->rare->solid) meet_solid(asked, *object.info->rare->solid, object, touch, question);
     take(question.object(slot).id, touch);
     return !ended();
   };

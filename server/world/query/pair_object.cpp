@@ -40,7 +40,7 @@ PairObject::PairObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline
   Shape shape;
   shape.mesh = mesh_of_part(snapshot, info, deadline);
   own = without_world(shape, [&deadline] { return deadline.is_over(); });
-  own.solid = info.solid;
+  if (info.rare->solid) own.rare.edit().solid = info.rare->solid;
   placed = {.info = &own, .frame = {}, .bounds = bounds_of(own, Frame())};
   reach = placed.bounds;
 }

@@ -45,18 +45,18 @@ SceneCounts count(const Snapshot& snapshot) {
   std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
-    if (info && info->solid) count_solid(*info->solid, counts);
-    if (info && info->winding) {
+    if (info && info->rare->solid) count_solid(*info->rare->solid, counts);
+    if (info && info->rare->winding) {
       ++counts.by_winding;
-      counts.winding_bytes += info->winding->tree.bytes();
+      counts.winding_bytes += info->rare->winding->tree.bytes();
     }
     if (!info || info->scene_part != kNoScenePart) continue;
     ++(info->moving ? counts.moving : counts.placed);
     if (info->moving && info->mesh) ++counts.moving_meshes;
     if (info->mesh) ++counts.with_mesh;
     if (info->mesh) meshes.insert(info->mesh.get());
-    if (info->parts) ++counts.indexed_parts;
-    if (info->parts) counts.parts += info->primitives.size();
+    if (info->rare->parts) ++counts.indexed_parts;
+    if (info->rare->parts) counts.parts += info->primitives.size();
     const bool lone_sphere =
         !info->mesh && info->primitives.size() == 1 && std::holds_alternative<Sphere>(info->primitives.front());
     if (info->moving && lone_sphere) ++counts.lone_spheres;

@@ -257,12 +257,12 @@ void RayWalk::walk_object(std::uint32_t slot) {
     };
     std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
   };
-  if (info.parts) {
-    walk_parts(*info.parts, info.primitives.size(), frame, test_primitive);
+  if (info.rare->parts) {
+    walk_parts(*info.rare->parts, info.primitives.size(), frame, test_primitive);
   } else {
     for (std::size_t i = 0; i < info.primitives.size() && !over(); ++i) test_primitive(i);
   }
-  if (info.solid && !over()) begin_in(*info.solid, question.placed(slot));
+  if (info.rare->solid && !over()) begin_in(*info.rare->solid, question.placed(slot));
   if (!info.mesh || over()) return;
   const TriangleMesh& mesh = *info.mesh->mesh;
   const LocalIndex index{info.mesh->tree, info.mesh->radius_m, mesh.triangles.size()};

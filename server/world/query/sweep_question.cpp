@@ -108,7 +108,7 @@ void ask_sweep(Question& question, const double* n) {
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;
     if (touch.yes) first.take(other.id, touch.b_triangle, touch, question.flags_of(other.id));
-    if (other.solid) begin_in(question, *other.solid, question.placed(slot), start, first);
+    if (other.rare->solid) begin_in(question, *other.rare->solid, question.placed(slot), start, first);
     return !question.deadline.was_over();
   };
   if (question.snapshot.grid) {

@@ -35,7 +35,8 @@ void Decisions::decide_open() {
       continue;
     }
     for (std::size_t scene = 0; scene < step_.scenes.size(); ++scene) {
-      if (step_.scenes[scene]->name == rows_.info(a_is_part ? a : b)->scene) decide_scene(a_is_part ? b : a, scene);
+      if (step_.scenes[scene]->name == rows_.info(a_is_part ? a : b)->rare->scene)
+        decide_scene(a_is_part ? b : a, scene);
     }
   }
 }

@@ -92,7 +92,7 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
 
 /// Searches two objects of any kind where they are at the end of the step.
 Contained Decisions::search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch) {
-  if (!are_near && !rows_.info(first)->solid && !rows_.info(second)->solid) return Contained::none;
+  if (!are_near && !rows_.info(first)->rare->solid && !rows_.info(second)->rare->solid) return Contained::none;
   const Placed a = placed(first);
   const Placed b = placed(second);
   if (are_near) search_objects(a, b, touch, walk_);

@@ -24,7 +24,7 @@ bool Decisions::look_in(const Placed& outer, const Placed& inner, std::span<cons
                         ContactSearch& touch) {
   if (touch.yes || !overlaps(outer.bounds, inner.bounds)) return false;
   Deadline never;
-  const SolidMesh& solid = *outer.info->solid;
+  const SolidMesh& solid = *outer.info->rare->solid;
   const PiecesWithin found = pieces_within(solid, outer, inner, points, never, walk_, cost_.exact_tests);
   if (!found.some) return false;
   touch.yes = true;
@@ -35,8 +35,8 @@ bool Decisions::look_in(const Placed& outer, const Placed& inner, std::span<cons
 
 Contained Decisions::look_within(const Placed& a, const Placed& b, ContactSearch& touch) {
   if (touch.yes) return Contained::none;
-  if (a.info->solid && look_in(a, b, lists_.pieces.of(*b.info), false, touch)) return Contained::b_in_a;
-  if (b.info->solid && look_in(b, a, lists_.pieces.of(*a.info), true, touch)) return Contained::a_in_b;
+  if (a.info->rare->solid && look_in(a, b, lists_.pieces.of(*b.info), false, touch)) return Contained::b_in_a;
+  if (b.info->rare->solid && look_in(b, a, lists_.pieces.of(*a.info), true, touch)) return Contained::a_in_b;
   return Contained::none;
 }
 
@@ -51,7 +51,7 @@ void Decisions::look_within_scene(const Placed& a, const StaticScene& scene) {
       return look_in(outer, a, lists_.pieces.of(*a.info), true, touch) ? Contained::a_in_b : Contained::none;
     });
   }
-  if (!a.info->solid) return;
+  if (!a.info->rare->solid) return;
   for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
     const PiecePoints::PartPoints& pieces = lists_.pieces.of(scene, part);
     if (!overlaps(a.bounds, pieces.bounds)) continue;

@@ -46,7 +46,7 @@ TEST_F(PublishersClaimsTest, AClaimMovesWhatIsThereAndGivesItBackWhereItStands) 
   EXPECT_EQ(height("arm/base"), 5);
   EXPECT_EQ(info("arm/hand").publisher, kPublisher);
   EXPECT_EQ(info("arm/hand").filter.group, 3U);
-  EXPECT_EQ(info("arm/hand").scene, "arm");
+  EXPECT_EQ(info("arm/hand").rare->scene, "arm");
   EXPECT_EQ(std::get<Sphere>(info("arm/hand").primitives.front()).radius_m, 0.25) << "its shape is its own";
   EXPECT_EQ(why(), "");
   define(removal(1, 3));

@@ -92,8 +92,8 @@ TEST_F(WorldPlacedBounds, TurnedPartsWithAnIndexLieWithinTheirsToo) {
     }
     ObjectInfo info;
     info.primitives = SharedPrimitives(parts);
-    info.parts = index_parts(info.primitives);
-    ASSERT_TRUE(info.parts);
+    info.rare.edit().parts = index_parts(info.primitives);
+    ASSERT_TRUE(info.rare->parts);
     const Frame frame = frame_of(pose(std::pow(10, i % 7)));
     const Aabb bounds = bounds_of(info, frame);
     for (const Primitive& primitive : info.primitives) {
