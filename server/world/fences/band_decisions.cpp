@@ -284,7 +284,7 @@ void BandDecisions::predict(const FencePiece& piece, double t, FoundContact& fou
   // Who has come past all of the other does not meet it any more; so short a motion rounds less.
   const double speed_mps = (piece.fence_motion.travel - piece.mover_motion.travel).norm() / piece_s;
   const double across_m = 2 * (rows_[piece.mover].reach_m + rows_[carrier].reach_m) - found.contact.depth_m;
-  const bool is_endless = !rows_[carrier].bounds.low.allFinite() || !rows_[carrier].bounds.high.allFinite();
+  const bool is_endless = !rows_.bounds(carrier).low.allFinite() || !rows_.bounds(carrier).high.allFinite();
   if (!is_endless && turn_rad == 0 && across_m < 0.5 * kPredicted_s * speed_mps) ahead_s = 2 * across_m / speed_mps;
   const GapOptions options{.width = kPredictedWidth, .most_looks = kLeastBandLooks, .looks = &cost_.sweep_looks};
   const GapTime touch = engine::first_within(

@@ -30,7 +30,7 @@ inline Placed placed_at(const ObjectRows& rows, std::uint32_t slot, const Frame&
   const bool is_given = frame.position == row.pose.position && is_same(frame, row.frame());
   return {.info = rows.info(slot),
           .frame = frame,
-          .bounds = is_given ? row.bounds : bounds_of(*rows.info(slot), frame),
+          .bounds = is_given ? rows.bounds(slot) : bounds_of(*rows.info(slot), frame),
           .pose = is_given ? &row.pose : nullptr};
 }
 

@@ -18,6 +18,8 @@ namespace collided::engine {
 using ObjectId = std::uint64_t;
 
 inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
+/// Of the slot's objects, from 1.
+inline std::uint32_t generation_of(ObjectId id) { return static_cast<std::uint32_t>(id >> 32); }
 
 /// In the id of a fence, and of no object; a fence has slots of its own.
 inline constexpr ObjectId kFenceBit = ObjectId{1} << 63;

@@ -11,6 +11,12 @@ namespace {
 
 std::uint32_t tag_of(std::string_view name) { return static_cast<std::uint32_t>(std::hash<std::string_view>{}(name)); }
 
+/// At the row's pose.
+Aabb bounds_of(const ObjectRow& row, const ObjectInfo& info) {
+  if (row.is_centred_sphere) return bounds(Sphere{placed_center(row.pose, Vec3::Zero()), row.lone_radius_m});
+  return bounds_of(info, row.frame());
+}
+
 }  // namespace
 
 ObjectTable& ObjectRows::table_to_change() {
@@ -34,21 +40,19 @@ ObjectId ObjectRows::take_slot() {
     free_slots_.pop_back();
     ++generations_[slot];
   } else {
-    table_to_change().emplace_back();
-    motion_.push_back(Motion::none);
-    news_.push_back(0);
-    generations_.push_back(1);
-    source_.push_back(Sources::kResting);
+    add_to_column(table_to_change(), {});
+    add_to_column(motion_, Motion::none);
+    add_to_column(news_, std::uint8_t{0});
+    add_to_column(generations_, 1U);
+    add_to_column(source_, Sources::kResting);
   }
   make_row(slot);
   return id(slot);
 }
 
 void ObjectRows::make_row(std::uint32_t slot) {
-  if (slot < rows_.size()) return;
-  // By an eighth, not twofold: a row takes 240 bytes.
-  if (slot >= rows_.capacity()) rows_.reserve(slot + slot / 8 + 16);
-  rows_.resize(slot + 1);
+  used_rows_ = std::max<std::size_t>(used_rows_, slot + 1);
+  if (slot >= rows_.size()) resize_column(rows_, slot + 1);
 }
 
 void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {
@@ -62,10 +66,9 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
                      std::int64_t born_ns) {
   ObjectRow& row = rows_[slot_of(info->id)];
   source_[slot_of(info->id)] = source;
-  row.movable = info->id;
+  row.movable = generation_of(info->id);
   row.pose = pose;
   row.pose_before = pose;
-  row.bounds = bounds_of(*info, row.frame());
   const std::optional<Sphere> sphere = engine::lone_sphere(*info);
   row.lone_radius_m = sphere ? sphere->radius_m : -1;
   row.is_centred_sphere = sphere && sphere->center.isZero(0);
@@ -98,7 +101,7 @@ void ObjectRows::begin(std::uint32_t source, std::int64_t time_ns) {
 
 bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how) {
   const std::uint32_t slot = slot_of(id);
-  if (slot >= rows_.size() || rows_[slot].movable != id || id == 0) return false;
+  if (slot >= used_rows_ || rows_[slot].movable != generation_of(id) || rows_[slot].movable == 0) return false;
   ObjectRow& row = rows_[slot];
   if (!is_posed(slot)) {
     row.pose_before = row.pose;
@@ -106,8 +109,6 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
     row.posed_before_ns = row.posed_ns == kPosedAtStep ? row.posed_ns : std::max(row.posed_ns, at.since_ns);
   }
   row.pose = pose;
-  row.bounds = row.is_centred_sphere ? bounds(Sphere{placed_center(pose, Vec3::Zero()), row.lone_radius_m})
-                                     : bounds_of(*info(slot), row.frame());
   // An object's time does not go back, even if its publisher's clock does: brackets are measured in it.
   row.posed_ns = std::max(row.posed_ns, at.time_ns);
   news_[slot] |= kPosed;
@@ -117,9 +118,13 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
 }
 
 void ObjectRows::prefetch(std::uint32_t slot) const {
-  if (slot >= rows_.size()) return;
+  if (slot >= used_rows_) return;
   const char* row = reinterpret_cast<const char*>(&rows_[slot]);
-  for (std::size_t byte = 0; byte < sizeof(ObjectRow); byte += 64) __builtin_prefetch(row + byte, 1);
+  static_assert(sizeof(ObjectRow) > 128 && sizeof(ObjectRow) <= 192, "or other lines are to be prefetched");
+  __builtin_prefetch(row, 1);
+  __builtin_prefetch(row + 64, 1);
+  __builtin_prefetch(row + 128, 1);
+  __builtin_prefetch(row + sizeof(ObjectRow) - 1, 1);
 }
 
 void ObjectRows::place_all_movers_again() {
@@ -168,15 +173,7 @@ void ObjectRows::stamp_changes(std::int64_t world_time_ns, const Sources& source
   }
 }
 
-void ObjectRows::copy_row(std::uint32_t slot, Snapshot& to) const {
-  const ObjectRow& row = rows_[slot];
-  to.poses[slot] = row.pose;
-  to.bounds[slot] = row.bounds;
-  to.posed_ns[slot] = row.posed_ns;
-  to.stale[slot] = row.is_stale ? 1 : 0;
-}
-
-void ObjectRows::copy_changes(Snapshot& to) {
+void ObjectRows::copy_changes(const Snapshot& newest, Snapshot& to) {
   const std::size_t count = row_count();
   resize_column(to.poses, count);
   resize_column(to.bounds, count);
@@ -184,11 +181,28 @@ void ObjectRows::copy_changes(Snapshot& to) {
   resize_column(to.stale, count);
   const std::uint64_t change_count = forgotten_changes_ + changes_.size();
   // Most rows in a row cost less than as many here and there.
-  if (to.changes_seen < forgotten_changes_ || change_count - to.changes_seen > count / 2) {
-    for (std::uint32_t slot = 0; slot < count; ++slot) copy_row(slot, to);
-  } else {
-    for (std::size_t i = to.changes_seen - forgotten_changes_; i < changes_.size(); ++i) copy_row(changes_[i], to);
+  const bool takes_all = to.changes_seen < forgotten_changes_ || change_count - to.changes_seen > count / 2;
+  const std::uint32_t* const changed =
+      takes_all ? nullptr : changes_.data() + static_cast<std::size_t>(to.changes_seen - forgotten_changes_);
+  const std::size_t copies = takes_all ? count : static_cast<std::size_t>(change_count - to.changes_seen);
+  // Locals, since what the loop writes could else be these.
+  Pose* const poses = to.poses.data();
+  Aabb* const bounds = to.bounds.data();
+  std::int64_t* const posed_ns = to.posed_ns.data();
+  std::uint8_t* const stale = to.stale.data();
+  const ObjectRow* const rows = rows_.data();
+  const std::uint8_t* const news = news_.data();
+  for (std::size_t i = 0; i < copies; ++i) {
+    const std::size_t slot = takes_all ? i : changed[i];
+    const ObjectRow& row = rows[slot];
+    poses[slot] = row.pose;
+    posed_ns[slot] = row.posed_ns;
+    stale[slot] = row.is_stale ? 1 : 0;
+    if (row.movable == 0) bounds[slot] = Aabb{};
+    else if (news[slot] != 0) bounds[slot] = bounds_of(row, *(*table_)[slot]);
+    else bounds[slot] = newest.bounds[slot];
   }
+  bounds_ = bounds;
   to.changes_seen = change_count;
   to.objects = table_;
   to.table_version = table_version_;
@@ -202,18 +216,14 @@ void ObjectRows::end_step() {
   }
   moved_.clear();
   free_slots_.insert(free_slots_.end(), freed_.begin(), freed_.end());
-  freed_count_ += freed_.size();
   freed_.clear();
-  // Looking through all costs a few steps for each object that was removed.
-  if (4 * freed_count_ > rows_.size()) give_rows_back();
+  constexpr std::size_t kKept = 1'024;
+  while (used_rows_ > 0 && info(static_cast<std::uint32_t>(used_rows_ - 1)) == nullptr) --used_rows_;
+  if (rows_.size() - used_rows_ > rows_.size() / 8 + kKept) give_rows_back();
 }
 
 void ObjectRows::give_rows_back() {
-  freed_count_ = 0;
-  std::size_t used = rows_.size();
-  while (used > 0 && info(static_cast<std::uint32_t>(used - 1)) == nullptr) --used;
-  if (used > rows_.size() / 2) return;
-  resize_column(rows_, used);
+  resize_column(rows_, used_rows_);
   // New objects take low slots first, so that rows do not grow to their old number for a few.
   std::sort(free_slots_.begin(), free_slots_.end(), std::greater<>());
   // Slots without a row are among them: every state is copied as a whole once.

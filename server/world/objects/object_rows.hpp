@@ -24,15 +24,14 @@ inline constexpr std::int64_t kPosedAtStep = -1;
 
 /// The changing part of an object, which every step reads; kept apart from its description, which is rarely read.
 struct ObjectRow {
-  ObjectId movable = 0;              // id of the object that has this row; 0: it cannot be moved
   std::int64_t posed_ns = 0;         // world time of the pose; 0: never moved
   std::int64_t posed_before_ns = 0;  // world time of the pose before
   // Frames are worked out from the poses where they are needed, in some 10 ns: they take half as much memory again.
   Pose pose;
   Pose pose_before;
-  Aabb bounds;
   double lone_radius_m = -1;       // of the sphere that is the whole object, metres; negative: it is something else
   double reach_m = 0;              // no point of the object is farther from the frame's origin, metres
+  std::uint32_t movable = 0;       // generation of the object that has this row; 0: it cannot be moved
   bool is_centred_sphere = false;  // a lone sphere whose centre is the frame's origin
   bool has_motion = false;         // the object moved from pose_before to pose
   bool is_stale = false;
@@ -88,6 +87,12 @@ class ObjectRows {
   bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);
   /// Prefetches what move() writes of an object. Only a hint: any slot is allowed.
   void prefetch(std::uint32_t slot) const;
+  /// The same of what bounds() gives. Always inline: the compiler leaves out calls of what only prefetches.
+  [[gnu::always_inline]] void prefetch_bounds(std::uint32_t slot) const {
+    const auto* bounds = reinterpret_cast<const char*>(bounds_ + slot);
+    __builtin_prefetch(bounds);
+    __builtin_prefetch(bounds + sizeof(Aabb) - 1);
+  }
   /// Makes the next step test every moving object as if newly placed: it may touch what was just added.
   void place_all_movers_again();
   /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
@@ -100,16 +105,20 @@ class ObjectRows {
   // A step: changes are stamped, then copied, then no longer changes.
   /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.
   void stamp_changes(std::int64_t world_time_ns, const Sources& sources);
-  /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
-  void copy_changes(Snapshot& to);
-  /// Forgets the changes; slots freed in this step may be used again. Once many were, gives back the rows after the last
-  /// object.
+  /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies. Bounds are worked
+  /// out for what has a new pose, the others come from the newest state.
+  void copy_changes(const Snapshot& newest, Snapshot& to);
+  /// Forgets the changes; slots freed in this step may be used again. Gives back the rows after the last object once they
+  /// are a part of all, so that each object that left costs a few copies.
   void end_step();
 
   std::size_t size() const { return table_->size(); }
   /// How many slots, from 0, have a row: those of all objects, and most free ones between them.
   std::size_t row_count() const { return rows_.size(); }
   const ObjectRow& operator[](std::uint32_t slot) const { return rows_[slot]; }
+  /// Of the object at its pose; empty for free slots and static parts. From the copying of changes to the end of the step:
+  /// the state that was filled has them, and no row.
+  const Aabb& bounds(std::uint32_t slot) const { return bounds_[slot]; }
   const ObjectTable& table() const { return *table_; }
   const ObjectInfo* info(std::uint32_t slot) const { return (*table_)[slot].get(); }
   /// The whole object, where it is one sphere and nothing else.
@@ -144,9 +153,9 @@ class ObjectRows {
   void give_rows_back();
   void mark(std::uint32_t slot, Motion how);
   void note_change(std::uint32_t slot);
-  void copy_row(std::uint32_t slot, Snapshot& to) const;
 
   std::vector<ObjectRow> rows_;
+  const Aabb* bounds_ = nullptr;  // by slot, of the state that was filled last
   // Outside of the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };
@@ -157,10 +166,10 @@ class ObjectRows {
   std::shared_ptr<ObjectTable> table_;  // replaced when a definition changes
   std::uint64_t table_version_ = 0;
   bool table_is_shared_ = false;  // a snapshot holds the table: it is copied before the next change
-  TagIndex names_;                // slots by their objects' names, which the table has
+  TagIndex names_{7};             // slots by their objects' names, which the table has
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::uint32_t> freed_;  // in this step
-  std::size_t freed_count_ = 0;       // since rows were last looked through
+  std::size_t used_rows_ = 0;         // those after that have no object
   std::vector<std::uint32_t> moved_;  // in this step
   // Slots in the order of their changes, about as many as there are slots; and how many were forgotten before.
   std::vector<std::uint32_t> changes_;

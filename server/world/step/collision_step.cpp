@@ -130,7 +130,7 @@ void World::State::take_pair_rules() {
 }
 
 void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
-  rows.copy_changes(next);
+  rows.copy_changes(ring.current(), next);
   next.epoch = options.epoch;
   next.version = version;
   next.world_time_ns = world_time_ns;

@@ -235,7 +235,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contain
     const bool is_given = frame.position == row.pose.position && frame.rotation == row.frame().rotation;
     return Placed{.info = rows_.info(slot),
                   .frame = frame,
-                  .bounds = is_given ? row.bounds : bounds_of(*rows_.info(slot), frame),
+                  .bounds = is_given ? rows_.bounds(slot) : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
   const Placed a = placed_at(piece.a, piece.a_motion.to);
@@ -313,7 +313,7 @@ bool Decisions::surely_stay_apart(const PairPiece& piece) const {
 double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const {
   const auto at = [&](const Frame& frame_a, const Frame& frame_b) {
     const auto placed_by = [&](std::uint32_t slot, const Frame& frame) {
-      return Placed{.info = rows_.info(slot), .frame = frame, .bounds = rows_[slot].bounds, .pose = &rows_[slot].pose};
+      return Placed{.info = rows_.info(slot), .frame = frame, .bounds = rows_.bounds(slot), .pose = &rows_[slot].pose};
     };
     return placing_error_m(placed_by(piece.a, frame_a), a_triangle, placed_by(piece.b, frame_b), b_triangle);
   };

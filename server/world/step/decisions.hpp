@@ -181,7 +181,7 @@ class Decisions {
   Placed placed(std::uint32_t slot) const {
     return {.info = rows_.info(slot),
             .frame = rows_[slot].frame(),
-            .bounds = rows_[slot].bounds,
+            .bounds = rows_.bounds(slot),
             .pose = &rows_[slot].pose};
   }
   /// A number for the scene where SeparationCache takes a slot; counts down from the highest.

@@ -223,7 +223,7 @@ class Correction {
   double rounding_m(ObjectId id) const {
     const ObjectInfo& own = info(id);
     if (own.scene_part != kNoScenePart) return 0;
-    const Aabb& bounds = rows_[slot_of(id)].bounds;
+    const Aabb& bounds = rows_.bounds(slot_of(id));
     const Vec3 size = bounds.high - bounds.low;
     const double slack_m = placement_slack(rows_[slot_of(id)].pose.position, 0, size.lpNorm<1>());
     return std::isfinite(slack_m) ? slack_m : 0;

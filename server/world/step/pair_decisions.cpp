@@ -47,7 +47,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   }
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
-  const bool are_near = overlaps(rows_[first].bounds, rows_[second].bounds);
+  const bool are_near = overlaps(rows_.bounds(first), rows_.bounds(second));
   Contained contained = Contained::none;
   // Nothing lies within a box, as within the solid that a mesh encloses.
   if (!boxes.are_boxes() || (are_near && !search_placed(boxes, touch)))

@@ -46,7 +46,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   resize_column(open_, count);
   note_changed(widened_);
   for (const std::uint32_t slot : widened_) {
-    if (slot < count && !rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
+    if (slot < count && !rows_.has_moved(slot)) bounds_[slot] = rows_.bounds(slot);
   }
   widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
@@ -78,7 +78,7 @@ void StepMotion::note_changed(const std::vector<std::uint32_t>& slots) {
 void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path) {
   const ObjectRow& row = rows_[slot];
   swept_[slot] = 0;
-  bounds_[slot] = row.bounds;
+  bounds_[slot] = rows_.bounds(slot);
   if (path) bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
   if (rows_.motion(slot) != Motion::moved || row.is_lone_sphere()) return;
   // Of two equal rotations it does not matter which they are.
@@ -87,7 +87,7 @@ void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSpher
   if (before.rotation != now.rotation) swept_[slot] = kMoves | kTurns;
   else if (before.position != now.position) swept_[slot] = kMoves;
   else return;
-  bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, row.bounds, row.reach_m);
+  bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, rows_.bounds(slot), row.reach_m);
 }
 
 /// Objects whose source fell behind the floor are tested against all sources again.
@@ -114,7 +114,7 @@ MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Sourc
                         .to_ns = times.to_ns,
                         .from = row.frame_before(),
                         .to = row.frame(),
-                        .bounds = row.bounds};
+                        .bounds = rows.bounds(slot)};
   if (!segment.is_jump()) {
     const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to);
     segment.from = path.from;
