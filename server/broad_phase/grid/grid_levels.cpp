@@ -93,7 +93,7 @@ std::uint32_t whole_blocks(std::uint32_t places) { return (places + kBlock - 1) 
 template <class T>
 void make_room(bvh::PlainArray<T>& array, std::size_t size) {
   constexpr std::size_t kKept = 4'096;
-  if (array.size() < size || array.size() > 4 * size + kKept) array = bvh::PlainArray<T>(size + size / 8);
+  if (array.size() < size || array.size() > 4 * size + kKept) array = bvh::PlainArray<T>(size + size / 32);
 }
 
 }  // namespace

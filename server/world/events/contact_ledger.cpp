@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "server/world/objects/column.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -53,6 +55,7 @@ void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted
     links_.give_back();
   }
   events_.clear();
+  for (const std::uint32_t slot : found_slots_) is_slot_found_[slot] = 0;
   found_slots_.clear();
   ++step_;
   world_time_ns_ = world_time_ns;
@@ -67,9 +70,9 @@ void ContactLedger::mark_found(std::uint32_t number) {
 }
 
 void ContactLedger::note_found_slot(std::uint32_t slot) {
-  if (slot >= slot_found_in_step_.size()) slot_found_in_step_.resize(slot + 1);
-  if (slot_found_in_step_[slot] == step_) return;
-  slot_found_in_step_[slot] = step_;
+  if (slot >= is_slot_found_.size()) is_slot_found_.resize(slot + 1);
+  if (is_slot_found_[slot] != 0) return;
+  is_slot_found_[slot] = 1;
   found_slots_.push_back(slot);
 }
 
@@ -97,7 +100,9 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
   const auto number = static_cast<std::uint32_t>(open_.size());
   index_.add(opened.a, opened.b, number);
   links_.add(place_of(opened.a), place_of(opened.b));
+  reserve_column(open_, open_.size() + 1, 4);
   open_.push_back(opened);
+  reserve_column(found_in_step_, open_.size(), 4);
   found_in_step_.push_back(0);
   mark_found(number);
   doubt_count_ += opened.doubt != Doubt::none ? 1 : 0;

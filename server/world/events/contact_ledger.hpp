@@ -191,9 +191,9 @@ class ContactLedger {
   PairIndex index_;                           // of open_
   ContactLinks links_;                        // of open_
   std::vector<std::uint32_t> found_slots_;
-  std::vector<std::uint64_t> slot_found_in_step_;  // step in which the slot was last put into found_slots_
-  std::vector<Ending> endings_;                    // reused from step to step
-  std::vector<std::uint64_t> ended_episodes_;      // likewise
+  std::vector<std::uint8_t> is_slot_found_;    // by slot: it is in found_slots_
+  std::vector<Ending> endings_;                // reused from step to step
+  std::vector<std::uint64_t> ended_episodes_;  // likewise
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;

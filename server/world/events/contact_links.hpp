@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "server/world/objects/column.hpp"
+
 namespace collided::engine {
 
 /// Which open contacts each object has: two-way lists through the contacts, so that what happens to one object costs
@@ -18,6 +20,7 @@ class ContactLinks {
     for (const std::uint32_t slot : {slot_a, slot_b}) {
       const auto link = static_cast<std::uint32_t>(links_.size());
       if (slot >= first_.size()) first_.resize(slot + 1, kNone);
+      reserve_column(links_, links_.size() + 1, 4);
       const std::uint32_t after = first_[slot];
       if (after != kNone) links_[after].before = link;
       links_.push_back({slot, kNone, after});

@@ -22,9 +22,9 @@ struct PlacedBoxPair {
 /// threads  the writer's only
 class PlacedBoxes {
  public:
-  /// More are not remembered, 2.4 MB of them: candidates come in the order of space, so that one that was forgotten is
+  /// More are not remembered, 1.2 MB of them: candidates come in the order of space, so that one that was forgotten is
   /// seldom asked for again.
-  static constexpr std::size_t kMost = 8'192;
+  static constexpr std::size_t kMost = 4'096;
 
   /// Forgets the last step's.
   void begin_step(std::size_t slot_count);
