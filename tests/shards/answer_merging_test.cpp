@@ -109,6 +109,24 @@ TEST(AnswerMerging, AHoleInWhatIsKnownWithinAShardsBoxStaysOne) {
   EXPECT_EQ(merge(kEastward, {{0, &first}, {1, &behind}}).verdict, Verdict::hit) << "it is behind the hit";
 }
 
+// A box that meets unknown space need not reach the place of it that is nearest to its middle, so a shard tells none.
+TEST(AnswerMerging, UnknownSpaceCountsWithoutAPlaceUnlessSomethingIsMet) {
+  const BoxQuestion box{.center = {-1, 0, 0}, .half_m = {2, 1, 1}};
+  const Answer west = undecided(UndecidedReason::not_covered);
+  const Answer nothing = hits({});
+  const Answer wall = hits({hit("wall", 0.5, {1, 0, 0})});
+  EXPECT_EQ(merge(box, {{0, &west}, {1, &nothing}}).reason, UndecidedReason::not_covered);
+  EXPECT_EQ(merge(box, {{0, &west}, {1, &wall}}).verdict, Verdict::hit);
+}
+
+// What a shard does not hold begins a margin away from its box; what it doubts nearer than that, it knows of.
+TEST(AnswerMerging, UnknownSpaceAtABorderIsNotTakenForWhatAShardDoesNotHold) {
+  const RayQuestion to_border{.origin = {-5, 0, 0}, .direction = {2, 0, 0}, .length_m = 5};
+  const Answer west = leaving({1e-15, 0, 0}, 5);
+  const Answer middle = hits({});
+  EXPECT_EQ(merge(to_border, {{0, &west}, {1, &middle}}).reason, UndecidedReason::not_covered);
+}
+
 TEST(AnswerMerging, DoubtsBeyondTheHitChangeNothingButThoseOfAPlaceUnknown) {
   const Answer west = hits({hit("post", 2, {-3, 0, 0})});
   for (const UndecidedReason reason :

@@ -179,6 +179,72 @@ TEST_F(ShardedWorld, TheNearestIsAsOnOneServer) {
   EXPECT_GT(hit_count_, 1000u);
 }
 
+// The box meets the unknown object at its end, in the west; nearer to its middle is another one, beyond the border, that it
+// does not meet. That the other shard answers for that one says nothing of the first.
+TEST_F(ShardedWorld, UnknownSpaceThatABoxMeetsIsNotHiddenByOneBeyondTheBorder) {
+  write_map(kHalves);
+  for (const char* shard : {"west", "east"}) start_shard(shard);
+  ShardedClient client = connect_sharded();
+  Result<ShardedPublisher> publisher = client.publish("scanner");
+  ASSERT_TRUE(publisher) << publisher.error().message;
+  const auto add = [&](const std::string& name, const Vec3& where) {
+    ASSERT_TRUE(publisher->add({.name = name,
+                                .shape = {SphereShape{.radius_m = 0.1}},
+                                .pose = {.position = where},
+                                .moving = false,
+                                .unknown = true}));
+    ASSERT_TRUE(publisher->flush());
+    ASSERT_TRUE(publisher->wait_applied(10s));
+  };
+  const BoxQuestion box{.center = {-0.2, 0, 40}, .half_m = {0.1, 5, 0.1}};
+  const BoxQuestion free{.center = {-0.2, -4, 40}, .half_m = {0.1, 5, 0.1}};
+  add("met", {-0.2, 4.5, 40});
+  EXPECT_EQ(client.ask(box)->reason, UndecidedReason::not_covered);
+  add("nearer", {0.95, 0, 40});
+  EXPECT_EQ(client.ask(box)->verdict, Verdict::undecided);
+  EXPECT_EQ(client.ask(box)->reason, UndecidedReason::not_covered);
+  EXPECT_EQ(client.ask(free)->verdict, Verdict::miss) << "it meets neither";
+}
+
+TEST_F(ShardedWorld, WhatReachesUnknownSpaceIsAsOnOneServer) {
+  std::mt19937_64 random = oracle::seeded(32);
+  ASSERT_NO_FATAL_FAILURE(start_all(random));
+  Publisher of_whole = publish(*whole_, "scanner");
+  Result<ShardedPublisher> of_shards = sharded_->publish("scanner");
+  ASSERT_TRUE(of_shards) << of_shards.error().message;
+  for (int i = 0; i < 60; ++i) {
+    ObjectOptions object = random_object(random, 1'000 + i);
+    object.moving = false;
+    object.unknown = true;
+    ASSERT_TRUE(of_whole.add(object));
+    ASSERT_TRUE(of_shards->add(object));
+  }
+  ASSERT_TRUE(of_whole.flush() && of_shards->flush());
+  ASSERT_TRUE(of_whole.wait_applied(10s) && of_shards->wait_applied(10s));
+  for (int batch = 0; batch < 10 && !HasFailure(); ++batch) {
+    const AskOptions options{.timeout = 60s};
+    std::vector<BoxQuestion> boxes(500);
+    for (BoxQuestion& one : boxes) {
+      one = {
+          .center = vector(random, kReach_m), .half_m = vector(random, 0.5).cwiseAbs(), .rotation = rotation(random)};
+      one.half_m[static_cast<Eigen::Index>(random() % 3)] = std::abs(number(random, 6));
+    }
+    expect_same(boxes, options);
+    std::vector<SphereQuestion> spheres(200);
+    for (SphereQuestion& one : spheres)
+      one = {.center = vector(random, kReach_m), .radius_m = std::abs(number(random, 1))};
+    expect_same(spheres, options);
+    std::vector<RayQuestion> rays(200);
+    for (RayQuestion& ray : rays) ray = random_ray(random);
+    expect_same(rays, options);
+    std::vector<NearQuestion> points(200);
+    for (NearQuestion& one : points) one = {.point = vector(random, kReach_m), .within_m = std::abs(number(random, 2))};
+    expect_same(points, options);
+    ASSERT_TRUE(of_whole.keep_alive() && of_shards->keep_alive());
+  }
+  EXPECT_GT(undecided_count_, 500u);
+}
+
 TEST_F(ShardedWorld, OfAShardThatDiedNothingBecomesAMiss) {
   std::mt19937_64 random = oracle::seeded(31);
   ASSERT_NO_FATAL_FAILURE(start_all(random));

@@ -204,13 +204,13 @@ class Merging {
     }
   }
 
-  /// The point where a question leaves what a shard holds is outside of the shard's box; what lies in it is told for
-  /// another reason.
+  /// The point where a question leaves what a shard holds is outside of the shard's box by the margin. Nearer than that, or
+  /// without a point, the shard knows of unknown space.
   void take_uncovered(const ShardAnswer& one) {
     const std::optional<Uncovered>& where = one.answer->uncovered;
-    if (!where) return doubt(UndecidedReason::not_covered);
-    if (!contains(map_.at(one.place).box, where->point, 0)) return;
+    if (where && !contains(map_.at(one.place).box, where->point, map_.margin_m() / 2)) return;
     if (kIsRegion<Q> && !merged_.hits.empty()) return;
+    if (!where) return doubt(UndecidedReason::not_covered);
     const double at_m = kIsRay<Q> ? where->covered_m : (where->point - beginning_of(question_)).norm();
     if (at_m <= limit_m_) doubt_uncovered(*where);
   }

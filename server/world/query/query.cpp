@@ -178,6 +178,9 @@ void doubt_where_unknown(Answers& answers, std::size_t place, Question& question
   if (!leaving) return;
   answers.answers[place] = Verdict::undecided;
   answers.reasons[place] = UndecidedReason::not_covered;
+  // What is nearest to a box's middle the box need not reach. In another shard's box it would be taken for something that
+  // that one answers for: a shard says such a doubt without a place.
+  if (question.snapshot.is_shard && question.asked.kind == QuestionKind::box) return;
   answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 

@@ -137,7 +137,7 @@ struct Answers {
   std::vector<AnswerHit> hits;
   // Of sweeps, one for each hit, fractions of the motion: no contact up to `low`, contact by `high`. Else empty.
   std::vector<TimeBracket> brackets = {};
-  std::vector<NotCovered> not_covered = {};  // one for each answer with that reason, in order of the questions
+  std::vector<NotCovered> not_covered = {};  // at most one for each answer with that reason, in order of the questions
   // Oldest Snapshot::posed_ns among the objects that were hit, told or not; -1: only static ones.
   std::int64_t oldest_pose_ns = -1;
 
