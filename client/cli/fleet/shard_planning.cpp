@@ -26,7 +26,7 @@ std::uint64_t load_of(const HeldObject& object, LoadMeasure measure) {
 }
 
 /// A plane across an axis, with what would be held on either side.
-struct Split {
+struct CutPlane {
   std::size_t axis = 0;
   double at = 0;
   std::uint64_t low_load = 0;
@@ -58,12 +58,12 @@ struct Side {
 
 /// The best plane across one axis. At a plane p the low side holds what begins at p + margin or below, the high side what
 /// ends at p - margin or above; between two such places nothing changes.
-std::optional<Split> best_across(std::size_t axis, const ShardBox& box, double margin_m,
-                                 std::span<const HeldObject* const> objects, LoadMeasure measure) {
+std::optional<CutPlane> best_across(std::size_t axis, const ShardBox& box, double margin_m,
+                                    std::span<const HeldObject* const> objects, LoadMeasure measure) {
   std::vector<Side> begins;
   std::vector<Side> ends;
   std::vector<double> places;
-  Split split{.axis = axis};
+  CutPlane split{.axis = axis};
   for (const HeldObject* object : objects) {
     const std::uint64_t load = load_of(*object, measure);
     begins.push_back({object->bounds.low[axis] - margin_m, load});
@@ -76,7 +76,7 @@ std::optional<Split> best_across(std::size_t axis, const ShardBox& box, double m
   std::ranges::sort(begins, {}, &Side::at);
   std::ranges::sort(ends, {}, &Side::at);
   std::ranges::sort(places);
-  std::optional<Split> best;
+  std::optional<CutPlane> best;
   std::size_t begun = 0;
   std::size_t ended = 0;
   for (std::size_t i = 0; i + 1 < places.size(); ++i) {
@@ -92,14 +92,15 @@ std::optional<Split> best_across(std::size_t axis, const ShardBox& box, double m
 }
 
 /// A box on its way, with all that it would hold.
-struct Part {
+struct PlannedBox {
   ShardBox box;
   std::vector<const HeldObject*> objects;
   std::uint64_t load = 0;
 };
 
-Part part_of(const ShardBox& box, double margin_m, std::span<const HeldObject* const> among, LoadMeasure measure) {
-  Part part{.box = box, .objects = {}};
+PlannedBox part_of(const ShardBox& box, double margin_m, std::span<const HeldObject* const> among,
+                   LoadMeasure measure) {
+  PlannedBox part{.box = box, .objects = {}};
   const ShardBox held = shards::grown(box, margin_m);
   for (const HeldObject* object : among) {
     if (!shards::meet(held, object->bounds)) continue;
@@ -109,11 +110,11 @@ Part part_of(const ShardBox& box, double margin_m, std::span<const HeldObject* c
   return part;
 }
 
-std::pair<Part, Part> halves_of(const Part& part, double margin_m, LoadMeasure measure) {
+std::pair<PlannedBox, PlannedBox> halves_of(const PlannedBox& part, double margin_m, LoadMeasure measure) {
   if (part.load == 0) throw shards::ShardMapError("nothing there counts as load");
-  std::optional<Split> best;
+  std::optional<CutPlane> best;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::optional<Split> across = best_across(axis, part.box, margin_m, part.objects, measure);
+    const std::optional<CutPlane> across = best_across(axis, part.box, margin_m, part.objects, measure);
     if (across && (!best || across->order() < best->order())) best = across;
   }
   if (!best || std::max(best->low_load, best->high_load) >= part.load) {
@@ -154,9 +155,9 @@ ShardPlan split_shard_box(const ShardMap& map, std::size_t split, std::span<cons
                           std::span<const HeldObject> objects, LoadMeasure measure) {
   std::vector<const HeldObject*> all;
   for (const HeldObject& object : objects) all.push_back(&object);
-  std::vector<Part> parts{part_of(map.at(split).box, map.margin_m(), all, measure)};
+  std::vector<PlannedBox> parts{part_of(map.at(split).box, map.margin_m(), all, measure)};
   while (parts.size() < names.size()) {
-    const auto heaviest = std::ranges::max_element(parts, {}, &Part::load);
+    const auto heaviest = std::ranges::max_element(parts, {}, &PlannedBox::load);
     auto [low, high] = halves_of(*heaviest, map.margin_m(), measure);
     *heaviest = std::move(low);
     parts.insert(heaviest + 1, std::move(high));
