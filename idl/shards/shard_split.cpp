@@ -87,7 +87,7 @@ std::optional<std::uint64_t> fingerprint_of(std::string_view text) {
   return fingerprint;
 }
 
-std::string succession_text(const Succession& succession) {
+std::string succession_text(const MapSuccession& succession) {
   return json{{"revision", succession.revision},
               {"phase", name_of(succession.phase)},
               {"from", fingerprint_text(succession.from)},
@@ -95,7 +95,7 @@ std::string succession_text(const Succession& succession) {
       .dump();
 }
 
-Succession parse_succession(std::string_view text) {
+MapSuccession parse_succession(std::string_view text) {
   const json said = json::parse(text, nullptr, false);
   const auto word = [&](const char* key) -> std::string {
     const auto found = said.is_object() ? said.find(key) : said.end();

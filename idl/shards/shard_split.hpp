@@ -33,7 +33,7 @@ std::string_view name_of(SuccessionPhase phase);
 std::optional<SuccessionPhase> succession_phase(std::string_view name);
 
 /// A map that succeeds another one.
-struct Succession {
+struct MapSuccession {
   std::uint64_t revision = 0;  // grows with each phase: of two that are told, the higher one holds
   SuccessionPhase phase = SuccessionPhase::joining;
   std::uint64_t from = 0;  // fingerprint of the map before
@@ -45,10 +45,10 @@ std::string fingerprint_text(std::uint64_t fingerprint);
 std::optional<std::uint64_t> fingerprint_of(std::string_view text);
 
 /// The JSON object {"revision", "phase", "from", "map"}, as text: of the command `succession`, and in the answer of `shard`.
-std::string succession_text(const Succession& succession);
+std::string succession_text(const MapSuccession& succession);
 /// The same back; other members of the object are left alone.
 ///
 /// throws  ShardMapError for anything that it does not say
-Succession parse_succession(std::string_view json);
+MapSuccession parse_succession(std::string_view json);
 
 }  // namespace collided::shards

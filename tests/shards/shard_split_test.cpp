@@ -47,11 +47,11 @@ TEST(ShardSplit, RefusesWhateverElseIsChangedWithASentence) {
 }
 
 TEST(ShardSplit, WhatIsToldOfItReadsBack) {
-  const Succession told{.revision = 7,
-                        .phase = SuccessionPhase::in_force,
-                        .from = ShardMap::parse(kBefore).fingerprint(),
-                        .next = ShardMap::parse(quarters("north_east"))};
-  const Succession read = parse_succession(succession_text(told));
+  const MapSuccession told{.revision = 7,
+                           .phase = SuccessionPhase::in_force,
+                           .from = ShardMap::parse(kBefore).fingerprint(),
+                           .next = ShardMap::parse(quarters("north_east"))};
+  const MapSuccession read = parse_succession(succession_text(told));
   EXPECT_EQ(read.revision, 7u);
   EXPECT_EQ(read.phase, SuccessionPhase::in_force);
   EXPECT_EQ(read.from, told.from);

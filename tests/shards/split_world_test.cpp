@@ -1,5 +1,6 @@
 // A shard is split while its world runs: what is given up, and what is gone on with.
 #include <chrono>
+#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
@@ -96,16 +97,25 @@ TEST_F(SplitWorld, WhatTheNewShardsLackIsSaidAndTheSplitTakenBack) {
   EXPECT_EQ(again->into, (std::vector<std::string>{"near", "far"}));
   EXPECT_EQ(first_hit(5), "crate");
   EXPECT_TRUE(test::eventually([&] { return names() == std::vector<std::string>{"west", "near", "far"}; }));
-  // What was split covers nothing, so nobody takes for free what is not there any more.
-  EXPECT_EQ(east.ask(SphereQuestion{.center = {20, 0, 9}, .radius_m = 1})->reason, UndecidedReason::not_covered);
+  // What was split covers nothing, so nobody takes for free what is not there any more; also after a crash.
+  const SphereQuestion in_the_air{.center = {20, 0, 9}, .radius_m = 1};
+  EXPECT_EQ(east.ask(in_the_air)->reason, UndecidedReason::not_covered);
+  servers_[1]->signal(SIGKILL);
+  servers_[1]->wait(5s);
+  start_shard("east");
+  EXPECT_TRUE(test::eventually([&] { return said_by("east")["succession"]["phase"] == "done"; }));
+  EXPECT_TRUE(test::eventually([&] {
+    const Result<Answer> answer = connect_to_shard("east").ask(in_the_air);
+    return answer && answer->reason == UndecidedReason::not_covered;
+  }));
 }
 
 TEST_F(SplitWorld, OneThatWasCutShortIsGoneOnWithOrTakenBack) {
   start_new();
-  const shards::Succession begun{.revision = 5,
-                                 .phase = shards::SuccessionPhase::joining,
-                                 .from = shards::ShardMap::parse(kBefore).fingerprint(),
-                                 .next = shards::ShardMap::parse(kAfter)};
+  const shards::MapSuccession begun{.revision = 5,
+                                    .phase = shards::SuccessionPhase::joining,
+                                    .from = shards::ShardMap::parse(kBefore).fingerprint(),
+                                    .next = shards::ShardMap::parse(kAfter)};
   // The coordinator died when it had told one of them.
   ASSERT_TRUE(connect_to_shard("west").command("succession", shards::succession_text(begun)));
   EXPECT_TRUE(test::eventually([&] { return names().size() == 4; })) << "whichever shard is asked says it";

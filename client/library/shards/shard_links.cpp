@@ -15,9 +15,9 @@
 namespace collided::client {
 namespace {
 
+using shards::MapSuccession;
 using shards::ShardMap;
 using shards::ShardSet;
-using shards::Succession;
 using shards::SuccessionPhase;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -33,7 +33,7 @@ struct SaidPlace {
   std::uint64_t epoch = 0;
   std::string name = {};
   std::uint64_t map = 0;  // fingerprint
-  std::optional<Succession> succession = {};
+  std::optional<MapSuccession> succession = {};
   std::string fault = {};  // empty: it is a shard, of whatever map
 };
 
@@ -134,7 +134,7 @@ std::string ShardLinks::fault(std::size_t place) const {
 }
 
 /// Why the map that this was opened with is not that of a server that says so; empty: it is.
-std::string ShardLinks::fault_of(const Succession& said) const {
+std::string ShardLinks::fault_of(const MapSuccession& said) const {
   const bool is_to_come = said.next.fingerprint() == own_map_ && !known_.contains(said.from);
   if (!is_to_come) return {};
   if (said.phase == SuccessionPhase::joining) return "its shard is being split, and this map does not hold yet";
@@ -167,7 +167,7 @@ bool ShardLinks::check(std::size_t place) {
 }
 
 /// Takes the newest that is told of a split. Under the mutex.
-void ShardLinks::learn(const Succession& said) {
+void ShardLinks::learn(const MapSuccession& said) {
   if (newest_ && said.revision <= newest_->revision) return;
   newest_ = said;
   // Where only the next map is known, those before it are of no interest.
@@ -180,7 +180,7 @@ void ShardLinks::learn(const Succession& said) {
   }
 }
 
-void ShardLinks::show(const Succession& said) {
+void ShardLinks::show(const MapSuccession& said) {
   // A name may come back with another box, after a split that was taken back: then it has another place.
   const auto place_of = [](const ShardMap& all, const shards::ShardEntry& shard) -> std::optional<std::size_t> {
     for (std::size_t place = 0; place < all.size(); ++place) {

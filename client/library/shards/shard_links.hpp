@@ -71,9 +71,9 @@ class ShardLinks {
   void look_for(std::size_t place, std::chrono::nanoseconds wait);
   void look_again(std::size_t place);
   void ask_for_news();
-  void learn(const shards::Succession& said);
-  void show(const shards::Succession& said);
-  std::string fault_of(const shards::Succession& said) const;
+  void learn(const shards::MapSuccession& said);
+  void show(const shards::MapSuccession& said);
+  std::string fault_of(const shards::MapSuccession& said) const;
   bool is_changing() const;
   void run();
 
@@ -82,7 +82,7 @@ class ShardLinks {
   std::shared_ptr<const ShardView> view_;
   std::map<std::uint64_t, shards::ShardSet> known_;  // the shards of each map, by its fingerprint
   std::uint64_t own_map_ = 0;                        // fingerprint of the one that this was opened with
-  std::optional<shards::Succession> newest_;         // by its revision
+  std::optional<shards::MapSuccession> newest_;      // by its revision
   std::vector<ShardLink> links_;                     // by place in the view
   std::size_t asked_last_ = 0;                       // for news
   bool is_over_ = false;

@@ -24,8 +24,8 @@ namespace client {
 namespace {
 
 using nlohmann::json;
+using shards::MapSuccession;
 using shards::ShardMap;
-using shards::Succession;
 using shards::SuccessionPhase;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -44,7 +44,7 @@ struct SplitServer {
   Client client;
 };
 
-struct ListedObject {
+struct ObjectInShard {
   shards::ShardBox bounds;
   std::string attached_to;
 };
@@ -63,7 +63,7 @@ Result<json> ask(SplitServer& server, const char* command, const json& arguments
   return said;
 }
 
-/// Of one who has nothing to say the corner is endless.
+/// null in the place of a number is endless.
 shards::ShardBox bounds_of(const json& bounds) {
   shards::ShardBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -75,7 +75,7 @@ shards::ShardBox bounds_of(const json& bounds) {
   return box;
 }
 
-using Listed = std::map<std::string, ListedObject>;
+using Listed = std::map<std::string, ObjectInShard>;
 
 Result<Listed> listed(SplitServer& server) {
   Result<json> answer = ask(server, names::kList, {{"bounds", true}, {"limit", kMostListed}});
@@ -86,7 +86,7 @@ Result<Listed> listed(SplitServer& server) {
     if (bounds == object.end() || !bounds->is_array()) continue;
     objects.emplace(
         object.value("name", std::string()),
-        ListedObject{.bounds = bounds_of(*bounds), .attached_to = object.value("attached_to", std::string())});
+        ObjectInShard{.bounds = bounds_of(*bounds), .attached_to = object.value("attached_to", std::string())});
   }
   return objects;
 }
@@ -150,7 +150,7 @@ class SplitCoordinator {
       Result<json> said = ask(server, names::kShard, json::object());
       if (!said) return said.error();
       const auto map = shards::fingerprint_of(said->value("map", std::string()));
-      std::optional<Succession> succession;
+      std::optional<MapSuccession> succession;
       try {
         if (said->contains("succession")) succession = shards::parse_succession((*said)["succession"].dump());
       } catch (const shards::ShardMapError& wrong) { return of_shard(server, {ErrorCode::refused, wrong.what(), ""}); }
@@ -175,13 +175,17 @@ class SplitCoordinator {
     return std::nullopt;
   }
 
+  /// Error: of the first one that could not be told, or refuses it.
   std::optional<Error> tell(SuccessionPhase phase) {
-    const Succession said{.revision = ++revision_, .phase = phase, .from = map_.fingerprint(), .next = next_};
+    const MapSuccession said{.revision = ++revision_, .phase = phase, .from = map_.fingerprint(), .next = next_};
     const std::string text = shards::succession_text(said);
+    // One that cannot be told keeps nobody else from hearing it.
+    std::optional<Error> failed;
     for (SplitServer& server : servers_) {
-      if (auto told = ask(server, names::kSuccession, json::parse(text)); !told) return told.error();
+      auto told = ask(server, names::kSuccession, json::parse(text));
+      if (!told && !failed) failed = told.error();
     }
-    return std::nullopt;
+    return failed;
   }
 
   std::optional<Error> undo() {

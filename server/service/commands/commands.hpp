@@ -137,7 +137,7 @@ class Commands {
   nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json settled(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json succession(const CommandAsk& ask, const Arguments& arguments);
-  void succeed(shards::Succession next);
+  void succeed(shards::MapSuccession next);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
@@ -298,8 +298,8 @@ class Commands {
   std::set<std::uint64_t> fence_owners_;                // clients that may have fences; likewise
   ShardWatchers shard_watchers_;
   std::mutex succession_mutex_;
-  std::optional<shards::Succession> succession_;  // none: no other map than that of the start is known
-  std::vector<CommandAsk> parted_;                // by a crash: attachments whose parents may still come back
+  std::optional<shards::MapSuccession> succession_;  // none: no other map than that of the start is known
+  std::vector<CommandAsk> parted_;                   // by a crash: attachments whose parents may still come back
   std::atomic<bool> stopping_{false};
   std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
   std::thread slow_thread_;

@@ -12,13 +12,13 @@ void ShardWatchers::heard(std::uint64_t client, std::uint64_t watch, std::string
       return;
     }
   }
-  heard_.insert_or_assign(key, Heard{.map = std::move(map), .at_ns = now_ns});
+  heard_.insert_or_assign(key, HeardWatch{.map = std::move(map), .at_ns = now_ns});
 }
 
-ShardWatchers::Counts ShardWatchers::counts(const std::string& map, std::int64_t now_ns) {
+ShardWatchers::WatcherCounts ShardWatchers::counts(const std::string& map, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   forget_old(now_ns);
-  Counts counts{.all = heard_.size()};
+  WatcherCounts counts{.all = heard_.size()};
   for (const auto& [key, heard] : heard_) counts.behind += heard.map != map ? 1 : 0;
   if (turned_away_ns_ != 0 && now_ns - turned_away_ns_ < kLast) {
     ++counts.all;

@@ -15,7 +15,7 @@ namespace collided::engine::service {
 /// threads  any
 class ShardWatchers {
  public:
-  struct Counts {
+  struct WatcherCounts {
     std::size_t all = 0;     // heard within kLast
     std::size_t behind = 0;  // that do not watch by the map asked about
   };
@@ -26,17 +26,17 @@ class ShardWatchers {
   /// map            the fingerprint that it says
   void heard(std::uint64_t client, std::uint64_t watch, std::string map, std::int64_t now_ns);
   /// How many there are, and how many of them do not watch by this map.
-  Counts counts(const std::string& map, std::int64_t now_ns);
+  WatcherCounts counts(const std::string& map, std::int64_t now_ns);
 
  private:
-  struct Heard {
+  struct HeardWatch {
     std::string map;
     std::int64_t at_ns = 0;
   };
   void forget_old(std::int64_t now_ns);
 
   std::mutex mutex_;
-  std::map<std::pair<std::uint64_t, std::uint64_t>, Heard> heard_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, HeardWatch> heard_;
   std::int64_t turned_away_ns_ = 0;  // when one was not noted, for want of room; 0: never
 };
 

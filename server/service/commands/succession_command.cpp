@@ -36,7 +36,7 @@ json Commands::shard(const Arguments& arguments) {
   const std::lock_guard lock(succession_mutex_);
   if (!succession_) return answer;
   answer["succession"] = json::parse(shards::succession_text(*succession_));
-  const ShardWatchers::Counts counts =
+  const ShardWatchers::WatcherCounts counts =
       shard_watchers_.counts(shards::fingerprint_text(succession_->next.fingerprint()), steady_ns());
   answer["watches"] = counts.all;
   answer["watches_behind"] = counts.behind;
@@ -44,7 +44,7 @@ json Commands::shard(const Arguments& arguments) {
 }
 
 /// Notes a phase, which must come after the one that is known, of a map that comes after the one that holds.
-void Commands::succeed(shards::Succession next) {
+void Commands::succeed(shards::MapSuccession next) {
   const std::lock_guard lock(succession_mutex_);
   const std::uint64_t own = with_.shard->fingerprint;
   std::uint64_t holds = own;
@@ -74,7 +74,7 @@ json Commands::succession(const CommandAsk& ask, const Arguments& arguments) {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world. Nothing was done");
   World& world = with_.loop.world();
   try {
-    shards::Succession next = shards::parse_succession(ask.text);
+    shards::MapSuccession next = shards::parse_succession(ask.text);
     const bool is_over = next.phase == shards::SuccessionPhase::done && !next.next.find(with_.shard->name);
     succeed(std::move(next));
     // From the next snapshot on, nobody takes what is no longer here for free space.
