@@ -172,6 +172,31 @@ TEST_F(FleetVerb, OfAShardMapListsTheShardsAndIsNoWhereOneIsNotThere) {
   EXPECT_EQ(collide("fleet --shards map.json").code, 0);
 }
 
+TEST_F(FleetVerb, SplitsAShardAndSaysHowItGoes) {
+  fake::server().split = [](const std::string& map, const std::string& next, const ShardSplitOptions& how) {
+    EXPECT_EQ(map, "map.json");
+    EXPECT_EQ(next, "next.json");
+    EXPECT_EQ(how.patience, 5s);
+    if (!how.undo) how.said("the next map holds");
+    return Result<ShardSplitReport>(
+        {.shard = "east", .into = {"near", "far"}, .objects = 1'204, .watches = 1, .took = 9'200ms});
+  };
+  const Ran ran = at_terminal("fleet split --shards map.json --to next.json --for 5s");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            "east is split into near, far; its server may be stopped\n1 204 objects, 1 watching client, in 9.2 s\n");
+  EXPECT_EQ(ran.err, "the next map holds\n");
+  EXPECT_EQ(collide("fleet split --shards map.json --to next.json --for 5s -q").out,
+            "east\t[\"near\",\"far\"]\t1204\t1\n");
+  EXPECT_EQ(at_terminal("fleet split --shards map.json --to next.json --for 5s --undo").out, "east is not split\n");
+  fake::server().split = [](const std::string&, const std::string&, const ShardSplitOptions&) {
+    return Result<ShardSplitReport>(Error{ErrorCode::bad_input, "the maps differ in their margins", ""});
+  };
+  EXPECT_EQ(collide("fleet split --shards map.json --to next.json").code, 2);
+  EXPECT_EQ(collide("fleet split --to next.json").code, 2);
+  EXPECT_EQ(collide("fleet --to next.json").code, 2);
+}
+
 TEST_F(FleetVerb, QuestionsGoToAllShardsAndOtherVerbsSayThatTheyCannot) {
   fake::server().ray = [](const RayQuestion&, const AskOptions&) {
     return fake::hit_answer({fake::hit("wall", 2, {2, 0, 0})});

@@ -105,10 +105,12 @@ constexpr Verb kVerbs[] = {
      make_explain},
     {"metrics", "Follow", "counts and latencies as Prometheus reads them", "metrics",
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
-    {"fleet", "Follow", "which servers of a namespace there are, and whether they fit together",
-     "fleet\nfleet --shards FILE\nfleet plan [--into N]\nfleet plan --shards FILE",
+    {"fleet", "Follow",
+     "which servers of a namespace there are, and whether they fit together; shards planned and split",
+     "fleet\nfleet --shards FILE\nfleet plan [--into N]\nfleet plan --shards FILE\nfleet split --shards FILE --to FILE",
      "fleet\nfleet --json\nfleet --shards map.json\nfleet plan --into 4 -o map.json\nfleet plan --shards map.json "
-     "--split west",
+     "--split west -o "
+     "next.json\nfleet split --shards map.json --to next.json",
      make_fleet},
     {"handover", "Follow", "a server that stands by takes the primary's place, and the primary ends", "handover [NAME]",
      "handover\nhandover south", make_handover},

@@ -149,6 +149,10 @@ Result<ShardedClient> ShardedClient::connect(const std::string& map_file, const 
   if (fake::server().connect_error) return *fake::server().connect_error;
   return ShardedClient(nullptr);
 }
+Result<ShardSplitReport> split_shard(const std::string& map_file, const std::string& next_file, const ConnectOptions&,
+                                     const ShardSplitOptions& how) {
+  return fake::server().split(map_file, next_file, how);
+}
 std::vector<ShardState> ShardedClient::shards() { return fake::server().shards; }
 /// As that of one server, without what several do not have in common.
 template <Question Q>

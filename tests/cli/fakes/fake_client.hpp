@@ -80,6 +80,8 @@ struct Server {
   std::string shard_map;  // that was connected by
   std::vector<ShardState> shards;
   std::uint64_t shard_gaps = 0;  // of a watch of theirs
+  std::function<Result<ShardSplitReport>(const std::string& map, const std::string& next, const ShardSplitOptions&)>
+      split;
   Strangers strangers;
 
   std::uint64_t version = 18204;

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// The options of `fleet split`, as they were written.
+struct FleetSplitOptions {
+  std::string to;        // file of the next map
+  std::string patience;  // how long the new shards may take
+  bool undo = false;
+};
+
+/// Splits a shard of the map of --shards, or takes a split back.
+Exit split_shards(Session& session, const Globals& globals, const FleetSplitOptions& options);
+
+}  // namespace collided::cli
