@@ -10,24 +10,29 @@
 namespace collided {
 namespace {
 
+using namespace std::chrono_literals;
+
 /// `watch` and `publish` with --shards.
 class ShardedVerbs : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
-    Event began;
-    began.kind = EventKind::began;
-    began.a = "ball/0";
-    began.b = "ball/1";
-    began.sequence = began.episode = 1;
-    began.world_time = began.began = std::chrono::milliseconds(12'201);
-    began.depth_m = 0.0031;
-    Event ended = began;
-    ended.kind = EventKind::ended;
-    ended.reason = EndReason::separated;
-    ended.sequence = 2;
-    ended.world_time = std::chrono::milliseconds(12'455);
-    fake::server().events = {began, ended};
+    fake::server().events = {{.kind = EventKind::began,
+                              .a = "ball/0",
+                              .b = "ball/1",
+                              .sequence = 1,
+                              .episode = 1,
+                              .world_time = 12'201ms,
+                              .began = 12'201ms,
+                              .depth_m = 0.0031},
+                             {.kind = EventKind::ended,
+                              .reason = EndReason::separated,
+                              .a = "ball/0",
+                              .b = "ball/1",
+                              .sequence = 2,
+                              .episode = 1,
+                              .world_time = 12'455ms,
+                              .began = 12'201ms}};
     fake::server().shards = {{.name = "west", .is_there = true, .state = "ready"},
                              {.name = "east", .is_there = true, .state = "ready"}};
   }

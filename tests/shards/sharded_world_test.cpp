@@ -185,7 +185,7 @@ TEST_F(ShardedWorld, UnknownSpaceThatABoxMeetsIsNotHiddenByOneBeyondTheBorder) {
   write_map(kHalves);
   for (const char* shard : {"west", "east"}) start_shard(shard);
   ShardedClient client = connect_sharded();
-  Result<ShardedPublisher> publisher = client.publish("scanner");
+  Result<ShardedPublisher> publisher = client.publish("scanner", {.lease = 600s});
   ASSERT_TRUE(publisher) << publisher.error().message;
   const auto add = [&](const std::string& name, const Vec3& where) {
     ASSERT_TRUE(publisher->add({.name = name,
@@ -209,18 +209,18 @@ TEST_F(ShardedWorld, UnknownSpaceThatABoxMeetsIsNotHiddenByOneBeyondTheBorder) {
 TEST_F(ShardedWorld, WhatReachesUnknownSpaceIsAsOnOneServer) {
   std::mt19937_64 random = oracle::seeded(32);
   ASSERT_NO_FATAL_FAILURE(start_all(random));
-  Publisher of_whole = publish(*whole_, "scanner");
-  Result<ShardedPublisher> of_shards = sharded_->publish("scanner");
-  ASSERT_TRUE(of_shards) << of_shards.error().message;
+  Result<Publisher> of_whole = whole_->publish("scanner", {.lease = 600s});
+  Result<ShardedPublisher> of_shards = sharded_->publish("scanner", {.lease = 600s});
+  ASSERT_TRUE(of_whole && of_shards);
   for (int i = 0; i < 60; ++i) {
     ObjectOptions object = random_object(random, 1'000 + i);
     object.moving = false;
     object.unknown = true;
-    ASSERT_TRUE(of_whole.add(object));
+    ASSERT_TRUE(of_whole->add(object));
     ASSERT_TRUE(of_shards->add(object));
   }
-  ASSERT_TRUE(of_whole.flush() && of_shards->flush());
-  ASSERT_TRUE(of_whole.wait_applied(10s) && of_shards->wait_applied(10s));
+  ASSERT_TRUE(of_whole->flush() && of_shards->flush());
+  ASSERT_TRUE(of_whole->wait_applied(60s) && of_shards->wait_applied(60s));
   for (int batch = 0; batch < 10 && !HasFailure(); ++batch) {
     const AskOptions options{.timeout = 60s};
     std::vector<BoxQuestion> boxes(500);
@@ -240,7 +240,6 @@ TEST_F(ShardedWorld, WhatReachesUnknownSpaceIsAsOnOneServer) {
     std::vector<NearQuestion> points(200);
     for (NearQuestion& one : points) one = {.point = vector(random, kReach_m), .within_m = std::abs(number(random, 2))};
     expect_same(points, options);
-    ASSERT_TRUE(of_whole.keep_alive() && of_shards->keep_alive());
   }
   EXPECT_GT(undecided_count_, 500u);
 }
