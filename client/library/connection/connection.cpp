@@ -240,6 +240,16 @@ bool Connection::is_gone() const {
   return pulse_.pid() == 0 ? !is_machine_crowded() : !runs_here(pulse_.pid(), "collided");
 }
 
+bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server,
+                                std::uint64_t epoch) {
+  const bool is_heirs = server != pulse_.server() && epoch > pulse_.epoch() && pulse_.may_have_heir();
+  if (known_server_.is_known() && is_heirs) {
+    pulse_.greeted(server, epoch);
+    known_server_.greeted(reader.get(), info.publication_handle);
+  }
+  return is_from_server(reader, info);
+}
+
 /// A server that speaks while the known one is silent has taken its place.
 bool Connection::is_from_server_or_its_heir(const dds::Sample<wire::Status>& status) {
   const dds_sample_info_t& info = status.info();

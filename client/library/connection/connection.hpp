@@ -56,6 +56,10 @@ class Connection {
   bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info) {
     return known_server_.admits(reader.get(), info.publication_handle, pulse_.may_have_heir());
   }
+  /// Likewise, of a sample that says whose it is. Where the known server is silent, one of a greater epoch is its heir's, also
+  /// if the heir's status comes later: a server that stood still, and goes on in between, is heard no more.
+  bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server,
+                      std::uint64_t epoch);
 
   /// What others wrote on the server's topics.
   Strangers strangers() const { return {.samples = known_server_.refused(), .speak_now = known_server_.has_rival()}; }

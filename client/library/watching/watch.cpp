@@ -170,7 +170,9 @@ void Watch::State::take(std::optional<dds::Reader<T>>& reader, client::SamplePoo
   auto sample = pool.get();
   while (reader->take(*sample)) {
     const dds_sample_info_t& info = sample->info();
-    if (info.valid_data && connection_->is_from_server(*reader, info)) queue(As{std::exchange(sample, pool.get())});
+    if (!info.valid_data) continue;
+    const bool is_taken = connection_->is_from_server(*reader, info, (*sample)->server, (*sample)->epoch);
+    if (is_taken) queue(As{std::exchange(sample, pool.get())});
   }
   pool.put(std::move(sample));
 }
