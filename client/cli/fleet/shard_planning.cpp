@@ -51,7 +51,7 @@ double round_between(double low, double high) {
 }
 
 /// Where an object begins, or ends, to be held on a side of a plane that goes up an axis.
-struct Side {
+struct BoxSide {
   double at = 0;
   std::uint64_t load = 0;
 };
@@ -60,8 +60,8 @@ struct Side {
 /// ends at p - margin or above; between two such places nothing changes.
 std::optional<CutPlane> best_across(std::size_t axis, const ShardBox& box, double margin_m,
                                     std::span<const HeldObject* const> objects, LoadMeasure measure) {
-  std::vector<Side> begins;
-  std::vector<Side> ends;
+  std::vector<BoxSide> begins;
+  std::vector<BoxSide> ends;
   std::vector<double> places;
   CutPlane split{.axis = axis};
   for (const HeldObject* object : objects) {
@@ -73,8 +73,8 @@ std::optional<CutPlane> best_across(std::size_t axis, const ShardBox& box, doubl
       if (std::isfinite(place)) places.push_back(std::clamp(place, box.low[axis], box.high[axis]));
     }
   }
-  std::ranges::sort(begins, {}, &Side::at);
-  std::ranges::sort(ends, {}, &Side::at);
+  std::ranges::sort(begins, {}, &BoxSide::at);
+  std::ranges::sort(ends, {}, &BoxSide::at);
   std::ranges::sort(places);
   std::optional<CutPlane> best;
   std::size_t begun = 0;
