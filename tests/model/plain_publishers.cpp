@@ -104,8 +104,15 @@ void PlainPublishers::define(const service::DefinitionSample& sample, std::int64
     ++counts.definitions_late;
     return;
   }
-  object.defined_by = sample.sequence;
-  if (sample.removed) {
+  const bool is_said_again = !sample.removed && is_in_world(key, object) && object.name == sample.name &&
+                             object.policy == static_cast<LostPolicy>(sample.lost_policy) &&
+                             object.moving == sample.moving && object.layers == sample.filter.layers;
+  const bool waits = is_said_again && party->through + 1 < sample.sequence;
+  if (waits) party->said_again.push_back({sample.object_number, sample.sequence, sample.pose});
+  else object.defined_by = sample.sequence;
+  if (waits) {
+    // It takes its place among the batches.
+  } else if (sample.removed) {
     leave(key, object);
     object.place = Place::gone;
     object.moving = false;
@@ -123,6 +130,25 @@ void PlainPublishers::define(const service::DefinitionSample& sample, std::int64
   party->definitions_seen = std::max(party->definitions_seen, sample.sequence);
   note(*party, sample.sequence, party->newest_definition, now_ns);
   for (auto& [id, other] : parties_) release_parked(id, other, now_ns);
+}
+
+void PlainPublishers::take_said_again(std::uint64_t id, Party& party, std::uint64_t before) {
+  std::erase_if(party.said_again, [&](const SaidAgain& said) {
+    if (said.sequence >= before) return false;
+    Object& object = party.objects.at(said.number);
+    const Key key{id, said.number};
+    if (said.sequence <= object.defined_by || !is_in_world(key, object)) return true;
+    object.defined_by = said.sequence;
+    if (object.pose == said.pose) {
+      ++counts.definitions_applied;
+      return true;
+    }
+    leave(key, object);
+    object.pose = said.pose;
+    object.velocity.reset();
+    enter(key, object);
+    return true;
+  });
 }
 
 void PlainPublishers::release_parked(std::uint64_t id, Party& party, std::int64_t now_ns) {
@@ -156,6 +182,7 @@ void PlainPublishers::move(const service::PoseSample& sample, std::int64_t now_n
 }
 
 void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseSample& sample, std::int64_t now_ns) {
+  take_said_again(id, party, sample.sequence);
   if ((sample.flags & wire_contract::kAllSaid) != 0) party.said_all = true;
   std::set<std::uint32_t> named;
   bool any = false;
@@ -241,6 +268,7 @@ void PlainPublishers::settle(std::int64_t now_ns) {
     const bool has_gap = !party.heard.empty() && *party.heard.rbegin() > party.through;
     if (has_gap && now_ns - party.gap_since_ns >= service::SequenceWatermark::kGapPatienceNs)
       party.through = *party.heard.rbegin();
+    take_said_again(id, party, party.through + 1);
   }
   for (auto entry = parties_.begin(); entry != parties_.end();) {
     const std::uint64_t id = entry->first;

@@ -30,6 +30,12 @@ class PlainPublishers {
     std::uint64_t defined_by = 0, posed_by = 0;  // sequences
     bool is_stale = false;
   };
+  /// A definition of what is there, said again: it may have come before batches that were sent before it.
+  struct SaidAgain {
+    std::uint32_t number = 0;
+    std::uint64_t sequence = 0;
+    std::array<double, 7> pose{};
+  };
   struct Party {
     std::uint64_t incarnation = 0, definitions_seen = 0;
     bool object_writer = false, pose_writer = false, lost = false, said_all = false;
@@ -37,6 +43,7 @@ class PlainPublishers {
     std::map<std::uint32_t, Object> objects;
     std::vector<std::uint32_t> numbers;  // in the order of their first definitions, which is that of coming back
     std::deque<service::PoseSample> parked;
+    std::vector<SaidAgain> said_again;  // wait for the batches before them
     std::set<std::uint64_t> heard;  // sequences
     std::uint64_t through = 0, newest_definition = 0, newest_pose = 0;
     std::int64_t gap_since_ns = 0;
@@ -75,6 +82,7 @@ class PlainPublishers {
   bool is_in_world(const Key& key, const Object& object) const;
   void enter(const Key& key, Object& object);
   void leave(const Key& key, Object& object);
+  void take_said_again(std::uint64_t id, Party& party, std::uint64_t before);
   void release_parked(std::uint64_t id, Party& party, std::int64_t now_ns);
   void apply(std::uint64_t id, Party& party, const service::PoseSample& sample, std::int64_t now_ns);
   bool accept(Party& party, const service::PoseSample& sample, std::size_t index, std::set<std::uint32_t>& named);

@@ -147,7 +147,7 @@ class PublishersTwin : public testing::Test {
     else if (what < 0.75) once_more(sender);
     else if (what < 0.85) live_or_die(id, sender);
     else if (what < 0.88) somebody_else();
-    else if (what < 0.95) plain_.settle(now_ns_), publishers_.settle(now_ns_);
+    else if (what < 0.95) step(), plain_.settle(now_ns_), publishers_.settle(now_ns_);
     else step();
   }
 
