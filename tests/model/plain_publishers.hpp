@@ -44,7 +44,7 @@ class PlainPublishers {
     std::vector<std::uint32_t> numbers;  // in the order of their first definitions, which is that of coming back
     std::deque<service::PoseSample> parked;
     std::vector<SaidAgain> said_again;  // wait for the batches before them
-    std::set<std::uint64_t> heard;  // sequences
+    std::set<std::uint64_t> heard;      // sequences
     std::uint64_t through = 0, newest_definition = 0, newest_pose = 0;
     std::int64_t gap_since_ns = 0;
     bool says_no_times = false;  // its batches come without stamps: an empty one says that it rests
