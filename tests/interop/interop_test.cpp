@@ -134,7 +134,7 @@ TEST_F(Interop, TenThousandPosesAndAThousandEventsArriveWhole) {
     EXPECT_EQ(status ? status->poses_dropped : 0, 0U) << "more waited than the server keeps, so it left some out";
     return status && status->poses_applied == 10'000;
   };
-  EXPECT_TRUE(test::eventually(is_counted));
+  EXPECT_TRUE(test::eventually(is_counted)) << *client.command("figures", "{}");
   ASSERT_EQ(watcher.wait(seconds(30)), 0) << lines_of(watcher.output(), "event ").size() << " events; "
                                           << watcher.errors() << watcher.output().substr(0, 200);
 

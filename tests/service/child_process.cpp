@@ -101,9 +101,9 @@ std::string ScratchFolder::write(const std::string& name, const std::string& tex
 }
 
 int own_domain() {
-  // 1 to 100 are those of tests/service/wire/network.hpp, above 200 the scripts'.
+  // 1 to 100 are those of tests/service/wire/network.hpp, above 190 the scripts'.
   constexpr int kFirst = 101;
-  constexpr int kCount = 100;
+  constexpr int kCount = 90;
   static const int domain = [] {
     for (int i = 0; i < kCount; ++i) {
       const int candidate = kFirst + static_cast<int>((getpid() + i) % kCount);

@@ -43,7 +43,7 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// A DDS domain from 101 to 200 that no other test process uses while this one lives.
+/// A DDS domain from 101 to 190 that no other test process uses while this one lives.
 int own_domain();
 
 }  // namespace collided::testing_support

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +39,17 @@ class ServerProcess : public ::testing::Test {
     ChildProcess process(words, folder_.path(), "run");
     const int code = process.wait(seconds(20));
     return {code, process.output(), process.errors()};
+  }
+
+  /// What failed only elsewhere is understood by what the servers said there.
+  void TearDown() override {
+    constexpr std::size_t kMostBytes = 4'000;
+    if (!HasFailure()) return;
+    for (const std::unique_ptr<ChildProcess>& server : servers_) {
+      const std::string said = server->errors();
+      std::printf("server %d said:\n%s\n", static_cast<int>(server->pid()),
+                  said.substr(said.size() - std::min(said.size(), kMostBytes)).c_str());
+    }
   }
 
   ScratchFolder folder_;

@@ -5,6 +5,7 @@
 
 #include <sys/prctl.h>
 
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/measuring.hpp"
@@ -44,6 +46,18 @@ double slope_of(const std::vector<Look>& looks) {
   }
   const double divisor = count * time_squared - time * time;
   return divisor > 0 ? 3'600 * (count * product - time * mib) / divisor : 0;
+}
+
+/// From the first third to the last, MiB: the medians, since a single look may fall into a moment that needs more.
+double growth_of(const std::vector<Look>& looks) {
+  const auto median = [](std::vector<Look> some) {
+    const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+    std::nth_element(some.begin(), middle, some.end(), [](const Look& a, const Look& b) { return a.mib < b.mib; });
+    return middle->mib;
+  };
+  const auto third = static_cast<std::ptrdiff_t>(looks.size() / 3);
+  if (third == 0) return 0;
+  return median({looks.end() - third, looks.end()}) - median({looks.begin(), looks.begin() + third});
 }
 
 MeshShape tetrahedron(double size) {
@@ -118,7 +132,7 @@ class Soak {
   int report() {
     const double slope = slope_of(looks_);
     const double time_s = looks_.empty() ? 0 : looks_.back().time_s - looks_.front().time_s;
-    const double growth = looks_.empty() ? 0 : looks_.back().mib - looks_.front().mib;
+    const double growth = growth_of(looks_);
     const auto [fewest, most] = std::minmax_element(looks_.begin(), looks_.end(),
                                                     [](const Look& a, const Look& b) { return a.files < b.files; });
     const int files = looks_.empty() ? 0 : most->files - fewest->files;
