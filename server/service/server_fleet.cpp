@@ -43,7 +43,9 @@ SelfDescription Server::Parts::describe_self() {
           .alarm = alarm,
           .following =
               [this, is_following] {
-                return is_following() ? standby->following() : Following{.primary = succession.predecessor()};
+                if (is_following()) return standby->following();
+                const std::uint64_t predecessor = succession.predecessor();
+                return Following{.primary = predecessor, .fetch = predecessor == 0 ? 0 : standby->carried_out() + 1};
               },
           .heard =
               [this, is_following](const OtherMember& other) {
@@ -73,7 +75,7 @@ void Server::Parts::stand_by() {
                                           return commands.follow({0, 0, change.text, change.blob});
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
-      is_replica() ? 0 : options.take_over_ns,
+      Standby::PlaceRules{.silent_after_ns = is_replica() ? 0 : options.take_over_ns, .is_replica = is_replica()},
       [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
       [this] { return is_given_place(); },
       [this] {
@@ -99,6 +101,7 @@ bool Server::Parts::is_given_place() const {
 
 bool Server::Parts::take_over(const Standby::Predecessor& of, const std::string& why) {
   if (election && !election->succeeds(of.epoch)) return false;
+  if (feed) feed->continue_from(standby->carried_out());
   if (!succession.take_over(of.server, of.spoken, why)) return false;
   if (!of.is_same) {
     log->warn(

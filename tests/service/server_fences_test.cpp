@@ -170,6 +170,11 @@ TEST_F(ServerFences, AKillLosesNoKeptFenceAndTellsNothingTwice) {
   ASSERT_TRUE(client.add_fence(kept(box("dock", {5, -1, 1}, {7, 1, 3}))));
   Publisher publisher = publish(client, "pilot");
   const Publisher::Object drone = add_ball(publisher, "drone", at(6, 0, 2));
+  const auto holds_drone = [](Client& asked) {
+    const Result<std::vector<ListedFence>> fences = asked.fences();
+    return fences && fences->size() == 1 && fences->at(0).inside == Names{"drone"};
+  };
+  ASSERT_TRUE(test::eventually([&] { return holds_drone(client); }, 15s));
   FenceWatch watch = watch_fences(client);
   expect(next(watch), FenceEventKind::inside, "drone", "dock");
   servers_.back()->signal(SIGKILL);
@@ -179,8 +184,7 @@ TEST_F(ServerFences, AKillLosesNoKeptFenceAndTellsNothingTwice) {
   ASSERT_TRUE(test::eventually(
       [&] {
         move(publisher, drone, at(6.1, 0, 2));
-        const Result<std::vector<ListedFence>> fences = again.fences();
-        return fences && fences->size() == 1 && fences->at(0).inside == Names{"drone"};
+        return holds_drone(again);
       },
       15s));
   EXPECT_TRUE(test::eventually([&] { return watch.connected() && watch.in_step(); }, 15s));

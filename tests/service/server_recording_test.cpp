@@ -493,6 +493,52 @@ TEST_F(ServerRecording, AFullDiskIsSaidAndWhatWasWrittenStays) {
   EXPECT_GT(report->samples, 100U);
 }
 
+// More batches than the server keeps would be merged to each object's newest pose, and events between would be missed.
+TEST_F(ServerRecording, ARecordingGivenFasterThanTheWorldStepsLosesNoPose) {
+  constexpr int kPublishers = 4, kBalls = 20, kFlushes = 400;
+  const std::string file = path("fast.mcap");
+  const auto where = [](std::size_t publisher, int ball, int round) {
+    return at(0.05 * ball, 0.1 * static_cast<double>(publisher), 0.001 * round);  // they overlap: a step takes a while
+  };
+  std::uint64_t told = 0, applied = 0;
+  start();
+  {
+    Result<Recording> recording = record(here(), file);
+    ASSERT_TRUE(recording) << recording.error().message;
+    Client client = connect();
+    std::vector<Publisher> publishers;
+    std::vector<std::vector<Publisher::Object>> balls(kPublishers);
+    for (std::size_t p = 0; p < kPublishers; ++p) {
+      publishers.push_back(publish(client, "mover " + std::to_string(p)));
+      for (int i = 0; i < kBalls; ++i)
+        balls[p].push_back(
+            add_ball(publishers[p], "ball " + std::to_string(p) + "/" + std::to_string(i), where(p, i, 0)));
+    }
+    const auto all_applied = [&] { return (applied = client.status()->poses_applied) == told; };
+    for (int round = 0; round < kFlushes; ++round) {
+      for (std::size_t p = 0; p < kPublishers; ++p) {
+        for (int i = 0; i < kBalls; ++i)
+          EXPECT_TRUE(publishers[p].move(balls[p][static_cast<std::size_t>(i)], where(p, i, round)));
+        EXPECT_TRUE(publishers[p].flush());
+      }
+      told += kPublishers * kBalls;
+      if (round % 20 != 19) continue;
+      ASSERT_TRUE(test::eventually(all_applied)) << client.status()->poses_dropped << " dropped";
+    }
+    ASSERT_TRUE(recording->finish());
+  }
+  servers_.back()->signal(SIGTERM);
+  ASSERT_EQ(servers_.back()->wait(15s), 0);
+  start({}, "again");
+  const Result<ReplayReport> again = replay(here(), {.path = file, .rate = 1'000});
+  ASSERT_TRUE(again) << again.error().message;
+  Client client = connect();
+  EXPECT_TRUE(test::eventually([&] { return client.status()->poses_applied == applied; }))
+      << client.status()->poses_applied << " of " << applied << " applied, " << client.status()->poses_dropped
+      << " dropped";
+  EXPECT_EQ(client.status()->poses_dropped, 0U);
+}
+
 TEST_F(ServerRecording, ASignalWritesTheFlightRecorder) {
   ChildProcess& server = start({"--flight-recorder", "12s"});
   server.signal(SIGUSR1);

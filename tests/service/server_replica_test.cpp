@@ -275,5 +275,53 @@ TEST_F(ServerReplica, OneThatStoodStillAnswersNothingBeforeItsWorldWasFoundTheSa
   EXPECT_NE(east.errors().find("'primary' is primary now"), std::string::npos) << east.errors();
 }
 
+// Whoever has taken the primary's place by the same changes is followed from there on: nobody starts the replica again, and
+// what commands do afterwards it does too.
+TEST_F(ServerReplica, OneFollowsWhoeverTakesThePrimarysPlace) {
+  const auto start_member = [&](const std::string& name, const std::vector<std::string>& options) -> ChildProcess& {
+    std::vector<std::string> words{COLLIDED_SERVER,
+                                   "--domain",
+                                   std::to_string(domain_),
+                                   "--member",
+                                   name,
+                                   "--state-dir",
+                                   elsewhere_.path() + "/" + name};
+    words.insert(words.end(), options.begin(), options.end());
+    servers_.push_back(std::make_unique<ChildProcess>(words, elsewhere_.path(), name));
+    EXPECT_TRUE(servers_.back()->says("ready:", 20s)) << servers_.back()->errors();
+    return *servers_.back();
+  };
+  ChildProcess* primary = &start_member("m0", {});
+  ChildProcess& east = start_replica("east");
+  Client client = connect();
+  Client replica = connect_alone("collided/replica_east");
+  const auto add_wall = [&](int number) {
+    return !!client.add({.name = "wall " + std::to_string(number),
+                         .shape = {BoxShape{.half_m = {0.5, 0.5, 0.5}}},
+                         .pose = {.position = {10.0 * number, 0, 0}}});
+  };
+  const auto replica_has = [&](int number) {
+    const Result<Answer> answer = replica.ask(RayQuestion{.origin = {10.0 * number, 0, 50}, .direction = {0, 0, -1}});
+    return answer && answer->verdict == Verdict::hit && answer->hits[0].object == "wall " + std::to_string(number);
+  };
+  ASSERT_TRUE(add_wall(0));
+  ASSERT_TRUE(becomes_ready("east")) << east.errors();
+  for (int round = 1; round <= 2; ++round) {
+    const std::string name = "m" + std::to_string(round);
+    ASSERT_TRUE(add_wall(2 * round - 1));
+    ChildProcess& standby = start_member(name, {"--standby-of", "collided"});
+    ASSERT_TRUE(becomes_ready(name)) << standby.errors();
+    // In turns it dies and hands over.
+    primary->signal(round % 2 == 1 ? SIGKILL : SIGTERM);
+    ASSERT_TRUE(test::eventually([&] { return member(name).role == FleetRole::primary; }, 20s)) << standby.errors();
+    ASSERT_TRUE(test::eventually([&] { return add_wall(2 * round); }, 20s));
+    ASSERT_TRUE(test::eventually([&] { return replica_has(2 * round) && replica_has(2 * round - 1); }, 20s))
+        << east.errors();
+    EXPECT_TRUE(becomes_ready("east")) << member("east").alarm;
+    EXPECT_EQ(east.wait(0s), -1) << "it was to go on: " << east.errors();
+    primary = &standby;
+  }
+}
+
 }  // namespace
 }  // namespace collided

@@ -21,6 +21,7 @@ class UnacknowledgedPoses {
 
   /// True: nothing more may be written until the server is known to have received some of it.
   bool is_full() const { return count_ >= kMostBatches || bytes_ >= kMostBytes; }
+  std::size_t batches() const { return count_; }
   /// Adds a batch.
   /// sequence  its number, or that of the message before where it has none
   void note_written(std::uint64_t sequence, std::size_t bytes) {

@@ -11,6 +11,10 @@ namespace collided::client {
 namespace {
 
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
+/// Batches of all publishers that the world has yet to take: the server keeps 512, and others publish as well.
+constexpr std::size_t kMostWaiting = 256;
+/// With an authority that waits for the lease of the one before, a takeover lasts 3 to 4 s.
+constexpr std::int64_t kTakeOverPatienceNs = 6'000'000'000;
 
 }  // namespace
 
@@ -42,10 +46,19 @@ ReplayedPublishers::ReplayedPublishers(Connection& connection)
 ReplayedPublishers::~ReplayedPublishers() {
   step_reader_.reset();
   connection_.pulse().stop_observing(observer_);
-  for (auto& [recorded, publisher] : publishers_) leave(*publisher);
+  // All say it before any is waited for: where a standby has just taken the server's place, the dead one's reader acknowledges
+  // nothing, and the leases of the others would run out meanwhile.
+  for (auto& [recorded, publisher] : publishers_) remove_objects(*publisher);
+  const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
+  for (auto& [recorded, publisher] : publishers_) wait_until_heard(*publisher, deadline);
 }
 
 void ReplayedPublishers::leave(Publisher& publisher) {
+  remove_objects(publisher);
+  wait_until_heard(publisher, Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs));
+}
+
+void ReplayedPublishers::remove_objects(Publisher& publisher) {
   try {
     dds::Sample<wire::Definition> definition;
     definition->publisher = publisher.number;
@@ -56,10 +69,14 @@ void ReplayedPublishers::leave(Publisher& publisher) {
       definition->sequence_number = ++publisher.sequence;
       if (!publisher.object_writer.write(*definition)) break;
     }
-    publisher.object_writer.wait_for_acknowledgements(wire_contract::kPublisherLeaseNs);
-  } catch (const dds::DdsError&) {
-    // Then the lease runs out instead.
-  }
+  } catch (const dds::DdsError&) {}  // then the lease runs out instead
+}
+
+void ReplayedPublishers::wait_until_heard(Publisher& publisher, Clock::time_point deadline) {
+  const std::chrono::nanoseconds left = deadline - Clock::now();
+  try {
+    publisher.object_writer.wait_for_acknowledgements(std::max<std::int64_t>(0, left.count()));
+  } catch (const dds::DdsError&) {}
 }
 
 ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, std::uint64_t incarnation) {
@@ -113,15 +130,39 @@ bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time,
   batch.sequence_number = has_number ? ++publisher->sequence : 0;
   batch.definitions_through = publisher->definitions_through;
   batch.source_time_ns = source_time_ns;
-  if (publisher->unacknowledged.is_full()) {
-    if (!publisher->pose_writer.wait_for_acknowledgements(kPatienceNs))
-      throw dds::DdsError("replay: the server takes no more poses");
-    publisher->unacknowledged.note_all_known();
-  }
+  if (!wait_for_room(*publisher)) throw dds::DdsError("replay: the server takes no more poses");
   if (!publisher->pose_writer.write(batch)) throw dds::DdsError("replay: the server takes no more poses");
   publisher->unacknowledged.note_written(
       publisher->sequence, dds::view(batch.positions).size_bytes() + dds::view(batch.orientations).size_bytes());
   return true;
+}
+
+/// Of what is acknowledged and not yet in the world the server keeps so much, and of more each object's newest pose alone: events
+/// would be missed where a recording is given faster than the world steps. One that takes a dead one's place says what it has,
+/// while DDS waits for the dead one's reader. A server that lists a publisher not at all takes none of its poses.
+bool ReplayedPublishers::wait_for_room(Publisher& publisher) {
+  const Clock::time_point began = Clock::now();
+  std::unique_lock lock(mutex_);
+  while (true) {
+    std::size_t waiting = 0;
+    for (auto& [recorded, other] : publishers_) {
+      other->unacknowledged.note_known(applied_[other->number]);
+      if (listed_.count(other->number) > 0) other->is_listed = true;
+      waiting += other->unacknowledged.batches();
+    }
+    if (!publisher.unacknowledged.is_full() && waiting < kMostWaiting) return true;
+    const Clock::time_point now = Clock::now();
+    if (now - began >= std::chrono::nanoseconds(kTakeOverPatienceNs)) return false;
+    if (now - began >= std::chrono::nanoseconds(kPatienceNs)) {
+      for (auto& [recorded, other] : publishers_) {
+        if (!other->is_listed) other->unacknowledged.note_all_known();
+      }
+    }
+    came_.wait_until(lock, now + std::chrono::milliseconds(100));
+    lock.unlock();
+    keep_alive();
+    lock.lock();
+  }
 }
 
 void ReplayedPublishers::lose(std::uint64_t recorded) {

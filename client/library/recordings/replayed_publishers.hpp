@@ -46,9 +46,13 @@ class ReplayedPublishers {
     std::set<std::uint32_t> objects;                 // numbers of those in the world
     std::uint64_t posed = 0, posed_at = 0;           // recorded sequence and time of the newest batch
     UnacknowledgedPoses unacknowledged;
+    bool is_listed = false;  // the server has said something of it
     dds::Writer<wire::Definition> object_writer;
     dds::Writer<wire::PoseBatch> pose_writer;
   };
+  static void remove_objects(Publisher& publisher);
+  static void wait_until_heard(Publisher& publisher, Clock::time_point deadline);
+  bool wait_for_room(Publisher& publisher);
   Publisher* meet(std::uint64_t recorded, std::uint64_t incarnation);
   void leave(Publisher& publisher);
   void hear(const wire::Status& status);

@@ -27,6 +27,11 @@ void ChangeFeed::push(FeedMessage message) {
   if (messages_.has_room()) messages_.push(std::move(message));
 }
 
+void ChangeFeed::continue_from(std::uint64_t sequence) {
+  const std::lock_guard lock(mutex_);
+  last_sequence_ = sequence;
+}
+
 void ChangeFeed::tell(WorldChange change) {
   if (!is_followed()) return;
   const std::lock_guard lock(mutex_);

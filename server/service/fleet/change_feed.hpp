@@ -31,6 +31,9 @@ class ChangeFeed {
   ChangeFeed& operator=(const ChangeFeed&) = delete;
 
   bool is_followed() const { return writer_.matched_readers() > 0; }
+  /// This server has taken another's place, of whose changes it has carried out so many: the next one follows on those, for
+  /// whoever followed that one.
+  void continue_from(std::uint64_t sequence);
   /// A change that was made, in the order of the calls. More than kMostWaiting that a follower does not take are dropped,
   /// which it sees by the numbers.
   void tell(WorldChange change);

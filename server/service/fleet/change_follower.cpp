@@ -18,6 +18,10 @@ constexpr std::int64_t kRetryForNs = 3'000'000'000;
 constexpr std::size_t kMostAlarms = 8;
 /// A primary that is there and can send it has done so by then.
 constexpr std::uint64_t kFetchesInVain = 3;
+/// What a primary said last before it died may still be on its way while its heir speaks already.
+constexpr std::int64_t kHeirPatienceNs = 1'000'000'000;
+/// Changes of servers that are not followed yet: what is lost of them shows in the numbers.
+constexpr std::size_t kMostEarly = 16;
 
 }  // namespace
 
@@ -45,6 +49,19 @@ void ChangeFollower::follow(std::uint64_t primary, const std::string& name) {
   waitset_.wake();
 }
 
+bool ChangeFollower::follow_heir(std::uint64_t heir, const std::string& name, std::uint64_t carried_out) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!alarms_.empty()) return false;
+    if (!heir_ || heir_->server != heir)
+      heir_ = {.server = heir, .name = name, .carried_out = carried_out, .heard_ns = wire_contract::steady_ns()};
+    const bool is_ahead = is_whole_.load() && last_sequence_.load() > carried_out;
+    if (is_ahead || wire_contract::steady_ns() - heir_->heard_ns > kHeirPatienceNs) return false;
+  }
+  waitset_.wake();
+  return true;
+}
+
 std::vector<std::string> ChangeFollower::alarms() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> all = alarms_;
@@ -65,6 +82,7 @@ void ChangeFollower::run() {
   while (!is_over_.load()) {
     waitset_.wait(kLookNs);
     take();
+    turn_to_heir();
     if (primary_.load() == 0 || is_whole_.load()) continue;
     if (asked_ns_ == 0) asked_ns_ = wire_contract::steady_ns();
     if (wire_contract::steady_ns() - asked_ns_ < kFetchPatienceNs) continue;
@@ -75,9 +93,45 @@ void ChangeFollower::run() {
 
 void ChangeFollower::take() {
   while (!is_over_.load() && reader_.take(sample_)) {
-    if (!sample_.info().valid_data || sample_->server != primary_.load()) continue;
-    if (sample_->follower == self_) take_fetched();
-    if (sample_->follower == 0) take_live();
+    if (!sample_.info().valid_data) continue;
+    if (sample_->server != primary_.load()) {
+      keep_early();
+    } else if (sample_->follower == self_) {
+      take_fetched();
+    } else if (sample_->follower == 0) {
+      take_live();
+    }
+  }
+}
+
+/// That a server has taken the primary's place may be heard after what it changed since.
+void ChangeFollower::keep_early() {
+  if (sample_->follower != 0) return;
+  const auto blob = std::as_bytes(dds::view(sample_->blob));
+  early_.push_back({.server = sample_->server,
+                    .sequence = sample_->sequence_number,
+                    .change = {.text = sample_->text, .blob = {blob.begin(), blob.end()}}});
+  if (early_.size() > kMostEarly) early_.pop_front();
+}
+
+void ChangeFollower::turn_to_heir() {
+  std::uint64_t heir = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool is_done = !heir_ || (is_whole_.load() && last_sequence_.load() != heir_->carried_out);
+    if (is_done) return;
+    heir = heir_->server;
+    primary_name_ = heir_->name;
+    heir_.reset();
+  }
+  primary_.store(heir);
+  if (!is_whole_.load()) {
+    fetched_.clear();
+    fetch_.fetch_add(1);
+    asked_ns_ = wire_contract::steady_ns();
+  }
+  for (const EarlyChange& early : std::exchange(early_, {})) {
+    if (early.server == heir) carry_out_next(early.sequence, early.change);
   }
 }
 
@@ -96,21 +150,24 @@ void ChangeFollower::take_fetched() {
   expected_left_ = sample_->left - 1;
   asked_ns_ = wire_contract::steady_ns();
   if (sample_->left != 0) return;
-  last_sequence_ = sample_->sequence_number;
+  last_sequence_.store(sample_->sequence_number);
   for (const WorldChange& change : std::exchange(fetched_, {})) carry_out(change);
   is_whole_.store(true);
 }
 
 void ChangeFollower::take_live() {
-  if (!is_whole_.load()) return;  // what is fetched has it
-  if (sample_->sequence_number <= last_sequence_) return;
-  if (sample_->sequence_number != last_sequence_ + 1) {
-    raise(fmt::format("{} changes of the primary were lost; start this server again",
-                      sample_->sequence_number - last_sequence_ - 1));
-  }
-  last_sequence_ = sample_->sequence_number;
   const auto blob = std::as_bytes(dds::view(sample_->blob));
-  carry_out({.text = sample_->text, .blob = {blob.begin(), blob.end()}});
+  carry_out_next(sample_->sequence_number, {.text = sample_->text, .blob = {blob.begin(), blob.end()}});
+}
+
+void ChangeFollower::carry_out_next(std::uint64_t sequence, const WorldChange& change) {
+  if (!is_whole_.load()) return;  // what is fetched has it
+  const std::uint64_t last = last_sequence_.load();
+  if (sequence <= last) return;
+  if (sequence != last + 1)
+    raise(fmt::format("{} changes of the primary were lost; start this server again", sequence - last - 1));
+  last_sequence_.store(sequence);
+  carry_out(change);
 }
 
 void ChangeFollower::carry_out(const WorldChange& change) {

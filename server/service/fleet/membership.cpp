@@ -151,7 +151,10 @@ Membership::Faults Membership::faults() const {
   const std::uint64_t fingerprint = said_->scene_fingerprint;
   for (const auto& [server, other] : others_) {
     const bool is_there = steady_ns() - other.heard_ns < kMemberGoneNs;
-    if (is_there && other.role == MemberRole::primary && self_.role() == MemberRole::primary)
+    // Whose place was taken has fallen silent; were it to go on, it would be heard, and give way.
+    const bool is_predecessor =
+        self_.following().primary == server && steady_ns() - other.heard_ns > 2 * wire_contract::kMemberPeriodNs;
+    if (is_there && !is_predecessor && other.role == MemberRole::primary && self_.role() == MemberRole::primary)
       found[{"primaries", server}] = fmt::format(
           "two primaries: '{}' (epoch {}) serves this namespace too, and answers may differ; stop one of the two",
           other.name, other.epoch);

@@ -23,11 +23,11 @@ inline constexpr std::int64_t kMemberGoneNs = 4 * wire_contract::kMemberPeriodNs
 /// What a server is called: as its options say, else by the machine's name and the process number.
 std::string member_name(const std::string& given);
 
-/// What a standby wants of its primary; all numbers grow.
+/// What a standby wants of its primary; all numbers grow. Of a primary: whose place it has taken.
 struct Following {
   std::uint64_t primary = 0;  // 0: none is followed
-  std::uint64_t fetch = 0;    // of all that is kept
-  std::uint64_t again = 0;    // that publishers define everything again
+  std::uint64_t fetch = 0;  // of all that is kept; of a primary: how many of that one's changes it carried out, plus 1
+  std::uint64_t again = 0;  // that publishers define everything again
 };
 
 /// What another server of the namespace says of itself.

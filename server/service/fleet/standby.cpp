@@ -22,18 +22,18 @@ constexpr std::uint64_t kReported = 8;
 }  // namespace
 
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
-                 const ChangeFollower::Collaborators& with, std::int64_t silent_after_ns, TakeOver take_over,
+                 const ChangeFollower::Collaborators& with, const PlaceRules& rules, TakeOver take_over,
                  std::function<bool()> has_place, std::function<void()> cannot_follow)
     : with_(with),
       self_(identity.server),
       epoch_(identity.epoch),
-      silent_after_ns_(silent_after_ns),
+      rules_(rules),
       take_over_(std::move(take_over)),
       is_given_place_(std::move(has_place)),
       cannot_follow_(std::move(cannot_follow)),
       follower_(participant, identity.server, identity.name_space, with) {
-  if (silent_after_ns == 0) return;
-  pulse_.emplace(participant, identity.name_space, silent_after_ns,
+  if (rules.silent_after_ns == 0) return;
+  pulse_.emplace(participant, identity.name_space, rules.silent_after_ns,
                  PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
                                              .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); },
                                              .is_replaced = is_given_place_});
@@ -50,10 +50,12 @@ void Standby::hear(const OtherMember& other) {
   }
   follower_.follow(other.server, other.name);
   if (follower_.primary() != other.server) {
-    return refuse_for_good(
-        fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name));
+    if (!turn_to(other))
+      refuse_for_good(
+          fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name));
+    return;
   }
-  if (other.epoch >= epoch_) {
+  if (!rules_.is_replica && other.epoch >= epoch_) {
     refuse_for_good(fmt::format("'{}' has epoch {}, which is not below this server's {}; start this server again",
                                 other.name, other.epoch, epoch_));
   }
@@ -65,6 +67,15 @@ void Standby::hear(const OtherMember& other) {
   if (!pulse_ || !pulse_->is_silent()) is_left_alone_.store(false);
   comparison_.hear(other.digest);
   judge();
+}
+
+/// False: what that primary has need not go with what this server has. One that could take the place has its epoch from the
+/// primary that it followed, and is started again.
+bool Standby::turn_to(const OtherMember& heir) {
+  if (!rules_.is_replica || heir.following.primary != follower_.primary() || heir.following.fetch == 0) return false;
+  if (!follower_.follow_heir(heir.server, heir.name, heir.following.fetch - 1)) return false;
+  is_same_.store(false);  // until the two have been compared
+  return true;
 }
 
 void Standby::refuse_for_good(std::string sentence) {
@@ -102,7 +113,7 @@ bool Standby::succeed(std::int64_t silent_ns) {
     if (is_given_place_()) cannot_follow_();
     return false;
   }
-  if (silent_ns < silent_after_ns_ * (1 + ready_before_this_one()) && !is_given_place_()) return false;
+  if (silent_ns < rules_.silent_after_ns * (1 + ready_before_this_one()) && !is_given_place_()) return false;
   return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
 }
 

@@ -32,14 +32,17 @@ class Standby {
     SpokenBefore spoken;
     bool is_same = true;  // this server held the same world when that was compared last
   };
+  struct PlaceRules {
+    std::int64_t silent_after_ns = 0;  // when the primary is given up; 0: never
+    bool is_replica = false;           // never takes the primary's place
+  };
   /// Makes this server the primary in the place of that one; false: not yet.
   using TakeOver = std::function<bool(const Predecessor& of, const std::string& why)>;
-  /// silent_after_ns  when the primary is given up; 0: never
   /// has_place        whether an authority has given this server the place: then it takes over, whatever the primary says
   /// cannot_follow    called once it is clear that this server has to be started again; more than once maybe. Where it has the
   ///                  place, nobody else can take it before
   Standby(const dds::Participant& participant, const Identity& identity, const ChangeFollower::Collaborators& with,
-          std::int64_t silent_after_ns, TakeOver take_over, std::function<bool()> has_place,
+          const PlaceRules& rules, TakeOver take_over, std::function<bool()> has_place,
           std::function<void()> cannot_follow);
 
   /// Called with each instant at which the worlds were compared, and whether this server holds what the primary does. To be
@@ -51,6 +54,8 @@ class Standby {
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
   /// Takes the primary's place, if this server holds all that it had. False: it does not.
   bool take_place(const std::string& why);
+  /// How many of the primary's changes it has carried out.
+  std::uint64_t carried_out() const { return follower_.carried_out(); }
   /// What it wants of the primary.
   Following following() const;
   /// recovering until it has what the primary has.
@@ -65,6 +70,7 @@ class Standby {
     bool is_ready = false;
     std::int64_t heard_ns = 0;  // steady clock
   };
+  bool turn_to(const OtherMember& heir);
   void judge();
   void refuse_for_good(std::string sentence);
   bool succeed(std::int64_t silent_ns);
@@ -74,7 +80,7 @@ class Standby {
   const ChangeFollower::Collaborators with_;
   const std::uint64_t self_;
   const std::uint64_t epoch_;
-  const std::int64_t silent_after_ns_;
+  const PlaceRules rules_;
   const TakeOver take_over_;
   const std::function<bool()> is_given_place_;
   const std::function<void()> cannot_follow_;

@@ -1,5 +1,6 @@
 // A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
-//   failover SERVER ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast]
+//   failover SERVER[,OTHER] ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast]
+// OTHER: a server of another version; members are of the two by turns, so that each takes over from the other.
 // kill: the primary is killed. stop: it is stopped, and goes on at once or at a random moment after its place was taken. hand_over: it is
 // told to end, and no question may fail. strict, fast: beside an etcd that says who is the primary; exits 77 where none is
 // installed.
@@ -51,10 +52,12 @@ class Failover {
  public:
   enum class How { kill, stop, hand_over };
   /// authority_mode  empty: without an authority
-  Failover(std::string server, std::uint64_t seed, How how, std::string take_over_ms, const std::string& authority_mode)
+  /// servers  programs, which members are of by turns
+  Failover(std::vector<std::string> servers, std::uint64_t seed, How how, std::string take_over_ms,
+           const std::string& authority_mode)
       : random_(seed),
         domain_(own_domain()),
-        server_(std::move(server)),
+        servers_(std::move(servers)),
         how_(how),
         take_over_ms_(std::move(take_over_ms)) {
     if (!authority_mode.empty()) {
@@ -105,8 +108,9 @@ class Failover {
     return random_() % bound;
   }
   std::unique_ptr<ChildProcess> start(bool stands_by) {
+    const std::string& server = servers_[static_cast<std::size_t>(started_) % servers_.size()];
     const std::string name = "m" + std::to_string(started_++);
-    std::vector<std::string> words{server_,
+    std::vector<std::string> words{server,
                                    "--domain",
                                    std::to_string(domain_),
                                    "--member",
@@ -290,7 +294,7 @@ class Failover {
   std::optional<EtcdCluster> etcd_;
   std::vector<std::string> authority_;  // options of each server
   const int domain_;
-  const std::string server_;
+  const std::vector<std::string> servers_;
   const How how_;
   const std::string take_over_ms_;
   int started_ = 0;
@@ -327,7 +331,10 @@ int main(int count, char** words) {
   if (!authority_mode.empty() && !has_etcd()) return 77;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
-  Failover failover(words[1], seed,
+  std::vector<std::string> servers(1);
+  for (const char* letter = words[1]; *letter != '\0'; ++letter)
+    *letter == ',' ? static_cast<void>(servers.emplace_back()) : servers.back().push_back(*letter);
+  Failover failover(servers, seed,
                     how == "stop"        ? How::stop
                     : how == "hand_over" ? How::hand_over
                                          : How::kill,
