@@ -23,7 +23,7 @@ serve() {  # MEMBER OPTIONS...
   server=$!
   started+=("$server")
   for ((i = 0; i < 400; ++i)); do
-    ! grep -q '^ready' "$work/$1.out" || return 0
+    ! grep -qs "^ready" "$work/$1.out" || return 0
     sleep 0.05
   done
   fail "'$1' does not start"
