@@ -59,5 +59,12 @@ TEST_F(Completion, EveryOptionOfEveryVerbSaysWhatItTakes) {
   EXPECT_EQ(collide("help options").out.find(" VALUE "), std::string::npos);
 }
 
+// One name, but not one kind of value: a point, or the file of a map.
+TEST_F(Completion, AnOptionSaysWhatItTakesInEachVerb) {
+  EXPECT_NE(collide("help ray").out.find("--to X Y Z"), std::string::npos);
+  EXPECT_NE(collide("help fleet").out.find("--to FILE"), std::string::npos);
+  EXPECT_NE(collide("help clearance").out.find("--to GLOB"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace collided

@@ -31,19 +31,19 @@ std::string lines_after_collide(std::string_view text) {
   return lines;
 }
 
-std::string_view metavar(const CLI::Option& option) {
+std::string_view metavar(std::string_view verb, const CLI::Option& option) {
   for (const std::string& name : option.get_lnames()) {
-    if (const std::string_view known = metavar_of("--" + name); !known.empty()) return known;
+    if (const std::string_view known = metavar_of(verb, "--" + name); !known.empty()) return known;
   }
   for (const std::string& name : option.get_snames()) {
-    if (const std::string_view known = metavar_of("-" + name); !known.empty()) return known;
+    if (const std::string_view known = metavar_of(verb, "-" + name); !known.empty()) return known;
   }
   return "VALUE";
 }
 
-std::string option_line(const CLI::Option& option) {
+std::string option_line(std::string_view verb, const CLI::Option& option) {
   std::string names = option.get_name(false, true);
-  if (option.get_items_expected_max() > 0) names += " " + std::string(metavar(option));
+  if (option.get_items_expected_max() > 0) names += " " + std::string(metavar(verb, option));
   std::string line = "  " + names;
   const bool has_room = line.size() + 1 < kOptionColumn;
   line += has_room ? std::string(kOptionColumn - line.size(), ' ') : '\n' + std::string(kOptionColumn, ' ');
@@ -55,7 +55,7 @@ std::string option_line(const CLI::Option& option) {
 }
 
 /// Prints the parser's own options or, with `common`, those that every verb has.
-void print_options(Io& io, const CLI::App& app, bool common) {
+void print_options(Io& io, std::string_view verb, const CLI::App& app, bool common) {
   std::vector<std::string> groups;
   for (const CLI::Option* option : app.get_options()) {
     const bool known = std::find(groups.begin(), groups.end(), option->get_group()) != groups.end();
@@ -67,7 +67,7 @@ void print_options(Io& io, const CLI::App& app, bool common) {
     for (const CLI::Option* option : app.get_options()) {
       const bool positional = option->get_positional();
       const bool is_help = option->get_name(false, true) == "-h,--help";
-      if (option->get_group() == group && !positional && !is_help) lines += option_line(*option);
+      if (option->get_group() == group && !positional && !is_help) lines += option_line(verb, *option);
     }
     if (!lines.empty()) io.out << '\n' << group << '\n' << lines;
   }
@@ -165,14 +165,14 @@ void print_common_options(Io& io) {
   app.set_help_flag();
   Globals ignored;
   declare_globals(app, ignored);
-  print_options(io, app, true);
+  print_options(io, {}, app, true);
 }
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {
   io.out << wrapped(fmt::format("collide {} - {}", verb.name, verb.summary), kHelpColumns) << "\n\n"
          << lines_after_collide(verb.usage);
   if (verb.takes_shape) io.out << "\nShapes\n" << kShapeTable;
-  print_options(io, app, false);
+  print_options(io, verb.name, app, false);
   if (!verb.examples.empty()) io.out << "\nExamples\n" << lines_after_collide(verb.examples);
   io.out << "\nOutput and connection: collide help options\n";
 }

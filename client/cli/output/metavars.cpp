@@ -7,7 +7,7 @@
 namespace collided::cli {
 namespace {
 
-/// By option; options of the same name take the same kind of value in every verb.
+/// By option; most options of the same name take the same kind of value in every verb.
 constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--against", "GLOB"},
     {"--as-of", "TIME"},
@@ -103,7 +103,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--srdf", "FILE"},
     {"--style", "NAME"},
     {"--timeout", "TIME"},
-    {"--to", "TO"},
+    {"--to", "X Y Z"},
     {"--to-rpy", "R P Y"},
     {"--tones", "NAME"},
     {"--unit", "UNIT"},
@@ -134,9 +134,25 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"-o", "FILE"},
 });
 
+struct VerbMetavar {
+  std::string_view verb;
+  std::string_view option;
+  std::string_view metavar;
+};
+/// Where a verb's option takes something else than others of that name.
+constexpr std::array kMetavarsOfVerbs = std::to_array<VerbMetavar>({
+    {"clearance", "--to", "GLOB"},
+    {"events", "--to", "TIME"},
+    {"fence", "--to", "OBJECT"},
+    {"fleet", "--to", "FILE"},
+});
+
 }  // namespace
 
-std::string_view metavar_of(std::string_view option) {
+std::string_view metavar_of(std::string_view verb, std::string_view option) {
+  for (const VerbMetavar& own : kMetavarsOfVerbs) {
+    if (own.verb == verb && own.option == option) return own.metavar;
+  }
   const auto* found = std::ranges::find(kMetavars, option, &std::pair<std::string_view, std::string_view>::first);
   return found == kMetavars.end() ? std::string_view() : found->second;
 }

@@ -4,7 +4,8 @@
 
 namespace collided::cli {
 
-/// What the help writes after an option to stand for its value, such as "X Y Z" or "GLOB"; empty for an unknown option.
-std::string_view metavar_of(std::string_view option);
+/// What the help of a verb writes after an option to stand for its value, such as "X Y Z" or "GLOB"; empty for an unknown
+/// option.
+std::string_view metavar_of(std::string_view verb, std::string_view option);
 
 }  // namespace collided::cli
