@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -37,6 +38,11 @@ struct ShardEntry {
 /// A bit for each shard, by its place in the map.
 using ShardSet = std::uint64_t;
 constexpr ShardSet set_of(std::size_t place) { return ShardSet{1} << place; }
+/// Calls visit(place) for each of the set, in order.
+template <class Visit>
+void for_each_place(ShardSet set, const Visit& visit) {
+  for (; set != 0; set &= set - 1) visit(static_cast<std::size_t>(std::countr_zero(set)));
+}
 
 /// The boxes of all shards. Together they fill space, and no two have more than a border in common.
 ///

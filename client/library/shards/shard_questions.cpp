@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -21,14 +20,10 @@
 namespace collided::client {
 namespace {
 
+using shards::for_each_place;
 using shards::ShardMap;
 using shards::ShardSet;
 using wire_contract::kMaxQuestionsPerRequest;
-
-template <class Visit>
-void for_each_place(ShardSet set, const Visit& visit) {
-  for (; set != 0; set &= set - 1) visit(static_cast<std::size_t>(std::countr_zero(set)));
-}
 
 template <class Question>
 std::optional<Error> fault_of(std::span<const Question> questions) {

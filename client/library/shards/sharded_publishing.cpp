@@ -7,39 +7,18 @@
 #include <string>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "client/library/asking/question_encoding.hpp"
-#include "client/library/commands/command.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/publisher.hpp"
 #include "client/library/shards/shape_reach.hpp"
 #include "idl/clocks.hpp"
-#include "idl/commands.hpp"
 
 namespace collided::client {
 
+using shards::for_each_place;
 using shards::ShardBox;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
-
-namespace {
-
-/// A shard that could not be joined is not tried again for so long.
-constexpr nanoseconds kTryAgain = std::chrono::seconds(1);
-/// A shard that had none of this publisher's objects has to have the first one before others may decide beyond its time.
-constexpr nanoseconds kEnterWait = milliseconds(250);
-/// Who has not said anything for so long, and for so long in a shard, rests.
-constexpr nanoseconds kRests = std::chrono::seconds(2);
-/// So often it is looked whether shards have come or gone, also where nobody calls.
-constexpr nanoseconds kLookAround = milliseconds(200);
-
-template <class Visit>
-void for_each_shard(shards::ShardSet set, const Visit& visit) {
-  for (; set != 0; set &= set - 1) visit(static_cast<std::size_t>(std::countr_zero(set)));
-}
-
-}  // namespace
 
 ShardedPublishing::ShardedPublishing(std::shared_ptr<ShardLinks> links, const std::string& name,
                                      const PublishOptions& options)
@@ -127,113 +106,6 @@ ShardBox ShardedPublishing::box_around(const Vec3& a, const Vec3& b, double reac
   return shards::grown(box, reach_m);
 }
 
-// ---- the publishers of the shards
-
-/// Waits until this is a publisher of those shards that are there. The lock is given up meanwhile.
-void ShardedPublishing::join(ShardSet needed, std::unique_lock<std::mutex>& lock) {
-  const auto was_tried = [&](const ShardMember& member) { return Clock::now() - member.tried < kTryAgain; };
-  for_each_shard(needed, [&](std::size_t shard) {
-    const ShardMember& member = members_[shard];
-    if (member.publisher || !links_->answers(shard) || was_tried(member)) return;
-    wanted_ |= shards::set_of(shard);
-    news_.notify_all();
-    joined_.wait(lock, [&] { return member.publisher || was_tried(member) || is_over_; });
-  });
-}
-
-void ShardedPublishing::take_part(std::size_t shard, Publisher publisher) {
-  publisher.state_->announce();
-  ShardMember& member = members_[shard];
-  member.publisher = std::make_unique<Publisher>(std::move(publisher));
-  member.joined = Clock::now();
-  member.decided.reset();
-}
-
-/// A shard that others publish to has decided up to some instant without this publisher. From one after that on what enters
-/// moves there as everywhere else: so it says its instants first, and its objects enter with one that the shard waits for.
-bool ShardedPublishing::may_fill(std::size_t shard) const {
-  const ShardMember& member = members_[shard];
-  return member.publisher && (flushed_.count() == 0 || (member.decided && *member.decided <= flushed_));
-}
-
-/// Asks shards that miss something how far they have decided. The lock is given up meanwhile.
-void ShardedPublishing::find_decided(std::unique_lock<std::mutex>& lock) {
-  for_each_shard(missing_, [&](std::size_t shard) {
-    const ShardMember& member = members_[shard];
-    if (!member.publisher || member.decided || !links_->answers(shard)) return;
-    if (may_fill(shard) || (flushed_at_ < Clock::now() - kRests && member.joined < Clock::now() - kRests))
-      return catch_up(shard);
-    if (member.flushed.count() == 0 || !member.publisher->wait_applied(kEnterWait)) return;
-    const std::shared_ptr<Connection> connection = links_->connection(shard);
-    const Publisher* const asked_for = member.publisher.get();
-    if (!connection) return;
-    lock.unlock();
-    const Result<std::string> answer =
-        command(*connection, wire_contract::command::kSettled, nlohmann::json::object(), kEnterWait);
-    lock.lock();
-    if (!answer || members_[shard].publisher.get() != asked_for) return;
-    const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
-    if (said.is_object()) members_[shard].decided = nanoseconds(said.value("settled_ns", std::int64_t{0}));
-  });
-}
-
-/// A shard has the objects of one who rests as of the last flush: there may be no other one.
-void ShardedPublishing::catch_up(std::size_t shard) {
-  fill(shards::set_of(shard));
-  ShardMember& member = members_[shard];
-  if (flushed_.count() == 0 || member.objects == 0 || !member.publisher->flush(flushed_)) return;
-  member.flushed = flushed_;
-  static_cast<void>(member.publisher->wait_applied(kEnterWait));
-}
-
-/// Has this become a publisher of the shards that are there again, or for the first time.
-void ShardedPublishing::try_missing() {
-  for_each_shard(missing_, [&](std::size_t shard) {
-    const ShardMember& member = members_[shard];
-    if (!member.publisher && links_->answers(shard) && Clock::now() - member.tried >= kTryAgain)
-      wanted_ |= shards::set_of(shard);
-  });
-}
-
-/// Becomes a publisher of what objects may enter next, so that none waits for it at a border.
-void ShardedPublishing::join_ahead() {
-  ShardSet near = 0;
-  for (std::size_t shard = 0; shard < members_.size(); ++shard) {
-    if (members_[shard].objects > 0) near |= neighbours_[shard];
-  }
-  for_each_shard(near, [&](std::size_t shard) {
-    if (members_[shard].publisher || Clock::now() - members_[shard].tried < kTryAgain) return;
-    wanted_ |= shards::set_of(shard);
-  });
-  if (wanted_ != 0) news_.notify_all();
-}
-
-void ShardedPublishing::run() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    news_.wait_for(lock, kLookAround, [&] { return is_over_ || wanted_ != 0; });
-    if (is_over_) return;
-    follow_view();
-    try_missing();
-    find_decided(lock);
-    if (wanted_ == 0) continue;
-    const auto shard = static_cast<std::size_t>(std::countr_zero(wanted_));
-    const std::shared_ptr<Client> client = links_->answers(shard) ? links_->shard(shard) : nullptr;
-    std::optional<Publisher> publisher;
-    if (client) {
-      lock.unlock();
-      Result<Publisher> made = client->publish(name_, options_);
-      if (made) publisher = std::move(*made);
-      lock.lock();
-    }
-    wanted_ &= ~shards::set_of(shard);
-    const bool is_held = (view_->held.all() & shards::set_of(shard)) != 0;
-    if (publisher && is_held) take_part(shard, std::move(*publisher));
-    else members_[shard].tried = Clock::now();
-    joined_.notify_all();
-  }
-}
-
 // ---- which shard holds what
 
 std::size_t ShardedPublishing::place_of(const Copies& copies, std::size_t shard) {
@@ -271,7 +143,7 @@ void ShardedPublishing::leave(std::uint32_t number, std::size_t shard) {
 void ShardedPublishing::drop_left() {
   for (const auto& [number, shards_left] : left_) {
     if (!objects_.at(number).used) continue;
-    for_each_shard(shards_left, [&, number = number](std::size_t shard) { leave(number, shard); });
+    for_each_place(shards_left, [&, number = number](std::size_t shard) { leave(number, shard); });
   }
   left_.clear();
 }
@@ -293,7 +165,7 @@ ShardedPublishing::ShardSet ShardedPublishing::holders_on_way(std::uint32_t numb
 /// Shards that were not there when they were needed, and are now, get what they should hold.
 ShardedPublishing::ShardSet ShardedPublishing::fill_missing() {
   ShardSet filled = 0;
-  for_each_shard(missing_, [&](std::size_t shard) {
+  for_each_place(missing_, [&](std::size_t shard) {
     if (may_fill(shard)) filled |= shards::set_of(shard);
     else if (!members_[shard].publisher && links_->answers(shard)) wanted_ |= shards::set_of(shard);
   });
@@ -308,17 +180,17 @@ void ShardedPublishing::fill(ShardSet into) {
     if (!object.used) continue;
     const Vec3& at = object.sent.position;
     const ShardSet holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m));
-    for_each_shard(holders & into & ~copies_[number].held, [&](std::size_t shard) { enter(number, shard); });
+    for_each_place(holders & into & ~copies_[number].held, [&](std::size_t shard) { enter(number, shard); });
   }
   missing_ &= ~into;
-  for_each_shard(into, [&](std::size_t shard) { members_[shard].decided.reset(); });
+  for_each_place(into, [&](std::size_t shard) { members_[shard].decided.reset(); });
 }
 
 /// Has the shards on the ways of what moved hold it, and tells them when it was where it was.
 std::optional<Error> ShardedPublishing::enter_all(ShardSet& entered) {
   std::optional<Error> failed;
   for (const std::uint32_t number : objects_.waiting()) {
-    for_each_shard(holders_on_way(number) & ~copies_[number].held, [&](std::size_t shard) {
+    for_each_place(holders_on_way(number) & ~copies_[number].held, [&](std::size_t shard) {
       const bool is_missing = (missing_ & shards::set_of(shard)) != 0;
       if (!members_[shard].publisher || is_missing) {
         missing_ |= shards::set_of(shard);
@@ -330,7 +202,7 @@ std::optional<Error> ShardedPublishing::enter_all(ShardSet& entered) {
     });
   }
   // A shard that has had objects of this publisher all the while has heard of that instant.
-  for_each_shard(entered, [&](std::size_t shard) {
+  for_each_place(entered, [&](std::size_t shard) {
     ShardMember& member = members_[shard];
     if (flushed_.count() == 0 || member.flushed == flushed_ || !links_->may_answer(shard)) return;
     if (auto said = member.publisher->flush(flushed_); !said) failed = said.error();
@@ -343,7 +215,7 @@ std::optional<Error> ShardedPublishing::move_copies(std::uint32_t number) {
   const bool is_teleported = objects_.at(number).waiting == PublishedObject::Waiting::teleported;
   const Copies& copies = copies_[number];
   std::optional<Error> failed;
-  for_each_shard(copies.held, [&](std::size_t shard) {
+  for_each_place(copies.held, [&](std::size_t shard) {
     ShardMember& member = members_[shard];
     const Result<void> moved = member.publisher->move(
         copies.handles[place_of(copies, shard)], objects_.at(number).options.pose, is_teleported || member.was_away);
@@ -403,7 +275,7 @@ Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& opt
   std::optional<Error> failed;
   // Others may be there since, and some of them have it already.
   holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m)) & ~copies_[number].held;
-  for_each_shard(holders, [&](std::size_t shard) {
+  for_each_place(holders, [&](std::size_t shard) {
     const bool is_missing = (missing_ & shards::set_of(shard)) != 0;
     if (!members_[shard].publisher || is_missing) missing_ |= shards::set_of(shard);
     else if (!failed) failed = enter(number, shard);
@@ -413,7 +285,7 @@ Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& opt
     new_in_ |= copies_[number].held;
     return *object;
   }
-  for_each_shard(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
+  for_each_place(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
   objects_.remove(*object);
   return *failed;
 }
@@ -422,7 +294,7 @@ Result<void> ShardedPublishing::remove(Object object) {
   const std::lock_guard lock(mutex_);
   if (objects_.find(object) == nullptr) return unknown(object);
   const std::uint32_t number = PublishedObjects::number(object);
-  for_each_shard(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
+  for_each_place(copies_[number].held, [&](std::size_t shard) { leave(number, shard); });
   if (copies_[number].held != 0) {
     return Error{ErrorCode::timeout, "publish: a shard takes nothing more", "the object stays there; remove it again"};
   }
@@ -459,8 +331,8 @@ Result<void> ShardedPublishing::flush(nanoseconds source_time) {
   };
   for (const std::uint32_t number : objects_.waiting()) note(move_copies(number));
   note_left();
-  for_each_shard(entered, [&](std::size_t shard) { note(tell(shard, instant, true)); });
-  for_each_shard(view_->held.all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
+  for_each_place(entered, [&](std::size_t shard) { note(tell(shard, instant, true)); });
+  for_each_place(view_->held.all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
   objects_.mark_sent(objects_.waiting().size());
   flushed_ = instant;
   flushed_at_ = Clock::now();

@@ -38,6 +38,8 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
 
  private:
   using ShardSet = shards::ShardSet;
+  /// A shard that had none of this publisher's objects has to have the first one before others may decide beyond its time.
+  static constexpr std::chrono::nanoseconds kEnterWait = std::chrono::milliseconds(250);
   /// This publisher in one shard.
   struct ShardMember {
     std::unique_ptr<Publisher> publisher;  // null: it is not one there
