@@ -186,7 +186,7 @@ struct ShardSplitReport {
 /// errors   bad_input for maps that do not differ by one split; no_server where a shard of either map is not there; refused
 ///          by a server with another map; timeout where the new shards do not come to hold everything. With all of these the
 ///          map before holds, as long as the next one did not
-/// cost     some ten seconds, and lists of all objects of the shard
+/// cost     some six seconds, and lists of all objects of the shard
 Result<ShardSplitReport> split_shard(const std::string& map_file, const std::string& next_file,
                                      const ConnectOptions& options, const ShardSplitOptions& how = {});
 

@@ -32,8 +32,11 @@ using std::chrono::nanoseconds;
 using std::chrono::seconds;
 namespace names = wire_contract::command;
 
-/// Within this every client that is there has heard what the shards say: it asks one of them once a second.
-constexpr nanoseconds kHeard = seconds(3);
+/// Within this every client that is there has heard that a split has begun: it asks one of the shards once a second. Those
+/// that only publish, or only ask, nobody counts.
+constexpr nanoseconds kBeginHeard = seconds(3);
+/// And from then on every further step, since it asks five times a second.
+constexpr nanoseconds kStepHeard = seconds(1);
 constexpr nanoseconds kLook = milliseconds(500);
 constexpr nanoseconds kAnswerWait = seconds(10);
 constexpr std::uint64_t kMostListed = 1'000'000;
@@ -205,13 +208,13 @@ class SplitCoordinator {
     if (phase_ != SuccessionPhase::done) {
       say("the next map holds: questions go to the new shards");
       if (auto error = tell(SuccessionPhase::in_force)) return error;
-      std::this_thread::sleep_for(kHeard);
+      std::this_thread::sleep_for(kStepHeard);
     }
     // First the one that is over: from then on it covers nothing, and only then do publishers leave it.
     std::ranges::stable_partition(servers_, [&](const SplitServer& server) { return server.shard == from_name(); });
     if (auto error = tell(SuccessionPhase::done)) return error;
     say("'" + from_name() + "' holds nothing any more");
-    std::this_thread::sleep_for(kHeard);
+    std::this_thread::sleep_for(kStepHeard);
     return std::nullopt;
   }
 
@@ -221,8 +224,8 @@ class SplitCoordinator {
     std::optional<Error> failed = tell(SuccessionPhase::joining);
     if (!failed) {
       say("publishers and watches take part in the new shards");
-      const auto deadline = std::chrono::steady_clock::now() + std::max(how_.patience, kHeard);
-      std::this_thread::sleep_for(kHeard);
+      const auto deadline = std::chrono::steady_clock::now() + std::max(how_.patience, kBeginHeard);
+      std::this_thread::sleep_for(kBeginHeard);
       while (true) {
         Result<std::string> missing = what_is_missing();
         if (missing && missing->empty()) return std::nullopt;
