@@ -73,7 +73,7 @@ inline constexpr const char* kPlan = "plan";
 inline constexpr const char* kCovers = "covers";
 
 /// Of one of several servers that share a world: -> name (of the shard), map (fingerprint of the shard map, 16 hexadecimal
-/// digits), epoch, succession (as the command of that name has it; only where there is one), watches and watches_behind (how
+/// digits), epoch, replaced_within_ns (a standby takes this server's place within so long), succession (as the command of that name has it; only where there is one), watches and watches_behind (how
 /// many have asked for `settled` within the last seconds, and how many of those do not watch all shards of the next map;
 /// only with succession). Refused by a server that holds all of its world
 inline constexpr const char* kShard = "shard";

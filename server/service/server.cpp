@@ -98,6 +98,14 @@ std::unique_ptr<Election> make_election(const Options& options, ServingTerm& ter
       term, notice);
 }
 
+/// Without an authority, or in its fast mode, a standby waits for --take-over-after alone, 0.2 s if nobody has said
+/// otherwise to it. In strict mode it waits first for the end of the lease, which etcd may keep a second longer.
+std::int64_t replaced_within_ns(const Options& options) {
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  const bool waits_for_lease = options.authority && options.authority_mode == TakeOverMode::strict;
+  return waits_for_lease ? (options.authority_lease_s + 2) * kSecondNs : kSecondNs;
+}
+
 }  // namespace
 
 std::string version_text() { return COLLIDED_VERSION; }
@@ -174,7 +182,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
       commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, samples,
-                options.clock_error_ns, options.shard ? &*options.shard : nullptr,
+                options.clock_error_ns, options.shard ? &*options.shard : nullptr, replaced_within_ns(options),
                 [this](const CommandAsk& ask) {
                   // In the order of the journal, in which all that is kept has its place too.
                   const bool is_told = feed && succession.role() == wire_contract::MemberRole::primary;

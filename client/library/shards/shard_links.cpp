@@ -28,11 +28,15 @@ constexpr nanoseconds kLookAgainInChange = milliseconds(200);
 /// Of one that was not there before: it is asked again, so others need not wait for it.
 constexpr nanoseconds kLookAgainWait = milliseconds(300);
 
+/// Nobody waits longer for a standby, whatever a server says.
+constexpr nanoseconds kMostReplaced = std::chrono::seconds(60);
+
 /// What a server says of its place among the shards.
 struct SaidPlace {
   std::uint64_t epoch = 0;
   std::string name = {};
   std::uint64_t map = 0;  // fingerprint
+  nanoseconds replaced_within = kUsuallyReplaced;
   std::optional<MapSuccession> succession = {};
   std::string fault = {};  // empty: it is a shard, of whatever map
 };
@@ -41,6 +45,9 @@ SaidPlace read_place(const std::string& answer) {
   const nlohmann::json said = nlohmann::json::parse(answer, nullptr, false);
   if (!said.is_object()) return {.fault = "what the server there says of its shard is no JSON object"};
   SaidPlace place{.epoch = said.value("epoch", std::uint64_t{0}), .name = said.value("name", std::string())};
+  // One that is older does not say it.
+  place.replaced_within =
+      std::clamp(nanoseconds(said.value("replaced_within_ns", std::int64_t{0})), kUsuallyReplaced, kMostReplaced);
   place.map = shards::fingerprint_of(said.value("map", std::string())).value_or(0);
   if (const auto succession = said.find("succession"); succession != said.end()) {
     try {
@@ -120,7 +127,12 @@ bool ShardLinks::answers(std::size_t place) const {
 
 bool ShardLinks::may_answer(std::size_t place) const {
   const std::shared_ptr<Connection> found = connection(place);
-  return found != nullptr && Clock::now() - found->pulse().last_heard() < kMayBeReplaced;
+  return found != nullptr && Clock::now() - found->pulse().last_heard() < replaced_within(place);
+}
+
+nanoseconds ShardLinks::replaced_within(std::size_t place) const {
+  const std::lock_guard lock(mutex_);
+  return links_[place].replaced_within;
 }
 
 std::uint64_t ShardLinks::epoch(std::size_t place) const {
@@ -163,6 +175,7 @@ bool ShardLinks::check(std::size_t place) {
                  ", this one is " + shards::fingerprint_text(own_map_) + ')';
   links_[place].epoch = said.fault.empty() ? said.epoch : 0;
   links_[place].fault = said.fault;
+  if (said.fault.empty()) links_[place].replaced_within = said.replaced_within;
   return said.fault.empty();
 }
 

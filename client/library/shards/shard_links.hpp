@@ -19,8 +19,8 @@
 
 namespace collided::client {
 
-/// A shard that falls silent may have a standby, which takes its place within this time.
-inline constexpr std::chrono::nanoseconds kMayBeReplaced = std::chrono::seconds(1);
+/// A shard that falls silent may have a standby, which takes its place within this time, where the shard says no other one.
+inline constexpr std::chrono::nanoseconds kUsuallyReplaced = std::chrono::seconds(1);
 
 /// Which shards there are now. Places are the same in both maps and in every later view: of shards that have gone they stay
 /// empty, and new ones come behind.
@@ -53,6 +53,8 @@ class ShardLinks {
   bool answers(std::size_t place) const;
   /// Whether it answers, or fell silent only so short a while ago that a standby may be taking its place.
   bool may_answer(std::size_t place) const;
+  /// How long after it fell silent a standby may still take its place, as the shard has said.
+  std::chrono::nanoseconds replaced_within(std::size_t place) const;
   /// The epoch of the server that has said that it is the shard. Who answers with another one is to be checked first.
   std::uint64_t epoch(std::size_t place) const;
   /// Asks the server behind a connection whether it is the shard. False: it is not, or does not answer.
@@ -66,6 +68,7 @@ class ShardLinks {
     std::shared_ptr<Client> client;          // null: never found
     std::shared_ptr<Connection> connection;  // likewise
     std::uint64_t epoch = 0;                 // of the server that is the shard; 0: none has said so
+    std::chrono::nanoseconds replaced_within = kUsuallyReplaced;
     std::string fault;
   };
   void look_for(std::size_t place, std::chrono::nanoseconds wait);

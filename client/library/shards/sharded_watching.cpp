@@ -118,7 +118,7 @@ void ShardedWatching::ask_all() {
       is_any_awaited = is_any_awaited || is_replaced;
       watched.now = said;
       watched.answered = Clock::now();
-    } else if (watched.now && Clock::now() - watched.answered < kMayBeReplaced) {
+    } else if (watched.now && Clock::now() - watched.answered < links_->replaced_within(shard)) {
       is_any_awaited = true;
     } else if (watched.now) {
       watched.now.reset();

@@ -32,7 +32,8 @@ json Commands::shard(const Arguments& arguments) {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
   json answer{{"name", with_.shard->name},
               {"map", shards::fingerprint_text(with_.shard->fingerprint)},
-              {"epoch", with_.loop.world().newest()->epoch}};
+              {"epoch", with_.loop.world().newest()->epoch},
+              {"replaced_within_ns", with_.replaced_within_ns}};
   const std::lock_guard lock(succession_mutex_);
   if (!succession_) return answer;
   answer["succession"] = json::parse(shards::succession_text(*succession_));
