@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "idl/clocks.hpp"
-#include "server/service/authority/etcd_client.hpp"
+#include "idl/etcd/etcd_client.hpp"
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/fleet/first_look.hpp"
 #include "server/service/questions/validation.hpp"
@@ -79,7 +79,7 @@ dds::Participant join(const Options& options, spdlog::logger& log) {
 /// Null where there is no authority.
 std::unique_ptr<Election> make_election(const Options& options, ServingTerm& term, const Election::Notice& notice) {
   if (!options.authority || !options.replica_of.empty()) return nullptr;  // a replica never is the primary
-  const EtcdAddress& address = *options.authority;
+  const etcd::EtcdAddress& address = *options.authority;
   const std::string prefix =
       fmt::format("{}/{}/{}", address.key.empty() ? "collided" : address.key, options.domain, options.name_space);
   // All members may be asked, and asked again, before the term of a confirmation is over.
@@ -88,7 +88,7 @@ std::unique_ptr<Election> make_election(const Options& options, ServingTerm& ter
   const std::int64_t patience_ns =
       std::max(kLeastPatienceNs, third_ns / 2 / static_cast<std::int64_t>(address.endpoints.size()));
   return std::make_unique<Election>(
-      std::make_unique<EtcdClient>(address, patience_ns),
+      std::make_unique<etcd::EtcdClient>(address, patience_ns),
       ElectionOptions{
           .store = "etcd",
           .prefix = prefix,

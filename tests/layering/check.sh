@@ -91,7 +91,7 @@ door() { # PATTERN ALLOWED_REGEX NAME
 door '#include [<"]fcl/' '^server/programs/opinion/' FCL
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
 door '#include [<"](flatbuffers/|idl/(scene|geometry)_generated)' '^(server/intake/scene_file/scene_(file\.cpp|(en|de)coder\.hpp)|server/service/commands/geometry_encoding\.cpp|client/library/(publishing/shape_encoding|commands/geometry_decoding)\.cpp)$' FlatBuffers
-door '#include <boost/(asio|beast)' '^(client/view/web_server|server/service/authority/(http_poster|etcd_client))\.cpp$' 'Boost.Beast'
+door '#include <boost/(asio|beast)' '^(client/view/web_server|idl/etcd/(http_poster|etcd_client))\.cpp$' 'Boost.Beast'
 door '#include <assimp/' '^server/programs/import/' Assimp
 # Who calls back takes a FunctionRef, not a function and what it is to be given.
 while IFS= read -r line; do

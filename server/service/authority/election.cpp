@@ -29,7 +29,7 @@ std::chrono::steady_clock::time_point time_of(std::int64_t steady) {
 
 }  // namespace
 
-Election::Election(std::unique_ptr<LeaseStore> store, ElectionOptions options, ServingTerm& term, Notice notice)
+Election::Election(std::unique_ptr<etcd::LeaseStore> store, ElectionOptions options, ServingTerm& term, Notice notice)
     : options_(std::move(options)),
       term_(term),
       notice_(std::move(notice)),
@@ -45,7 +45,7 @@ std::uint64_t Election::begin(std::uint64_t least) {
   for (;;) {
     try {
       return leadership_.draw_epoch(least);
-    } catch (const StoreError& failed) {
+    } catch (const etcd::StoreError& failed) {
       note_problem(failed.what());
       if (steady_ns() > until_ns)
         throw NotElected(fmt::format("{}: {}\n       no epoch within {} s; nothing was started", options_.store,
@@ -74,7 +74,7 @@ void Election::win() {
       // One that was killed leaves its lease for so long.
       if (now != State::free && !std::exchange(is_waiting_told_, true))
         notice_(fmt::format("{}; waiting for its lease to end", why));
-    } catch (const StoreError& failed) {
+    } catch (const etcd::StoreError& failed) {
       free_since_ns = steady_ns();
       note_problem(why = failed.what());
     }
@@ -131,7 +131,7 @@ void Election::look_after(std::uint64_t wanted) {
     else if (wanted != 0) try_to_succeed(wanted);
     else leadership_.look();  // so that a store which is away is known before it is needed
     note_problem("");
-  } catch (const StoreError& failed) { note_problem(failed.what()); }
+  } catch (const etcd::StoreError& failed) { note_problem(failed.what()); }
   if (!has_place_.load()) return;
   if (term_.is_over() && !std::exchange(is_silence_told_, true))
     notice_("this server's place as the primary is not confirmed: it publishes and answers nothing until it is");
@@ -168,8 +168,8 @@ void Election::try_to_succeed(std::uint64_t predecessor) {
       has_place_.store(true);
       break;
     case State::passed:
-      throw StoreError(fmt::format("the one that took the place last has epoch {}, not {}, which was followed",
-                                   leadership_.last_epoch(), predecessor));
+      throw etcd::StoreError(fmt::format("the one that took the place last has epoch {}, not {}, which was followed",
+                                         leadership_.last_epoch(), predecessor));
     case State::others:
       if (!std::exchange(is_waiting_told_, true))
         notice_(fmt::format("waiting for the lease of {} to end", leadership_.holder()));
@@ -211,7 +211,7 @@ void Election::lend() {
     term_.end();
     try {
       leadership_.resign();
-    } catch (const StoreError& failed) { note_problem(failed.what()); }
+    } catch (const etcd::StoreError& failed) { note_problem(failed.what()); }
   });
 }
 
@@ -222,7 +222,7 @@ bool Election::take_back() {
       const State now = leadership_.confirm();
       is_anothers = now == State::passed || now == State::others;
       if (now == State::held) term_.set(leadership_.confirmed_until_ns());
-    } catch (const StoreError& failed) { note_problem(failed.what()); }
+    } catch (const etcd::StoreError& failed) { note_problem(failed.what()); }
     has_place_.store(!is_anothers);
   });
   return !is_anothers;
@@ -261,7 +261,7 @@ void Election::close() {
   term_.end();
   try {
     leadership_.resign();
-  } catch (const StoreError&) {}  // it ends by itself then
+  } catch (const etcd::StoreError&) {}  // it ends by itself then
 }
 
 }  // namespace collided::engine::service

@@ -36,7 +36,7 @@ class Election {
  public:
   using Notice = std::function<void(const std::string&)>;  // takes a sentence; called on any thread
   /// term  over until this server has the place, and whenever it cannot be confirmed; must outlive this
-  Election(std::unique_ptr<LeaseStore> store, ElectionOptions options, ServingTerm& term, Notice notice);
+  Election(std::unique_ptr<etcd::LeaseStore> store, ElectionOptions options, ServingTerm& term, Notice notice);
   /// Closes.
   ~Election();
   Election(const Election&) = delete;
@@ -82,7 +82,7 @@ class Election {
   const ElectionOptions options_;
   ServingTerm& term_;
   const Notice notice_;
-  const std::unique_ptr<LeaseStore> store_;
+  const std::unique_ptr<etcd::LeaseStore> store_;
   Leadership leadership_;         // of the thread, once that runs; the next two too
   bool is_waiting_told_ = false;  // that another one's lease has not ended yet
   bool is_silence_told_ = false;

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "server/service/authority/lease_store.hpp"
+#include "idl/etcd/lease_store.hpp"
 
 namespace collided::engine::service {
 
@@ -32,7 +32,7 @@ class Leadership {
  public:
   /// description  the value of PREFIX/place, for people
   /// now_ns       steady clock
-  Leadership(LeaseStore& store, std::string prefix, int life_s, std::string description,
+  Leadership(etcd::LeaseStore& store, std::string prefix, int life_s, std::string description,
              std::function<std::int64_t()> now_ns);
 
   /// Draws this server's epoch, at least that one. Once.
@@ -67,11 +67,11 @@ class Leadership {
 
  private:
   void renew_lease();
-  PlaceState take_if(StoreCondition last, bool has_to_be_free);
-  PlaceState read_state(const StoreResult& result);
+  PlaceState take_if(etcd::StoreCondition last, bool has_to_be_free);
+  PlaceState read_state(const etcd::StoreResult& result);
   PlaceState confirmed(PlaceState now);
 
-  LeaseStore& store_;
+  etcd::LeaseStore& store_;
   const std::string epoch_key_;
   const std::string last_key_;
   const std::string place_key_;

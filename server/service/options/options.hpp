@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/geometry/aabb.hpp"
-#include "server/service/authority/etcd_address.hpp"
+#include "idl/etcd/etcd_address.hpp"
 #include "server/service/authority/leadership.hpp"
 #include "server/service/commands/shard_place.hpp"
 
@@ -23,10 +23,10 @@ struct Options {
   std::string state_dir;      // empty: chosen by epoch.hpp
   std::string standby_of;     // namespace of the primary that this server stands by for; empty: it is a primary
   std::string replica_of;     // namespace of the primary beside which this server answers questions; empty: it is none
-  std::optional<ShardPlace> shard{};       // of a shard, which serves in the namespace of the shard
-  bool joins = false;                      // it stands by where a primary is there, else it is the primary
-  std::int64_t take_over_ns = 0;           // of a standby: a primary that is silent for so long is replaced; 0: never
-  std::optional<EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
+  std::optional<ShardPlace> shard{};  // of a shard, which serves in the namespace of the shard
+  bool joins = false;                 // it stands by where a primary is there, else it is the primary
+  std::int64_t take_over_ns = 0;      // of a standby: a primary that is silent for so long is replaced; 0: never
+  std::optional<etcd::EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
   TakeOverMode authority_mode = TakeOverMode::strict;
   int authority_lease_s = 0;
   std::string member;  // what it is called among the servers of its namespace; empty: by machine and process

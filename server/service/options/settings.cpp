@@ -234,7 +234,7 @@ Allowed apply_take_over_after(Options& options, Values values) {
 Allowed apply_authority(Options& options, Values values) {
   options.authority.reset();
   if (values[0].empty()) return std::nullopt;
-  options.authority = parse_etcd_address(values[0]);
+  options.authority = etcd::parse_etcd_address(values[0]);
   if (options.authority) return std::nullopt;
   return "etcd://HOST:PORT, up to 16 of them as HOST:PORT,HOST:PORT, then /KEY or nothing";
 }

@@ -18,13 +18,15 @@ using namespace std::chrono_literals;
 using test::FakeLeaseStore;
 
 /// One store for several elections. Its clock stands still: no lease ends by itself.
-class SharedStore : public LeaseStore {
+class SharedStore : public etcd::LeaseStore {
  public:
   explicit SharedStore(FakeLeaseStore& store) : store_(store) {}
   std::int64_t grant(int life_s) override { return store_.grant(life_s); }
   bool renew(std::int64_t lease) override { return store_.renew(lease); }
   void revoke(std::int64_t lease) override { store_.revoke(lease); }
-  StoreResult transact(const StoreTransaction& transaction) override { return store_.transact(transaction); }
+  etcd::StoreResult transact(const etcd::StoreTransaction& transaction) override {
+    return store_.transact(transaction);
+  }
 
  private:
   FakeLeaseStore& store_;

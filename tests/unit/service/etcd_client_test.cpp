@@ -18,9 +18,9 @@
 #include <thread>
 #include <utility>
 
-#include "server/service/authority/etcd_client.hpp"
+#include "idl/etcd/etcd_client.hpp"
 
-namespace collided::engine::service {
+namespace collided::etcd {
 namespace {
 
 using namespace std::chrono_literals;
@@ -251,4 +251,4 @@ TEST(EtcdAddresses, AreReadWithMembersAndKeyOrRefused) {
 }
 
 }  // namespace
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "server/service/authority/lease_store.hpp"
+#include "idl/etcd/lease_store.hpp"
 
 namespace collided::engine::service::test {
 
 /// A store in memory, by a clock of the test's. A call may fail before it does anything, or after: then it is done, and
 /// the answer is lost.
-class FakeLeaseStore : public LeaseStore {
+class FakeLeaseStore : public etcd::LeaseStore {
  public:
   enum class Fault : std::uint8_t { none, before, after };
 
@@ -35,12 +35,12 @@ class FakeLeaseStore : public LeaseStore {
     drop(lease);
     end(true);
   }
-  StoreResult transact(const StoreTransaction& transaction) override {
+  etcd::StoreResult transact(const etcd::StoreTransaction& transaction) override {
     const std::lock_guard lock(mutex_);
     begin();
-    StoreResult result{.is_done = true, .values = {}};
-    for (const StoreCondition& condition : transaction.conditions) result.is_done &= holds(condition);
-    for (const StoreWrite& write : transaction.writes)
+    etcd::StoreResult result{.is_done = true, .values = {}};
+    for (const etcd::StoreCondition& condition : transaction.conditions) result.is_done &= holds(condition);
+    for (const etcd::StoreWrite& write : transaction.writes)
       if (result.is_done) keys_[write.key] = {write.value, write.lease};
     for (const std::string& key : transaction.reads)
       result.values.push_back(keys_.contains(key) ? std::optional(keys_[key].value) : std::nullopt);
@@ -88,23 +88,23 @@ class FakeLeaseStore : public LeaseStore {
     std::int64_t until_ns = 0;
   };
 
-  bool holds(const StoreCondition& condition) const {
+  bool holds(const etcd::StoreCondition& condition) const {
     const auto found = keys_.find(condition.key);
-    if (condition.is == StoreCondition::Is::absent) return found == keys_.end();
+    if (condition.is == etcd::StoreCondition::Is::absent) return found == keys_.end();
     if (found == keys_.end()) return false;
-    return condition.is == StoreCondition::Is::less ? found->second.value < condition.value
-                                                    : found->second.value == condition.value;
+    return condition.is == etcd::StoreCondition::Is::less ? found->second.value < condition.value
+                                                          : found->second.value == condition.value;
   }
   void begin() {
     if (fault_ != Fault::before) return;
     if (!lasts_) fault_ = Fault::none;
-    throw StoreError("the store is away");
+    throw etcd::StoreError("the store is away");
   }
   template <class T>
   T end(T result) {
     if (fault_ == Fault::none) return result;
     if (!lasts_) fault_ = Fault::none;
-    throw StoreError("the answer is lost");
+    throw etcd::StoreError("the answer is lost");
   }
   void drop(std::int64_t lease) {
     leases_.erase(lease);

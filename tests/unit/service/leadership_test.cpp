@@ -120,7 +120,7 @@ TEST_F(LeadershipTest, APlaceThatCouldNotBeGivenUpIsHeldByTheSameLease) {
   const auto north = server(), south = server();
   ASSERT_EQ(north->take(), Place::held);
   store_.fail(FakeLeaseStore::Fault::before);
-  EXPECT_THROW(north->resign(), StoreError);
+  EXPECT_THROW(north->resign(), etcd::StoreError);
   EXPECT_FALSE(may_serve(*north));
   store_.advance(kLife_s * kStoreSecondNs - 1);
   EXPECT_EQ(north->take(), Place::held);
@@ -140,9 +140,9 @@ TEST_F(LeadershipTest, AStoreThatHasLostAllSaysSo) {
 TEST_F(LeadershipTest, WhatIsNoEpochIsRefused) {
   const auto north = server();
   store_.set("plant/last", "99999");
-  EXPECT_THROW(north->look(), StoreError);
+  EXPECT_THROW(north->look(), etcd::StoreError);
   store_.set("plant/last", "000000000000000000a9");
-  EXPECT_THROW(north->confirm(), StoreError);
+  EXPECT_THROW(north->confirm(), etcd::StoreError);
 }
 
 /// Servers that ask, are slow, lose answers, die and start again, in random order; each may serve until its newest
@@ -160,7 +160,7 @@ class RandomElections {
     try {
       act(*servers_[at]);
       if (random_() % 40 == 0) servers_[at] = fresh();
-    } catch (const StoreError&) {}
+    } catch (const etcd::StoreError&) {}
     store_.fail(FakeLeaseStore::Fault::none);
     check();
     store_.advance(static_cast<std::int64_t>(random_() % 4 == 0 ? random_() % (4 * kStoreSecondNs)
@@ -177,7 +177,7 @@ class RandomElections {
         EXPECT_GT(made->draw_epoch(random_() % 50), newest_);
         newest_ = made->epoch();
         return made;
-      } catch (const StoreError&) {}
+      } catch (const etcd::StoreError&) {}
     }
   }
   void act(Leadership& one) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace collided::engine::service {
+namespace collided::etcd {
 
 struct EtcdEndpoint {
   std::string host;  // name or address, without brackets
@@ -22,4 +22,4 @@ struct EtcdAddress {
 /// not begin or end with '/'. Nothing: it is not like that.
 std::optional<EtcdAddress> parse_etcd_address(std::string_view text);
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

@@ -1,16 +1,16 @@
-#include "server/service/authority/etcd_client.hpp"
-
-#include <fmt/format.h>
+#include "idl/etcd/etcd_client.hpp"
 
 #include <algorithm>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <utility>
+
+#include <nlohmann/json.hpp>
 
 #include <boost/beast/core/detail/base64.hpp>
 
-namespace collided::engine::service {
+namespace collided::etcd {
 namespace {
 
 using nlohmann::json;
@@ -35,7 +35,7 @@ std::string decoded(const std::string& text) {
 const json& part(const json& answer, const char* name, json::value_t kind) {
   const auto found = answer.is_object() ? answer.find(name) : answer.end();
   if (!answer.is_object() || found == answer.end() || found->type() != kind)
-    throw HttpError(fmt::format("an answer without '{}'", name));
+    throw HttpError(std::string("an answer without '") + name + '\'');
   return *found;
 }
 
@@ -46,7 +46,7 @@ std::int64_t number_in(const json& answer, const char* name) {
   std::int64_t number = 0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (fault != std::errc() || end != text.data() + text.size())
-    throw HttpError(fmt::format("'{}' that is not a number", name));
+    throw HttpError('\'' + std::string(name) + "' that is not a number");
   return number;
 }
 
@@ -116,8 +116,8 @@ json EtcdClient::ask(const EtcdEndpoint& endpoint, const char* target, const std
   const HttpAnswer answer = poster_.post(endpoint, target, question, patience_ns_);
   json read = json::parse(answer.body, nullptr, false);
   constexpr unsigned kOk = 200;
-  if (answer.status != kOk) throw HttpError(fmt::format("status {}: {}", answer.status, shortened(answer.body)));
-  if (!read.is_object()) throw HttpError(fmt::format("an answer that is not of etcd: {}", shortened(answer.body)));
+  if (answer.status != kOk) throw HttpError("status " + std::to_string(answer.status) + ": " + shortened(answer.body));
+  if (!read.is_object()) throw HttpError("an answer that is not of etcd: " + shortened(answer.body));
   return read;
 }
 
@@ -133,7 +133,8 @@ auto EtcdClient::call(const char* target, const json& question, Read&& read) {
       newest_ = at;
       return result;
     } catch (const HttpError& failed) {
-      problems += fmt::format("{}{}:{}: {}", problems.empty() ? "" : "; ", endpoint.host, endpoint.port, failed.what());
+      if (!problems.empty()) problems += "; ";
+      problems += endpoint.host + ':' + endpoint.port + ": " + failed.what();
     }
   }
   throw StoreError(problems);
@@ -167,4 +168,4 @@ StoreResult EtcdClient::transact(const StoreTransaction& transaction) {
               [&](const json& answer) { return result_in(answer, transaction); });
 }
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/service/authority/etcd_address.hpp"
+#include "idl/etcd/etcd_address.hpp"
 
-namespace collided::engine::service {
+namespace collided::etcd {
 
 /// Why a request came to nothing, in a few words.
 struct HttpError : std::runtime_error {
@@ -42,4 +42,4 @@ class HttpPoster {
   std::unique_ptr<HttpContext> context_;
 };
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

@@ -1,4 +1,4 @@
-#include "server/service/authority/http_poster.hpp"
+#include "idl/etcd/http_poster.hpp"
 
 #include <chrono>
 #include <optional>
@@ -10,7 +10,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 
-namespace collided::engine::service {
+namespace collided::etcd {
 namespace {
 
 namespace asio = boost::asio;
@@ -114,4 +114,4 @@ HttpAnswer HttpPoster::post(const EtcdEndpoint& to, const std::string& target, s
   return exchange->take_answer();
 }
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

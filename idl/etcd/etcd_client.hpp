@@ -5,11 +5,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "server/service/authority/etcd_address.hpp"
-#include "server/service/authority/http_poster.hpp"
-#include "server/service/authority/lease_store.hpp"
+#include "idl/etcd/etcd_address.hpp"
+#include "idl/etcd/http_poster.hpp"
+#include "idl/etcd/lease_store.hpp"
 
-namespace collided::engine::service {
+namespace collided::etcd {
 
 /// etcd 3.4 and later, through its JSON gateway. Its members are tried in turn, beginning with the one that answered
 /// last; each has patience_ns for an answer.
@@ -36,4 +36,4 @@ class EtcdClient : public LeaseStore {
   HttpPoster poster_;
 };
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace collided::engine::service {
+namespace collided::etcd {
 
 /// The store did not answer in time, or not as it should: one sentence. What was asked may have been done all the same.
 struct StoreError : std::runtime_error {
@@ -53,4 +53,4 @@ class LeaseStore {
   virtual StoreResult transact(const StoreTransaction& transaction) = 0;
 };
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd

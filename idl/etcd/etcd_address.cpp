@@ -1,9 +1,9 @@
-#include "server/service/authority/etcd_address.hpp"
+#include "idl/etcd/etcd_address.hpp"
 
 #include <algorithm>
 #include <charconv>
 
-namespace collided::engine::service {
+namespace collided::etcd {
 namespace {
 
 bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
@@ -55,4 +55,4 @@ std::optional<EtcdAddress> parse_etcd_address(std::string_view text) {
   return address;
 }
 
-}  // namespace collided::engine::service
+}  // namespace collided::etcd
