@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -65,6 +64,10 @@ json condition_in(const StoreCondition& condition) {
     compare.update({{"target", "CREATE"}, {"create_revision", "0"}});
     return compare;
   }
+  if (condition.is == StoreCondition::Is::revision) {
+    compare.update({{"target", "MOD"}, {"mod_revision", std::to_string(condition.revision)}});
+    return compare;
+  }
   compare.update({{"target", "VALUE"}, {"value", encoded(condition.value)}});
   if (condition.is == StoreCondition::Is::less) compare["result"] = "LESS";
   return compare;
@@ -83,15 +86,19 @@ json transaction_in(const StoreTransaction& transaction) {
   return {{"compare", conditions}, {"success", success}, {"failure", reads}};
 }
 
-/// The value of the one key that was asked for; nothing: it is not there.
-std::optional<std::string> value_in(const json& response) {
+/// Takes the value and the revision of the one key that was asked for.
+void take_value(const json& response, StoreResult& result) {
+  result.values.emplace_back();
+  result.revisions.push_back(0);
   const json& range = part(response, "response_range", json::value_t::object);
-  if (!range.contains("kvs")) return std::nullopt;
+  if (!range.contains("kvs")) return;
   const json& found = part(range, "kvs", json::value_t::array);
   if (found.size() != 1) throw HttpError("other keys than were asked for");
+  result.revisions.back() = number_in(found[0], "mod_revision");
   // An empty value is left out.
-  if (found[0].is_object() && !found[0].contains("value")) return std::string();
-  return decoded(part(found[0], "value", json::value_t::string).get_ref<const std::string&>());
+  const bool is_empty = found[0].is_object() && !found[0].contains("value");
+  result.values.back() =
+      is_empty ? std::string() : decoded(part(found[0], "value", json::value_t::string).get_ref<const std::string&>());
 }
 
 StoreResult result_in(const json& answer, const StoreTransaction& transaction) {
@@ -102,7 +109,7 @@ StoreResult result_in(const json& answer, const StoreTransaction& transaction) {
     const std::size_t first = result.is_done ? transaction.writes.size() : 0;
     if (responses.size() != first + transaction.reads.size())
       throw HttpError("an answer with other parts than asked for");
-    for (std::size_t i = first; i < responses.size(); ++i) result.values.push_back(value_in(responses[i]));
+    for (std::size_t i = first; i < responses.size(); ++i) take_value(responses[i], result);
   }
   return result;
 }

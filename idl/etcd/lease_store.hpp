@@ -13,12 +13,14 @@ struct StoreError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a transaction demands of a key; less compares bytes, and a key that is not there is neither equal nor less.
+/// What a transaction demands of a key; less compares bytes, and a key that is not there is neither equal nor less, nor of
+/// any revision.
 struct StoreCondition {
-  enum class Is : std::uint8_t { absent, equal, less };
+  enum class Is : std::uint8_t { absent, equal, less, revision };
   std::string key;
   Is is = Is::absent;
   std::string value = {};
+  std::int64_t revision = 0;  // of the newest write to it
 };
 
 struct StoreWrite {
@@ -36,7 +38,8 @@ struct StoreTransaction {
 
 struct StoreResult {
   bool is_done = false;
-  std::vector<std::optional<std::string>> values;  // of the keys read, in their order; nothing: not there
+  std::vector<std::optional<std::string>> values = {};  // of the keys read, in their order; nothing: not there
+  std::vector<std::int64_t> revisions = {};             // as many: of the newest write to each; 0: not there
 };
 
 /// A store of keys with one order of all that is done to it, whoever asks, and with leases: keys that go by themselves

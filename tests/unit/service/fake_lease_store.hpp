@@ -38,12 +38,14 @@ class FakeLeaseStore : public etcd::LeaseStore {
   etcd::StoreResult transact(const etcd::StoreTransaction& transaction) override {
     const std::lock_guard lock(mutex_);
     begin();
-    etcd::StoreResult result{.is_done = true, .values = {}};
+    etcd::StoreResult result{.is_done = true};
     for (const etcd::StoreCondition& condition : transaction.conditions) result.is_done &= holds(condition);
     for (const etcd::StoreWrite& write : transaction.writes)
-      if (result.is_done) keys_[write.key] = {write.value, write.lease};
-    for (const std::string& key : transaction.reads)
+      if (result.is_done) keys_[write.key] = {write.value, write.lease, ++newest_revision_};
+    for (const std::string& key : transaction.reads) {
       result.values.push_back(keys_.contains(key) ? std::optional(keys_[key].value) : std::nullopt);
+      result.revisions.push_back(keys_.contains(key) ? keys_[key].revision : 0);
+    }
     return end(result);
   }
 
@@ -69,7 +71,7 @@ class FakeLeaseStore : public etcd::LeaseStore {
   }
   void set(const std::string& key, const std::string& value) {
     const std::lock_guard lock(mutex_);
-    keys_[key] = {value, 0};
+    keys_[key] = {value, 0, ++newest_revision_};
   }
   void clear() {
     const std::lock_guard lock(mutex_);
@@ -82,6 +84,7 @@ class FakeLeaseStore : public etcd::LeaseStore {
   struct Key {
     std::string value;
     std::int64_t lease = 0;
+    std::int64_t revision = 0;
   };
   struct LeaseLife {
     std::int64_t life_ns = 0;
@@ -92,6 +95,7 @@ class FakeLeaseStore : public etcd::LeaseStore {
     const auto found = keys_.find(condition.key);
     if (condition.is == etcd::StoreCondition::Is::absent) return found == keys_.end();
     if (found == keys_.end()) return false;
+    if (condition.is == etcd::StoreCondition::Is::revision) return found->second.revision == condition.revision;
     return condition.is == etcd::StoreCondition::Is::less ? found->second.value < condition.value
                                                           : found->second.value == condition.value;
   }
@@ -122,6 +126,7 @@ class FakeLeaseStore : public etcd::LeaseStore {
   Fault fault_ = Fault::none;
   bool lasts_ = false;
   std::int64_t newest_lease_ = 0;
+  std::int64_t newest_revision_ = 0;
   std::map<std::int64_t, LeaseLife> leases_;
   std::map<std::string, Key> keys_;
 };
