@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "server/service/authority/election.hpp"
+#include "idl/shards/shard_map_store.hpp"
 #include "server/service/options/options.hpp"
+#include "server/service/options/shard_search.hpp"
 #include "server/service/questions/time_slice.hpp"
 #include "server/service/runtime/dds_warnings.hpp"
 #include "server/service/runtime/log.hpp"
@@ -98,14 +100,15 @@ int serve(const Options& options) {
 }
 
 int run(const std::vector<std::string>& arguments) {
-  const ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
-  const Options& options = parsed.options;
+  ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
+  Options& options = parsed.options;
   if (options.show_help || options.show_version) {
     fmt::print("{}", options.show_help ? help_text() : "collided " + version_text() + "\n");
     return 0;
   }
   if (options.print_config) fmt::print("{}", print_config(parsed));
   if (options.print_config || options.check_config) return 0;
+  find_shard(options);
   return options.once ? run_once(options) : serve(options);
 }
 
@@ -115,6 +118,9 @@ int main(int count, char** values) {
   try {
     return run({values + 1, values + count});
   } catch (const NotElected& failed) {
+    fmt::print(stderr, "error: {}\n", failed.what());
+    return kGivenWay;
+  } catch (const collided::shards::MapStoreAway& failed) {
     fmt::print(stderr, "error: {}\n", failed.what());
     return kGivenWay;
   } catch (const std::exception& failed) {

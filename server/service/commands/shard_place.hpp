@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
+#include "idl/shards/shard_map.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::engine::service {
@@ -13,5 +15,12 @@ struct ShardPlace {
   Aabb held;                      // it has everything that comes into this box
   std::uint64_t fingerprint = 0;  // of the map
 };
+
+inline ShardPlace shard_place(const shards::ShardMap& map, std::size_t place) {
+  const shards::ShardBox& held = map.held_by(place);
+  return {.name = map.at(place).name,
+          .held = {.low = Vec3(held.low.data()), .high = Vec3(held.high.data())},
+          .fingerprint = map.fingerprint()};
+}
 
 }  // namespace collided::engine::service

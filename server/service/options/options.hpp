@@ -24,8 +24,9 @@ struct Options {
   std::string standby_of;     // namespace of the primary that this server stands by for; empty: it is a primary
   std::string replica_of;     // namespace of the primary beside which this server answers questions; empty: it is none
   std::optional<ShardPlace> shard{};  // of a shard, which serves in the namespace of the shard
-  bool joins = false;                 // it stands by where a primary is there, else it is the primary
-  std::int64_t take_over_ns = 0;      // of a standby: a primary that is silent for so long is replaced; 0: never
+  std::string shard_map_address;  // its map is in etcd: until find_shard() only the shard's name is known; empty: no
+  bool joins = false;             // it stands by where a primary is there, else it is the primary
+  std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
   std::optional<etcd::EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
   TakeOverMode authority_mode = TakeOverMode::strict;
   int authority_lease_s = 0;

@@ -5,7 +5,9 @@
 #include <sstream>
 #include <string_view>
 
+#include "idl/etcd/etcd_address.hpp"
 #include "idl/shards/shard_map.hpp"
+#include "idl/shards/shard_map_source.hpp"
 #include "idl/topics.hpp"
 #include "server/service/options/options.hpp"
 #include "server/service/options/quantities.hpp"
@@ -60,23 +62,35 @@ Allowed apply_replica_of(Options& options, Values values) {
   return std::nullopt;
 }
 
+/// The shard of that name in a map's file.
+Allowed take_shard_of_file(Options& options, const std::string& path, const std::string& name) {
+  try {
+    const shards::ShardMap map = shards::ShardMap::read(path);
+    const std::optional<std::size_t> place = map.find(name);
+    if (!place) return "FILE:NAME with a shard of the map; it has no such one";
+    options.shard = shard_place(map, *place);
+  } catch (const shards::ShardMapError& wrong) {
+    return std::string("FILE:NAME with a map that can be used; ") + wrong.what();
+  }
+  return std::nullopt;
+}
+
 /// Likewise; after those above, whose namespace is then that of the shard.
 Allowed apply_shard(Options& options, Values values) {
+  options.shard_map_address.clear();
   if (values[0].empty()) return std::nullopt;
   if (!options.replica_of.empty()) return "not beside --replica-of";
   const std::size_t colon = values[0].rfind(':');
   if (colon == std::string::npos) return "FILE:NAME, a shard map and the name of one of its shards";
+  const std::string source = values[0].substr(0, colon);
   const std::string name = values[0].substr(colon + 1);
-  try {
-    const shards::ShardMap map = shards::ShardMap::read(values[0].substr(0, colon));
-    const std::optional<std::size_t> place = map.find(name);
-    if (!place) return "FILE:NAME with a shard of the map; it has no such one";
-    const shards::ShardBox& held = map.held_by(*place);
-    options.shard = {.name = name,
-                     .held = {.low = Vec3(held.low.data()), .high = Vec3(held.high.data())},
-                     .fingerprint = map.fingerprint()};
-  } catch (const shards::ShardMapError& wrong) {
-    return std::string("FILE:NAME with a map that can be used; ") + wrong.what();
+  if (shards::is_in_etcd(source)) {
+    const std::optional<etcd::EtcdAddress> address = etcd::parse_etcd_address(source);
+    if (!address || address->key.empty()) return "etcd://HOST:PORT,.../KEY:NAME, with the key of a shard map";
+    options.shard_map_address = source;
+    options.shard = {.name = name, .held = {}};
+  } else if (Allowed wrong = take_shard_of_file(options, source, name)) {
+    return wrong;
   }
   options.name_space = shards::shard_namespace(options.name_space, name);
   if (!is_namespace(options.name_space)) return "a shard whose namespace, NAMESPACE/shard_NAME, has at most 64 letters";
@@ -349,8 +363,8 @@ constexpr Setting kSettings[] = {
     {"server.replica_of", "--replica-of", "COLLIDED_REPLICA_OF", "", "NAMESPACE",
      "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false,
      apply_replica_of},
-    {"server.shard", "--shard", "COLLIDED_SHARD", "", "FILE:NAME",
-     "be the shard of that name in a shard map: hold what comes into its box; see the guide, fleets", false,
+    {"server.shard", "--shard", "COLLIDED_SHARD", "", "MAP:NAME",
+     "be the shard of that name in a shard map, a file or etcd://HOST:PORT/KEY: hold what comes into its box", false,
      apply_shard},
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
      "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},

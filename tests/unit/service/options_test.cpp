@@ -187,6 +187,16 @@ TEST_F(OptionsFile, AShardServesItsOwnNamespaceAndHoldsItsBox) {
   EXPECT_THROW(parse({"--shard", west}), OptionsError);
 }
 
+// etcd is not asked before the server starts.
+TEST(Options, AShardOfAMapInEtcdIsAnAddressWithAKeyAndAName) {
+  const Options options = parse({"--shard", "etcd://a:1,[::1]:2/plant/yard:west", "--namespace", "yard"}).options;
+  EXPECT_EQ(options.shard_map_address, "etcd://a:1,[::1]:2/plant/yard");
+  EXPECT_EQ(options.shard->name, "west");
+  EXPECT_EQ(options.name_space, "yard/shard_west");
+  for (const char* bad : {"etcd://a:1:west", "etcd://a:1/:west", "etcd://a/yard:west", "etcd://a:1/yard"})
+    EXPECT_THROW(parse({"--shard", bad}), OptionsError) << bad;
+}
+
 TEST(Options, AnAuthorityIsAnAddressAndItsLeaseWholeSeconds) {
   EXPECT_FALSE(parse({}).options.authority);
   EXPECT_EQ(parse({}).options.authority_lease_s, 3);
