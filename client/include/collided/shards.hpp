@@ -105,8 +105,9 @@ class ShardedWatch {
   std::unique_ptr<client::ShardedWatching> state_;
 };
 
-/// A client of a world on several servers. Which shards there are and which space each one serves is in a file, the shard
-/// map, that the servers were started with, too (collided --shard FILE:NAME).
+/// A client of a world on several servers. Which shards there are and which space each one serves is in the shard map that
+/// the servers were started with, too (collided --shard MAP:NAME): a file, or a key of etcd by its address,
+/// etcd://HOST:PORT[,HOST:PORT...]/KEY.
 ///
 /// A question goes to the shards that it touches; their answers become one, as a single server that held everything would
 /// give it. What a shard that does not answer could change is undecided with not_covered, never a miss.
@@ -116,10 +117,10 @@ class ShardedClient {
  public:
   /// Looks for all the shards at once. A shard that is not there is looked for again, once a second.
   ///
-  /// map_file  the shard map
-  /// options   as for one server; the shards serve in name_space + "/shard_" + their name
-  /// errors    bad_input for a map that cannot be used; no_server where no shard answers within options.wait
-  static Result<ShardedClient> connect(const std::string& map_file, const ConnectOptions& options);
+  /// map      the shard map: a file, or an address. Read once: what becomes of the shards their servers say
+  /// options  as for one server; the shards serve in name_space + "/shard_" + their name
+  /// errors   bad_input for a map that cannot be used; no_server where no shard, or no etcd, answers within options.wait
+  static Result<ShardedClient> connect(const std::string& map, const ConnectOptions& options);
   ~ShardedClient();
   ShardedClient(ShardedClient&&) noexcept;
   ShardedClient& operator=(ShardedClient&&) noexcept;
@@ -181,14 +182,18 @@ struct ShardSplitReport {
 /// everything, questions go to them; then publishers and watches leave the old one, which covers nothing from then on and
 /// may be stopped. One that is called again after it was cut short goes on where that ended.
 ///
-/// map_file, next_file  shard maps
-/// options              as for ShardedClient::connect
-/// errors   bad_input for maps that do not differ by one split; no_server where a shard of either map is not there; refused
+/// A map in etcd has the next one in its place before the servers are told that that holds; it is kept under KEY/before. Where
+/// somebody has put another one there since it was read, the split is taken back: refused.
+///
+/// map      that holds: a file, or the address of one in etcd
+/// next     the same of the one after it; empty: what is under KEY/next in etcd
+/// options  as for ShardedClient::connect
+/// errors   bad_input for maps that do not differ by one split; no_server where a shard of either map, or etcd, is not there; refused
 ///          by a server with another map; timeout where the new shards do not come to hold everything. With all of these the
 ///          map before holds, as long as the next one did not
 /// cost     some six seconds, and lists of all objects of the shard
-Result<ShardSplitReport> split_shard(const std::string& map_file, const std::string& next_file,
-                                     const ConnectOptions& options, const ShardSplitOptions& how = {});
+Result<ShardSplitReport> split_shard(const std::string& map, const std::string& next, const ConnectOptions& options,
+                                     const ShardSplitOptions& how = {});
 
 }  // namespace collided
 

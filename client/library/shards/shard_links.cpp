@@ -76,6 +76,7 @@ ShardLinks::ShardLinks(ShardMap map, const ConnectOptions& options)
 }
 
 Result<std::shared_ptr<ShardLinks>> ShardLinks::open(ShardMap map, const ConnectOptions& options) {
+  const Clock::time_point deadline = Clock::now() + options.wait;
   std::shared_ptr<ShardLinks> links(new ShardLinks(std::move(map), options));
   // Those that are there may tell of others, which have taken a shard's place.
   for (std::size_t looked = 0; looked < links->links_.size();) {
@@ -85,15 +86,28 @@ Result<std::shared_ptr<ShardLinks>> ShardLinks::open(ShardMap map, const Connect
     }
     for (std::thread& one : looking) one.join();
   }
-  const bool is_one_there = std::ranges::any_of(links->links_, [](const ShardLink& link) { return link.epoch != 0; });
-  if (!is_one_there) {
+  if (!links->is_one_there(deadline)) {
     return Error{ErrorCode::no_server,
                  "none of " + std::to_string(links->links_.size()) + " shards is there; shard '" +
                      links->view_->held.at(0).name + "': " + links->links_.front().fault,
-                 "start them with 'collided --shard FILE:NAME', on this domain and namespace"};
+                 "start them with 'collided --shard MAP:NAME', on this domain and namespace"};
   }
   links->thread_ = std::thread([&links = *links] { links.run(); });
   return links;
+}
+
+/// Whether one has said that it is. Where etcd has a split's next map already and the servers have not heard yet that it
+/// holds, it waits for that.
+bool ShardLinks::is_one_there(Clock::time_point deadline) {
+  constexpr milliseconds kAskAgain{50};
+  const auto is_there = [](const ShardLink& link) { return link.epoch != 0; };
+  while (!std::ranges::any_of(links_, is_there)) {
+    const bool is_to_come = newest_ && !fault_of(*newest_).empty() && newest_->phase == SuccessionPhase::joining;
+    if (!is_to_come || Clock::now() > deadline) return false;
+    std::this_thread::sleep_for(kAskAgain);
+    for (std::size_t place = 0; place < links_.size(); ++place) check(place);
+  }
+  return true;
 }
 
 ShardLinks::~ShardLinks() {

@@ -71,6 +71,7 @@ class ShardLinks {
     std::chrono::nanoseconds replaced_within = kUsuallyReplaced;
     std::string fault;
   };
+  bool is_one_there(Clock::time_point deadline);
   void look_for(std::size_t place, std::chrono::nanoseconds wait);
   void look_again(std::size_t place);
   void ask_for_news();

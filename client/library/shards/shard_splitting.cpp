@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/library/connection/errors.hpp"
+#include "client/library/shards/split_maps.hpp"
 #include "collided/shards.hpp"
 #include "idl/commands.hpp"
 #include "idl/shards/shard_map.hpp"
@@ -98,12 +99,8 @@ Result<Listed> listed(SplitServer& server) {
 /// goes on where it ended.
 class SplitCoordinator {
  public:
-  SplitCoordinator(ShardMap map, ShardMap next, const ConnectOptions& options, const ShardSplitOptions& how)
-      : map_(std::move(map)),
-        next_(std::move(next)),
-        split_(shards::split_between(map_, next_)),
-        options_(options),
-        how_(how) {}
+  SplitCoordinator(SplitMaps maps, const ConnectOptions& options, const ShardSplitOptions& how)
+      : maps_(std::move(maps)), split_(shards::split_between(map_, next_)), options_(options), how_(how) {}
 
   Result<ShardSplitReport> run() {
     const auto started = std::chrono::steady_clock::now();
@@ -138,7 +135,7 @@ class SplitCoordinator {
         Error error = client.error();
         error.message = "shard '" + name + "' is not there: " + error.message + ". Nothing was changed";
         error.hint = map_.find(name) ? "all shards must be there while one is split"
-                                     : "start it with 'collided --shard FILE:NAME' and the next map's file";
+                                     : "start it with 'collided --shard MAP:NAME' and the next map";
         return error;
       }
       servers_.push_back({.shard = name, .client = std::move(*client)});
@@ -192,9 +189,10 @@ class SplitCoordinator {
   }
 
   std::optional<Error> undo() {
-    if (phase_ == SuccessionPhase::in_force || phase_ == SuccessionPhase::done)
+    if (maps_.is_swapped() || phase_ == SuccessionPhase::in_force || phase_ == SuccessionPhase::done)
       return Error{ErrorCode::refused, "the next map holds already: the split goes on, not back",
                    "run it again without undo"};
+    if (auto error = maps_.keep()) return error;
     if (auto error = tell(SuccessionPhase::withdrawn)) return error;
     say("all is as before");
     return std::nullopt;
@@ -205,6 +203,7 @@ class SplitCoordinator {
     if (!is_begun) {
       if (auto error = join()) return error;
     }
+    if (auto error = swap(is_begun)) return error;
     if (phase_ != SuccessionPhase::done) {
       say("the next map holds: questions go to the new shards");
       if (auto error = tell(SuccessionPhase::in_force)) return error;
@@ -216,6 +215,22 @@ class SplitCoordinator {
     say("'" + from_name() + "' holds nothing any more");
     std::this_thread::sleep_for(kStepHeard);
     return std::nullopt;
+  }
+
+  /// Has etcd say which map holds, where that is where the maps are. Until it has, nobody goes by the next one.
+  std::optional<Error> swap(bool is_begun) {
+    std::optional<Error> failed = maps_.swap();
+    if (!failed || is_begun) return failed;
+    if (failed->code == ErrorCode::refused) return take_back(std::move(*failed));
+    failed->message += ". Whether the next map is there is not known, so nothing was taken back";
+    failed->hint = "run it again, or with undo";
+    return failed;
+  }
+
+  Error take_back(Error failed) {
+    failed.message += tell(SuccessionPhase::withdrawn) ? ". It is not taken back everywhere: run it again with undo"
+                                                       : ". It was taken back: all is as before";
+    return failed;
   }
 
   /// Until the new shards hold what the old one holds, and every watch watches them. Where that does not come about in time,
@@ -236,9 +251,7 @@ class SplitCoordinator {
         std::this_thread::sleep_for(kLook);
       }
     }
-    failed->message += tell(SuccessionPhase::withdrawn) ? ". It is not taken back everywhere: run it again with undo"
-                                                        : ". It was taken back: all is as before";
-    return failed;
+    return take_back(std::move(*failed));
   }
 
   /// The first thing that the new shards lack; empty: nothing.
@@ -286,8 +299,9 @@ class SplitCoordinator {
            first + "' among them";
   }
 
-  const ShardMap map_;
-  const ShardMap next_;
+  SplitMaps maps_;
+  const ShardMap& map_ = maps_.map();
+  const ShardMap& next_ = maps_.next();
   const shards::ShardSplit split_;
   const ConnectOptions& options_;
   const ShardSplitOptions& how_;
@@ -301,11 +315,12 @@ class SplitCoordinator {
 }  // namespace
 }  // namespace client
 
-Result<ShardSplitReport> split_shard(const std::string& map_file, const std::string& next_file,
-                                     const ConnectOptions& options, const ShardSplitOptions& how) {
+Result<ShardSplitReport> split_shard(const std::string& map, const std::string& next, const ConnectOptions& options,
+                                     const ShardSplitOptions& how) {
+  Result<client::SplitMaps> maps = client::SplitMaps::read(map, next, options);
+  if (!maps) return maps.error();
   try {
-    return client::SplitCoordinator(shards::ShardMap::read(map_file), shards::ShardMap::read(next_file), options, how)
-        .run();
+    return client::SplitCoordinator(std::move(*maps), options, how).run();
   } catch (const shards::ShardMapError& wrong) { return client::bad_input(wrong.what()); }
 }
 

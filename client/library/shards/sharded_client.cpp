@@ -1,4 +1,5 @@
 #include "client/library/connection/errors.hpp"
+#include "client/library/shards/map_reading.hpp"
 #include "client/library/shards/shard_links.hpp"
 #include "client/library/shards/shard_questions.hpp"
 #include "client/library/shards/sharded_publishing.hpp"
@@ -41,13 +42,12 @@ ShardedClient::~ShardedClient() = default;
 ShardedClient::ShardedClient(ShardedClient&&) noexcept = default;
 ShardedClient& ShardedClient::operator=(ShardedClient&&) noexcept = default;
 
-Result<ShardedClient> ShardedClient::connect(const std::string& map_file, const ConnectOptions& options) {
-  try {
-    Result<std::shared_ptr<client::ShardLinks>> links =
-        client::ShardLinks::open(shards::ShardMap::read(map_file), options);
-    if (!links) return links.error();
-    return ShardedClient(std::move(*links));
-  } catch (const shards::ShardMapError& wrong) { return client::bad_input(wrong.what()); }
+Result<ShardedClient> ShardedClient::connect(const std::string& map, const ConnectOptions& options) {
+  Result<shards::KeptShardMap> kept = client::read_map(map, options);
+  if (!kept) return kept.error();
+  Result<std::shared_ptr<client::ShardLinks>> links = client::ShardLinks::open(std::move(kept->map), options);
+  if (!links) return links.error();
+  return ShardedClient(std::move(*links));
 }
 
 Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions& options) {
