@@ -29,8 +29,9 @@ void declare_globals(CLI::App& app, Globals& globals) {
       ->group(connection);
   app.add_option("--keys", globals.keys, "Folder of keys, where the server has some (COLLIDED_KEYS)")
       ->group(connection);
-  app.add_option("--shards", globals.shards,
-                 "Shard map of a world on several servers, in place of one; see help fleets")
+  app.add_option(
+         "--shards", globals.shards,
+         "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help fleets")
       ->group(connection);
   app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
   app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);

@@ -33,7 +33,7 @@ struct Globals {
   std::string interface;
   std::vector<std::string> peers;
   std::string keys;
-  std::string shards;  // file of a shard map
+  std::string shards;  // a shard map: a file, or its address in etcd
   std::string wait;
   std::string timeout;
 };
@@ -59,7 +59,7 @@ class Session {
  private:
   std::optional<Client> client_;
   std::optional<ShardedClient> sharded_;
-  std::string sharded_by_;  // the file of its map
+  std::string sharded_by_;  // its map, as --shards has it
   bool has_warned_ = false;
 };
 

@@ -62,7 +62,7 @@ TEST_F(Completion, EveryOptionOfEveryVerbSaysWhatItTakes) {
 // One name, but not one kind of value: a point, or the file of a map.
 TEST_F(Completion, AnOptionSaysWhatItTakesInEachVerb) {
   EXPECT_NE(collide("help ray").out.find("--to X Y Z"), std::string::npos);
-  EXPECT_NE(collide("help fleet").out.find("--to FILE"), std::string::npos);
+  EXPECT_NE(collide("help fleet").out.find("--to MAP"), std::string::npos);
   EXPECT_NE(collide("help clearance").out.find("--to GLOB"), std::string::npos);
 }
 

@@ -68,6 +68,20 @@ TEST_F(ShardedVerbs, AWatchSaysWhatItDoesNotHear) {
       << gap.err;
 }
 
+TEST_F(ShardedVerbs, AMapIsPublishedToAnAddressInEtcdAndNowhereElse) {
+  const ScratchFile map("map.json",
+                        R"({"shards": [{"name": "all", "low": [null, null, null], "high": [null, null, null]}]})");
+  for (const std::string& bad :
+       {"fleet publish --shards " + map.path(), "fleet publish --shards " + map.path() + " --to other.json",
+        std::string("fleet publish --to etcd://127.0.0.1:1/yard"),
+        "fleet publish --shards " + map.path() + " --to etcd://127.0.0.1:1"})
+    EXPECT_EQ(collide(bad).code, 2) << bad;
+  EXPECT_EQ(collide("fleet --revision 3").err, "error: fleet: --revision is for 'collide fleet publish'\n");
+  const Ran away = collide("fleet publish --shards " + map.path() + " --to etcd://127.0.0.1:1/yard --wait 200ms");
+  EXPECT_EQ(away.code, 4);
+  EXPECT_EQ(away.err, "error: fleet: etcd://127.0.0.1:1/yard: etcd does not answer: 127.0.0.1:1: Connection refused\n");
+}
+
 TEST_F(ShardedVerbs, AWatchRefusesToAskOneServerOfTheTwo) {
   const Ran ran = collide("watch -n 1 --manifold --shards map.json");
   EXPECT_EQ(ran.code, 2);

@@ -94,7 +94,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--scene", "FILE"},
     {"--scale", "FACTOR"},
     {"--seed", "N"},
-    {"--shards", "FILE"},
+    {"--shards", "MAP"},
     {"--since", "TIME"},
     {"--size", "SIZE"},
     {"--skip", "GLOB"},
@@ -120,6 +120,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--path", "FILE"},
     {"--polygons", "N"},
     {"--response", "NAME"},
+    {"--revision", "N"},
     {"--restitution", "FACTOR"},
     {"--shape", "SHAPE"},
     {"--side", "LENGTH"},
@@ -144,7 +145,7 @@ constexpr std::array kMetavarsOfVerbs = std::to_array<VerbMetavar>({
     {"clearance", "--to", "GLOB"},
     {"events", "--to", "TIME"},
     {"fence", "--to", "OBJECT"},
-    {"fleet", "--to", "FILE"},
+    {"fleet", "--to", "MAP"},
 });
 
 }  // namespace

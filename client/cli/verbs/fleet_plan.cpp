@@ -1,7 +1,6 @@
 #include "client/cli/verbs/fleet_plan.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/fleet/kept_maps.hpp"
 #include "client/cli/fleet/shard_planning.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/output.hpp"
@@ -125,7 +125,7 @@ std::size_t chosen_shard(const ShardMap& map, const std::string& name, const std
 ShardPlan plan_of_shards(Session& session, const Globals& globals, const FleetPlanOptions& options,
                          LoadMeasure measure) {
   if (!options.margin.empty()) throw bad_use("--margin is that of the map, which --shards names");
-  const ShardMap map = ShardMap::read(globals.shards);
+  const ShardMap map = take_map(globals.shards, connect_options(session.io, globals).wait).map;
   HeldByName held;
   for (std::size_t place = 0; place < map.size(); ++place) {
     Globals of_shard = globals;
@@ -177,6 +177,14 @@ void print_summary(Session& session, const Globals& globals, const ShardPlan& pl
                          counted(plan.objects, "object")));
 }
 
+/// What is to succeed a map in etcd is a proposal until then, so a newer one takes its place.
+void write_proposal(Session& session, const Globals& globals, const std::string& target, const ShardMap& map) {
+  const auto patience = connect_options(session.io, globals).wait;
+  std::int64_t in_place_of = 0;
+  if (target == globals.shards + "/next") in_place_of = revision_at(target, patience);
+  write_map(map, target, in_place_of, patience);
+}
+
 }  // namespace
 
 Exit plan_shards(Session& session, const Globals& globals, const FleetPlanOptions& options) {
@@ -187,10 +195,7 @@ Exit plan_shards(Session& session, const Globals& globals, const FleetPlanOption
     if (options.out.empty()) {
       session.io.out << plan.map.text();
     } else {
-      std::ofstream file(options.out, std::ios::binary);
-      file << plan.map.text();
-      file.close();
-      if (!file) throw Failure(Exit::bad_use, fmt::format("{} cannot be written", options.out));
+      write_proposal(session, globals, options.out, plan.map);
       print_loads(session, globals, plan);
     }
     print_summary(session, globals, plan, measure);

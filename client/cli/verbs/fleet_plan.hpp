@@ -12,7 +12,7 @@ struct FleetPlanOptions {
   std::string margin;  // of a new map
   std::string by;      // what counts as load
   std::string split;   // of the shards of --shards
-  std::string out;     // file of the map
+  std::string out;     // file or address of the map
 };
 
 /// Proposes a shard map for the world of the server, or, with --shards, a split of one shard of that map.

@@ -10,13 +10,14 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/output/readable.hpp"
+#include "idl/shards/shard_map_source.hpp"
 
 namespace collided::cli {
 
 Exit split_shards(Session& session, const Globals& globals, const FleetSplitOptions& options) {
-  if (globals.shards.empty() || options.to.empty())
-    throw bad_use("which maps?",
-                  "collide fleet split --shards FILE --to FILE: the map that holds, and the one after it");
+  const bool is_next_named = !options.to.empty() || shards::is_in_etcd(globals.shards);
+  if (globals.shards.empty() || !is_next_named)
+    throw bad_use("which maps?", "collide fleet split --shards MAP --to MAP: the map that holds, and the one after it");
   ShardSplitOptions how{.undo = options.undo,
                         .said = [&](const std::string& said) { print_hint(session.io, globals, said); }};
   if (!options.patience.empty()) how.patience = parse_duration(options.patience);

@@ -8,7 +8,7 @@ namespace collided::cli {
 
 /// The options of `fleet split`, as they were written.
 struct FleetSplitOptions {
-  std::string to;        // file of the next map
+  std::string to;        // the next map: a file or an address
   std::string patience;  // how long the new shards may take
   bool undo = false;
 };

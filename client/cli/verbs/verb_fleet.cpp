@@ -11,6 +11,7 @@
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/verbs/fleet_of_shards.hpp"
 #include "client/cli/verbs/fleet_plan.hpp"
+#include "client/cli/verbs/fleet_publish.hpp"
 #include "client/cli/verbs/fleet_split.hpp"
 
 namespace collided::cli {
@@ -21,14 +22,19 @@ bool is_wrong(const Finding& finding) { return finding.health == Health::fail; }
 class FleetCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("action", action_, "plan: propose a shard map; split: split a shard; without: list who is there")
-        ->check(CLI::IsMember({"plan", "split"}));
+    app.add_option("action", action_,
+                   "plan: propose a shard map; publish: write one to etcd; split: split a shard; without: list who is "
+                   "there")
+        ->check(CLI::IsMember({"plan", "publish", "split"}));
     app.add_option("--into", plan_.into, "plan: so many shards (2)");
     app.add_option("--by", plan_.by, "plan: what counts as load: moving, objects or triangles (moving)");
     app.add_option("--margin", plan_.margin, "plan: how far outside its box a shard holds everything (1)");
     app.add_option("--split", plan_.split, "plan: the shard of --shards that is split (the one with most load)");
-    app.add_option("-o", plan_.out, "plan: file for the map (standard output)");
-    app.add_option("--to", split_.to, "split: the map that comes after that of --shards");
+    app.add_option("-o", plan_.out, "plan: file for the map, or its address in etcd (standard output)");
+    app.add_option(
+        "--to", to_,
+        "split: the map that comes after that of --shards (in etcd: KEY/next); publish: its address in etcd");
+    app.add_option("--revision", publish_.revision, "publish: in the place of the map there that has this revision");
     app.add_option("--for", split_.patience, "split: take it back after so long (60s)");
     app.add_flag("--undo", split_.undo, "split: take back what was begun");
   }
@@ -38,8 +44,13 @@ class FleetCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (action_ != "plan") refuse_options_of_plan();
     if (action_ != "split") refuse_options_of_split();
+    if (action_ != "publish" && !publish_.revision.empty()) throw bad_use("--revision is for 'collide fleet publish'");
+    if (action_ != "publish" && action_ != "split" && !to_.empty())
+      throw bad_use("--to is for 'collide fleet split' and 'collide fleet publish'");
+    publish_.to = split_.to = to_;
     if (action_ == "plan") return plan_shards(session, globals, plan_);
     if (action_ == "split") return split_shards(session, globals, split_);
+    if (action_ == "publish") return publish_map(session, globals, publish_);
     if (!globals.shards.empty()) return print_shards(session, globals);
     const Fleet found = take(fleet(connect_options(session.io, globals)));
     Printer printer = make_printer(session.io, globals);
@@ -66,8 +77,7 @@ class FleetCommand : public Command {
   }
 
   void refuse_options_of_split() const {
-    if (!split_.to.empty() || !split_.patience.empty() || split_.undo)
-      throw bad_use("--to, --for and --undo are for 'collide fleet split'");
+    if (!split_.patience.empty() || split_.undo) throw bad_use("--for and --undo are for 'collide fleet split'");
   }
 
   static void print_table(Printer& printer, const std::vector<FleetMember>& members) {
@@ -109,6 +119,8 @@ class FleetCommand : public Command {
   std::string action_;
   FleetPlanOptions plan_;
   FleetSplitOptions split_;
+  FleetPublishOptions publish_;
+  std::string to_;  // of split and publish
 };
 
 }  // namespace

@@ -107,10 +107,12 @@ constexpr Verb kVerbs[] = {
      "metrics\nmetrics > /var/lib/node_exporter/collided.prom", make_metrics},
     {"fleet", "Follow",
      "which servers of a namespace there are, and whether they fit together; shards planned and split",
-     "fleet\nfleet --shards FILE\nfleet plan [--into N]\nfleet plan --shards FILE\nfleet split --shards FILE --to FILE",
+     "fleet\nfleet --shards MAP\nfleet plan [--into N]\nfleet plan --shards MAP\nfleet publish --shards FILE --to "
+     "ADDRESS\nfleet split --shards MAP --to MAP",
      "fleet\nfleet --json\nfleet --shards map.json\nfleet plan --into 4 -o map.json\nfleet plan --shards map.json "
      "--split west -o "
-     "next.json\nfleet split --shards map.json --to next.json",
+     "next.json\nfleet split --shards map.json --to next.json\nfleet publish --shards map.json --to "
+     "etcd://10.0.0.1:2379/yard\nfleet split --shards etcd://10.0.0.1:2379/yard",
      make_fleet},
     {"handover", "Follow", "a server that stands by takes the primary's place, and the primary ends", "handover [NAME]",
      "handover\nhandover south", make_handover},

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// The options of `fleet publish`, as they were written.
+struct FleetPublishOptions {
+  std::string to;        // address in etcd
+  std::string revision;  // of the map there whose place it takes
+};
+
+/// Writes the map of --shards to etcd.
+Exit publish_map(Session& session, const Globals& globals, const FleetPublishOptions& options);
+
+}  // namespace collided::cli
