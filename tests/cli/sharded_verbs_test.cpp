@@ -68,6 +68,32 @@ TEST_F(ShardedVerbs, AWatchSaysWhatItDoesNotHear) {
       << gap.err;
 }
 
+TEST_F(ShardedVerbs, APairThatNoShardHoldsIsUndecidedAndFartherApartThanTheMargin) {
+  ShardedPairAnswer& pair = fake::server().sharded_pair.emplace();
+  pair.verdict = Verdict::undecided;
+  pair.reason = UndecidedReason::not_covered;
+  pair.farther_than_m = 2;
+  const Ran table = collide("pair ball/0 ball/1 --shards map.json --table");
+  EXPECT_EQ(table.code, 3);
+  EXPECT_EQ(table.out, "undecided: no shard holds both, so they are farther apart than 2 m\n");
+  EXPECT_EQ(collide("pair ball/0 ball/1 --shards map.json --fields answer,reason,farther_than").out,
+            "undecided\tnot_covered\t2\n");
+  EXPECT_EQ(fake::server().shard_map, "map.json");
+}
+
+TEST_F(ShardedVerbs, AClearanceSaysUpToWhereItIsComplete) {
+  ShardedClearanceAnswer& none = fake::server().sharded_clearance.emplace();
+  none.verdict = Verdict::undecided;
+  none.reason = UndecidedReason::not_covered;
+  none.complete_to_m = 2;
+  const Ran ran = collide("clearance ball/0 --to 'ball/*' --shards map.json");
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_EQ(ran.err, "pairs farther apart than 2 m, the margin of the shards, are not told\n");
+  const Ran alone = collide("clearance ball/0 --shards map.json");
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_NE(alone.err.find("with --shards the other group must be named"), std::string::npos) << alone.err;
+}
+
 TEST_F(ShardedVerbs, AMapIsPublishedToAnAddressInEtcdAndNowhereElse) {
   const ScratchFile map("map.json",
                         R"({"shards": [{"name": "all", "low": [null, null, null], "high": [null, null, null]}]})");

@@ -2,12 +2,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <optional>
 #include <random>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -177,6 +181,125 @@ TEST_F(ShardedWorld, TheNearestIsAsOnOneServer) {
     expect_same(points, options);
   }
   EXPECT_GT(hit_count_, 1000u);
+}
+
+bool are_same(const PairAnswer& x, const PairAnswer& y) {
+  return x.verdict == y.verdict && x.distance_m == y.distance_m && x.depth_m == y.depth_m && x.error_m == y.error_m &&
+         x.on_a == y.on_a && x.on_b == y.on_b && x.point == y.point && x.normal == y.normal &&
+         x.a_triangle == y.a_triangle && x.b_triangle == y.b_triangle;
+}
+
+TEST_F(ShardedWorld, PairsAreAsOnOneServerOrFartherApartThanTheMargin) {
+  std::mt19937_64 random = oracle::seeded(33);
+  ASSERT_NO_FATAL_FAILURE(start_all(random));
+  const auto any_name = [&] {
+    const std::uint64_t number = random() % 150;
+    return random() % 3 == 0 ? "scene/part_" + std::to_string(number) : "object_" + std::to_string(number);
+  };
+  std::size_t same_count = 0;
+  std::size_t far_count = 0;
+  for (int i = 0; i < 400 && !HasFailure(); ++i) {
+    const std::string a = any_name();
+    const std::string b = any_name();
+    if (a == b) continue;
+    const Result<PairAnswer> one = whole_->pair(a, b);
+    const Result<ShardedPairAnswer> all = sharded_->pair(a, b);
+    ASSERT_TRUE(one) << one.error().message;
+    ASSERT_TRUE(all) << all.error().message;
+    if (all->farther_than_m > 0) {
+      EXPECT_EQ(all->verdict, Verdict::undecided);
+      EXPECT_EQ(all->reason, UndecidedReason::not_covered);
+      EXPECT_EQ(one->verdict, Verdict::miss) << a << ' ' << b;
+      EXPECT_GE(one->distance_m + one->error_m, all->farther_than_m) << a << ' ' << b;
+      ++far_count;
+    } else {
+      EXPECT_TRUE(are_same(*one, *all)) << a << ' ' << b << ": " << one->distance_m << ' ' << all->distance_m;
+      ++same_count;
+    }
+  }
+  EXPECT_GT(same_count, 40U);
+  EXPECT_GT(far_count, 40U);
+  std::printf("%zu pairs the same, %zu in no shard together\n", same_count, far_count);
+  const Result<ShardedPairAnswer> unknown = sharded_->pair("object_1", "nobody");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().message, "no shard has an object 'nobody'");
+}
+
+TEST_F(ShardedWorld, ClearancesUpToTheMarginAreAsOnOneServer) {
+  std::mt19937_64 random = oracle::seeded(34);
+  ASSERT_NO_FATAL_FAILURE(start_all(random));
+  const auto any_group = [&]() -> std::string {
+    if (random() % 4 == 0) return "scene";
+    return (random() % 3 == 0 ? "scene/part_" : "object_") + std::to_string(random() % 15) + "*";
+  };
+  const auto names = [](const ClearancePair& pair) { return std::minmax(pair.a, pair.b); };
+  std::size_t pair_count = 0;
+  std::size_t incomplete_count = 0;
+  for (int i = 0; i < 60 && !HasFailure(); ++i) {
+    const std::string from = any_group();
+    const bool is_near = random() % 2 == 0;
+    ClearanceOptions options{.to = any_group(), .most = is_near ? 10'000U : 1U};
+    if (is_near) options.nearer_m = std::abs(number(random, 0.5));
+    const Result<ClearanceAnswer> one = whole_->clearance(from, options);
+    const Result<ShardedClearanceAnswer> all = sharded_->clearance(from, options);
+    if (!one || !all) {
+      // No shard has objects of both groups.
+      const bool is_near_one = one && !one->pairs.empty();
+      EXPECT_GE(is_near_one ? one->pairs[0].clearance_m + one->pairs[0].error_m : 0.5, 0.5) << from << options.to;
+      continue;
+    }
+    if (std::isfinite(all->complete_to_m)) {
+      EXPECT_FALSE(is_near);
+      EXPECT_EQ(all->verdict, Verdict::undecided);
+      ASSERT_FALSE(one->pairs.empty());
+      EXPECT_GE(one->pairs[0].clearance_m + one->pairs[0].error_m, all->complete_to_m);
+      ++incomplete_count;
+      continue;
+    }
+    EXPECT_EQ(one->verdict, all->verdict);
+    ASSERT_EQ(one->pairs.size(), all->pairs.size()) << from << " and " << options.to;
+    auto expected = one->pairs;
+    std::ranges::sort(expected, [&](const ClearancePair& x, const ClearancePair& y) {
+      return std::tuple(x.clearance_m, x.a, x.b) < std::tuple(y.clearance_m, y.a, y.b);
+    });
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      EXPECT_EQ(expected[k].clearance_m, all->pairs[k].clearance_m);
+      EXPECT_EQ(expected[k].error_m, all->pairs[k].error_m);
+      const bool is_tie = (k > 0 && expected[k - 1].clearance_m == expected[k].clearance_m) ||
+                          (k + 1 < expected.size() && expected[k + 1].clearance_m == expected[k].clearance_m);
+      if (!is_tie && options.most > 1) { EXPECT_EQ(names(expected[k]), names(all->pairs[k])) << k; }
+    }
+    pair_count += expected.size();
+  }
+  EXPECT_GT(pair_count, 100U);
+  EXPECT_GT(incomplete_count, 0U);
+  std::printf("%zu pairs within the margin, the same\n", pair_count);
+}
+
+TEST_F(ShardedWorld, APairThatASilentShardMayHoldIsUndecided) {
+  write_map(kHalves);
+  for (const char* shard : {"west", "east"}) start_shard(shard);
+  ShardedClient client = connect_sharded();
+  const auto ball = [](const char* name, double x) {
+    return ObjectOptions{
+        .name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {x, 0, 40}}, .moving = false};
+  };
+  Client west = connect_to_shard("west");
+  for (const auto& one : {ball("here", -20), ball("there", -19), ball("beside", -18)}) ASSERT_TRUE(west.add(one));
+  ASSERT_TRUE(connect_to_shard("east").add(ball("yonder", 20)));
+  EXPECT_NEAR(client.pair("here", "there")->distance_m, 0.8, 1e-9);
+  EXPECT_EQ(client.pair("here", "yonder")->farther_than_m, 1);
+  EXPECT_EQ(client.clearance("here", {.to = "there", .nearer_m = 0.9})->pairs.size(), 1U);
+  EXPECT_EQ(client.clearance("here", {.to = ""}).error().code, ErrorCode::bad_input);
+  servers_[1]->signal(SIGKILL);
+  servers_[1]->wait(5s);
+  EXPECT_TRUE(test::eventually([&] { return !client.shards()[1].is_there; }));
+  EXPECT_NEAR(client.pair("here", "there")->distance_m, 0.8, 1e-9) << "a shard that holds both decides";
+  const Result<ShardedPairAnswer> gone = client.pair("here", "yonder");
+  ASSERT_TRUE(gone) << gone.error().message;
+  EXPECT_EQ(gone->verdict, Verdict::undecided);
+  EXPECT_EQ(gone->farther_than_m, 0) << "nothing is known of the other one";
+  EXPECT_EQ(client.clearance("here", {.to = "beside", .nearer_m = 0.5})->reason, UndecidedReason::not_covered);
 }
 
 // The box meets the unknown object at its end, in the west; nearer to its middle is another one, beyond the border, that it

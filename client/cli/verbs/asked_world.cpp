@@ -22,4 +22,18 @@ std::future<Result<Answers>> AskedWorld::ask_async(Questions questions, const As
                     [this, questions = std::move(questions), options] { return ask(questions, options); });
 }
 
+Result<ShardedPairAnswer> AskedWorld::pair(const std::string& a, const std::string& b, const PairOptions& options) {
+  if (shards_ != nullptr) return shards_->pair(a, b, options);
+  Result<PairAnswer> of_one = client_->pair(a, b, options);
+  if (!of_one) return of_one.error();
+  return ShardedPairAnswer{std::move(*of_one)};
+}
+
+Result<ShardedClearanceAnswer> AskedWorld::clearance(const std::string& from, const ClearanceOptions& options) {
+  if (shards_ != nullptr) return shards_->clearance(from, options);
+  Result<ClearanceAnswer> of_one = client_->clearance(from, options);
+  if (!of_one) return of_one.error();
+  return ShardedClearanceAnswer{std::move(*of_one)};
+}
+
 }  // namespace collided::cli

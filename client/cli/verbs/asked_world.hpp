@@ -1,6 +1,7 @@
 #pragma once
 
 #include <future>
+#include <string>
 
 #include <collided/client.hpp>
 #include <collided/shards.hpp>
@@ -19,6 +20,9 @@ class AskedWorld {
   Result<Answers> ask(const Questions& questions, const AskOptions& options);
   /// The same on another thread.
   std::future<Result<Answers>> ask_async(Questions questions, const AskOptions& options);
+  /// Of one server with nothing left open.
+  Result<ShardedPairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options);
+  Result<ShardedClearanceAnswer> clearance(const std::string& from, const ClearanceOptions& options);
 
  private:
   Client* client_ = nullptr;

@@ -13,6 +13,7 @@
 #include "client/cli/output/readable.hpp"
 #include "client/cli/server_aside.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/asked_world.hpp"
 #include "client/cli/verbs/clearance_output.hpp"
 
 namespace collided::cli {
@@ -36,6 +37,8 @@ class GroupCommand : public Command {
     app.add_option("--deadline", deadline_, "What takes longer ends undecided: 100ms");
   }
 
+  bool takes_shards() const override { return true; }
+
   Exit run(Session& session, const Globals& globals) override {
     ClearanceOptions options;
     if (!nearer_.empty()) options.nearer_m = parse_finite(nearer_, Measure::length);
@@ -47,7 +50,13 @@ class GroupCommand : public Command {
     options.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
     options.timeout = timeout_of(globals, std::chrono::seconds(60));
     const std::string from = adjust(options);
-    if (const std::string file = file_in(from); !file.empty()) return ask_file(session, globals, file, options);
+    if (options.to.empty() && !globals.shards.empty())
+      throw bad_use("with --shards the other group must be named: what is beside a group, no shard knows alone",
+                    "collide clearance 'robot/*' --to 'cell/*'");
+    const std::string file = file_in(from);
+    if (!file.empty() && !globals.shards.empty())
+      throw bad_use("a server of its own reads the file, so --shards is not for it");
+    if (!file.empty()) return ask_file(session, globals, file, options);
     return ask(session, globals, from, options);
   }
 
@@ -59,7 +68,7 @@ class GroupCommand : public Command {
       if (stop_requested) throw Failure(Exit::interrupted, "");
       progress.show(0, "looking at pairs", fraction);
     };
-    const ClearanceAnswer answer = take(session.client(globals).clearance(from, options));
+    const ShardedClearanceAnswer answer = take(AskedWorld(session, globals).clearance(from, options));
     progress.clear();
     check_certificates(answer.pairs);
     Printer printer = make_printer(session.io, globals);
@@ -114,9 +123,15 @@ class GroupCommand : public Command {
                          readable_length(options.nearer_m, 0, Digits::rounded));
     return fmt::format("no pair of {} and {} touches", printable(from), to);
   }
-  void say_how_much(Io& io, const Globals& globals, const ClearanceAnswer& answer) const {
+  void say_how_much(Io& io, const Globals& globals, const ShardedClearanceAnswer& answer) const {
     if (answer.cut && has_nearer())
       print_hint(io, globals, "cut: more pairs are so near than are told here; -k tells more, up to 10000");
+    if (std::isfinite(answer.complete_to_m))
+      print_hint(io, globals,
+                 fmt::format("pairs farther apart than {}, the margin of the shards, are not told",
+                             readable_length(answer.complete_to_m, 0, Digits::rounded)));
+    else if (answer.reason == UndecidedReason::not_covered && !answer.uncovered)
+      print_hint(io, globals, "a shard that may hold a nearer pair does not answer");
     if (answer.late)
       print_hint(io, globals, "the deadline was over: some pairs were not looked at, and a nearer one may be missing");
     else if (answer.uncovered)

@@ -8,6 +8,7 @@
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
+#include "client/cli/verbs/asked_world.hpp"
 #include "client/cli/output/readable.hpp"
 
 namespace collided::cli {
@@ -41,7 +42,7 @@ std::string deep_text(const PairAnswer& pair, Digits digits) {
   return readable_length(pair.depth_m, pair.depth_error_m, digits) + " deep";
 }
 
-Record pair_record(const PairAnswer& pair, const Value& proof) {
+Record pair_record(const ShardedPairAnswer& pair, const Value& proof) {
   const Value none = std::monostate{};
   const bool touching = pair.verdict == Verdict::hit;
   const bool apart = pair.verdict == Verdict::miss;
@@ -52,6 +53,7 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
           {"depth", touching || pair.is_in_solid ? Value(pair.depth_m) : none},
           {"depth_error", pair.is_in_solid ? Value(pair.depth_error_m) : none},
           {"error", known ? Value(pair.error_m) : none},
+          {"farther_than", pair.farther_than_m > 0 ? Value(pair.farther_than_m) : none},
           {"normal", known ? MaybeVector(pair.normal) : MaybeVector()},
           {"point", touching ? MaybeVector(pair.point) : MaybeVector()},
           {"on_a", apart ? MaybeVector(pair.on_a) : MaybeVector()},
@@ -65,9 +67,13 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
           {"world", pair.version}};
 }
 
-void print_text(Printer& printer, const PairAnswer& pair) {
+void print_text(Printer& printer, const ShardedPairAnswer& pair) {
   const Digits digits = printer.digits();
-  if (pair.verdict == Verdict::undecided) {
+  if (pair.farther_than_m > 0) {
+    printer.line(fmt::format("{}: no shard holds both, so they are farther apart than {}",
+                             printer.paint(Paint::doubt, "undecided"),
+                             readable_length(pair.farther_than_m, 0, digits)));
+  } else if (pair.verdict == Verdict::undecided) {
     printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"), explain(pair.reason)));
   } else if (pair.verdict == Verdict::miss) {
     printer.line(fmt::format("{}  {}  nearest {} | {}", printer.paint(Paint::good, "apart"),
@@ -141,6 +147,8 @@ class PairCommand : public Command {
     app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
   }
 
+  bool takes_shards() const override { return true; }
+
   Exit run(Session& session, const Globals& globals) override {
     if (names_.size() != 2)
       throw bad_use(fmt::format("{} names; two objects are needed", names_.size()), "collide pair crate shelf");
@@ -154,7 +162,7 @@ class PairCommand : public Command {
         .opinion = opinion_,
         .deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_),
         .timeout = timeout_of(globals, std::chrono::seconds(30))};
-    const PairAnswer pair = ask(session, globals, options);
+    const ShardedPairAnswer pair = ask(session, globals, options);
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
     const bool proved = fits && proves(*pair.certificate);
     if (pair.certificate && !proved) {
@@ -177,16 +185,16 @@ class PairCommand : public Command {
   }
 
  private:
-  PairAnswer ask(Session& session, const Globals& globals, const PairOptions& options) const {
-    const Result<PairAnswer> pair = session.client(globals).pair(names_[0], names_[1], options);
-    if (pair || pair.error().code != ErrorCode::refused) return take(pair);
+  ShardedPairAnswer ask(Session& session, const Globals& globals, const PairOptions& options) const {
+    const Result<ShardedPairAnswer> pair = AskedWorld(session, globals).pair(names_[0], names_[1], options);
+    if (pair || pair.error().code != ErrorCode::refused || !globals.shards.empty()) return take(pair);
     for (const std::string& name : names_) {
       if (const std::optional<Failure> unknown = unknown_object(session, globals, name)) throw Failure(*unknown);
     }
     throw as_failure(pair.error());
   }
 
-  static void print_answer(Printer& printer, const PairAnswer& pair, const Value& proof) {
+  static void print_answer(Printer& printer, const ShardedPairAnswer& pair, const Value& proof) {
     if (printer.human()) {
       print_text(printer, pair);
       if (pair.opinion) printer.line(opinion_line(printer, pair));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <ranges>
@@ -105,6 +106,19 @@ class ShardedWatch {
   std::unique_ptr<client::ShardedWatching> state_;
 };
 
+/// How two objects of a world on several shards stand to each other.
+struct ShardedPairAnswer : PairAnswer {
+  /// Undecided with not_covered: no shard holds both, so they are farther apart than this. 0: one that may hold both does not
+  /// answer.
+  double farther_than_m = 0;
+};
+
+/// The nearest pairs of two groups in a world on several shards.
+struct ShardedClearanceAnswer : ClearanceAnswer {
+  /// Pairs that are farther apart than this are not told, since no shard may hold them.
+  double complete_to_m = std::numeric_limits<double>::infinity();
+};
+
 /// A client of a world on several servers. Which shards there are and which space each one serves is in the shard map that
 /// the servers were started with, too (collided --shard MAP:NAME): a file, or a key of etcd by its address,
 /// etcd://HOST:PORT[,HOST:PORT...]/KEY.
@@ -142,6 +156,16 @@ class ShardedClient {
                                                                                const AskOptions& options = {}) {
     return ask_all(std::span<const std::ranges::range_value_t<Questions>>(questions), options);
   }
+
+  /// As Client::pair, of a shard that holds both; two that no shard holds are undecided with not_covered, and
+  /// farther_than_m says how far they are apart at least. With Instant::settled every shard has decided that instant. The version is 0.
+  Result<ShardedPairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options = {});
+  /// As Client::clearance, of pairs that are no farther apart than the margin of the map: where fewer than asked for are so
+  /// near, and farther ones were asked for, it is undecided with not_covered, and complete_to_m says up to where. The numbers of
+  /// objects and the version are 0.
+  ///
+  /// options  `to` must be named; `progress` is not called
+  Result<ShardedClearanceAnswer> clearance(const std::string& from, const ClearanceOptions& options);
 
   Result<ShardedPublisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
   /// Subscribes to contact events; WatchOptions::since and persisted are bad_input.

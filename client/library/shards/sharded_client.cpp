@@ -1,6 +1,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/shards/map_reading.hpp"
 #include "client/library/shards/shard_links.hpp"
+#include "client/library/shards/shard_pairs.hpp"
 #include "client/library/shards/shard_questions.hpp"
 #include "client/library/shards/sharded_publishing.hpp"
 #include "client/library/shards/sharded_watching.hpp"
@@ -73,6 +74,13 @@ template Result<Answers> ShardedClient::ask_all(std::span<const SphereQuestion>,
 template Result<Answers> ShardedClient::ask_all(std::span<const BoxQuestion>, const AskOptions&);
 template Result<Answers> ShardedClient::ask_all(std::span<const NearQuestion>, const AskOptions&);
 template Result<Answers> ShardedClient::ask_all(std::span<const InsideQuestion>, const AskOptions&);
+
+Result<ShardedPairAnswer> ShardedClient::pair(const std::string& a, const std::string& b, const PairOptions& options) {
+  return client::pair_of_shards(*links_, a, b, options);
+}
+Result<ShardedClearanceAnswer> ShardedClient::clearance(const std::string& from, const ClearanceOptions& options) {
+  return client::clearance_of_shards(*links_, from, options);
+}
 
 std::vector<ShardState> ShardedClient::shards() {
   const std::shared_ptr<const client::ShardView> view = links_->view();

@@ -193,6 +193,19 @@ Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string
   return fake::server().command("load", arguments, {});
 }
 
+Result<ShardedPairAnswer> ShardedClient::pair(const std::string& a, const std::string& b, const PairOptions& options) {
+  if (fake::server().sharded_pair) return *fake::server().sharded_pair;
+  Result<PairAnswer> of_one = Client::connect({})->pair(a, b, options);
+  if (!of_one) return of_one.error();
+  return ShardedPairAnswer{*of_one};
+}
+Result<ShardedClearanceAnswer> ShardedClient::clearance(const std::string& from, const ClearanceOptions& options) {
+  if (fake::server().sharded_clearance) return *fake::server().sharded_clearance;
+  Result<ClearanceAnswer> of_one = Client::connect({})->clearance(from, options);
+  if (!of_one) return of_one.error();
+  return ShardedClearanceAnswer{*of_one};
+}
+
 Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, const PairOptions& options) {
   if (!fake::server().pair) return Error{ErrorCode::refused, "no pairs", ""};
   return fake::server().pair(a, b, options);

@@ -79,7 +79,9 @@ struct Server {
   std::vector<FleetMember> members;
   std::string shard_map;  // that was connected by
   std::vector<ShardState> shards;
-  std::uint64_t shard_gaps = 0;  // of a watch of theirs
+  std::optional<ShardedPairAnswer> sharded_pair;            // none: what one server says
+  std::optional<ShardedClearanceAnswer> sharded_clearance;  // likewise
+  std::uint64_t shard_gaps = 0;                             // of a watch of theirs
   std::function<Result<ShardSplitReport>(const std::string& map, const std::string& next, const ShardSplitOptions&)>
       split;
   Strangers strangers;
