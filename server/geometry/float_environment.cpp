@@ -12,25 +12,13 @@ namespace collided::engine {
 
 #if defined(__SSE2__)
 
-namespace {
-constexpr unsigned kFlags = 0x003f;    // exceptions raised so far: not a setting
-constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
-}  // namespace
-
 bool restore_float_environment() {
+  using namespace float_environment;
   const unsigned word = _mm_getcsr();
   if ((word & ~kFlags) == kDefault) return false;
   _mm_setcsr(kDefault | (word & kFlags));
   return true;
 }
-
-// Reading the word waits for all arithmetic under way; writing what is there already costs nothing. The host's flags are
-// not cleared, so that the way out mostly writes what is there.
-OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
-  if ((host_[0] & ~kFlags) != kDefault) _mm_setcsr(kDefault);
-}
-
-OwnFloatEnvironment::~OwnFloatEnvironment() { _mm_setcsr(static_cast<unsigned>(host_[0])); }
 
 #else
 

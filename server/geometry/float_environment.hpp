@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
 namespace collided::engine {
 
 /// The proofs assume rounding to nearest, denormals kept and no traps. A library built with -ffast-math turns denormals
@@ -23,5 +27,26 @@ class OwnFloatEnvironment {
  private:
   unsigned long long host_[2];
 };
+
+#if defined(__SSE2__)
+// Inline: a ray alone sets it, and two calls cost it as much as half a node of the tree.
+namespace float_environment {
+inline constexpr unsigned kFlags = 0x003f;    // exceptions raised so far: not a setting
+inline constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
+/// The compiler does not know that arithmetic depends on the word: what is read from memory is worked with on this side.
+inline void keep_order() { asm volatile("" : : : "memory"); }
+}  // namespace float_environment
+
+// Reading the word waits for all arithmetic under way; writing what is there already costs nothing. The host's flags are
+// not cleared, so that the way out mostly writes what is there.
+inline OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
+  if ((host_[0] & ~float_environment::kFlags) != float_environment::kDefault) _mm_setcsr(float_environment::kDefault);
+  float_environment::keep_order();
+}
+inline OwnFloatEnvironment::~OwnFloatEnvironment() {
+  float_environment::keep_order();
+  _mm_setcsr(static_cast<unsigned>(host_[0]));
+}
+#endif
 
 }  // namespace collided::engine

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
@@ -26,9 +29,10 @@ struct RayHit {
 /// distance; the sum rounds each coordinate once more.
 inline double point_error_m(const RayHit& hit) {
   if (hit.distance_m == 0 && hit.distance_error_m == 0) return 0;  // the ray's origin
-  return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * hit.point.cwiseAbs().maxCoeff()) *
-             (1 + kBoundSlack) +
-         kUnderflow;
+  // Number by number: they were mostly written just before, and a load of two waits until those stores have reached the
+  // cache.
+  const double largest = std::max({std::abs(hit.point[0]), std::abs(hit.point[1]), std::abs(hit.point[2])});
+  return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * largest) * (1 + kBoundSlack) + kUnderflow;
 }
 
 /// Whether the ray meets the shape, exact for the given doubles; touching counts, and so do both ends of the ray and

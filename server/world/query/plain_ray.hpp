@@ -20,10 +20,7 @@ struct PlainRay {
   // Of the nearest hit, or of the first one where any will do; met: in `scene`, kNoTriangle: nothing.
   std::uint32_t met = kNoTriangle;
   const StaticScene* scene = nullptr;
-  RayHit hits[2];     // the one met and the next to be decided
-  unsigned kept = 0;  // which of the two was met
-
-  const RayHit& hit() const { return hits[kept]; }
+  RayHit hit;
 };
 
 }  // namespace collided::engine

@@ -33,27 +33,45 @@ struct PlainCandidate {
 
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     PlainRay& ray = *of;
-    const bool has_met = ray.met != kNoTriangle;
+    if (ray.met != kNoTriangle) return compare_with_best(triangle, corners);
+    if (is_met(corners, ray.hit)) keep(triangle);
+    return ray.limit;
+  }
+  /// The same where there is one already. Apart from it, since most rays have one candidate.
+  [[gnu::noinline]] double compare_with_best(std::uint32_t triangle, const Triangle& corners) const {
+    PlainRay& ray = *of;
     // A clipped split tells a triangle twice, and then it would tie with itself.
-    if (!any && has_met && ray.met == triangle && ray.scene == scene) return ray.limit;
-    RayHit& hit = ray.hits[ray.kept ^ 1U];
+    if (ray.met == triangle && ray.scene == scene) return ray.limit;
+    RayHit next;
+    if (!is_met(corners, next) || !is_nearer(next, triangle, corners)) return ray.limit;
+    ray.hit = next;
+    keep(triangle);
+    return ray.limit;
+  }
+  bool is_met(const Triangle& corners, RayHit& hit) const {
+    PlainRay& ray = *of;
     const ExactResult verdict = cast_ray(ray.ray, corners, hit);
     ++ray.exact_tests;
     ray.level = std::max(ray.level, verdict.level);
     ray.is_undecided = ray.is_undecided || verdict.decision == Decision::undecided;
-    if (!verdict.yes() || (has_met && !is_nearer(hit, triangle, corners))) return ray.limit;
-    ray.kept ^= 1U;
+    return verdict.yes();
+  }
+  /// Takes the triangle of the ray's hit.
+  void keep(std::uint32_t triangle) const {
+    PlainRay& ray = *of;
     ray.met = triangle;
     ray.scene = scene;
-    if (any) return ray.limit = -1;
+    if (any) {
+      ray.limit = -1;
+      return;
+    }
     const double direction_m = length_of_direction(&ray.ray.direction[0]);
-    const double reach = (hit.distance_m + hit.distance_error_m) / direction_m * (1 + kFewSlack);
+    const double reach = (ray.hit.distance_m + ray.hit.distance_error_m) / direction_m * (1 + kFewSlack);
     if (reach < ray.limit) ray.limit = reach;
-    return ray.limit;
   }
   /// Intervals that do not overlap decide; else the two triangles are compared exactly.
   bool is_nearer(const RayHit& hit, std::uint32_t triangle, const Triangle& corners) const {
-    const RayHit& best = of->hit();
+    const RayHit& best = of->hit;
     if (hit.distance_m + hit.distance_error_m < best.distance_m - best.distance_error_m) return true;
     if (best.distance_m + best.distance_error_m < hit.distance_m - hit.distance_error_m) return false;
     const int order = compare_hits(of->ray, corners, of->scene->mesh.triangle(of->met));
@@ -95,13 +113,25 @@ void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, con
   for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
 }
 
+/// Converted where the answer keeps it, a hit is made there: a copy of one made elsewhere waits until its numbers have
+/// reached the cache.
+struct HitInPlace {
+  const RayHit& hit;
+  ObjectId object;
+  std::uint32_t triangle;
+  std::uint8_t flags;
+
+  // NOLINTNEXTLINE(google-explicit-constructor): emplace_back converts.
+  operator AnswerHit() const { return answer_hit(hit, object, triangle, flags); }
+};
+
 inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& answers) {
   const StaticScene& scene = *ray.scene;
   const std::uint32_t part = scene.part_of(ray.met);
   const ObjectId object = scene.part_objects[part];
   const std::uint32_t slot = slot_of(object);
   const auto flags = static_cast<std::uint8_t>(snapshot.stale[slot] != 0 ? kStale : 0);
-  answers.hits.push_back(answer_hit(ray.hit(), object, ray.met - scene.parts[part].first_triangle, flags));
+  answers.hits.emplace_back(HitInPlace{ray.hit, object, ray.met - scene.parts[part].first_triangle, flags});
   const std::int64_t posed_ns = snapshot.posed_ns[slot];
   if (posed_ns == 0) return;
   answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
+#include <string_view>
 
 #include "idl/clocks.hpp"
 #include "idl/question_rules.hpp"
@@ -71,10 +73,16 @@ void fill_unknown(const Snapshot& snapshot, const Questions& asked, QueryScratch
   unknown.scenes.assign(snapshot.scenes.size(), 0);
 }
 
+/// Most patterns are empty, and then no call is needed.
+inline bool is_same_pattern(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && (a.empty() || a == b);
+}
+
 /// Whether the scratch holds what fill_allowed would write.
-bool is_allowed_known(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+inline bool is_allowed_known(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   return scratch.allowed_table == snapshot.objects.get() && scratch.allowed_version == snapshot.table_version &&
-         scratch.allowed_mask == asked.mask && scratch.allowed_only == asked.only && scratch.allowed_skip == asked.skip;
+         scratch.allowed_mask == asked.mask && is_same_pattern(scratch.allowed_only, asked.only) &&
+         is_same_pattern(scratch.allowed_skip, asked.skip);
 }
 
 /// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
@@ -193,7 +201,18 @@ void note_age(Answers& answers, const Question& question) {
   }
 }
 
-bool keeps_ray_rules(const double* numbers) { return wire_contract::keeps_rules<wire_contract::kRayFields>(numbers); }
+[[gnu::noinline]] bool keeps_rules_one_by_one(const double* ray) {
+  return wire_contract::keeps_rules<wire_contract::kRayFields>(ray);
+}
+
+/// The rules number by number cost more than a node of the tree. A finite sum of magnitudes has finite terms alone, and
+/// one that overflows says nothing yet.
+[[gnu::always_inline]] inline bool keeps_ray_rules(const double* numbers) {
+  const double direction = std::abs(numbers[3]) + std::abs(numbers[4]) + std::abs(numbers[5]);
+  const double sum = std::abs(numbers[0]) + std::abs(numbers[1]) + std::abs(numbers[2]) + direction;
+  const bool is_usual = direction > 0 && sum <= std::numeric_limits<double>::max() && numbers[6] >= 0;
+  return is_usual || keeps_rules_one_by_one(numbers);
+}
 
 /// The answer that needs no search: the numbers are invalid, or the deadline has passed.
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
@@ -274,10 +293,7 @@ struct QuestionBatch {
   void answer_rays(std::size_t place, std::size_t count) const;
   bool answer_plain_ray(std::size_t place) const {
     const double* numbers = numbers_of(place);
-    if (!keeps_ray_rules(numbers)) {
-      write_at_once(answers, place, Verdict::invalid);
-      return true;
-    }
+    if (!keeps_ray_rules(numbers)) return answer_one(place);
     PlainRay& memory = scratch.plain_rays.front();
     return engine::answer_plain_ray(snapshot, asked, numbers, memory, place, answers) || answer_one(place);
   }
@@ -388,8 +404,7 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
   return bytes >= kCacheBytes;
 }
 
-/// Apart from `answer`, so that a ray alone carries nothing of it.
-[[gnu::noinline]] void answer_batch(const QuestionBatch& batch, std::size_t count) {
+void answer_batch(const QuestionBatch& batch, std::size_t count) {
   const bool together = batch.asked.kind == QuestionKind::ray && count >= kFewestTogether &&
                         rays_gain_together(batch.snapshot, batch.asked, batch.scratch);
   if (!are_plain_rays(batch.snapshot, batch.asked, batch.scratch)) {
@@ -400,11 +415,41 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
   batch.answers.cut(batch.answer_all_plain(count, together));
 }
 
-std::size_t count_of(const Questions& asked, std::uint32_t stride) {
-  const std::size_t size = asked.numbers.size();
-  if (stride == 0) return 0;
-  // A division would take as long as a node of the tree.
-  return size == stride ? 1 : size / stride;
+/// What a call of `answer` sets up before its first question, and puts back.
+class AnswerScope {
+ public:
+  AnswerScope(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch)
+      : precision_({.highest = asked.highest, .error_asked_m = asked.error_m / 2}) {
+    if (!is_allowed_known(snapshot, asked, scratch)) fill_allowed(snapshot, asked, scratch);
+  }
+
+ private:
+  OwnFloatEnvironment own_floats_;
+  PrecisionScope precision_;
+};
+
+/// Any questions but a plain ray alone, which would carry what is needed here.
+[[gnu::noinline]] void answer_any(const Snapshot& snapshot, const Questions& asked, Answers& answers,
+                                  QueryScratch& scratch) {
+  const std::uint32_t stride = numbers_of(asked.kind);
+  const std::size_t count = stride == 0 ? 0 : asked.numbers.size() / stride;
+  answers.reset(count);
+  if (count == 0) return;
+  const AnswerScope scope(snapshot, asked, scratch);
+  answer_batch({snapshot, asked, scratch, answers, stride}, count);
+  if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, asked, answers);
+}
+
+/// False: it is not plain, and its answer is not written.
+bool answer_plain_ray_alone(const Snapshot& snapshot, const Questions& asked, Answers& answers, QueryScratch& scratch) {
+  answers.reset(1);
+  const AnswerScope scope(snapshot, asked, scratch);
+  if (!are_plain_rays(snapshot, asked, scratch) || scratch.plain_rays.empty()) return false;
+  const double* numbers = asked.numbers.data();
+  if (!keeps_ray_rules(numbers)) return false;
+  if (!answer_plain_ray(snapshot, asked, numbers, scratch.plain_rays.front(), 0, answers)) return false;
+  if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, asked, answers);
+  return true;
 }
 
 }  // namespace
@@ -426,14 +471,6 @@ bool may_answer(const ObjectInfo& info, const Questions& asked) {
   return !info.is_unknown && is_asked_about(info, asked);
 }
 
-void Answers::reset(std::size_t count) {
-  hits.clear();
-  brackets.clear();
-  not_covered.clear();
-  oldest_pose_ns = -1;
-  cut(count);
-}
-
 void Answers::cut(std::size_t count) {
   if (exact_tests.size() == count) return;
   for (auto* column : {&hit_counts, &nodes, &exact_tests}) column->resize(count);
@@ -443,21 +480,9 @@ void Answers::cut(std::size_t count) {
 }
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
-  const std::uint32_t stride = numbers_of(questions.kind);
-  const std::size_t count = count_of(questions, stride);
-  answers.reset(count);
-  if (count == 0) return;
-  const OwnFloatEnvironment own_floats;
-  if (!is_allowed_known(snapshot, questions, scratch)) fill_allowed(snapshot, questions, scratch);
-  const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
-  const QuestionBatch batch{snapshot, questions, scratch, answers, stride};
-  if (count == 1 && are_plain_rays(snapshot, questions, scratch)) {
-    if (scratch.plain_rays.empty()) scratch.plain_rays.resize(kPlainRaysAtOnce);
-    if (!batch.answer_plain_ray(0)) answers.cut(0);
-  } else {
-    answer_batch(batch, count);
-  }
-  if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
+  const bool is_ray_alone = questions.kind == QuestionKind::ray && questions.numbers.size() == kRayNumbers;
+  if (is_ray_alone && answer_plain_ray_alone(snapshot, questions, answers, scratch)) return;
+  answer_any(snapshot, questions, answers, scratch);
 }
 
 }  // namespace collided::engine

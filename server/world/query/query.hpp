@@ -142,7 +142,13 @@ struct Answers {
   std::int64_t oldest_pose_ns = -1;
 
   /// Without hits, and with room for one answer per question, which the caller writes.
-  void reset(std::size_t count);
+  void reset(std::size_t count) {
+    hits.clear();
+    brackets.clear();
+    not_covered.clear();
+    oldest_pose_ns = -1;
+    if (exact_tests.size() != count) cut(count);
+  }
   /// Leaves out the answers from `count` on, none of which has been written.
   void cut(std::size_t count);
 };

@@ -98,7 +98,7 @@ std::vector<double> hard_rays(const TriangleMesh& mesh, std::size_t count, std::
     const Triangle t = mesh.triangle(static_cast<std::uint32_t>(random() % mesh.triangles.size()));
     const Vec3 targets[4] = {t.a, (t.a + t.b) / 2, (t.a + t.b + t.c) / 3, in_cube(random)};
     const Vec3 target = targets[random() % 4];
-    const Vec3 origin = random() % 8 == 0 ? t.b : 2 * in_cube(random);
+    Vec3 origin = random() % 8 == 0 ? t.b : 2 * in_cube(random);
     Vec3 direction = target - origin;
     double length_m = random() % 3 == 0 ? direction.norm() : kEndless;
     const auto kind = random() % 40;
@@ -107,6 +107,10 @@ std::vector<double> hard_rays(const TriangleMesh& mesh, std::size_t count, std::
     if (kind == 2) direction *= 0x1p900;
     if (kind == 3) length_m = 0x1p1000;
     if (kind == 4) length_m = std::numeric_limits<double>::quiet_NaN();
+    // Each is a number, and their sum is not.
+    if (kind == 5) origin.setConstant(std::numeric_limits<double>::max());
+    if (kind == 6) origin[static_cast<int>(random() % 3)] = kEndless;
+    if (kind == 7) direction[static_cast<int>(random() % 3)] = std::numeric_limits<double>::quiet_NaN();
     add_ray(origin, direction, length_m, numbers);
   }
   return numbers;
