@@ -67,6 +67,20 @@ ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
 
 namespace {
 
+bool lies_at(const Triangle& t, int axis, double coordinate) {
+  return t.a[axis] == coordinate && t.b[axis] == coordinate && t.c[axis] == coordinate;
+}
+
+/// Whether both triangles lie in one plane across an axis, which the ray crosses: then it meets both in one point. Walls,
+/// floors and what stands on them tie so, and expansions would take as long to say so as a hundred rays.
+bool meets_one_plane_of_both(const Ray& ray, const Triangle& a, const Triangle& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double coordinate = a.a[axis];
+    if (ray.direction[axis] != 0 && lies_at(a, axis, coordinate) && lies_at(b, axis, coordinate)) return true;
+  }
+  return false;
+}
+
 /// Sets the order of two hits; undecided where signs are unsure.
 template <class N>
 Decision first_is_nearer(const Ray& ray, const Triangle& a, const Triangle& b, int& order) {
@@ -82,6 +96,7 @@ Decision first_is_nearer(const Ray& ray, const Triangle& a, const Triangle& b, i
 }  // namespace
 
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b) {
+  if (meets_one_plane_of_both(ray, a, b)) return 0;
   int order = 0;
   climb([&]<class N>() { return first_is_nearer<N>(ray, a, b, order); });
   return order;

@@ -1,8 +1,11 @@
 // Two surfaces a rounding apart, or the same surface a thousand times: which one is met first must not depend on luck.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided::engine::two_sheets_test {
 namespace {
@@ -50,6 +53,58 @@ TEST(ExtremeTwoSheets, ScaleAndOffsetDoNotMatter) {
     const extreme::Scaling scale{power};
     EXPECT_EQ(compare_hits(scale(slanted), scale(sheet(0x1p-60)), scale(sheet(0))), -1) << power;
   }
+}
+
+Vec3 whole_numbers(std::mt19937_64& random) {
+  const auto number = [&] { return static_cast<double>(random() % 9) - 4; };
+  const double x = number();
+  const double y = number();
+  return {x, y, number()};
+}
+
+/// A triangle in the plane across the axis, some without area, with the point in its middle.
+Triangle wall_about(const Vec3& middle, int axis, std::mt19937_64& random) {
+  Vec3 u = whole_numbers(random);
+  Vec3 v = whole_numbers(random);
+  u[axis] = v[axis] = 0;
+  return {middle + u, middle + v, middle - u - v};
+}
+
+/// The axis leans, exactly: planes across it are askew from then on, and parameters along rays stay.
+Vec3 leaning(Vec3 v, int axis) {
+  v[axis] += v[(axis + 1) % 3] + 2 * v[(axis + 2) % 3];
+  return v;
+}
+Triangle leaning(const Triangle& t, int axis) { return {leaning(t.a, axis), leaning(t.b, axis), leaning(t.c, axis)}; }
+
+// In one plane across an axis all are met at once, without arithmetic; leaning, expansions say so. A ray within the plane
+// meets them one after the other.
+TEST(ExtremeTwoSheets, WallsAcrossAnAxisAreOrderedAsLeaningOnes) {
+  std::mt19937_64 random = oracle::seeded(20261129);
+  std::size_t ties = 0;
+  std::size_t within = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const int axis = static_cast<int>(random() % 3);
+    const Vec3 origin = whole_numbers(random);
+    const Vec3 direction = whole_numbers(random);
+    if (direction.isZero(0)) continue;
+    const double far = random() % 2 == 0 ? 1 : 2;
+    const Triangle a = wall_about(origin + direction, axis, random);
+    const Triangle b = wall_about(origin + far * direction, axis, random);
+    const Ray ray{origin, direction};
+    const Ray lean{leaning(origin, axis), leaning(direction, axis)};
+    RayHit hit;
+    ASSERT_TRUE(cast_ray(ray, a, hit).yes() && cast_ray(ray, b, hit).yes()) << i;
+    const int order = compare_hits(ray, a, b);
+    EXPECT_EQ(order, compare_hits(lean, leaning(a, axis), leaning(b, axis))) << i;
+    EXPECT_EQ(order, -compare_hits(ray, b, a)) << i;
+    within += direction[axis] == 0 ? 1 : 0;
+    if (direction[axis] == 0) continue;
+    EXPECT_EQ(order, far == 1 ? 0 : -1) << i;
+    ties += order == 0 ? 1 : 0;
+  }
+  EXPECT_GT(ties, 1000U);
+  EXPECT_GT(within, 200U);
 }
 
 }  // namespace
