@@ -15,6 +15,7 @@
 #include "server/intake/scene_file/scene_decoder.hpp"
 #include "server/intake/scene_file/scene_encoder.hpp"
 #include "server/intake/scene_file/scene_index.hpp"
+#include "server/intake/scene_file/verified.hpp"
 #include "server/intake/scene_file/write_file.hpp"
 
 namespace collided::engine {
@@ -22,12 +23,6 @@ namespace {
 
 static_assert(sizeof(EdgeCollapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
-
-/// FlatBuffers cannot address more: its offsets have 31 bits.
-constexpr std::uint64_t kMaxSceneFileBytes = (std::uint64_t{1} << 31) - 1;
-
-/// Depth of tables allowed. A proper buffer has scene, object, shape, mesh.
-constexpr std::uint32_t kMaxDepth = 5;
 
 Filter filter_of(const format::Filter* from) {
   return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
@@ -125,32 +120,6 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   return scene;
 }
 
-/// Bytes at an address aligned for doubles: the given ones if they are, else a copy.
-class AlignedBytes {
- public:
-  explicit AlignedBytes(std::span<const std::byte> bytes) : data_(reinterpret_cast<const std::uint8_t*>(bytes.data())) {
-    if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(double) != 0) {
-      copy_.resize(bytes.size() / sizeof(std::uint64_t) + 1);
-      std::memcpy(copy_.data(), bytes.data(), bytes.size());
-      data_ = reinterpret_cast<const std::uint8_t*>(copy_.data());
-    }
-  }
-  const std::uint8_t* data() const { return data_; }
-
- private:
-  std::vector<std::uint64_t> copy_;
-  const std::uint8_t* data_;
-};
-
-/// The root table of a buffer if its structure is valid, else null.
-template <class Table>
-const Table* verified(const std::uint8_t* data, std::size_t byte_count, const char* identifier) {
-  if (byte_count > kMaxSceneFileBytes) { return nullptr; }
-  // A table takes at least 8 bytes, so more tables than that must share bytes, and verifying them could take for ever.
-  flatbuffers::Verifier verifier(data, byte_count, kMaxDepth, static_cast<std::uint32_t>(byte_count / 8 + 1));
-  return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
-}
-
 /// The offset of the checksum in verified tables; nothing where they have none.
 std::optional<std::size_t> checksum_place(const std::uint8_t* data) {
   const std::uint8_t* at = flatbuffers::GetRoot<flatbuffers::Table>(data)->GetAddressOf(format::Scene::VT_CHECKSUM);
@@ -214,8 +183,8 @@ void save_scene_by(const std::string& name, const Scene& scene, const Put& put) 
   const auto fail = [&](const std::string& what) {
     throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what));
   };
-  if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxSceneFileBytes) {
-    fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxSceneFileBytes));
+  if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxBufferBytes) {
+    fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxBufferBytes));
   }
   SceneEncoder encoder(encoded_bytes(scene));
   encoder.scene(scene);

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 namespace collided::engine {
 namespace {
@@ -41,21 +42,40 @@ void sync_directory_of(const std::string& path) {
 
 }  // namespace
 
-std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces) {
+FileReplacement::FileReplacement(const std::string& path) : path_(path) {
   static std::atomic<unsigned> file_count = 0;
-  const std::string summand = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
-  const int file = ::open(summand.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) { return fmt::format("cannot be created: {}", std::strerror(errno)); }
-  const bool written = write_pieces(file, pieces);
-  const int write_error = errno;
-  const bool closed = ::close(file) == 0;
-  if (!written || !closed || std::rename(summand.c_str(), path.c_str()) != 0) {
-    const int error = written ? errno : write_error;
-    ::unlink(summand.c_str());
-    return fmt::format("cannot be written: {}", std::strerror(error));
-  }
-  sync_directory_of(path);
+  beside_ = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
+  file_ = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file_ < 0) failure_ = fmt::format("cannot be created: {}", std::strerror(errno));
+}
+
+FileReplacement::~FileReplacement() {
+  if (file_ < 0) return;
+  ::close(file_);
+  ::unlink(beside_.c_str());
+}
+
+std::string FileReplacement::append(std::span<const std::byte> bytes) {
+  if (failure_.empty() && !write_all(file_, bytes))
+    failure_ = fmt::format("cannot be written: {}", std::strerror(errno));
+  return failure_;
+}
+
+std::string FileReplacement::put_in_place() {
+  if (!failure_.empty()) return failure_;
+  if (::fsync(file_) != 0 || std::rename(beside_.c_str(), path_.c_str()) != 0)
+    return failure_ = fmt::format("cannot be written: {}", std::strerror(errno));
+  ::close(std::exchange(file_, -1));
+  sync_directory_of(path_);
   return {};
+}
+
+std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces) {
+  FileReplacement file(path);
+  for (const std::span<const std::byte> piece : pieces) {
+    if (const std::string failure = file.append(piece); !failure.empty()) return failure;
+  }
+  return file.put_in_place();
 }
 
 std::string write_file(int file, std::span<const std::span<const std::byte>> pieces) {

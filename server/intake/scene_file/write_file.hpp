@@ -6,6 +6,28 @@
 
 namespace collided::engine {
 
+/// A file that comes piece by piece, and is under its name only once it is complete and on the disk. It is first written
+/// beside the path; the destructor removes what is not in place.
+///
+/// threads  one at a time
+class FileReplacement {
+ public:
+  explicit FileReplacement(const std::string& path);
+  ~FileReplacement();
+  FileReplacement(const FileReplacement&) = delete;
+  FileReplacement& operator=(const FileReplacement&) = delete;
+
+  /// Each returns what went wrong; empty: done. After a failure nothing more is done.
+  std::string append(std::span<const std::byte> bytes);
+  std::string put_in_place();
+
+ private:
+  std::string path_;
+  std::string beside_;
+  std::string failure_;
+  int file_ = -1;
+};
+
 /// Replaces the file at the path, or creates it, completely or not at all: the new file is written beside it, brought
 /// to the disk and renamed.
 ///
