@@ -35,18 +35,23 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
     refuse_file(path, S_ISDIR(state.st_mode) ? "is a directory, a file is needed" : "is not a regular file");
   }
   byte_count_ = static_cast<std::size_t>(state.st_size);
-  if (byte_count_ > options.max_file_bytes) {
+  if (byte_count_ > options.max_file_bytes && access != Access::mapped_as_read) {
     refuse_file(name_, fmt::format("{} bytes, limit {}", byte_count_, options.max_file_bytes));
   }
   if (byte_count_ == 0) { refuse_file(name_, "the file is empty"); }
-  if (access != Access::mapped) {
-    reserve();
-    // The first page is needed in any case: it tells formats apart.
-    if (access == Access::copied_as_asked) fetch_before(1);
-    else copy_all(options);
+  if (access == Access::mapped || access == Access::mapped_as_read) {
+    map(access == Access::mapped);
     return;
   }
-  map_ = ::mmap(nullptr, byte_count_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file_.number, 0);
+  reserve();
+  // The first page is needed in any case: it tells formats apart.
+  if (access == Access::copied_as_asked) fetch_before(1);
+  else copy_all(options);
+}
+
+void FileBytes::map(bool at_once) {
+  may_drop_pages_ = !at_once;
+  map_ = ::mmap(nullptr, byte_count_, PROT_READ, MAP_PRIVATE | (at_once ? MAP_POPULATE : 0), file_.number, 0);
   if (map_ == MAP_FAILED) {
     map_ = nullptr;
     refuse_file(name_, fmt::format("cannot be mapped: {}", std::strerror(errno)));
@@ -103,12 +108,13 @@ void FileBytes::OpenFile::close() {
 void FileBytes::Unmap::operator()(char* memory) const { ::munmap(memory, byte_count); }
 
 void FileBytes::give_back(std::span<const char> piece) const {
-  if (!copy_) return;
+  if (!copy_ && !may_drop_pages_) return;
+  char* const memory = copy_ ? copy_.get() : static_cast<char*>(map_);
   const std::size_t page = page_bytes();
   const auto first =
-      static_cast<std::size_t>(piece.data() - copy_.get() + static_cast<std::ptrdiff_t>(page) - 1) / page * page;
-  const std::size_t end = static_cast<std::size_t>(piece.data() + piece.size() - copy_.get()) / page * page;
-  if (first < end) ::madvise(copy_.get() + first, end - first, MADV_DONTNEED);
+      static_cast<std::size_t>(piece.data() - memory + static_cast<std::ptrdiff_t>(page) - 1) / page * page;
+  const std::size_t end = static_cast<std::size_t>(piece.data() + piece.size() - memory) / page * page;
+  if (first < end) ::madvise(memory + first, end - first, MADV_DONTNEED);
 }
 
 void FileBytes::forget_before(std::size_t byte) {

@@ -15,13 +15,14 @@ namespace collided::engine {
 /// The bytes of one file, read-only, for as long as this lives.
 class FileBytes {
  public:
-  enum class Access { copied, copied_as_asked, mapped };
+  enum class Access { copied, copied_as_asked, mapped, mapped_as_read };
 
   /// access  copied: what happens to the file afterwards has no effect
   ///         copied_as_asked: only the bytes that fetch_before() was called for can be read; where the file changes
   ///         meanwhile, that call may throw, and nothing worse happens
   ///         mapped: no copy, for files that are only ever replaced by rename, as save_scene does; if such a file were
   ///         cut short in place, reading it would end the process
+  ///         mapped_as_read: likewise, of which only what is read comes into memory; it may have any size
   /// throws  LoadError where the path is not a regular file, cannot be read, or is larger than options.max_file_bytes
   FileBytes(const std::string& path, Access access, const LoadOptions& options);
   ~FileBytes();
@@ -37,12 +38,14 @@ class FileBytes {
   /// Returns to the system the memory of a mapped file's whole pages before `byte`; they must not be read any more.
   void forget_before(std::size_t byte);
 
-  /// Returns to the system the memory of the whole pages inside a piece of a copy; they must not be read any more.
+  /// Returns to the system the memory of the whole pages inside a piece of a copy, or of a file that is mapped as it is
+  /// read; they must not be read any more.
   /// threads   any, for pieces that do not overlap
   void give_back(std::span<const char> piece) const;
 
  private:
   void reserve();
+  void map(bool at_once);
   void copy_all(const LoadOptions& options);
 
   struct Unmap {
@@ -60,6 +63,7 @@ class FileBytes {
   std::size_t fetched_bytes_ = 0;
   std::unique_ptr<char[], Unmap> copy_;  // mapped, not allocated: pages can be returned once they are read
   void* map_ = nullptr;                  // of the file
+  bool may_drop_pages_ = false;          // of the map, one by one
   const char* data_ = nullptr;
   std::size_t byte_count_ = 0;
   std::size_t forgotten_bytes_ = 0;

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "server/intake/converter.hpp"
 #include "server/intake/file_bytes.hpp"
@@ -20,13 +21,17 @@
 #include "server/intake/readers/reading.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/intake/scene_file/scene_index.hpp"
+#include "server/intake/streamed_mesh.hpp"
+#include "server/intake/tiles/ply_source.hpp"
+#include "server/intake/tiles/tile_reader.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided::engine {
 namespace {
 
-/// What a reader returns: one mesh in parts, one cloud of points, separate objects, or a whole scene as it was saved.
-enum class Content { mesh, cloud, objects, saved };
+/// What a reader returns: one mesh in parts, one cloud of points, separate objects, a whole scene as it was saved, or what
+/// is needed of one that was saved in tiles.
+enum class Content { mesh, cloud, objects, saved, tiles };
 
 /// What is known of a format before a file of it is read.
 struct FileFormat {
@@ -55,6 +60,7 @@ constexpr FileFormat kFormats[] = {
     {".csv", "CSV", Content::objects, read_box_table},
     {".urdf", "URDF", Content::objects, read_urdf, true, 'z'},
     {".cscene", "the scene file", Content::saved, read_scene_file, true, 'z'},
+    {".ctiles", "the tile file", Content::tiles, read_tiles, true, 'z'},
 };
 /// Any other format: the converter process turns the file into a scene file.
 constexpr FileFormat kOther{"", "the converter", Content::saved, nullptr};
@@ -129,12 +135,16 @@ void tell_placement(const FileFormat& format, const Reading& reading) {
   placed.emplace_back("the origin is that of the file");
 }
 
+bool turns_y_up(const FileFormat& format, const LoadOptions& options) {
+  return (options.up != 0 ? options.up : format.up) == 'y';
+}
+
 /// Converts the scene from the file's unit and axes to metres with z up. Numbers do not change where that is so
 /// already.
 void place(const FileFormat& format, const Reading& reading, Scene& scene) {
   tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
-  const bool turns = (reading.options.up != 0 ? reading.options.up : format.up) == 'y';
+  const bool turns = turns_y_up(format, reading.options);
   if (unit_m != 1) { scene.mesh = scaled(std::move(scene.mesh), unit_m); }
   for (Vec3& vertex : scene.mesh.vertices) {
     if (turns) { vertex = turned_up(vertex); }
@@ -242,11 +252,12 @@ Scene load(const FileFormat& format, Reading reading) {
     for (const FileFormat& known : kFormats) endings += fmt::format(" {}", known.ending);
     refuse(reading, fmt::format("the ending is none of{}", endings));
   }
-  if (format.content != Content::saved) reading.bytes = without_mark(reading);
+  const bool was_saved = format.content == Content::saved || format.content == Content::tiles;
+  if (!was_saved) reading.bytes = without_mark(reading);
   Scene scene = format.read(reading);
-  if (format.content != Content::saved) drop_bytes(reading);
+  if (!was_saved) drop_bytes(reading);
   if (format.content == Content::mesh) check_mesh(reading, scene);
-  if (format.content == Content::saved) {
+  if (was_saved) {
     if (!reading.options.name.empty()) rename_scene(reading, scene, mended_name(reading.options.name));
   } else {
     scene.name = scene_name(reading.file, reading.options);
@@ -258,6 +269,13 @@ Scene load(const FileFormat& format, Reading reading) {
   if (format.content == Content::mesh || reading.options.mend_m) finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;
+}
+
+/// How a file of the format comes into memory.
+FileBytes::Access access_to(const FileFormat& format) {
+  if (format.content == Content::tiles) return FileBytes::Access::mapped_as_read;
+  if (format.content == Content::saved) return FileBytes::Access::mapped;
+  return format.asks_for_bytes ? FileBytes::Access::copied_as_asked : FileBytes::Access::copied;
 }
 
 /// Has the converter process read a file of a format that this process could read too, since the file is not trusted.
@@ -297,6 +315,32 @@ std::string unpacker_of(const std::string& path) {
 
 }  // namespace
 
+std::optional<StreamedMesh> stream_mesh(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  const FileFormat& format = format_of(path);
+  if (format.read != &read_ply || options.mend_m || options.strict) return std::nullopt;
+  constexpr std::size_t kHeaderBytes = std::size_t{1} << 20;
+  LoadOptions without_limits;
+  without_limits.max_file_bytes = std::numeric_limits<std::uint64_t>::max();
+  FileBytes bytes(path, FileBytes::Access::copied_as_asked, without_limits);
+  bytes.fetch_before(kHeaderBytes);
+  const Reading reading{file_name(path), bytes.bytes(), options, report};
+  const std::string_view beginning(reading.begin(), std::min(kHeaderBytes, reading.bytes.size()));
+  if (beginning.find("end_header\n") == std::string_view::npos) return std::nullopt;
+  check_options(reading);
+  StreamedMesh streamed;
+  streamed.mesh = PlySource::open(reading, parse_ply_header(reading), path,
+                                  {.unit_m = options.unit_m, .turns_y_up = turns_y_up(format, options)});
+  if (!streamed.mesh || streamed.mesh->triangle_count() == 0) return std::nullopt;
+  Scene scene{.name = scene_name(reading.file, options)};
+  scene.parts.push_back({.name = {}, .triangle_count = static_cast<std::uint32_t>(streamed.mesh->triangle_count())});
+  name_parts(reading, scene);
+  tell_placement(format, reading);
+  report.notes.emplace_back("read piece by piece; what is odd about it was not looked for, 'collide check' does");
+  streamed.name = std::move(scene.name);
+  streamed.parts = std::move(scene.parts);
+  return streamed;
+}
+
 bool is_read_here(const std::string& path) { return format_of(path).read != nullptr; }
 
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
@@ -318,9 +362,7 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   } else if (options.is_foreign) {
     scene = load_apart(path, options, report);
   } else {
-    const auto access = format.content == Content::saved ? FileBytes::Access::mapped
-                        : format.asks_for_bytes          ? FileBytes::Access::copied_as_asked
-                                                         : FileBytes::Access::copied;
+    const FileBytes::Access access = access_to(format);
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
     const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };

@@ -8,8 +8,10 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "server/geometry/aabb.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
@@ -17,18 +19,30 @@
 
 namespace collided::engine {
 
-/// Which triangles of a part are pieces that mending cut off others. When mending cuts a triangle, its first piece
-/// keeps the number, and the other pieces go to the end of the part. piece_of has, for each of those in order, the
-/// number of the triangle that it was cut from. Null for a part that is as the file has it.
+/// How the triangles of a part relate to those of the file, where they are not the same.
+///
+/// When mending cuts a triangle, its first piece keeps the number, and the other pieces go to the end of the part.
+/// Of a part that is here only in part, the triangles keep the numbers that they have in the whole one.
 struct CutTriangles {
+  /// For each of the pieces at the end of the whole part, in order, the number of the triangle that it was cut from. Null:
+  /// nothing was cut.
   std::shared_ptr<const std::vector<std::uint32_t>> piece_of{};
+  /// For each triangle that is here its number in the whole part, ascending. Null: all of them are here.
+  std::shared_ptr<const std::vector<std::uint32_t>> held{};
+  std::uint32_t whole_count = 0;  // triangles of the whole part, where only some are held
 
   std::size_t piece_count() const { return piece_of ? piece_of->size() : 0; }
+  bool is_whole() const { return held == nullptr; }
   /// The number that answers report for a triangle of the part: that in the file. A number that is not one of the
   /// part's comes back unchanged.
   std::uint32_t told(std::uint32_t triangle, std::uint32_t triangle_count) const {
+    if (triangle >= triangle_count) return triangle;
+    if (held) {
+      triangle = (*held)[triangle];
+      triangle_count = whole_count;
+    }
     const std::size_t first_piece = triangle_count - piece_count();
-    return triangle < first_piece || triangle >= triangle_count ? triangle : (*piece_of)[triangle - first_piece];
+    return triangle < first_piece ? triangle : (*piece_of)[triangle - first_piece];
   }
 };
 
@@ -58,6 +72,14 @@ struct SceneObject {
   CutTriangles cut{};  // of the shape's mesh
 };
 
+/// How much of a file in tiles was read.
+struct TilesRead {
+  std::uint64_t tiles = 0;
+  std::uint64_t tiles_of_file = 0;
+  std::uint64_t triangles_of_file = 0;
+  std::uint64_t parts_of_file = 0;
+};
+
 /// One loaded file: static triangles in world coordinates, metres, each of which belongs to exactly one part, and
 /// objects with a pose.
 struct Scene {
@@ -65,9 +87,10 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
-  bool is_moving = false;     // its objects take poses, half-spaces apart; its triangles stand still
-  SavedIndex index{};         // of the mesh
-  CollapseOrder collapses{};  // of the mesh; empty: no levels of detail are made
+  bool is_moving = false;            // its objects take poses, half-spaces apart; its triangles stand still
+  SavedIndex index{};                // of the mesh
+  CollapseOrder collapses{};         // of the mesh; empty: no levels of detail are made
+  std::optional<TilesRead> tiles{};  // nothing: the file is not in tiles
 };
 
 /// What loading did. Each line is a sentence for the user, with a count.
@@ -94,6 +117,10 @@ struct LoadOptions {
   bool solid_by_winding = false;   // those of them that do not close are solid by their winding number
   std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::vector<std::string> packages{};  // of a URDF robot: folders of packages that it names, as "NAME=DIR"
+  // Needed is only what comes into this box: a file in tiles is read no further than that, other files are read whole.
+  std::optional<Aabb> within{};
+  // The parts of which all is needed where any of it is, by their names. Empty: there are none.
+  std::function<bool(std::string_view)> needed_whole{};
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // called with the fraction done, in [0, 1]
@@ -107,9 +134,9 @@ struct LoadError : std::runtime_error {
 };
 
 /// Loads a file: .obj .stl .ply .off .surfaces .gltf .glb .json and .cityjson (CityJSON) .xyz .pcd .bt .csv .urdf
-/// .cscene in this process; files of any other ending, and foreign ones, by the converter process (collided-import).
+/// .cscene .ctiles in this process; files of any other ending, and foreign ones, by the converter process (collided-import).
 ///
-/// returns   the whole scene
+/// returns   the whole scene; of a file in tiles what options.within asks for
 /// throws    LoadError: nothing is loaded
 /// threads   any; it calls progress and cancelled on the calling thread
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace collided::engine {
+
+/// A file without a name beside the one that is being made, for what does not fit into memory. It is gone with the process.
+///
+/// throws  LoadError that names the file being made: the disk is full, or cannot be read any more
+class ScratchFile {
+ public:
+  /// beside  the path of the file that is being made
+  explicit ScratchFile(const std::string& beside);
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  void write(std::uint64_t first_byte, std::span<const std::byte> bytes);
+  /// All of them must have been written.
+  void read(std::uint64_t first_byte, std::span<std::byte> bytes) const;
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  std::string beside_;
+  int number_ = -1;
+};
+
+}  // namespace collided::engine
