@@ -127,6 +127,71 @@ TEST(AnswerMerging, UnknownSpaceAtABorderIsNotTakenForWhatAShardDoesNotHold) {
   EXPECT_EQ(merge(to_border, {{0, &west}, {1, &middle}}).reason, UndecidedReason::not_covered);
 }
 
+Hit on_ground(std::uint32_t triangle, double distance_m, double x) {
+  Hit one = hit("ground", distance_m, {x, 0, 0});
+  one.triangle = triangle;
+  return one;
+}
+
+// Of a part that is larger than a shard, each holds the triangles in its box and margin, and tells of those alone.
+TEST(AnswerMerging, OfAPartThatSeveralHoldInPiecesTheFirstHitIsTheNearest) {
+  const Answer west = hits({on_ground(7, 2, -3)});
+  const Answer middle = hits({on_ground(1, 9, 4)});
+  const Answer east = hits({on_ground(4, 17, 12)});
+  for (const auto& given : {std::vector<ShardAnswer>{{0, &west}, {1, &middle}, {2, &east}},
+                            std::vector<ShardAnswer>{{2, &east}, {1, &middle}, {0, &west}}}) {
+    const Answer first = merge(kEastward, given);
+    ASSERT_EQ(first.hits.size(), 1u);
+    EXPECT_EQ(first.hits[0].triangle, 7u);
+  }
+}
+
+// The shard that holds both triangles at a point decides between them; one that holds the farther one alone, by an error
+// of its distance nearer, does not.
+TEST(AnswerMerging, TheShardWithThePointInItsBoxDecidesBetweenTrianglesThatMeetThere) {
+  Hit exact = on_ground(7, 3, -2);
+  exact.error_m = 1e-9;
+  Hit beyond = on_ground(8, 3 - 1e-10, -2);
+  beyond.error_m = 1e-9;
+  const Answer west = hits({exact});
+  const Answer middle = hits({beyond});
+  EXPECT_EQ(merge(kEastward, {{1, &middle}, {0, &west}}).hits[0].triangle, 7u);
+  EXPECT_EQ(merge(kEastward, {{0, &west}, {1, &middle}}).hits[0].triangle, 7u);
+}
+
+TEST(AnswerMerging, OfAPartThatSeveralHoldInPiecesAllHitsAreTold) {
+  const Answer west = hits({on_ground(7, 2, -3), on_ground(3, 5.5, 0.5)});
+  const Answer middle = hits({on_ground(3, 5.5, 0.5), on_ground(1, 9, 4)});
+  const Answer all = merge(kEastward, {{0, &west}, {1, &middle}}, {.mode = HitMode::all});
+  ASSERT_EQ(all.hits.size(), 3u) << "that in both margins once";
+  EXPECT_EQ(all.hits[0].triangle, 7u);
+  EXPECT_EQ(all.hits[1].triangle, 3u);
+  EXPECT_EQ(all.hits[2].triangle, 1u);
+  // The west would have told the second one, had it been asked for more than one.
+  const Answer cut = hits({on_ground(7, 2, -3)});
+  const Answer one = hits({on_ground(3, 5.5, 0.5)});
+  const Answer few = merge(kEastward, {{0, &cut}, {1, &one}}, {.mode = HitMode::all, .max_hits = 1});
+  ASSERT_EQ(few.hits.size(), 1u);
+  EXPECT_EQ(few.hits[0].triangle, 7u);
+}
+
+// A mover near a border, told by two shards at different instants, is not told twice.
+TEST(AnswerMerging, WhatTwoTellOfOneObjectDifferentlyIsNotAddedUp) {
+  const Answer west = hits({hit("cart", 4.8, {-0.2, 0, 0}), hit("cart", 5.4, {0.4, 0, 0})});
+  const Answer middle = hits({hit("cart", 5.3, {0.3, 0, 0}), hit("cart", 5.9, {0.9, 0, 0})});
+  EXPECT_EQ(merge(kEastward, {{0, &west}, {1, &middle}}, {.mode = HitMode::all}).hits.size(), 2u);
+}
+
+TEST(AnswerMerging, OfAPartThatSeveralHoldInPiecesTheDeepestAndTheNearestCount) {
+  const SphereQuestion sphere{.center = {0, 0, 0}, .radius_m = 5};
+  const Answer west = hits({on_ground(7, 1.5, -3.5)});
+  const Answer middle = hits({on_ground(1, 2, 3)});
+  EXPECT_EQ(merge(sphere, {{0, &west}, {1, &middle}}).hits.at(0).triangle, 1u);
+  const NearQuestion near{.point = {-1, 0, 0}};
+  EXPECT_EQ(merge(near, {{1, &middle}, {0, &west}}).hits.at(0).triangle, 7u);
+  EXPECT_EQ(merge(near, {{0, &west}, {1, &middle}}).hits.at(0).triangle, 7u);
+}
+
 TEST(AnswerMerging, DoubtsBeyondTheHitChangeNothingButThoseOfAPlaceUnknown) {
   const Answer west = hits({hit("post", 2, {-3, 0, 0})});
   for (const UndecidedReason reason :

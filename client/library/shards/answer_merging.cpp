@@ -1,6 +1,8 @@
 #include "client/library/shards/answer_merging.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -25,6 +27,17 @@ struct TaggedHit {
   double low() const { return hit->distance_m - hit->error_m; }
   double high() const { return hit->distance_m + hit->error_m; }
 };
+
+/// What one or several shards tell of one object.
+struct ToldHits {
+  std::vector<TaggedHit> hits;
+  shards::ShardSet shards = 0;
+  double limit_m = std::numeric_limits<double>::infinity();  // more hits than were told may lie from here on
+};
+
+bool precedes_on_object(const TaggedHit& a, const TaggedHit& b) {
+  return std::tie(a.hit->distance_m, a.hit->triangle) < std::tie(b.hit->distance_m, b.hit->triangle);
+}
 
 bool precedes(const Hit& a, const Hit& b) { return std::tie(a.object, a.triangle) < std::tie(b.object, b.triangle); }
 
@@ -93,20 +106,22 @@ class Merging {
   }
 
  private:
-  /// Each object's hits from the shard that tells most of it: what several hold, each tells in full.
+  /// What the shards tell of each object.
   void gather() {
-    std::map<std::string_view, std::vector<TaggedHit>> of_object;
+    std::map<std::string_view, ToldHits> of_object;
     for (const ShardAnswer& one : given_) {
       if (one.answer == nullptr) continue;
-      std::map<std::string_view, std::vector<TaggedHit>> told;
-      for (const Hit& hit : one.answer->hits) told[hit.object].push_back({&hit, one.place});
-      for (auto& [object, hits] : told) {
-        std::vector<TaggedHit>& kept = of_object[object];
-        if (kept.size() < hits.size() || (kept.size() == hits.size() && counts_more(hits[0], kept[0])))
-          kept = std::move(hits);
+      std::map<std::string_view, ToldHits> told;
+      for (const Hit& hit : one.answer->hits) told[hit.object].hits.push_back({&hit, one.place});
+      const bool is_cut = one.answer->hits.size() >= most_hits_;
+      for (auto& [object, own] : told) {
+        own.shards = shards::set_of(one.place);
+        if (is_cut) own.limit_m = one.answer->hits.back().distance_m;
+        ToldHits& known = of_object[object];
+        known = known.hits.empty() ? std::move(own) : joined(std::move(known), std::move(own));
       }
     }
-    for (auto& [object, hits] : of_object) hits_.insert(hits_.end(), hits.begin(), hits.end());
+    for (auto& [object, told] : of_object) hits_.insert(hits_.end(), told.hits.begin(), told.hits.end());
     std::ranges::sort(hits_, [](const TaggedHit& a, const TaggedHit& b) {
       const double nearer =
           kIsRegion<Q> ? b.hit->distance_m - a.hit->distance_m : a.hit->distance_m - b.hit->distance_m;
@@ -118,8 +133,46 @@ class Merging {
     return contains(map_.at(hit.place).box, hit.hit->point, std::min(hit.hit->point_error_m, map_.margin_m()));
   }
 
-  /// Of one object told by two shards that heard of it at different instants.
-  bool counts_more(const TaggedHit& a, const TaggedHit& b) const { return is_own(a) && !is_own(b); }
+  /// What two tell of one object. Of a part that is larger than a shard each may hold other triangles: then what they tell
+  /// together counts. Where they contradict each other, they have heard of the object at different instants, and that counts
+  /// which tells most.
+  ToldHits joined(ToldHits a, ToldHits b) const {
+    if (!kIsRay<Q> || is_first_wanted_) return comes_first(b.hits[0], a.hits[0]) ? b : a;
+    if (!agree(a, b) || !agree(b, a)) return a.hits.size() < b.hits.size() ? b : a;
+    ToldHits all{.hits = {}, .shards = a.shards | b.shards, .limit_m = std::min(a.limit_m, b.limit_m)};
+    std::ranges::sort(a.hits, precedes_on_object);
+    std::ranges::sort(b.hits, precedes_on_object);
+    std::ranges::set_union(a.hits, b.hits, std::back_inserter(all.hits), precedes_on_object);
+    return all;
+  }
+
+  /// Of the one hit that each of two shards tells of an object. The shard in whose box the point lies holds all that is
+  /// there, so it tells the very triangle that one server would.
+  bool comes_first(const TaggedHit& a, const TaggedHit& b) const {
+    if (!kIsRegion<Q> && is_own(a) != is_own(b)) return is_own(a);
+    const double nearer = kIsRegion<Q> ? b.hit->distance_m - a.hit->distance_m : a.hit->distance_m - b.hit->distance_m;
+    if (nearer != 0) return nearer < 0;
+    if (is_own(a) != is_own(b)) return is_own(a);
+    return a.hit->triangle < b.hit->triangle;
+  }
+
+  /// Whether `other` has each of these hits that it must have: those at points where one of its shards holds everything.
+  bool agree(const ToldHits& told, const ToldHits& other) const {
+    return std::ranges::all_of(told.hits, [&](const TaggedHit& hit) {
+      if (hit.high() >= other.limit_m || !is_held_by(other.shards, *hit.hit)) return true;
+      return std::ranges::any_of(other.hits, [&](const TaggedHit& same) {
+        return same.hit->triangle == hit.hit->triangle && same.hit->distance_m == hit.hit->distance_m;
+      });
+    });
+  }
+
+  bool is_held_by(shards::ShardSet shards, const Hit& hit) const {
+    for (; shards != 0; shards &= shards - 1) {
+      const auto place = static_cast<std::size_t>(std::countr_zero(shards));
+      if (contains(map_.held_by(place), hit.point, -hit.point_error_m)) return true;
+    }
+    return false;
+  }
 
   bool settle_by_one() {
     const bool is_hit = std::ranges::any_of(

@@ -22,6 +22,9 @@ struct ShardAnswer {
 /// shard that tells it; where two such are of different objects, the shards were asked about different instants, and the
 /// answer is undecided (numeric). Near, spheres, boxes and inside come in the order of the doubles, as on one server.
 ///
+/// Of a part in tiles each shard may hold other triangles, and of its triangles it tells what is true of them. So of what
+/// several tell of one object that counts which is first, or deepest; of lists of hits, all together.
+///
 /// A shard says `not_covered` of all that leaves its box and margin; that is left aside, since the other shards answer for
 /// it. What a shard that did not answer could change is undecided with not_covered. A doubt of a shard whose box begins
 /// beyond the decided hit changes nothing; that of an object whose place is not known counts wherever it may be, so an
