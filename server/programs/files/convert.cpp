@@ -15,6 +15,7 @@
 #include "server/programs/files/interrupt.hpp"
 #include "server/programs/files/progress_line.hpp"
 #include "server/programs/files/simplifying.hpp"
+#include "server/programs/files/tiling.hpp"
 
 namespace collided::engine::files {
 namespace {
@@ -80,17 +81,27 @@ Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
   return load(file, report, [&](double fraction) { line.tell(fraction); });
 }
 
-}  // namespace
-
-int convert(const ConvertOptions& options) {
-  if (!options.output.ends_with(".cscene"))
-    throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
+/// What does not go together is said before anything is read.
+void check(const ConvertOptions& options) {
+  const bool is_tiled = !options.tiles.empty();
+  if (is_tiled && !options.output.ends_with(".ctiles"))
+    throw LoadError(fmt::format("{}: --tiles writes a .ctiles file. Nothing was written.", options.output));
+  if (!is_tiled && options.output.ends_with(".ctiles"))
+    throw LoadError(
+        fmt::format("{}: of which size? --tiles 100m, or --tiles auto. Nothing was written.", options.output));
+  if (!is_tiled && !options.output.ends_with(".cscene"))
+    throw LoadError(fmt::format("{}: only .cscene files are written, and with --tiles .ctiles files", options.output));
+  if (is_tiled && (options.levels || options.no_index || options.index != "fast"))
+    throw LoadError("--tiles: --levels, --index and --no-index are for .cscene files. Nothing was written.");
+  if (is_tiled) tiling_of(options.tiles);
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   std::error_code missing;
   if (!folder.empty() && !std::filesystem::is_directory(folder, missing))
     throw LoadError(fmt::format("{}: there is no folder {}. Nothing was written.", options.output, folder.string()));
   if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
-  LoadReport report;
+}
+
+void convert_whole(const ConvertOptions& options, LoadReport& report) {
   Scene scene = load_showing_progress(options.file, report);
   fmt::print("{}\n", scene_line(scene));
   if (options.center) move_to_origin(scene, middle(scene));
@@ -100,9 +111,21 @@ int convert(const ConvertOptions& options) {
   scene.collapses = {};
   const CollapseCost cost = options.cost == "length" ? CollapseCost::edge_length : CollapseCost::quadric;
   if (!options.to.empty()) simplify_to(scene, options.to, cost);
+  if (!options.tiles.empty()) return write_in_tiles(options.output, options.file.path, scene, options.tiles);
   if (options.levels) add_levels(scene, cost);
   if (!options.no_index) add_indexes(scene, options.index == "best" ? BvhForm::best : BvhForm::fast);
   save_scene(options.output, scene);
+}
+
+}  // namespace
+
+int convert(const ConvertOptions& options) {
+  check(options);
+  LoadReport report;
+  const bool is_changed = options.center || !options.origin.empty() || !options.to.empty();
+  const bool is_streamed =
+      !options.tiles.empty() && !is_changed && stream_into_tiles(options.output, options.file, options.tiles, report);
+  if (!is_streamed) convert_whole(options, report);
   for (const std::string& line : report.placed) fmt::print("  placed   {}\n", line);
   for (const std::string& line : report.notes) fmt::print("  note     {}\n", line);
   for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);

@@ -54,7 +54,7 @@ double crack_in_metres(const FileOptions& file) {
   return file.crack.empty() ? 0 : length_in_metres("--crack", file.crack);
 }
 
-Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress) {
+LoadOptions load_options(const FileOptions& file) {
   const std::optional<double> unit_m = unit_in_metres(file.unit);
   if (!unit_m)
     throw LoadError(fmt::format("--unit '{}'; allowed: m mm cm km um in ft, or metres a unit above 0", file.unit));
@@ -67,8 +67,13 @@ Scene load(const FileOptions& file, LoadReport& report, const std::function<void
   options.packages = file.packages;
   if (file.mend) options.mend_m = crack_in_metres(file);
   if (!file.radius.empty()) options.radius_m = length_in_metres("--radius", file.radius);
-  options.progress = progress;
   options.cancelled = is_interrupted;
+  return options;
+}
+
+Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress) {
+  LoadOptions options = load_options(file);
+  options.progress = progress;
   try {
     return load_scene(file.path, options, report);
   } catch (const LoadError&) {

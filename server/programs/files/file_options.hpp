@@ -36,6 +36,9 @@ Vec3 parse_point(const char* option, const std::string& text);
 /// file.crack in metres; 0 where it is empty.
 double crack_in_metres(const FileOptions& file);
 
+/// What the engine is told of the options. Throws LoadError.
+LoadOptions load_options(const FileOptions& file);
+
 /// Reads the file. Throws LoadError with the reason, or Interrupted.
 ///
 /// progress  called with the fraction done in [0, 1]

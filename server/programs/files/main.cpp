@@ -139,7 +139,7 @@ void declare_check(CLI::App& verb, collided::engine::files::CheckOptions& option
 }
 
 void declare_convert(CLI::App& verb, collided::engine::files::ConvertOptions& options) {
-  verb.add_option("output", options.output, "File to write: .cscene")->required();
+  verb.add_option("output", options.output, "File to write: .cscene, with --tiles .ctiles")->required();
   verb.add_flag("--center", options.center, "The middle, in whole metres, becomes 0 0 0");
   verb.add_option("--origin", options.origin, "This point X,Y,Z becomes 0 0 0");
   verb.add_option("--index", options.index, "How the saved index is built: fast, or best for faster questions (fast)")
@@ -150,6 +150,9 @@ void declare_convert(CLI::App& verb, collided::engine::files::ConvertOptions& op
   verb.add_option("--cost", options.cost, "What simplification goes by: quadric or length (quadric)")
       ->check(CLI::IsMember({"quadric", "length"}));
   verb.add_flag("--no-index", options.no_index, "Save no index; loading builds it");
+  verb.add_option(
+      "--tiles", options.tiles,
+      "Cut the mesh into cubes of this size, as 100m, or auto: by triangles. Shards open those of their boxes");
 }
 
 }  // namespace
@@ -164,7 +167,7 @@ int main(int argument_count, char** arguments) {
   declare_reading(*check, checked);
   declare_check(*check, check_options);
   collided::engine::files::ConvertOptions converted;
-  CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
+  CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene or .ctiles file");
   declare_reading(*convert, converted.file);
   declare_convert(*convert, converted);
   collided::engine::files::FileOptions printed;
