@@ -91,6 +91,8 @@ IndexedScene World::index_scene(Scene scene, const BvhOptions& options) {
   indexed->name = scene.name;
   indexed->mesh = std::move(scene.mesh);
   indexed->parts = scene.parts;
+  indexed->tiles = scene.tiles;
+  indexed->is_cut_off = std::ranges::any_of(scene.parts, [](const Part& part) { return !part.cut.is_whole(); });
   indexed->tree = index_of(indexed->mesh, scene.index, "the scene's mesh", options, indexed->warnings);
   scene.index = {};
   if (!scene.collapses.empty()) {

@@ -65,6 +65,7 @@ struct World::State {
   void fill(Snapshot& next, std::int64_t world_time_ns);
   // Decides all pairs of the step: fills lists, cost and ledger.
   void decide(const StepView& step, const Grid& grid);
+  void mark_unsure_ends();
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
   // Rules that changed since the last step: ends contacts that are allowed now, and has what may touch looked at again.
   void take_pair_rules();

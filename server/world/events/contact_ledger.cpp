@@ -273,6 +273,14 @@ void ContactLedger::retell_corrected() {
   }
 }
 
+void ContactLedger::retell_unsure(const std::function<bool(const OpenContact&)>& is_unsure) {
+  for (Event& event : events_) {
+    const bool is_parted = event.reason == EndReason::separated || event.reason == EndReason::teleported ||
+                           event.reason == EndReason::decided;
+    if (event.kind == EventKind::ended && is_parted && is_unsure(event.of)) event.reason = EndReason::removed;
+  }
+}
+
 /// Says of each end whether another object is nearest at once.
 void ContactLedger::mark_nearest() {
   for (std::size_t i = 0; i < events_.size(); ++i) {

@@ -108,6 +108,9 @@ class ContactLedger {
   /// Replaces the surface of a contact found in this step; retell_corrected() writes it into the events.
   void correct(std::size_t index, const Contact& surface) { open_[index].surface = surface; }
   void retell_corrected();
+  /// Has contacts that ended in this step end as `removed` instead of as parted, where is_unsure(contact) says that the two
+  /// may touch elsewhere.
+  void retell_unsure(const std::function<bool(const OpenContact&)>& is_unsure);
   /// Orders and numbers this step's events.
   void finish_step();
 

@@ -16,7 +16,8 @@ enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerge
 
 /// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
 /// crossed, of fences: an object was in one and out again between two poses; its `began` has this reason too. allowed: the
-/// two are allowed to touch since.
+/// two are allowed to touch since. removed: also told by a shard of two that have parted in what it holds of a large part,
+/// where the other object reaches beyond that.
 enum class EndReason : std::uint8_t {
   none,
   separated,

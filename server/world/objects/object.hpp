@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,8 @@ struct StaticScene {
   std::vector<WindingPart> winding_parts;                           // in the order of their parts
   std::vector<std::shared_ptr<const SceneLevel>> levels;            // simpler forms of the mesh, finest first
   std::vector<std::string> warnings;                                // saved indexes that were not fit for use
+  std::optional<TilesRead> tiles;                                   // of a file in tiles: what was read of it
+  bool is_cut_off = false;                                          // of some part only some triangles are held
 
   /// The part that holds the triangle.
   std::uint32_t part_of(std::uint32_t triangle) const;

@@ -108,6 +108,10 @@ std::string tree_words(const Snapshot& snapshot, const SceneCounts& counts) {
   std::string words = number(counts.static_triangles, "static triangles, ") + number(bytes, "bytes all in");
   for (const auto& scene : snapshot.scenes) {
     if (!scene->mesh.triangles.empty()) words += "; " + index_words(*scene);
+    if (scene->tiles)
+      words += "; " + scene->name + ": " + std::to_string(scene->tiles->tiles) + " of " +
+               std::to_string(scene->tiles->tiles_of_file) + " tiles, " + std::to_string(scene->mesh.triangles.size()) +
+               " of " + std::to_string(scene->tiles->triangles_of_file) + " triangles";
   }
   return words;
 }

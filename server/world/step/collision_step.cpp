@@ -86,6 +86,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   } else {
     s.cost.truncated = s.looks_at_all;
   }
+  s.mark_unsure_ends();
   s.ledger.finish_step();
   if (s.fences) s.fences->finish_step();
 
@@ -127,6 +128,26 @@ void World::State::take_pair_rules() {
     ledger.end_allowed();
   }
   rows.place_all_movers_again();
+}
+
+/// A shard may hold only those triangles of a part that come into its box and margin. That something has parted from the part
+/// it knows only of what lies there: what reaches beyond may touch it elsewhere, and another shard says when that ends.
+void World::State::mark_unsure_ends() {
+  const bool is_any_cut_off = std::ranges::any_of(scenes, [](const auto& scene) { return scene->is_cut_off; });
+  if (!options.held || !is_any_cut_off) return;
+  const auto is_cut_off = [&](ObjectId id) {
+    const ObjectInfo* const info = rows.find(id);
+    return info != nullptr && !info->rare->cut.is_whole();
+  };
+  const auto reaches_beyond = [&](ObjectId id) {
+    if (rows.find(id) == nullptr) return true;
+    const Aabb& motion_bounds = motion.bounds()[slot_of(id)];
+    return !((motion_bounds.low.array() >= options.held->low.array()).all() &&
+             (motion_bounds.high.array() <= options.held->high.array()).all());
+  };
+  ledger.retell_unsure([&](const OpenContact& of) {
+    return (is_cut_off(of.a) && reaches_beyond(of.b)) || (is_cut_off(of.b) && reaches_beyond(of.a));
+  });
 }
 
 void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
