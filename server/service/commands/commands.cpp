@@ -274,6 +274,7 @@ json Commands::plan(const Arguments& arguments) const {
   for (const auto& scene : state->scenes) {
     bytes += scene->bytes();
     scenes.push_back({{"scene", scene->name}, {"load", json::parse(scene->source, nullptr, false)}});
+    if (scene->tiles) scenes.back()["tiles"] = tiles_json(*scene->tiles);
     // An uploaded file is the server's own copy, which goes with the scene.
     if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
       scenes.back()["load"] = nullptr;

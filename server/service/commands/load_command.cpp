@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/query/plan.hpp"
 
@@ -196,19 +197,21 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   for (const PlanRow& row : plan_of(*world.newest(), with_.loop.contacts_wanted())) {
     if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
   }
-  return {{"scene", scene.name},
-          {"triangles", loaded.triangles},
-          {"parts", scene.parts.size()},
-          {"objects", scene.objects.size()},
-          {"seconds", loaded.seconds},
-          {"placed", loaded.report.placed},
-          {"notes", loaded.report.notes},
-          {"mended", loaded.report.mended},
-          {"refused", loaded.report.refused},
-          {"warnings", loaded.report.warnings},
-          {"left_out", left_out},
-          {"covers", covers_json(load.covers)},
-          {"version", version}};
+  json answer{{"scene", scene.name},
+              {"triangles", loaded.triangles},
+              {"parts", scene.parts.size()},
+              {"objects", scene.objects.size()},
+              {"seconds", loaded.seconds},
+              {"placed", loaded.report.placed},
+              {"notes", loaded.report.notes},
+              {"mended", loaded.report.mended},
+              {"refused", loaded.report.refused},
+              {"warnings", loaded.report.warnings},
+              {"left_out", left_out},
+              {"covers", covers_json(load.covers)},
+              {"version", version}};
+  if (scene.tiles) answer["tiles"] = tiles_json(*scene.tiles);
+  return answer;
 }
 
 /// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.

@@ -85,6 +85,10 @@ json numbers(const Quat& rotation) {
 
 json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0}; }
 
+json tiles_json(const TilesRead& tiles) {
+  return {{"read", tiles.tiles}, {"of", tiles.tiles_of_file}, {"triangles_of_file", tiles.triangles_of_file}};
+}
+
 std::string_view kind_of(const ObjectInfo& info) {
   if (info.scene_part != kNoTriangle) return "part";
   if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
@@ -144,6 +148,7 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   if (triangles_of(info) > 0) {
     json mesh{{"triangles", triangles_of(info)}};
     if (info.mesh) mesh["vertices"] = info.mesh->mesh->vertices.size();
+    if (!info.rare->cut.is_whole()) mesh["triangles_of_part"] = info.rare->cut.whole_count;
     shape.push_back({{"mesh", mesh}});
   }
   object["shape"] = shape;

@@ -13,6 +13,9 @@ nlohmann::json numbers(const Vec3& vector);
 /// [w, x, y, z], likewise.
 nlohmann::json numbers(const Quat& rotation);
 
+/// What is read of a file in tiles.
+nlohmann::json tiles_json(const TilesRead& tiles);
+
 /// "sphere", "box", "capsule" and so on for one primitive, "mesh", "compound" for several, or "part" for a run of a
 /// scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "idl/clocks.hpp"
+#include "idl/glob.hpp"
 #include "server/intake/held_parts.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "server/service/runtime/clock.hpp"
@@ -38,6 +39,16 @@ void declare(LoadedScene& loaded, const LoadOptions& options) {
   report.warnings.insert(report.warnings.end(), declared.warnings.begin(), declared.warnings.end());
 }
 
+/// What a shard holds of the scene, as a sentence.
+std::string held_by(const ShardPlace& shard, const Scene& scene, const LeftOutOfScene& left_out) {
+  if (!scene.tiles)
+    return fmt::format("shard '{}' leaves out {} and {}: they lie outside of its box and margin", shard.name,
+                       counted(left_out.parts, "part"), counted(left_out.objects, "object"));
+  return fmt::format("shard '{}' holds {} of {}, in {} of {}: the others lie outside of its box and margin", shard.name,
+                     scene.mesh.triangles.size(), counted(scene.tiles->triangles_of_file, "triangle"),
+                     scene.parts.size(), counted(scene.tiles->parts_of_file, "part"));
+}
+
 LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
   LoadedScene loaded{.indexed = {}, .report = std::move(report)};
   loaded.triangles = scene.mesh.triangles.size();
@@ -71,13 +82,16 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options, const S
   if (options.progress) {
     reading.progress = [&](double fraction) { options.progress(kReadingShare * fraction); };
   }
-  Scene scene = path == kEmbeddedPath ? embedded_scene() : load_scene(path, reading, report);
   if (shard != nullptr) {
-    const LeftOutOfScene left_out = leave_out_beyond(shard->held, scene, is_moving);
-    report.notes.push_back(fmt::format("shard '{}' leaves out {} and {}: they lie outside of its box and margin",
-                                       shard->name, counted(left_out.parts, "part"),
-                                       counted(left_out.objects, "object")));
+    reading.within = shard->held;
+    // What a part encloses is known of all of it only.
+    reading.needed_whole = [&](std::string_view part) { return wire_contract::glob_matches(options.solid, part); };
   }
+  Scene scene = path == kEmbeddedPath ? embedded_scene() : load_scene(path, reading, report);
+  if (scene.tiles)
+    report.notes.push_back(
+        fmt::format("{} of {} read", scene.tiles->tiles, counted(scene.tiles->tiles_of_file, "tile")));
+  if (shard != nullptr) report.notes.push_back(held_by(*shard, scene, leave_out_beyond(shard->held, scene, is_moving)));
   return index(std::move(scene), std::move(report), options, started_ns);
 }
 
