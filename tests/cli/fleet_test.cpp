@@ -206,7 +206,7 @@ TEST_F(FleetVerb, QuestionsGoToAllShardsAndOtherVerbsSayThatTheyCannot) {
   EXPECT_EQ(fake::server().shard_map, "map.json");
   EXPECT_NE(asked.out.find("wall"), std::string::npos);
   EXPECT_NE(asked.err.find("; all shards"), std::string::npos) << asked.err;
-  for (const std::string verb : {"status", "ls", "pair a b", "handover"}) {
+  for (const std::string verb : {"status", "ls", "get a", "handover"}) {
     const Ran refused = collide(verb + " --shards map.json");
     EXPECT_EQ(refused.code, 2) << verb;
     EXPECT_NE(refused.err.find("it asks one server, so --shards is not for it"), std::string::npos) << refused.err;

@@ -162,7 +162,7 @@ TEST_F(FleetPlanVerb, RefusesWhatIsNotMeant) {
   EXPECT_EQ(collide("fleet --into 4").code, 2);
   EXPECT_EQ(collide("fleet build").code, 2);
   const Ran none = collide("fleet plan --shards no_such_file.json");
-  EXPECT_EQ(none.code, 1);
+  EXPECT_EQ(none.code, 2);
   EXPECT_NE(none.err.find("no_such_file.json: it cannot be opened"), std::string::npos) << none.err;
 }
 

@@ -105,7 +105,7 @@ TEST_F(ShardedVerbs, AMapIsPublishedToAnAddressInEtcdAndNowhereElse) {
   EXPECT_EQ(collide("fleet --revision 3").err, "error: fleet: --revision is for 'collide fleet publish'\n");
   const Ran away = collide("fleet publish --shards " + map.path() + " --to etcd://127.0.0.1:1/yard --wait 200ms");
   EXPECT_EQ(away.code, 4);
-  EXPECT_EQ(away.err, "error: fleet: etcd://127.0.0.1:1/yard: etcd does not answer: 127.0.0.1:1: Connection refused\n");
+  EXPECT_EQ(away.err, "error: etcd://127.0.0.1:1/yard: etcd does not answer: 127.0.0.1:1: Connection refused\n");
 }
 
 TEST_F(ShardedVerbs, AWatchRefusesToAskOneServerOfTheTwo) {

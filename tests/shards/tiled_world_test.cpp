@@ -28,7 +28,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using testing_support::are_equal;
 
-std::string text_of(const Answer& answer) {
+std::string tiled_text_of(const Answer& answer) {
   json text{{"verdict", static_cast<int>(answer.verdict)}, {"reason", static_cast<int>(answer.reason)}};
   for (const Hit& hit : answer.hits)
     text["hits"].push_back(
@@ -118,10 +118,10 @@ class TiledWorld : public testing_support::ShardedWorldTest {
       hit_count_ += whole.verdict == Verdict::hit ? 1 : 0;
       ++asked_count_;
       EXPECT_TRUE(are_equal(whole, from_tiles->answers[i]))
-          << i << ": " << text_of(whole) << " but of the tiles " << text_of(from_tiles->answers[i]);
+          << i << ": " << tiled_text_of(whole) << " but of the tiles " << tiled_text_of(from_tiles->answers[i]);
       const Answer& all = from_shards->answers[i];
       const bool is_same = options.mode == HitMode::any ? whole.verdict == all.verdict : are_equal(whole, all);
-      EXPECT_TRUE(is_same) << i << ": " << text_of(whole) << " but of the shards " << text_of(all);
+      EXPECT_TRUE(is_same) << i << ": " << tiled_text_of(whole) << " but of the shards " << tiled_text_of(all);
       if (HasFailure()) return;
     }
   }
@@ -214,6 +214,7 @@ TEST_F(TiledWorld, AContactWithAPartOfSeveralShardsIsOne) {
   Watch of_whole = watch(whole);
   Result<ShardedWatch> of_shards = sharded.watch();
   ASSERT_TRUE(of_shards) << of_shards.error().message;
+  ASSERT_TRUE(test::eventually([&] { return of_shards->settled() > 0s; }));  // it watches all of them
   Result<Publisher> to_whole = whole.publish("driver", {.lease = 60s});
   Result<ShardedPublisher> to_shards = sharded.publish("driver", {.lease = 60s});
   ASSERT_TRUE(to_whole && to_shards);
@@ -257,6 +258,20 @@ TEST_F(TiledWorld, WhatAShardHoldsOfTheTilesIsSaid) {
   EXPECT_NE(server.output().find(" of " + std::to_string(count) + " tiles read"), std::string::npos) << server.output();
   EXPECT_NE(server.output().find("shard 'west' holds "), std::string::npos) << server.output();
   Client west = connect_to_shard("west");
+  // Of a pair, triangles that it lacks could be the nearest.
+  int refused = 0;
+  for (int part = 0; part < 40; ++part) {
+    const std::string block = "yard/block_" + std::to_string(part);
+    const Result<PairAnswer> pair = west.pair("yard/ground", block);
+    const Result<ClearanceAnswer> clearance = west.clearance("yard/ground", {.to = block});
+    ASSERT_FALSE(pair) << block;
+    ASSERT_FALSE(clearance) << block;
+    const bool is_here = pair.error().message.find("this shard holds") != std::string::npos;
+    EXPECT_EQ(clearance.error().message.find("this shard holds") != std::string::npos, is_here)
+        << pair.error().message << "; " << clearance.error().message;
+    refused += is_here ? 1 : 0;
+  }
+  EXPECT_GT(refused, 0);
   const Result<std::string> plan = west.command("plan", "{}");
   ASSERT_TRUE(plan) << plan.error().message;
   const json said = json::parse(*plan).at("scenes").at(0).at("tiles");

@@ -77,7 +77,9 @@ ClearanceAsk clearance_options_of(const Arguments& arguments) {
 std::vector<ObjectId> group_of(const Snapshot& state, const std::string& text, const std::string& skip) {
   auto meant = objects_meant(state, "clearance", text, skip);
   if (const auto* refusal = std::get_if<Refusal>(&meant)) throw BadCommand(refusal->reason);
-  return std::get<std::vector<ObjectId>>(std::move(meant));
+  auto group = std::get<std::vector<ObjectId>>(std::move(meant));
+  for (const ObjectId id : group) require_whole(state, id, "clearance");
+  return group;
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "server/service/commands/object_description.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <variant>
 
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/questions/nearest_word.hpp"
+#include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -106,6 +109,14 @@ ObjectId find_shown(const Snapshot& state, const std::string& name) {
     others.push_back(info->name);
   }
   throw BadCommand(unknown_object(name, others));
+}
+
+void require_whole(const Snapshot& state, ObjectId id, const std::string& command) {
+  const ObjectInfo& info = *(*state.objects)[slot_of(id)];
+  if (info.rare->cut.is_whole()) return;
+  throw BadCommand(fmt::format("{}: of {} this shard holds {} of {} triangles: one that it lacks may be nearer",
+                               command, printable(info.name), triangles_of(info), info.rare->cut.whole_count),
+                   "near and the questions for hits are answered; ask a server that holds all of it for this");
 }
 
 nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info) {

@@ -23,6 +23,10 @@ std::string_view kind_of(const ObjectInfo& info);
 /// The object of that name in the state; throws BadCommand with the nearest names.
 ObjectId find_shown(const Snapshot& state, const std::string& name);
 
+/// Throws BadCommand where this server holds some of the object's triangles only: those that it lacks may be nearer than what it
+/// has.
+void require_whole(const Snapshot& state, ObjectId id, const std::string& command);
+
 /// What `list` says of an object (idl/commands.hpp). publisher_name: empty for an object of the server's own.
 nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
 

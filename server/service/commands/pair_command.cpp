@@ -135,6 +135,7 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
     const ObjectInfo& info = *(*asked.state().objects)[slot_of(id)];
     if (!has_parts(info))
       throw BadCommand(fmt::format("{}: object {} has no part", arguments.command(), printable(info.name)));
+    require_whole(asked.state(), id, arguments.command());
     asked.cost += part_count(info);
   }
   if (asked.options.certificate || asked.options.triangles) asked.cost *= kDetailCost;
