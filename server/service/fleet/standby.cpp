@@ -108,8 +108,8 @@ bool Standby::succeed(std::int64_t silent_ns) {
   }
   if (!may_take_place()) {
     if (!is_left_alone_.exchange(true))
-      with_.notice(fmt::format("'{}' has been silent for {} ms, and this server does not hold all that it had", name,
-                               silent_ns / 1'000'000));
+      with_.notice(fmt::format("'{}' has been silent for {} ms, and this server does not hold all that it had: {}",
+                               name, silent_ns / 1'000'000, what_is_missing()));
     if (is_given_place_()) cannot_follow_();
     return false;
   }
@@ -120,6 +120,14 @@ bool Standby::succeed(std::int64_t silent_ns) {
 /// Once an authority has given the place to this server, the other one ends: what of the publishers' this one lacks, since it
 /// was cut off, the publishers say again. What commands did there nobody says again.
 bool Standby::may_take_place() const { return follower_.is_whole() && (is_same_.load() || is_given_place_()); }
+
+/// Why may_take_place() says no.
+std::string Standby::what_is_missing() const {
+  if (!follower_.is_whole()) return "what commands did there has not come";
+  const std::lock_guard lock(mutex_);
+  if (first_to_differ_.empty()) return "the two worlds have not been found the same yet";
+  return fmt::format("{} was not the same when the two worlds were compared last", first_to_differ_);
+}
 
 bool Standby::take_place(const std::string& why) {
   const std::lock_guard lock(taking_mutex_);
@@ -156,14 +164,15 @@ void Standby::judge() {
   // Ever more seldom: while publishers of many objects say all again, the two may be a moment apart.
   if (std::has_single_bit(comparison_.differing())) again_.fetch_add(1);
   const std::lock_guard lock(mutex_);
-  if (comparison_.differing() < kReported) {
-    if (comparison_.differing() == 0) difference_.clear();
+  if (is_same) {
+    difference_.clear();
     return;
   }
-  const std::string object = comparison_.object().empty() ? std::string("an object that this server does not have")
-                                                          : fmt::format("object '{}'", comparison_.object());
+  first_to_differ_ = comparison_.object().empty() ? std::string("an object that this server does not have")
+                                                  : fmt::format("object '{}'", comparison_.object());
+  if (comparison_.differing() < kReported) return;
   const bool is_new = difference_.empty();
-  difference_ = fmt::format("the world is not the primary's: {} differs first", object);
+  difference_ = fmt::format("the world is not the primary's: {} differs first", first_to_differ_);
   if (is_new) with_.notice(difference_);
 }
 

@@ -75,6 +75,7 @@ class Standby {
   void refuse_for_good(std::string sentence);
   bool succeed(std::int64_t silent_ns);
   bool may_take_place() const;
+  std::string what_is_missing() const;
   int ready_before_this_one() const;
 
   const ChangeFollower::Collaborators with_;
@@ -90,7 +91,8 @@ class Standby {
   std::atomic<std::uint64_t> again_{1};
   std::atomic<bool> is_same_{false};           // the worlds were the same at the newest instant that was compared
   std::atomic<std::int64_t> same_from_ns_{0};  // and at all from this one on, world time
-  mutable std::mutex mutex_;                   // for these five
+  mutable std::mutex mutex_;                   // for these six
+  std::string first_to_differ_;                // when the worlds were found to differ last; empty: never
   std::string difference_;                     // empty: there is none that lasts
   std::string no_heir_;  // why it cannot take the primary's place before it is started again; empty: it can
   std::string primary_name_;
