@@ -241,7 +241,9 @@ TEST_F(Allocation, NoneForABatchOfAThousandRays) {
   const Counts counts = count_settled(RequestKind::ray, questions(RequestKind::ray, 1'000, 1), 20);
   say("1,000 rays", counts);
   EXPECT_EQ(counts.allocations, 0U);
-  EXPECT_EQ(counts.worker_writes, 20U) << "a batch is answered by a worker";
+  // One that a worker has had no processor for is answered in two parts.
+  EXPECT_GE(counts.worker_writes, 20U) << "a batch is answered by a worker";
+  EXPECT_EQ(counts.listener_writes, 0U);
   EXPECT_LE(counts.locks, most_locks(counts.worker_writes));
 }
 
