@@ -17,7 +17,7 @@ struct StreamedMesh {
   std::unique_ptr<MeshSource> mesh;  // placed as the options say
 };
 
-/// Opens a file to be read piece by piece, in memory that does not depend on its size: a binary PLY file of triangles. The
+/// Opens a file to be read piece by piece, in far less memory than its mesh takes: a binary PLY file of triangles. The
 /// mesh is what load_scene gives, but equal vertices and triangles are not looked for. options.max_file_bytes and
 /// max_triangles do not count.
 ///

@@ -37,8 +37,8 @@ inline constexpr std::uint64_t kMostTileTriangles = 2'000'000;
 /// name      of the scene
 /// source    name of the file that it was made of
 /// parts     of the mesh, which cover its triangles in their order
-/// cost      reads the triangles four times; 16 bytes a triangle of scratch space beside the file; memory does not depend on
-///           how many triangles there are
+/// cost      reads the triangles four times; 16 bytes a triangle of scratch space beside the file; far less memory
+///           than the mesh takes
 /// throws    LoadError: no triangle, too many tiles or too many triangles in one, the disk is full, or cancelled
 TilingReport write_tiles(const std::string& path, const std::string& name, const std::string& source,
                          const std::vector<Part>& parts, MeshSource& mesh, const TilingOptions& options);

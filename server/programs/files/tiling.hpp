@@ -14,7 +14,7 @@ TilingOptions tiling_of(const std::string& text);
 /// Writes the scene's mesh as a tile file and prints what was written. Throws LoadError or Interrupted.
 void write_in_tiles(const std::string& path, const std::string& source, const Scene& scene, const std::string& tiles);
 
-/// The same of a file that can be read piece by piece, in memory that does not depend on its size. False: it cannot, and
+/// The same of a file that can be read piece by piece, in far less memory than its mesh takes. False: it cannot, and
 /// nothing was done.
 bool stream_into_tiles(const std::string& path, const FileOptions& file, const std::string& tiles, LoadReport& report);
 
