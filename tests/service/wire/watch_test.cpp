@@ -1,4 +1,5 @@
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,9 @@ namespace {
 using namespace std::chrono_literals;
 using test::eventually;
 using test::FakeServer;
+
+/// When the contact of the first event began: its frame's world time, 1,000 ns, less the bracket's end, -5 ms.
+constexpr std::chrono::nanoseconds kFirstBegan = 5'001'000ns;
 
 /// Speaks frames, shards and bookmarks of a made-up world whose objects are numbered and named "object_<n>".
 class EventTeller {
@@ -90,7 +94,7 @@ class EventTeller {
         a.push_back(pair.first);
         b.push_back(pair.second);
         episodes.push_back(episode);
-        began.push_back(static_cast<std::int64_t>(episode) * 1'000);
+        began.push_back(kFirstBegan.count() + static_cast<std::int64_t>(episode - 1) * 1'000);
         ids.insert(ids.end(), {pair.first, pair.second});
       }
     }
@@ -129,9 +133,21 @@ class ClientWatch : public testing::Test {
     ASSERT_TRUE(connected) << connected.error().message;
     client_.emplace(std::move(*connected));
   }
+  /// A watch that hears what is told from here on: a writer that has yet to learn of it sends it nothing, and what it
+  /// then takes from the state of contacts counts as missed.
   Watch watch(const WatchOptions& options = {}) {
+    const auto readers = [&] {
+      return std::tuple(server_.events().matched_readers(), server_.contacts().matched_readers(),
+                        server_.persisted().matched_readers());
+    };
+    const auto before = readers();
     Result<Watch> watch = client_->watch(options);
     EXPECT_TRUE(watch) << watch.error().message;
+    EXPECT_TRUE(eventually([&] {
+      const auto [events, contacts, persisted] = readers();
+      return events > std::get<0>(before) && contacts > std::get<1>(before) &&
+             (!options.persisted || persisted > std::get<2>(before));
+    })) << "the server has not found the watch";
     return std::move(*watch);
   }
   /// Until a status has told of what was published: a watch that begins on an older one starts from that one's state,
@@ -163,7 +179,7 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
   EXPECT_EQ(first.kind, EventKind::open);
   EXPECT_EQ(first.a, "object_1");
   EXPECT_EQ(first.b, "object_2");
-  EXPECT_EQ(first.began, 1'000ns);
+  EXPECT_EQ(first.began, kFirstBegan);
   EXPECT_EQ(next(watch).kind, EventKind::open);
   EXPECT_EQ(watch.open_contacts(), 2u);
   world_.began({5, 6});
@@ -188,7 +204,7 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
   const Event ended = next(watch);
   EXPECT_EQ(ended.kind, EventKind::ended);
   EXPECT_EQ(ended.reason, EndReason::removed);
-  EXPECT_EQ(ended.began, 1'000ns);
+  EXPECT_EQ(ended.began, kFirstBegan);
   EXPECT_EQ(ended.world_time, 4'000ns);
   EXPECT_EQ(watch.open_contacts(), 2u);
   EXPECT_TRUE(watch.connected());
@@ -225,7 +241,7 @@ TEST_F(ClientWatch, PersistedComesToWhoAsks) {
     return (event = curious.next(10ms)).has_value();
   }));
   EXPECT_EQ(event->kind, EventKind::persisted);
-  EXPECT_EQ(event->began, 5'001'000ns) << "its bracket ends there";
+  EXPECT_EQ(event->began, kFirstBegan);
   EXPECT_FALSE(plain.next(10ms));
 }
 
